@@ -1,0 +1,84 @@
+//! Which instruction set the kernels run on: decided once, passed down, never asked per ray.
+
+/// An instruction set that kernels are compiled for. All give the same hits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Isa {
+    /// Plain Rust; the reference of the others.
+    Portable,
+    /// AVX2: 8 lanes.
+    Avx2,
+    /// AVX-512 F, BW, DQ, VL, with AVX2: 16 lanes.
+    Avx512,
+}
+
+impl Isa {
+    /// The best set that this CPU has, or what `SLO_RT_ISA` asks for (`avx512`, `avx2`,
+    /// `portable`).
+    ///
+    /// # Errors
+    /// A value of `SLO_RT_ISA` that is no set, or a set that the CPU lacks.
+    pub fn from_env() -> Result<Self, String> {
+        match std::env::var("SLO_RT_ISA") {
+            Ok(name) => Self::by_name(&name),
+            Err(_) => Ok(Self::best()),
+        }
+    }
+
+    /// The set of that name: `avx512`, `avx2`, `portable`, or `auto` for the best.
+    ///
+    /// # Errors
+    /// A name that is no set, or a set that the CPU lacks.
+    pub fn by_name(name: &str) -> Result<Self, String> {
+        let isa = match name {
+            "auto" | "" => return Ok(Self::best()),
+            "portable" => Self::Portable,
+            "avx2" => Self::Avx2,
+            "avx512" => Self::Avx512,
+            _ => {
+                return Err(format!(
+                    "unknown instruction set `{name}`, expected avx512, avx2, portable or auto"
+                ));
+            }
+        };
+        if isa.is_available() {
+            Ok(isa)
+        } else {
+            Err(format!("this CPU has no {name} instructions"))
+        }
+    }
+
+    /// The best set that this CPU has.
+    pub fn best() -> Self {
+        [Self::Avx512, Self::Avx2]
+            .into_iter()
+            .find(|isa| isa.is_available())
+            .unwrap_or(Self::Portable)
+    }
+
+    /// Every set that this CPU has, the reference first.
+    pub fn available() -> Vec<Self> {
+        [Self::Portable, Self::Avx2, Self::Avx512]
+            .into_iter()
+            .filter(|isa| isa.is_available())
+            .collect()
+    }
+
+    /// Whether this CPU can run it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+}

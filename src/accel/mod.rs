@@ -1,0 +1,102 @@
+//! Structures that answer batches of rays: which primitive is hit first, or whether any is.
+//!
+//! All structures share one primitive layout ([`Primitives`]) and one interface ([`Structure`]);
+//! they know no materials, no time and no file. Hits at the same distance go to the lowest
+//! primitive id in every structure, and all instruction sets give the same hits.
+
+mod brute;
+pub mod curved;
+mod isa;
+pub mod kdtree;
+mod primitives;
+mod rays;
+pub mod triangle;
+
+pub use isa::Isa;
+pub use primitives::{Curved, Primitives, Triangle};
+pub use rays::{Coherence, Hits, LANES, NO_HIT, Rays};
+
+use crate::math::Bounds;
+
+/// The structure that rays are traced through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Accelerator {
+    /// SAH kd-tree.
+    #[default]
+    KdTree,
+    /// 8-wide bounding volume hierarchy.
+    Bvh,
+    /// obvhs's compressed wide hierarchy, the library yardstick.
+    Cwbvh,
+    /// Every primitive is tested.
+    None,
+}
+
+/// Primitives of one space, with whatever finds them fast.
+#[derive(Debug)]
+pub enum Structure {
+    /// SAH kd-tree.
+    KdTree(kdtree::KdTree),
+    /// Every primitive is tested: the oracle of the others.
+    Brute(brute::Brute),
+}
+
+/// Working memory of queries, one per thread; holds nothing between calls.
+#[derive(Debug, Default)]
+pub struct Scratch {}
+
+impl Structure {
+    /// Builds a structure, on all threads of the current rayon pool. The same primitives give the
+    /// same structure for any number of threads.
+    pub fn build(accelerator: Accelerator, primitives: Primitives, isa: Isa) -> Self {
+        match accelerator {
+            Accelerator::None => Self::Brute(brute::Brute::new(primitives)),
+            _ => Self::KdTree(kdtree::KdTree::build(primitives, isa)),
+        }
+    }
+
+    /// What it was built over.
+    pub fn primitives(&self) -> &Primitives {
+        match self {
+            Self::KdTree(tree) => tree.primitives(),
+            Self::Brute(brute) => brute.primitives(),
+        }
+    }
+
+    /// The smallest box about all primitives.
+    pub fn bounds(&self) -> Bounds {
+        let primitives = self.primitives();
+        (0..primitives.len() as u32).fold(Bounds::EMPTY, |b, id| b.union(primitives.bounds(id)))
+    }
+
+    /// The first hit of every ray with `0 < t < t_max`, written to `hits[0..rays.len()]`.
+    pub fn intersect(
+        &self,
+        rays: &Rays,
+        coherence: Coherence,
+        hits: &mut Hits,
+        scratch: &mut Scratch,
+    ) {
+        hits.reset(rays.len());
+        match self {
+            Self::KdTree(tree) => tree.intersect(rays, coherence, hits, scratch),
+            Self::Brute(brute) => brute.intersect(rays, hits),
+        }
+    }
+
+    /// Whether anything lies on each ray with `0 < t < t_max`, written to `blocked[0..rays.len()]`.
+    pub fn occluded(
+        &self,
+        rays: &Rays,
+        coherence: Coherence,
+        blocked: &mut Vec<bool>,
+        scratch: &mut Scratch,
+    ) {
+        blocked.clear();
+        blocked.resize(rays.len().next_multiple_of(LANES), false);
+        match self {
+            Self::KdTree(tree) => tree.occluded(rays, coherence, blocked, scratch),
+            Self::Brute(brute) => brute.occluded(rays, blocked),
+        }
+    }
+}

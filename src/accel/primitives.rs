@@ -1,0 +1,69 @@
+//! What structures are built over.
+
+use glam::Vec3;
+
+use crate::math::Bounds;
+
+/// Three corners. A point of it is `(1 - u - v) p0 + u p1 + v p2`.
+pub type Triangle = [Vec3; 3];
+
+/// A closed surface that is not tessellated; tests of it are made in f64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curved {
+    /// A sphere.
+    Sphere {
+        /// Centre.
+        center: Vec3,
+        /// More than 0.
+        radius: f32,
+    },
+    /// A cylinder between two discs.
+    Cylinder {
+        /// Centre of one disc.
+        base: Vec3,
+        /// Centre of the other disc.
+        top: Vec3,
+        /// More than 0.
+        radius: f32,
+    },
+    /// A cone on a disc.
+    Cone {
+        /// Centre of the disc.
+        base: Vec3,
+        /// Tip.
+        apex: Vec3,
+        /// Radius of the disc; more than 0.
+        radius: f32,
+    },
+}
+
+/// The primitives of one space. A primitive's id is its index: triangles come first
+/// (`0..triangles.len()`), curved surfaces follow.
+#[derive(Clone, Debug, Default)]
+pub struct Primitives {
+    /// Ids from 0.
+    pub triangles: Vec<Triangle>,
+    /// Ids from `triangles.len()`.
+    pub curved: Vec<Curved>,
+}
+
+impl Primitives {
+    /// How many ids there are.
+    pub fn len(&self) -> usize {
+        self.triangles.len() + self.curved.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The smallest box about the primitive `id`, in f32 rounded outward.
+    pub fn bounds(&self, id: u32) -> Bounds {
+        let id = id as usize;
+        match self.triangles.get(id) {
+            Some(triangle) => Bounds::of_points(*triangle),
+            None => self.curved[id - self.triangles.len()].bounds(),
+        }
+    }
+}

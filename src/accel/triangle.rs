@@ -1,0 +1,1 @@
+//! The triangle test of Havel and Herout.

@@ -1,0 +1,1 @@
+//! Bézier curves, key frames, the clock (frame -> shutter -> scene time), sampled transforms.

@@ -1,0 +1,1 @@
+//! Camera rays: thin lens, moving through the shutter.

@@ -1,0 +1,1 @@
+//! Scene text and mesh files as they are written: tokens, syntax tree, vertices and faces.

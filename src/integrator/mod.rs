@@ -1,0 +1,1 @@
+//! Batches of weighted rays -> radiance. Knows no files and no threads.

@@ -1,0 +1,8 @@
+//! Vectors, bounds, rigid transforms and rounding bounds. Knows nothing of the rest of slo-rt.
+
+mod bounds;
+mod rigid;
+pub mod rounding;
+
+pub use bounds::Bounds;
+pub use rigid::{DRigid, Rigid};

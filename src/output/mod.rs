@@ -1,0 +1,1 @@
+//! Pictures as files: PNG, EXR, names, the recipe inside; never half-written.

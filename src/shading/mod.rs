@@ -1,0 +1,1 @@
+//! Phong, glossy lobes, textures and lights at a hit.
