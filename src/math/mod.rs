@@ -1,6 +1,7 @@
 //! Vectors, bounds, rigid transforms and rounding bounds. Knows nothing of the rest of slo-rt.
 
 mod bounds;
+pub mod elementary;
 mod rigid;
 pub mod rounding;
 

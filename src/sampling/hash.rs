@@ -1,0 +1,103 @@
+//! Names of sample sets: integers that depend on everything a sample may depend on.
+
+/// A bijection of 32-bit words in which every input bit changes every output bit about half the
+/// time.
+///
+/// Source: C. Wellons, "Prospecting for Hash Functions" (2018), constants of the exact-bias search
+/// by T. Ettinger (bias 0.107).
+#[inline(always)]
+pub(super) fn mix(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x21f0_aaad);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x735a_2d97);
+    x ^ (x >> 15)
+}
+
+/// A word that depends on both; not symmetric.
+#[inline(always)]
+pub(super) fn hash2(a: u32, b: u32) -> u32 {
+    mix(a.wrapping_mul(0x9e37_79b1) ^ mix(b.wrapping_add(0x7f4a_7c15)))
+}
+
+/// The samples of one pixel of one frame under one seed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelSeed(pub(super) u32);
+
+/// Name of one set of sample points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key(pub(super) u32);
+
+/// What a hit needs random numbers for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// A point on the light of that number.
+    Light(u32),
+    /// Which light, and a point on it.
+    AnyLight,
+    /// A direction of the reflected lobe.
+    Reflection,
+    /// A direction of the refracted lobe.
+    Refraction,
+}
+
+impl Purpose {
+    #[inline(always)]
+    fn word(self) -> u32 {
+        match self {
+            Self::AnyLight => 1,
+            Self::Reflection => 2,
+            Self::Refraction => 3,
+            Self::Light(number) => number.wrapping_add(4),
+        }
+    }
+}
+
+impl PixelSeed {
+    /// The seed as a word, to be kept in arrays.
+    pub fn word(self) -> u32 {
+        self.0
+    }
+
+    /// The seed of a word that [`word`](Self::word) gave.
+    pub fn from_word(word: u32) -> Self {
+        Self(word)
+    }
+
+    #[inline(always)]
+    pub(super) fn camera(self) -> Key {
+        Key(self.0)
+    }
+
+    /// The set for one purpose at one hit: `path` is the code of the branches that led there.
+    #[inline(always)]
+    pub fn key(self, path: u32, purpose: Purpose) -> Key {
+        Key(hash2(hash2(self.0, path), purpose.word()))
+    }
+}
+
+/// The code of the path that goes on from `path` by reflection or refraction.
+#[inline(always)]
+pub(crate) fn next_path(path: u32, branch: Purpose) -> u32 {
+    hash2(path, branch.word())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_changed_bit_changes_half_of_the_others() {
+        let changed: u32 = (0..32u32)
+            .flat_map(|bit| (0..256u32).map(move |i| (bit, i.wrapping_mul(0x0101_6b5d))))
+            .map(|(bit, x)| (hash2(1, x) ^ hash2(1, x ^ (1 << bit))).count_ones())
+            .sum();
+        let mean = f64::from(changed) / (32.0 * 256.0);
+        assert!((mean - 16.0).abs() < 0.25, "{mean}");
+    }
+
+    #[test]
+    fn hashing_is_not_symmetric() {
+        assert_ne!(hash2(1, 2), hash2(2, 1));
+    }
+}
