@@ -1,1 +1,215 @@
-//! Camera rays: thin lens, moving through the shutter.
+//! Camera rays: a thin lens, moving through the shutter.
+
+use glam::{DVec3, Vec3};
+
+use crate::sampling::{CameraSample, warp};
+
+/// What the camera is at one time, in scene space, before rays can be made from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Centre of the lens.
+    pub position: DVec3,
+    /// Point that is looked at.
+    pub target: DVec3,
+    /// Upward direction; need not be unit.
+    pub sky: DVec3,
+    /// Half height of the view at distance 1.
+    pub fov: f64,
+    /// Distance of the sharp plane.
+    pub dof: f64,
+    /// Radius of the lens; 0 is a pinhole.
+    pub lens_radius: f64,
+}
+
+/// A view from which nothing can be rendered: it looks at itself, or straight along its sky.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DegenerateView {
+    /// Position and target coincide.
+    NoDirection,
+    /// The sky is parallel to the direction of view, or 0.
+    SkyAlongView,
+}
+
+/// One sampled view, scaled so that a ray is a sum of products. Render space.
+#[derive(Clone, Copy, Debug)]
+struct Pose {
+    position: Vec3,
+    /// Unit direction of view.
+    forward: Vec3,
+    /// Half width and half height of the view at distance 1.
+    half_right: Vec3,
+    half_up: Vec3,
+    /// Lens radius to the right and up.
+    lens_right: Vec3,
+    lens_up: Vec3,
+    /// 1 / distance of the sharp plane; 0 for a pinhole.
+    inverse_dof: f32,
+}
+
+impl Pose {
+    /// `f(self, other)` for every number of the two.
+    #[inline(always)]
+    fn lerp(&self, other: &Self, x: f32) -> Self {
+        let v = |a: Vec3, b: Vec3| a + (b - a) * x;
+        Self {
+            position: v(self.position, other.position),
+            forward: v(self.forward, other.forward),
+            half_right: v(self.half_right, other.half_right),
+            half_up: v(self.half_up, other.half_up),
+            lens_right: v(self.lens_right, other.lens_right),
+            lens_up: v(self.lens_up, other.lens_up),
+            inverse_dof: self.inverse_dof + (other.inverse_dof - self.inverse_dof) * x,
+        }
+    }
+}
+
+/// The camera during one shutter.
+///
+/// Between the sampled views everything is interpolated linearly.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    poses: Vec<Pose>,
+    width: u32,
+    height: u32,
+}
+
+impl Camera {
+    /// A camera whose views are spaced evenly over the shutter; one view for a camera at rest.
+    /// `origin` is the origin of render space in scene space; width and height are in pixels.
+    ///
+    /// # Errors
+    /// A view from which nothing can be seen.
+    pub fn new(
+        views: &[View],
+        origin: DVec3,
+        width: u32,
+        height: u32,
+    ) -> Result<Self, DegenerateView> {
+        let ratio = f64::from(width) / f64::from(height);
+        let poses =
+            views.iter().map(|view| pose(view, origin, ratio)).collect::<Result<Vec<_>, _>>()?;
+        assert!(!poses.is_empty(), "a camera has at least one view");
+        Ok(Self { poses, width, height })
+    }
+
+    /// Pixels in a row.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows of pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Origin and unit direction of the ray of one sample of the pixel in column `x` and row `y`
+    /// (downward), in render space.
+    ///
+    /// Source: thesis 5.6 to 5.9; divided by the distance of the sharp plane, so that a pinhole
+    /// needs none.
+    #[inline(always)]
+    pub fn ray(&self, x: u32, y: u32, sample: &CameraSample) -> (Vec3, Vec3) {
+        let film_x = 2.0 * (x as f32 + sample.pixel[0]) / self.width as f32 - 1.0;
+        let film_y = 1.0 - 2.0 * (y as f32 + sample.pixel[1]) / self.height as f32;
+        let pose = self.pose_at(sample.time);
+        let [u, v] = warp::concentric_disc(sample.lens);
+        let offset = pose.lens_right * u + pose.lens_up * v;
+        let through = pose.forward + pose.half_right * film_x + pose.half_up * film_y;
+        let direction = through - offset * pose.inverse_dof;
+        (pose.position + offset, direction.normalize())
+    }
+
+    #[inline(always)]
+    fn pose_at(&self, time: f32) -> Pose {
+        if self.poses.len() == 1 {
+            return self.poses[0];
+        }
+        let last = self.poses.len() - 1;
+        let at = time * last as f32;
+        let i = (at as usize).min(last - 1);
+        self.poses[i].lerp(&self.poses[i + 1], at - i as f32)
+    }
+}
+
+fn pose(view: &View, origin: DVec3, ratio: f64) -> Result<Pose, DegenerateView> {
+    let forward =
+        (view.target - view.position).try_normalize().ok_or(DegenerateView::NoDirection)?;
+    let sky = view.sky.try_normalize().ok_or(DegenerateView::SkyAlongView)?;
+    let side = forward.cross(sky);
+    // Below this the rounding of the product is all that is left of it.
+    if side.length() < 1e-12 {
+        return Err(DegenerateView::SkyAlongView);
+    }
+    let right = side.normalize();
+    let up = right.cross(forward);
+    Ok(Pose {
+        position: (view.position - origin).as_vec3(),
+        forward: forward.as_vec3(),
+        half_right: (right * ratio * view.fov).as_vec3(),
+        half_up: (up * view.fov).as_vec3(),
+        lens_right: (right * view.lens_radius).as_vec3(),
+        lens_up: (up * view.lens_radius).as_vec3(),
+        inverse_dof: if view.lens_radius > 0.0 { (1.0 / view.dof) as f32 } else { 0.0 },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VIEW: View = View {
+        position: DVec3::new(0.0, -10.0, 2.0),
+        target: DVec3::new(0.0, 0.0, 2.0),
+        sky: DVec3::Z,
+        fov: 0.5,
+        dof: 10.0,
+        lens_radius: 1.0,
+    };
+
+    fn sample(pixel: [f32; 2], lens: [f32; 2]) -> CameraSample {
+        CameraSample { pixel, time: 0.0, lens }
+    }
+
+    #[test]
+    fn x_grows_to_the_right_and_y_downward() {
+        let camera = Camera::new(&[VIEW], DVec3::ZERO, 200, 100).unwrap();
+        let direction = |x, y| camera.ray(x, y, &sample([0.0, 0.0], [0.5, 0.5])).1;
+        let corner = direction(0, 0);
+        // Half height 0.5 and half width 1 at distance 1.
+        assert!((corner / corner.y - Vec3::new(-1.0, 1.0, 0.5)).length() < 1e-6, "{corner}");
+        let center = direction(100, 50);
+        assert!((center - Vec3::Y).length() < 1e-6, "{center}");
+    }
+
+    #[test]
+    fn rays_of_one_film_point_meet_in_the_sharp_plane() {
+        let camera = Camera::new(&[VIEW], DVec3::ZERO, 200, 100).unwrap();
+        for lens in [[0.5, 0.5], [0.0, 0.3], [0.99, 0.99], [0.2, 0.8]] {
+            let (o, d) = camera.ray(150, 20, &sample([0.5, 0.5], lens));
+            let at = o + d * ((0.0 - o.y) / d.y);
+            let expected = Vec3::new(10.0 * 0.505, 0.0, 2.0 + 10.0 * 0.5 * 0.59);
+            assert!((at - expected).length() < 1e-4, "{lens:?}: {at}");
+            assert!((o - Vec3::new(0.0, -10.0, 2.0)).length() <= 1.0 + 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_moving_camera_is_interpolated() {
+        let moved = View { position: VIEW.position + DVec3::X * 4.0, ..VIEW };
+        let moved = View { target: VIEW.target + DVec3::X * 4.0, ..moved };
+        let camera = Camera::new(&[VIEW, moved], DVec3::ZERO, 200, 100).unwrap();
+        for (time, x) in [(0.0, 0.0), (0.25, 1.0), (0.999_999, 4.0)] {
+            let sample = CameraSample { pixel: [0.0; 2], time, lens: [0.5; 2] };
+            assert!((camera.ray(100, 50, &sample).0.x - x).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn degenerate_views_are_refused() {
+        let blind = View { target: VIEW.position, ..VIEW };
+        let rolled = View { sky: DVec3::Y, ..VIEW };
+        let of = |view| Camera::new(&[view], DVec3::ZERO, 1, 1).err();
+        assert_eq!(of(blind), Some(DegenerateView::NoDirection));
+        assert_eq!(of(rolled), Some(DegenerateView::SkyAlongView));
+    }
+}

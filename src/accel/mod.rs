@@ -4,6 +4,7 @@
 //! they know no materials, no time and no file. Hits at the same distance go to the lowest
 //! primitive id in every structure, and all instruction sets give the same hits.
 
+mod box_tree;
 mod brute;
 pub mod curved;
 mod isa;
@@ -12,6 +13,7 @@ mod primitives;
 mod rays;
 pub mod triangle;
 
+pub use box_tree::BoxTree;
 pub use isa::Isa;
 pub use primitives::{Curved, Primitives, Triangle};
 pub use rays::{Coherence, Hits, LANES, NO_HIT, Rays};

@@ -1,0 +1,84 @@
+//! Fixed-point numbers whose sums are exact.
+
+use std::ops::{Add, AddAssign};
+
+/// A multiple of 2^-24 in 64 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Fixed(i64);
+
+/// 2^24
+const ONE: f64 = (1u64 << 24) as f64;
+
+impl Fixed {
+    /// Largest magnitude of one contribution. 2^22 of them, of one sign, fit into a sum.
+    pub const LIMIT: f32 = (1 << 17) as f32;
+
+    /// The nearest multiple of 2^-24; `None` for what is not finite or beyond [`LIMIT`](Self::LIMIT).
+    #[inline(always)]
+    pub fn new(x: f32) -> Option<Self> {
+        // Adding 1.5 * 2^52 rounds to a whole number, ties to even, and leaves it in the low bits.
+        const MAGIC: f64 = 1.5 * (1u64 << 52) as f64;
+        if x.abs() <= Self::LIMIT {
+            let shifted = f64::from(x) * ONE + MAGIC;
+            Some(Self((shifted.to_bits() as i64).wrapping_sub(MAGIC.to_bits() as i64)))
+        } else {
+            None
+        }
+    }
+
+    /// The number, to the precision of f64.
+    pub fn to_f64(self) -> f64 {
+        self.0 as f64 / ONE
+    }
+}
+
+impl Add for Fixed {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+impl AddAssign for Fixed {
+    fn add_assign(&mut self, other: Self) {
+        self.0 += other.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_to_nearest() {
+        let step = 1.0 / ONE as f32;
+        for (x, units) in [
+            (0.0, 0),
+            (1.0, 1 << 24),
+            (-1.0, -(1 << 24)),
+            (step * 0.75, 1),
+            (step * 0.25, 0),
+            (-step * 0.75, -1),
+            (Fixed::LIMIT, 1 << 41),
+        ] {
+            assert_eq!(Fixed::new(x), Some(Fixed(units)), "{x}");
+        }
+    }
+
+    #[test]
+    fn what_can_not_be_summed_is_refused() {
+        for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e6, -1e6] {
+            assert_eq!(Fixed::new(x), None, "{x}");
+        }
+    }
+
+    #[test]
+    fn sums_do_not_depend_on_their_order() {
+        let values: Vec<_> = (0..1000).map(|i| Fixed::new(1.0 / (i as f32 + 0.7))).collect();
+        let sum = |it: &mut dyn Iterator<Item = &Option<Fixed>>| {
+            it.fold(Fixed::default(), |a, b| a + b.unwrap())
+        };
+        assert_eq!(sum(&mut values.iter()), sum(&mut values.iter().rev()));
+    }
+}
