@@ -3,12 +3,16 @@
 //! Everything is plain data in scene space: right-handed, f64, the user's own units (`Scaling`
 //! already applied). Nothing here knows a frame number, a ray or a thread.
 
+pub mod mesh;
+pub mod texture;
+
 use std::sync::Arc;
 
 use glam::DVec3;
 
 pub use crate::accel::Accelerator;
 pub use crate::sampling::Generator;
+pub use texture::Texture;
 
 /// A scene that has no errors: all that its text, meshes and textures say.
 #[derive(Clone, Debug)]
@@ -278,17 +282,6 @@ pub struct TextureUse {
     pub texture: TextureId,
     /// `scale_U`, `scale_V`: repetitions over one unit of uv.
     pub scale: [f32; 2],
-}
-
-/// An image: RGB in `[0, 1]`, the file's values as they are (no transfer curve is removed).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Texture {
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Row-major, the top row of the image first.
-    pub texels: Vec<[f32; 3]>,
 }
 
 /// A thing that can be seen.

@@ -1,1 +1,2 @@
 //! Phong, glossy lobes, textures and lights at a hit.
+pub mod texture;

@@ -1,0 +1,155 @@
+//! Images, as their files have them.
+
+use std::io::{Cursor, Read};
+
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
+
+use crate::format::FileError;
+
+/// Texels that an image may have: 16384 x 16384, which takes 0.8 GB at 8 bits a channel.
+const MAX_TEXELS: u64 = 1 << 28;
+
+/// Bytes that an image file may have.
+const MAX_FILE_BYTES: u64 = 1 << 31;
+
+/// An RGB image with the file's values as they are (no transfer curve is removed), kept at the
+/// file's precision: 3 bytes a texel, or 6 where the file has 16 bits a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    width: u32,
+    height: u32,
+    channels: Channels,
+}
+
+/// Red, green and blue in turn, row-major, the top row of the image first.
+#[derive(Clone, Debug, PartialEq)]
+enum Channels {
+    Bits8(Vec<u8>),
+    Bits16(Vec<u16>),
+}
+
+impl Texture {
+    /// An image of 8-bit channels: red, green, blue in turn, the top row first. `None` unless
+    /// there are `3 * width * height` of them and the image has a texel.
+    pub fn from_rgb8(width: u32, height: u32, channels: Vec<u8>) -> Option<Self> {
+        fits(width, height, channels.len()).then_some(Self {
+            width,
+            height,
+            channels: Channels::Bits8(channels),
+        })
+    }
+
+    /// As [`from_rgb8`](Self::from_rgb8), of 16-bit channels.
+    pub fn from_rgb16(width: u32, height: u32, channels: Vec<u16>) -> Option<Self> {
+        fits(width, height, channels.len()).then_some(Self {
+            width,
+            height,
+            channels: Channels::Bits16(channels),
+        })
+    }
+
+    /// Pixels, 1 or more.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Pixels, 1 or more.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Red, green and blue in `[0, 1]` of the texel in column `x` from the left and row `y` from
+    /// the top; columns and rows past the edge give the last one.
+    pub fn texel(&self, x: u32, y: u32) -> [f32; 3] {
+        let x = x.min(self.width - 1) as usize;
+        let y = y.min(self.height - 1) as usize;
+        let start = 3 * (y * self.width as usize + x);
+        match &self.channels {
+            Channels::Bits8(c) => [0, 1, 2].map(|i| f32::from(c[start + i]) / 255.0),
+            Channels::Bits16(c) => [0, 1, 2].map(|i| f32::from(c[start + i]) / 65535.0),
+        }
+    }
+}
+
+/// Whether so many channels make an image of that size.
+fn fits(width: u32, height: u32, channels: usize) -> bool {
+    let texels = u64::from(width) * u64::from(height);
+    texels > 0 && u128::from(texels) * 3 == channels as u128
+}
+
+/// Reads a PNG or JPEG image; its first bytes say which it is, whatever `path_name` ends in.
+///
+/// Grey becomes RGB, palettes are looked up, alpha is dropped, and 16 bits are kept.
+///
+/// # Errors
+/// The file can't be read, is neither PNG nor JPEG, is damaged, or has more than 2^28 texels.
+pub fn load(path_name: &str, reader: &mut dyn Read) -> Result<Texture, FileError> {
+    let bytes = read_image_file(reader)?;
+    let format = known_format(path_name, &bytes)?;
+    let mut decoder = ImageReader::with_format(Cursor::new(&bytes), format);
+    decoder.no_limits();
+    let mut decoder = decoder.into_decoder().map_err(|e| damaged(format, &e))?;
+    let (width, height) = decoder.dimensions();
+    check_size(width, height)?;
+    decoder.set_limits(image::Limits::no_limits()).map_err(|e| damaged(format, &e))?;
+    let image = DynamicImage::from_decoder(decoder).map_err(|e| damaged(format, &e))?;
+    from_image(image).ok_or_else(|| FileError::whole_file("the image has no pixels"))
+}
+
+/// The whole file; a limit keeps an endless one out.
+fn read_image_file(reader: &mut dyn Read) -> Result<Vec<u8>, FileError> {
+    let mut bytes = Vec::new();
+    reader
+        .take(MAX_FILE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|e| FileError::whole_file(format!("the image can't be read: {e}")))?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(FileError::whole_file("the image file has more than 2 GB"));
+    }
+    Ok(bytes)
+}
+
+/// PNG or JPEG, by the first bytes.
+fn known_format(path_name: &str, bytes: &[u8]) -> Result<ImageFormat, FileError> {
+    if bytes.is_empty() {
+        return Err(FileError::whole_file("the image file is empty"));
+    }
+    match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => Ok(format),
+        Ok(other) => Err(unknown_format(&format!("a {} image", other.extensions_str()[0]))),
+        Err(_) => Err(unknown_format(&format!("no image, although it is called `{path_name}`"))),
+    }
+}
+
+/// What to say about a file that starts like neither format.
+fn unknown_format(what_it_is: &str) -> FileError {
+    FileError::whole_file(format!("the file is {what_it_is}"))
+        .with_help("textures are PNG or JPEG files")
+}
+
+/// Refuses images that would take more memory than a texture is worth.
+fn check_size(width: u32, height: u32) -> Result<(), FileError> {
+    let texels = u64::from(width) * u64::from(height);
+    if texels <= MAX_TEXELS {
+        return Ok(());
+    }
+    Err(FileError::whole_file(format!(
+        "the image has {width} x {height} pixels, more than {MAX_TEXELS}"
+    ))
+    .with_help("scale it down: 16384 x 16384 pixels are the most that a texture may have"))
+}
+
+/// What to say about a file that starts right but can't be decoded.
+fn damaged(format: ImageFormat, error: &ImageError) -> FileError {
+    let name = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
+    FileError::whole_file(format!("the {name} image is damaged: {error}"))
+}
+
+/// RGB at the precision that the image has.
+fn from_image(image: DynamicImage) -> Option<Texture> {
+    let (width, height) = (image.width(), image.height());
+    if image.color().bytes_per_pixel() / image.color().channel_count() > 1 {
+        return Texture::from_rgb16(width, height, image.into_rgb16().into_raw());
+    }
+    Texture::from_rgb8(width, height, image.into_rgb8().into_raw())
+}
