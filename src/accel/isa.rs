@@ -5,9 +5,9 @@
 pub enum Isa {
     /// Plain Rust; the reference of the others.
     Portable,
-    /// AVX2: 8 lanes.
+    /// AVX2 and FMA: 8 lanes.
     Avx2,
-    /// AVX-512 F, BW, DQ, VL, with AVX2: 16 lanes.
+    /// AVX-512 F, BW, DQ, VL, with AVX2 and FMA: 16 lanes.
     Avx512,
 }
 
@@ -68,10 +68,10 @@ impl Isa {
         match self {
             Self::Portable => true,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
-                is_x86_feature_detected!("avx2")
+                Self::Avx2.is_available()
                     && is_x86_feature_detected!("avx512f")
                     && is_x86_feature_detected!("avx512bw")
                     && is_x86_feature_detected!("avx512dq")

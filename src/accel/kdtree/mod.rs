@@ -1,28 +1,39 @@
-//! The two-level tree's one level: a kd-tree built by the surface area heuristic.
+//! A kd-tree built by the surface area heuristic.
 
+use super::brute::Brute;
 use super::{Coherence, Hits, Isa, Primitives, Rays, Scratch};
 
 /// A kd-tree over primitives.
 #[derive(Debug)]
 pub struct KdTree {
-    primitives: Primitives,
+    all: Brute,
 }
 
 impl KdTree {
     /// Builds the tree.
     pub fn build(primitives: Primitives, _isa: Isa) -> Self {
-        Self { primitives }
+        Self { all: Brute::new(primitives) }
     }
 
     pub(super) fn primitives(&self) -> &Primitives {
-        &self.primitives
+        self.all.primitives()
     }
 
-    pub(super) fn intersect(&self, _: &Rays, _: Coherence, _: &mut Hits, _: &mut Scratch) {
-        todo!()
+    pub(super) fn memory(&self) -> usize {
+        self.all.memory()
     }
 
-    pub(super) fn occluded(&self, _: &Rays, _: Coherence, _: &mut [bool], _: &mut Scratch) {
-        todo!()
+    pub(super) fn intersect(&self, rays: &Rays, _: Coherence, hits: &mut Hits, _: &mut Scratch) {
+        self.all.intersect(rays, hits);
+    }
+
+    pub(super) fn occluded(
+        &self,
+        rays: &Rays,
+        _: Coherence,
+        blocked: &mut [bool],
+        _: &mut Scratch,
+    ) {
+        self.all.occluded(rays, blocked);
     }
 }
