@@ -57,11 +57,28 @@ impl Structure {
         }
     }
 
-    /// What it was built over.
-    pub fn primitives(&self) -> &Primitives {
+    /// How many triangles there are: ids below it are triangles.
+    pub fn triangle_count(&self) -> usize {
         match self {
-            Self::KdTree(tree) => tree.primitives(),
-            Self::Brute(brute) => brute.primitives(),
+            Self::KdTree(tree) => tree.primitives().triangles.len(),
+            Self::Brute(brute) => brute.primitives().triangles.len(),
+        }
+    }
+
+    /// The triangle of an id, as it was given.
+    pub fn triangle(&self, id: u32) -> Triangle {
+        match self {
+            Self::KdTree(tree) => tree.primitives().triangles[id as usize],
+            Self::Brute(brute) => brute.primitives().triangles[id as usize],
+        }
+    }
+
+    /// The curved surfaces, as they were given: the first has the id
+    /// [`triangle_count`](Self::triangle_count).
+    pub fn curved(&self) -> &[Curved] {
+        match self {
+            Self::KdTree(tree) => &tree.primitives().curved,
+            Self::Brute(brute) => &brute.primitives().curved,
         }
     }
 
@@ -79,8 +96,10 @@ impl Structure {
 
     /// The smallest box about all primitives.
     pub fn bounds(&self) -> Bounds {
-        let primitives = self.primitives();
-        (0..primitives.len() as u32).fold(Bounds::EMPTY, |b, id| b.union(primitives.bounds(id)))
+        match self {
+            Self::KdTree(tree) => tree.primitives().all_bounds(),
+            Self::Brute(brute) => brute.primitives().all_bounds(),
+        }
     }
 
     /// The first hit of every ray with `0 < t < t_max`, written to `hits[0..rays.len()]`.

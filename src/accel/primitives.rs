@@ -66,4 +66,9 @@ impl Primitives {
             None => self.curved[id - self.triangles.len()].bounds(),
         }
     }
+
+    /// The smallest box about all of them.
+    pub fn all_bounds(&self) -> Bounds {
+        (0..self.len() as u32).fold(Bounds::EMPTY, |b, id| b.union(self.bounds(id)))
+    }
 }
