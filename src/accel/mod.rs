@@ -84,14 +84,10 @@ impl Structure {
 
     /// Bytes held: the primitives and everything built over them.
     pub fn memory(&self) -> usize {
-        let primitives = self.primitives();
-        let geometry = std::mem::size_of_val(primitives.triangles.as_slice())
-            + std::mem::size_of_val(primitives.curved.as_slice());
-        geometry
-            + match self {
-                Self::KdTree(tree) => tree.memory(),
-                Self::Brute(brute) => brute.memory(),
-            }
+        match self {
+            Self::KdTree(tree) => tree.primitives().memory() + tree.memory(),
+            Self::Brute(brute) => brute.primitives().memory() + brute.memory(),
+        }
     }
 
     /// The smallest box about all primitives.

@@ -71,4 +71,9 @@ impl Primitives {
     pub fn all_bounds(&self) -> Bounds {
         (0..self.len() as u32).fold(Bounds::EMPTY, |b, id| b.union(self.bounds(id)))
     }
+
+    /// Bytes of the primitives themselves.
+    pub fn memory(&self) -> usize {
+        size_of_val(self.triangles.as_slice()) + size_of_val(self.curved.as_slice())
+    }
 }
