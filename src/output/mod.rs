@@ -1,1 +1,110 @@
 //! Pictures as files: PNG, EXR, names, the recipe inside; never half-written.
+//!
+//! The bytes of a file depend on the picture and its recipe only: no clock, no host, no thread
+//! count, no order of a hash map.
+
+mod exr;
+mod file;
+mod name;
+mod png;
+mod recipe;
+mod values;
+
+use std::io::{self, Seek, Write};
+use std::path::Path;
+
+pub use file::{check_writable, write_atomically};
+pub use name::{Info, check_prefix, file_name};
+pub use recipe::{KEYWORD, Recipe, RecipeError, read_recipe};
+
+use crate::film::Image;
+use crate::scene::{Encoding, OutputFormat};
+
+/// An image with all that decides its file's bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture<'a> {
+    /// Linear radiance.
+    pub image: &'a Image,
+    /// File format.
+    pub format: OutputFormat,
+    /// Transfer curve of PNG values; EXR is linear whatever it is.
+    pub encoding: Encoding,
+    /// The recipe as JSON, ASCII only; see [`Recipe::to_json`].
+    pub recipe: &'a str,
+}
+
+impl Picture<'_> {
+    /// Writes the picture to `path`, which holds the old file or the whole new one at any time.
+    ///
+    /// # Errors
+    /// What the system says of creating, writing or renaming; a picture without pixels.
+    pub fn save(&self, path: &Path) -> io::Result<()> {
+        write_atomically(path, |file| self.write(file))
+    }
+
+    /// Writes the file's bytes.
+    ///
+    /// # Errors
+    /// Those of `out`; a picture without pixels.
+    pub fn write(&self, out: impl Write + Seek) -> io::Result<()> {
+        match self.format {
+            OutputFormat::Png8 | OutputFormat::Png16 => png::write(self, out),
+            OutputFormat::Exr => exr::write(self, out),
+        }
+    }
+
+    /// Pixels with a channel that is not a finite number; such a channel is written as 0.
+    pub fn not_finite(&self) -> usize {
+        self.image.rgb.iter().filter(|rgb| !rgb.iter().all(|c| c.is_finite())).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gradient that leaves `[0, 1]` on both sides, and one NaN.
+    pub(super) fn sample_image() -> Image {
+        let pixel = |i: u32| [i as f32 / 8.0 - 0.5, (i * i) as f32 / 64.0, 2.0 - i as f32 / 5.0];
+        let mut rgb: Vec<_> = (0..15).map(pixel).collect();
+        rgb[7] = [f32::NAN, f32::INFINITY, 0.25];
+        Image { width: 5, height: 3, rgb }
+    }
+
+    pub(super) fn bytes(format: OutputFormat, encoding: Encoding, image: &Image) -> Vec<u8> {
+        let picture = Picture { image, format, encoding, recipe: "{\n  \"frame\": 5\n}" };
+        let mut out = io::Cursor::new(Vec::new());
+        picture.write(&mut out).unwrap();
+        out.into_inner()
+    }
+
+    #[test]
+    fn the_same_picture_gives_the_same_bytes() {
+        let image = sample_image();
+        for format in [OutputFormat::Png8, OutputFormat::Png16, OutputFormat::Exr] {
+            let once = bytes(format, Encoding::Srgb, &image);
+            assert_eq!(once, bytes(format, Encoding::Srgb, &image.clone()), "{format:?}");
+        }
+    }
+
+    #[test]
+    fn values_that_are_not_finite_are_counted() {
+        let image = sample_image();
+        let picture = Picture {
+            image: &image,
+            format: OutputFormat::Png8,
+            encoding: Encoding::Raw,
+            recipe: "",
+        };
+        assert_eq!(picture.not_finite(), 1);
+    }
+
+    #[test]
+    fn a_picture_without_pixels_is_an_error() {
+        let image = Image { width: 0, height: 4, rgb: Vec::new() };
+        for format in [OutputFormat::Png8, OutputFormat::Exr] {
+            let picture = Picture { image: &image, format, encoding: Encoding::Raw, recipe: "" };
+            assert!(picture.write(io::Cursor::new(Vec::new())).is_err(), "{format:?}");
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Files that are whole or absent.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+
+use tempfile::{Builder, NamedTempFile};
+
+/// Creates the folder that `path` lies in, and finds out whether a file can be created at `path`
+/// by creating one beside it, which is gone when this returns.
+///
+/// # Errors
+/// What the system says of the folder or the file; `path` is a folder.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    fs::create_dir_all(folder(path))?;
+    match fs::symlink_metadata(path) {
+        Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    temporary_beside(path)?.close()
+}
+
+/// Has `write` fill a new file beside `path`, then gives it that name; an older file of that name
+/// stays as it is until then, and for good when anything fails.
+///
+/// # Errors
+/// Those of `write`, and what the system says of creating, syncing or renaming.
+pub fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut temporary = temporary_beside(path)?;
+    write(temporary.as_file_mut())?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(path).map_err(|error| error.error)?;
+    sync_folder(folder(path));
+    Ok(())
+}
+
+fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = Builder::new();
+    builder.prefix(".slo-rt-").suffix(".part");
+    // The default of temporary files is 0600; a picture gets what any new file gets.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder(path)).map_err(|error| io::Error::new(error.kind(), plain(&error)))
+}
+
+/// The system's words, without the name of the temporary file around them.
+fn plain(error: &io::Error) -> String {
+    let source = error.get_ref().and_then(std::error::Error::source);
+    source.map_or_else(|| error.to_string(), ToString::to_string)
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Makes the renaming itself survive a power cut, where the system lets folders be synced: the
+/// file is whole and in place already, so that a refusal is no failure.
+fn sync_folder(folder: &Path) {
+    if cfg!(unix) {
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_written_file_is_whole_and_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        fs::write(&path, "older and longer").unwrap();
+        write_atomically(&path, |file| file.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn a_failure_keeps_the_older_file_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        fs::write(&path, "older").unwrap();
+        let failed = write_atomically(&path, |file| {
+            file.write_all(b"half")?;
+            Err(io::ErrorKind::StorageFull.into())
+        });
+        assert_eq!(failed.unwrap_err().kind(), io::ErrorKind::StorageFull);
+        assert_eq!(fs::read(&path).unwrap(), b"older");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn checking_makes_folders_and_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        check_writable(&folder.path().join("a/b/c.png")).unwrap();
+        assert_eq!(names(&folder.path().join("a/b")), Vec::<String>::new());
+    }
+
+    #[test]
+    fn checking_finds_what_is_in_the_way() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, "").unwrap();
+        assert!(check_writable(&file.join("a.png")).is_err());
+        assert!(check_writable(folder.path()).is_err());
+        let long = "x".repeat(300);
+        assert!(check_writable(&folder.path().join(long)).is_err());
+        assert!(write_atomically(&folder.path().join("none/a.png"), |_| Ok(())).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn others_may_read_what_they_may_read_of_any_new_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |name: &str| {
+            fs::metadata(folder.path().join(name)).unwrap().permissions().mode() & 0o777
+        };
+        fs::write(folder.path().join("plain"), "").unwrap();
+        write_atomically(&folder.path().join("ours"), |_| Ok(())).unwrap();
+        assert_eq!(mode("ours"), mode("plain"));
+    }
+}

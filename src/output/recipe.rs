@@ -1,0 +1,365 @@
+//! How a picture was made, inside the picture.
+//!
+//! The recipe holds what can change the picture, so that two files with the same recipe have the
+//! same bytes; it holds nothing else: no threads, no sections, no structure, no host, no time.
+
+use std::fmt::{self, Display, Write};
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek};
+use std::path::Path;
+
+use exr::meta::MetaData;
+use exr::meta::attribute::AttributeValue;
+
+use crate::sampling::Generator;
+use crate::scene::{
+    Contrast, Encoding, Film, LightSampling, OutputFormat, SceneDescription, Settings, ShadowMode,
+};
+
+/// Keyword of the PNG text chunk and name of the EXR attribute that hold the recipe.
+pub const KEYWORD: &str = "slo-rt recipe";
+
+/// What a picture was made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Recipe<'a> {
+    /// The scene, with the settings and the film that it was rendered with.
+    pub scene: &'a SceneDescription,
+    /// Number of the frame.
+    pub frame: i64,
+}
+
+impl Recipe<'_> {
+    /// The recipe as a JSON object, one member a line, ASCII only. Settings have the names and the
+    /// spelling of the scene language.
+    pub fn to_json(&self) -> String {
+        let mut json = Members::default();
+        json.text("program", "slo-rt");
+        json.text("version", env!("CARGO_PKG_VERSION"));
+        json.text("sceneBlake3", hex(&self.scene.content_hash));
+        json.number("frame", self.frame);
+        add_film(&mut json, &self.scene.camera.film);
+        add_settings(&mut json, &self.scene.settings);
+        json.finish()
+    }
+}
+
+fn add_film(json: &mut Members, film: &Film) {
+    json.number("width", film.width);
+    json.number("height", film.height);
+    json.text("output", output_keyword(film.output));
+    json.text("encoding", encoding_keyword(film.encoding));
+}
+
+/// Every setting that can change a picture. The pattern names all of them, so that a new one has
+/// to be put on one side or the other.
+fn add_settings(json: &mut Members, settings: &Settings) {
+    let Settings {
+        generator,
+        light_sampling,
+        contrast,
+        image_samples,
+        image_min_samples,
+        image_contrast_limit,
+        dof_samples,
+        soft_shadow_samples,
+        diffuse_reflection_samples,
+        diffuse_refraction_samples,
+        recursion,
+        sections_horizontal: _,
+        sections_vertical: _,
+        parallel_threads: _,
+        sections_per_thread: _,
+        background,
+        seed,
+        accelerator: _,
+        shadow,
+        noise,
+        transform_samples_per_ms,
+    } = settings;
+    json.number("seed", seed);
+    json.text("generatorType", generator_keyword(*generator));
+    json.text("lightSamplingType", light_sampling_keyword(*light_sampling));
+    json.text("contrastType", contrast_keyword(*contrast));
+    json.number("imageSamples", image_samples);
+    json.number("imageMinSamples", image_min_samples);
+    json.number("imageContrastLimit", format_args!("{image_contrast_limit:?}"));
+    json.number("dofSamples", dof_samples);
+    json.number("softShadowSamples", soft_shadow_samples);
+    json.number("diffuseReflectionSamples", diffuse_reflection_samples);
+    json.number("diffuseRefractionSamples", diffuse_refraction_samples);
+    json.number("recursion", recursion);
+    json.number("background", format_args!("{background:?}"));
+    json.text("shadow", shadow_keyword(*shadow));
+    if let Some(noise) = noise {
+        json.number("noise", format_args!("{noise:?}"));
+    }
+    json.number("transformSamplesPerMs", format_args!("{transform_samples_per_ms:?}"));
+}
+
+/// The members of a JSON object in the order of their adding.
+///
+/// By hand, since a JSON library turns an `f32` into an `f64` of 17 digits, and 0.03 is what the
+/// scene says.
+#[derive(Default)]
+struct Members(String);
+
+impl Members {
+    fn number(&mut self, key: &str, value: impl Display) {
+        let separator = if self.0.is_empty() { "{\n" } else { ",\n" };
+        let _ = write!(self.0, "{separator}  \"{key}\": {value}");
+    }
+
+    /// `value` must need no escape: keywords, versions, digits.
+    fn text(&mut self, key: &str, value: impl Display) {
+        self.number(key, format_args!("\"{value}\""));
+    }
+
+    fn finish(self) -> String {
+        self.0 + "\n}"
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+}
+
+fn output_keyword(format: OutputFormat) -> &'static str {
+    match format {
+        OutputFormat::Png8 => "PNG_IMAGE",
+        OutputFormat::Png16 => "PNG16_IMAGE",
+        OutputFormat::Exr => "EXR_IMAGE",
+    }
+}
+
+fn encoding_keyword(encoding: Encoding) -> &'static str {
+    match encoding {
+        Encoding::Raw => "RAW",
+        Encoding::Srgb => "SRGB",
+    }
+}
+
+pub(super) fn generator_keyword(generator: Generator) -> &'static str {
+    match generator {
+        Generator::Pseudo => "PSEUDO",
+        Generator::ZeroTwo => "ZERO_TWO",
+        Generator::Quasi => "QUASI",
+    }
+}
+
+fn light_sampling_keyword(sampling: LightSampling) -> &'static str {
+    match sampling {
+        LightSampling::One => "SAMPLE_ONE_AT_TIME",
+        LightSampling::All => "SAMPLE_ALL_AT_TIME",
+    }
+}
+
+pub(super) fn contrast_keyword(contrast: Contrast) -> &'static str {
+    match contrast {
+        Contrast::Difference => "DIFFERENCE",
+        Contrast::Weber => "WEBER",
+        Contrast::Michelson => "MICHELSON",
+    }
+}
+
+fn shadow_keyword(shadow: ShadowMode) -> &'static str {
+    match shadow {
+        ShadowMode::Opaque => "OPAQUE",
+        ShadowMode::Transparent => "TRANSPARENT",
+    }
+}
+
+/// Why a file's recipe can't be read.
+#[derive(Debug)]
+pub enum RecipeError {
+    /// The file can't be read.
+    Io(io::Error),
+    /// It is no PNG or EXR file, or a damaged one: what its reader says.
+    NotAPicture(String),
+    /// A sound file that holds no recipe.
+    NoRecipe,
+}
+
+impl Display for RecipeError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Io(error) => write!(f, "{error}"),
+            Self::NotAPicture(why) => write!(f, "not a PNG or EXR picture: {why}"),
+            Self::NoRecipe => write!(f, "the picture holds no recipe of slo-rt"),
+        }
+    }
+}
+
+impl std::error::Error for RecipeError {}
+
+/// The recipe inside the PNG or EXR file at `path`, as it was written.
+///
+/// # Errors
+/// See [`RecipeError`].
+pub fn read_recipe(path: &Path) -> Result<String, RecipeError> {
+    let mut file = File::open(path).map_err(RecipeError::Io)?;
+    let mut magic = Vec::new();
+    Read::take(&mut file, 4).read_to_end(&mut magic).map_err(RecipeError::Io)?;
+    file.rewind().map_err(RecipeError::Io)?;
+    match magic[..] {
+        [0x89, b'P', b'N', b'G'] => from_png(BufReader::new(file)),
+        [0x76, 0x2f, 0x31, 0x01] => from_exr(BufReader::new(file)),
+        _ => Err(RecipeError::NotAPicture("its first bytes are of another kind of file".into())),
+    }
+}
+
+fn from_png(file: BufReader<File>) -> Result<String, RecipeError> {
+    let reader = png::Decoder::new(file)
+        .read_info()
+        .map_err(|error| RecipeError::NotAPicture(error.to_string()))?;
+    let mut texts = reader.info().uncompressed_latin1_text.iter();
+    let recipe = texts.find(|chunk| chunk.keyword == KEYWORD).ok_or(RecipeError::NoRecipe)?;
+    Ok(recipe.text.clone())
+}
+
+fn from_exr(file: BufReader<File>) -> Result<String, RecipeError> {
+    let meta = MetaData::read_from_buffered(file, false)
+        .map_err(|error| RecipeError::NotAPicture(error.to_string()))?;
+    let attributes = meta.headers.iter().flat_map(|header| {
+        header.own_attributes.other.iter().chain(&header.shared_attributes.other)
+    });
+    for (name, value) in attributes {
+        match value {
+            AttributeValue::Text(text) if name.eq(KEYWORD) => return Ok(text.to_string()),
+            _ => {}
+        }
+    }
+    Err(RecipeError::NoRecipe)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Picture, tests::sample_image};
+    use super::*;
+    use crate::scene::{Accelerator, Camera};
+
+    fn scene() -> SceneDescription {
+        let film = Film {
+            width: 320,
+            height: 240,
+            prefix: "ignored".into(),
+            output: OutputFormat::Png16,
+            encoding: Encoding::Srgb,
+        };
+        SceneDescription {
+            settings: Settings::default(),
+            camera: Camera { fps: 25.0, film, segments: Vec::new() },
+            lights: Vec::new(),
+            materials: Vec::new(),
+            textures: Vec::new(),
+            objects: Vec::new(),
+            content_hash: [0xab; 32],
+        }
+    }
+
+    fn json(scene: &SceneDescription) -> String {
+        Recipe { scene, frame: -5 }.to_json()
+    }
+
+    #[test]
+    fn it_is_json_that_says_what_was_rendered() {
+        let parsed: serde_json::Value = serde_json::from_str(&json(&scene())).unwrap();
+        assert_eq!(parsed["program"], "slo-rt");
+        assert_eq!(parsed["version"], env!("CARGO_PKG_VERSION"));
+        assert_eq!(parsed["sceneBlake3"], "ab".repeat(32));
+        assert_eq!(parsed["frame"], -5);
+        assert_eq!(parsed["width"], 320);
+        assert_eq!(parsed["output"], "PNG16_IMAGE");
+        assert_eq!(parsed["encoding"], "SRGB");
+        assert_eq!(parsed["imageContrastLimit"], 0.03);
+        assert_eq!(parsed["background"], serde_json::json!([0.0, 0.0, 0.0]));
+        assert!(parsed.get("noise").is_none());
+    }
+
+    #[test]
+    fn floats_of_any_size_are_json() {
+        let mut scene = scene();
+        scene.settings.background = [1e-30, 3.4e38, 0.1];
+        scene.settings.noise = Some(1e-12);
+        scene.settings.transform_samples_per_ms = 1e300;
+        let json = json(&scene);
+        assert!(serde_json::from_str::<serde_json::Value>(&json).is_ok(), "{json}");
+        assert!(json.contains("\"background\": [1e-30, 3.4e38, 0.1]"), "{json}");
+        assert!(json.contains("\"noise\": 1e-12"), "{json}");
+    }
+
+    #[test]
+    fn what_cannot_change_the_picture_is_not_in_it() {
+        let mut other = scene();
+        other.settings.parallel_threads = Some(3);
+        other.settings.sections_horizontal = Some(7);
+        other.settings.sections_vertical = Some(2);
+        other.settings.sections_per_thread = 9;
+        other.settings.accelerator = Accelerator::None;
+        other.camera.film.prefix = "x".into();
+        assert_eq!(json(&other), json(&scene()));
+    }
+
+    #[test]
+    fn what_can_change_the_picture_is_in_it() {
+        let check = |change: fn(&mut SceneDescription)| {
+            let mut other = scene();
+            change(&mut other);
+            assert_ne!(json(&other), json(&scene()), "{}", json(&other));
+        };
+        check(|s| s.content_hash[31] = 0);
+        check(|s| s.settings.seed = 1);
+        check(|s| s.settings.image_samples = 17);
+        check(|s| s.settings.image_min_samples = 4);
+        check(|s| s.settings.image_contrast_limit = 0.1);
+        check(|s| s.settings.dof_samples = 2);
+        check(|s| s.settings.soft_shadow_samples = 2);
+        check(|s| s.settings.diffuse_reflection_samples = 2);
+        check(|s| s.settings.diffuse_refraction_samples = 2);
+        check(|s| s.settings.recursion = 2);
+        check(|s| s.settings.background[2] = 0.5);
+        check(|s| s.settings.generator = Generator::ZeroTwo);
+        check(|s| s.settings.light_sampling = LightSampling::One);
+        check(|s| s.settings.contrast = Contrast::Weber);
+        check(|s| s.settings.shadow = ShadowMode::Transparent);
+        check(|s| s.settings.noise = Some(0.5));
+        check(|s| s.settings.transform_samples_per_ms = 3.0);
+        check(|s| s.camera.film.width = 1);
+        check(|s| s.camera.film.height = 1);
+        check(|s| s.camera.film.output = OutputFormat::Exr);
+        check(|s| s.camera.film.encoding = Encoding::Raw);
+    }
+
+    #[test]
+    fn it_comes_back_from_every_kind_of_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let recipe = json(&scene());
+        for format in [OutputFormat::Png8, OutputFormat::Png16, OutputFormat::Exr] {
+            let path = folder.path().join("picture");
+            let image = sample_image();
+            let picture =
+                Picture { image: &image, format, encoding: Encoding::Raw, recipe: &recipe };
+            picture.save(&path).unwrap();
+            assert_eq!(read_recipe(&path).unwrap(), recipe, "{format:?}");
+        }
+    }
+
+    #[test]
+    fn other_files_are_told_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let check = |content: &[u8]| {
+            let path = folder.path().join("file");
+            std::fs::write(&path, content).unwrap();
+            read_recipe(&path).unwrap_err().to_string()
+        };
+        insta::assert_snapshot!(check(b""), @"not a PNG or EXR picture: its first bytes are of another kind of file");
+        assert!(check(b"\x89PNG\r\n\x1a\n").starts_with("not a PNG or EXR picture: "));
+        assert!(check(b"\x76\x2f\x31\x01\x02\0\0\0").starts_with("not a PNG or EXR picture: "));
+        let mut plain = Vec::new();
+        let mut encoder = png::Encoder::new(&mut plain, 1, 1);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.write_header().unwrap().write_image_data(&[1, 2, 3]).unwrap();
+        assert_eq!(check(&plain), "the picture holds no recipe of slo-rt");
+        let missing = read_recipe(&folder.path().join("missing"));
+        assert!(matches!(missing, Err(RecipeError::Io(_))));
+    }
+}

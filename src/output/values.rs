@@ -1,0 +1,71 @@
+//! Radiance -> the values of a file.
+
+use crate::scene::Encoding;
+
+/// What a file shows of a channel: finite numbers as they are, 0 for all else.
+pub(super) fn finite(radiance: f32) -> f32 {
+    if radiance.is_finite() { radiance } else { 0.0 }
+}
+
+/// A channel as an integer from 0 to `max`, rounded to the nearest.
+pub(super) fn quantised(radiance: f32, encoding: Encoding, max: u16) -> u16 {
+    let clamped = finite(radiance).clamp(0.0, 1.0);
+    let encoded = match encoding {
+        Encoding::Raw => clamped,
+        Encoding::Srgb => srgb(clamped),
+    };
+    (encoded * f32::from(max)).round() as u16
+}
+
+/// Linear light in `[0, 1]` -> sRGB in `[0, 1]`.
+///
+/// Source: IEC 61966-2-1:1999, 5.3.
+fn srgb(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(radiance: f32, raw: u16, srgb: u16) {
+        assert_eq!(quantised(radiance, Encoding::Raw, 255), raw, "RAW of {radiance}");
+        assert_eq!(quantised(radiance, Encoding::Srgb, 255), srgb, "SRGB of {radiance}");
+    }
+
+    #[test]
+    fn known_values() {
+        check(0.0, 0, 0);
+        check(1.0, 255, 255);
+        check(0.5, 128, 188); // 127.5 rounds up
+        check(0.212, 54, 127); // the curve gives 0.4981: 127.0
+        check(0.002, 1, 7); // on the straight part: 0.002 * 12.92 * 255 = 6.6
+        check(-3.0, 0, 0);
+        check(7.5, 255, 255);
+    }
+
+    #[test]
+    fn what_is_no_number_is_black() {
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            check(bad, 0, 0);
+        }
+    }
+
+    #[test]
+    fn sixteen_bits_use_the_whole_range() {
+        assert_eq!(quantised(1.0, Encoding::Raw, u16::MAX), 65535);
+        assert_eq!(quantised(0.25, Encoding::Raw, u16::MAX), 16384);
+        assert_eq!(quantised(0.5, Encoding::Srgb, u16::MAX), 48192); // 0.735357 * 65535
+    }
+
+    #[test]
+    fn the_curve_is_monotonic_and_has_no_step() {
+        let steps: Vec<u16> =
+            (0..=100_000).map(|i| quantised(i as f32 / 1e5, Encoding::Srgb, u16::MAX)).collect();
+        assert!(steps.windows(2).all(|w| w[0] <= w[1] && w[1] - w[0] <= 9));
+    }
+}
