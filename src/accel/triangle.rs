@@ -76,6 +76,9 @@ pub fn intersect(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<Tr
     let [a, b, c] = triangle.map(|p| ray.corner(p));
     let area_a = difference_of_products(c[0], b[1], c[1], b[0]);
     let area_b = difference_of_products(a[0], c[1], a[1], c[0]);
+    if (area_a > 0.0 && area_b < 0.0) || (area_a < 0.0 && area_b > 0.0) {
+        return None;
+    }
     let area_c = difference_of_products(b[0], a[1], b[1], a[0]);
     let positive = area_a >= 0.0 && area_b >= 0.0 && area_c >= 0.0;
     let negative = area_a <= 0.0 && area_b <= 0.0 && area_c <= 0.0;

@@ -1,30 +1,56 @@
 //! A kd-tree built by the surface area heuristic.
 
-use super::brute::Brute;
-use super::{Coherence, Hits, Isa, Primitives, Rays, Scratch};
+mod build;
+mod leaf;
+mod node;
+mod ray;
+mod single;
+#[cfg(test)]
+mod tests;
+
+use build::MAX_DEPTH;
+use leaf::{Arena, Best};
+use node::Node;
+
+use super::{Coherence, Hits, Isa, NO_HIT, Primitives, Rays, Scratch};
+use crate::math::Bounds;
 
 /// A kd-tree over primitives.
 #[derive(Debug)]
 pub struct KdTree {
-    all: Brute,
+    primitives: Primitives,
+    bounds: Bounds,
+    /// Root first; siblings are neighbours.
+    nodes: Vec<Node>,
+    arena: Arena,
+    isa: Isa,
 }
 
 impl KdTree {
     /// Builds the tree.
-    pub fn build(primitives: Primitives, _isa: Isa) -> Self {
-        Self { all: Brute::new(primitives) }
+    pub fn build(primitives: Primitives, isa: Isa) -> Self {
+        let built = build::build(&primitives);
+        Self { primitives, bounds: built.bounds, nodes: built.nodes, arena: built.arena, isa }
     }
 
     pub(super) fn primitives(&self) -> &Primitives {
-        self.all.primitives()
+        &self.primitives
     }
 
+    /// Bytes that it holds beyond the primitives.
     pub(super) fn memory(&self) -> usize {
-        self.all.memory()
+        std::mem::size_of_val(self.nodes.as_slice())
+            + std::mem::size_of_val(self.arena.words.as_slice())
     }
 
     pub(super) fn intersect(&self, rays: &Rays, _: Coherence, hits: &mut Hits, _: &mut Scratch) {
-        self.all.intersect(rays, hits);
+        for i in 0..rays.len() {
+            let best = self.trace::<false>(rays, i);
+            if best.is_hit() {
+                (hits.t[i], hits.u[i], hits.v[i]) = (best.t, best.u, best.v);
+                hits.primitive[i] = best.primitive;
+            }
+        }
     }
 
     pub(super) fn occluded(
@@ -34,6 +60,13 @@ impl KdTree {
         blocked: &mut [bool],
         _: &mut Scratch,
     ) {
-        self.all.occluded(rays, blocked);
+        for (i, blocked) in blocked.iter_mut().enumerate().take(rays.len()) {
+            *blocked = self.trace::<true>(rays, i).is_hit();
+        }
+    }
+
+    fn trace<const ANY: bool>(&self, rays: &Rays, i: usize) -> Best {
+        let (origin, direction, t_max) = (rays.origin(i), rays.direction(i), rays.t_max[i]);
+        single::trace::<ANY>(self, origin, direction, t_max, &single::Portable)
     }
 }

@@ -1,0 +1,152 @@
+//! Leaves: how they are packed, and their test in plain Rust.
+
+use glam::Vec3;
+
+use super::node::{Chunk, Node};
+use crate::accel::triangle::{self, ShearedRay, TriangleHit};
+use crate::accel::{LANES, Primitives};
+
+/// The contents of all leaves, one after the other, in words.
+#[derive(Debug, Default)]
+pub(super) struct Arena {
+    pub(super) words: Vec<u32>,
+}
+
+impl Arena {
+    /// Appends the leaf of some primitives, ids ascending.
+    pub(super) fn push_leaf(&mut self, primitives: &Primitives, ids: &[u32]) -> Node {
+        let triangles = ids.partition_point(|&id| (id as usize) < primitives.triangles.len());
+        let (mut flat, curved) = ids.split_at(triangles);
+        let offset = self.words.len() as u32;
+        let mut first = Chunk::default();
+        let mut header = None;
+        loop {
+            let packed = Packed::first_of(primitives, flat);
+            flat = &flat[packed.ids.len()..];
+            let more = !flat.is_empty();
+            let chunk = Chunk::new(
+                packed.ids.len(),
+                packed.vertices.len(),
+                !more && !curved.is_empty(),
+                more,
+            );
+            match header {
+                None => first = chunk,
+                Some(at) => self.words[at] = chunk.0,
+            }
+            packed.append_to(&mut self.words);
+            if !more {
+                break;
+            }
+            header = Some(self.words.len());
+            self.words.push(0);
+        }
+        if !curved.is_empty() {
+            self.words.push(curved.len() as u32);
+            self.words.extend_from_slice(curved);
+        }
+        Node::leaf(offset, first)
+    }
+
+    /// Appends another arena's words.
+    pub(super) fn append(&mut self, mut other: Self) {
+        self.words.append(&mut other.words);
+    }
+
+    /// Makes loads of whole registers safe to the last leaf.
+    pub(super) fn finish(&mut self) {
+        self.words.extend([0; 2 * LANES]);
+        self.words.shrink_to_fit();
+    }
+}
+
+/// The triangles of one chunk.
+struct Packed<'a> {
+    ids: &'a [u32],
+    vertices: Vec<Vec3>,
+    corners: [u16; Chunk::MAX_TRIANGLES],
+}
+
+impl<'a> Packed<'a> {
+    /// As many of the first triangles as fit in a chunk.
+    fn first_of(primitives: &Primitives, ids: &'a [u32]) -> Self {
+        let mut packed = Self { ids: &[], vertices: Vec::with_capacity(32), corners: [0; 16] };
+        for (i, &id) in ids.iter().take(Chunk::MAX_TRIANGLES).enumerate() {
+            let known = packed.vertices.len();
+            let corners = primitives.triangles[id as usize].map(|p| packed.vertex(p));
+            if packed.vertices.len() > Chunk::MAX_VERTICES {
+                packed.vertices.truncate(known);
+                break;
+            }
+            packed.corners[i] = corners[0] | corners[1] << 5 | corners[2] << 10;
+            packed.ids = &ids[..=i];
+        }
+        packed
+    }
+
+    /// Index of a vertex, added if it is new.
+    fn vertex(&mut self, p: Vec3) -> u16 {
+        let bits = |p: Vec3| p.to_array().map(f32::to_bits);
+        let place = self.vertices.iter().position(|&q| bits(p) == bits(q));
+        let place = place.unwrap_or_else(|| {
+            self.vertices.push(p);
+            self.vertices.len() - 1
+        });
+        place as u16
+    }
+
+    fn append_to(&self, words: &mut Vec<u32>) {
+        for axis in 0..3 {
+            words.extend(self.vertices.iter().map(|p| p[axis].to_bits()));
+        }
+        let corners = &self.corners[..self.ids.len().next_multiple_of(2)];
+        words.extend(corners.chunks(2).map(|c| u32::from(c[0]) | u32::from(c[1]) << 16));
+        words.extend_from_slice(self.ids);
+    }
+}
+
+/// The nearest hit so far; `t` is the largest that still counts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Best {
+    pub(super) t: f32,
+    pub(super) u: f32,
+    pub(super) v: f32,
+    pub(super) primitive: u32,
+}
+
+impl Best {
+    /// Nothing so far, of a ray that ends before `t_max`.
+    #[inline(always)]
+    pub(super) fn before(t_max: f32) -> Self {
+        Self { t: t_max.next_down(), u: 0.0, v: 0.0, primitive: super::NO_HIT }
+    }
+
+    /// Takes a hit that is nearer, or as near with a lower id.
+    #[inline(always)]
+    pub(super) fn offer(&mut self, hit: TriangleHit, primitive: u32) {
+        if hit.t < self.t || (hit.t == self.t && primitive < self.primitive) {
+            *self = Self { t: hit.t, u: hit.u, v: hit.v, primitive };
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn is_hit(&self) -> bool {
+        self.primitive != super::NO_HIT
+    }
+}
+
+/// Tests a chunk's triangles one after the other.
+pub(super) fn test_triangles(words: &[u32], chunk: Chunk, ray: &ShearedRay, best: &mut Best) {
+    let vertices = chunk.vertices();
+    let vertex = |i: usize| {
+        Vec3::from_array(std::array::from_fn(|axis| f32::from_bits(words[axis * vertices + i])))
+    };
+    for i in 0..chunk.triangles() {
+        let corners = words[chunk.corners_at() + i / 2] >> (16 * (i % 2));
+        let corner = |k: u32| vertex((corners >> (5 * k) & 31) as usize);
+        let t_end = best.t.next_up();
+        if let Some(hit) = triangle::intersect(ray, &[corner(0), corner(1), corner(2)], t_end) {
+            best.offer(hit, words[chunk.ids_at() + i]);
+        }
+    }
+}
