@@ -74,8 +74,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera whose views are spaced evenly over the shutter; one view for a camera at rest.
-    /// `origin` is the origin of render space in scene space; width and height are in pixels.
+    /// A camera whose views are spaced evenly over the shutter; one or more. `origin` is the origin of render space in scene space; width and height are in pixels.
     ///
     /// # Errors
     /// A view from which nothing can be seen.
@@ -88,7 +87,6 @@ impl Camera {
         let ratio = f64::from(width) / f64::from(height);
         let poses =
             views.iter().map(|view| pose(view, origin, ratio)).collect::<Result<Vec<_>, _>>()?;
-        assert!(!poses.is_empty(), "a camera has at least one view");
         Ok(Self { poses, width, height })
     }
 

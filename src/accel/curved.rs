@@ -4,7 +4,7 @@
 //! the roots keep their digits however far the ray comes from (Haines et al., *Precision
 //! Improvements for Ray/Sphere Intersection*, Ray Tracing Gems, 2019).
 
-use glam::{DVec3, Vec3, swizzles::Vec3Swizzles as _};
+use glam::{DVec2, DVec3, Vec3, swizzles::Vec3Swizzles as _};
 
 use super::Curved;
 use crate::math::Bounds;
@@ -107,6 +107,35 @@ impl Curved {
             }
         };
         normal.normalize_or(DVec3::Z).as_vec3()
+    }
+
+    /// How far a point near a part of the surface lies outside of it, along its normal; negative
+    /// inside.
+    pub fn signed_distance(&self, point: DVec3, part: Part) -> f64 {
+        match (*self, part) {
+            (Self::Sphere { center, radius }, _) => {
+                (point - center.as_dvec3()).length() - f64::from(radius)
+            }
+            (Self::Cylinder { base, top, .. }, Part::Base)
+            | (Self::Cone { base, apex: top, .. }, Part::Base) => {
+                (base.as_dvec3() - point).dot(axis_of(base, top).0)
+            }
+            (Self::Cylinder { base, top, .. }, Part::Top) => {
+                (point - top.as_dvec3()).dot(axis_of(base, top).0)
+            }
+            (Self::Cylinder { base, top, radius }, Part::Side) => {
+                let (axis, _) = axis_of(base, top);
+                let across = (point - base.as_dvec3()).reject_from_normalized(axis);
+                across.length() - f64::from(radius)
+            }
+            (Self::Cone { base, apex, radius }, _) => {
+                let (axis, height) = axis_of(base, apex);
+                let below = (apex.as_dvec3() - point).dot(axis);
+                let across = (apex.as_dvec3() - point).reject_from_normalized(axis).length();
+                let radius = f64::from(radius);
+                (across * height - below * radius) / DVec2::new(height, radius).length()
+            }
+        }
     }
 
     /// The smallest box, rounded outward; finite.

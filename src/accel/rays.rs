@@ -74,6 +74,18 @@ impl Rays {
         self.t_max[i] = t_max;
     }
 
+    /// Moves the rays from `start` on to the front of `other`, which then holds no others.
+    pub fn split_off_into(&mut self, start: usize, other: &mut Self) {
+        let len = self.len - start;
+        other.set_len(len);
+        for axis in 0..3 {
+            other.origin[axis][..len].copy_from_slice(&self.origin[axis][start..self.len]);
+            other.direction[axis][..len].copy_from_slice(&self.direction[axis][start..self.len]);
+        }
+        other.t_max[..len].copy_from_slice(&self.t_max[start..self.len]);
+        self.len = start;
+    }
+
     /// Origin of ray `i`.
     pub fn origin(&self, i: usize) -> glam::Vec3 {
         glam::Vec3::new(self.origin[0][i], self.origin[1][i], self.origin[2][i])

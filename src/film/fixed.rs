@@ -10,6 +10,10 @@ pub struct Fixed(i64);
 const ONE: f64 = (1u64 << 24) as f64;
 
 impl Fixed {
+    /// The largest number.
+    pub const MAX: Self = Self(i64::MAX);
+    /// The smallest number.
+    pub const MIN: Self = Self(i64::MIN);
     /// Largest magnitude of one contribution. 2^22 of them, of one sign, fit into a sum.
     pub const LIMIT: f32 = (1 << 17) as f32;
 

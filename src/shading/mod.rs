@@ -1,2 +1,9 @@
-//! Phong, glossy lobes, textures and lights at a hit.
+//! Phong, glossy lobes, textures and lights at a hit. Knows no structures.
+
+pub mod light;
+pub mod lobe;
+pub mod phong;
 pub mod texture;
+
+pub use light::Light;
+pub use phong::Material;

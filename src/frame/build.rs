@@ -1,0 +1,227 @@
+//! SceneDescription and a frame number -> FrameScene.
+
+use std::fmt;
+
+use glam::{DVec3, Vec3};
+
+use super::tessellate::{CurvedShape, Geometry, geometry, light_rectangle};
+use super::world::{Instance, World};
+use super::{FrameObject, FrameScene, Look};
+use crate::accel::{Curved, Isa, Primitives, Structure};
+use crate::animation::{
+    Clock, KeyFrameError, KeyFrames, NoSegment, ObjectBox, SampledCamera, SampledMotion, Shutter,
+};
+use crate::camera::{Camera, DegenerateView};
+use crate::math::{DRigid, Rigid};
+use crate::sampling::Sampler;
+use crate::scene::{LightShape, Object, SceneDescription};
+use crate::shading::{Light, Material};
+
+/// Why a frame of a scene can't be made.
+#[derive(Clone, Debug)]
+pub enum FrameError {
+    /// The frame's time lies in no camera segment.
+    NoSegment(NoSegment),
+    /// The camera sees nothing from where it is in this frame.
+    View {
+        /// Name of the camera segment.
+        segment: String,
+        /// What is wrong.
+        reason: DegenerateView,
+    },
+    /// An object's key frames are no path.
+    Path {
+        /// Name of the object.
+        object: String,
+        /// What is wrong.
+        reason: KeyFrameError,
+    },
+}
+
+impl fmt::Display for FrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSegment(error) => error.fmt(f),
+            Self::View { segment, reason } => {
+                write!(f, "the camera of segment `{segment}` can't see in this frame: ")?;
+                f.write_str(match reason {
+                    DegenerateView::NoDirection => "its position and its target are the same point",
+                    DegenerateView::SkyAlongView => {
+                        "its sky is zero or parallel to its direction of view"
+                    }
+                })
+            }
+            Self::Path { object, reason: KeyFrameError::NoOrientation(key) } => {
+                write!(f, "key frame {} of `{object}`: up is parallel to right", key + 1)
+            }
+            Self::Path { object, reason: KeyFrameError::OutOfOrder(key) } => {
+                write!(f, "key frame {} of `{object}` is earlier than the one before it", key + 1)
+            }
+        }
+    }
+}
+
+impl std::error::Error for FrameError {}
+
+impl FrameScene {
+    /// Builds what frame `number` needs, on the threads of the current rayon pool.
+    ///
+    /// # Errors
+    /// The frame's time lies in no camera segment, or the camera can't see.
+    pub fn build(scene: &SceneDescription, number: i64, isa: Isa) -> Result<Self, FrameError> {
+        let shutter = Clock::new(&scene.camera).shutter(number).map_err(FrameError::NoSegment)?;
+        let segment = &scene.camera.segments[shutter.segment];
+        let film = &scene.camera.film;
+        let per_ms = scene.settings.transform_samples_per_ms;
+        let path = SampledCamera::new(segment, &shutter, film, per_ms);
+        // Near the camera, where digits count; the same for all frames of a segment.
+        let origin = segment.positions[0];
+        let camera = Camera::new(path.views(), origin, film.width, film.height)
+            .map_err(|reason| FrameError::View { segment: segment.name.clone(), reason })?;
+
+        let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin };
+        let mut parts = Parts::default();
+        for object in &scene.objects {
+            parts.add(object, scene, &seen, isa)?;
+        }
+        for light in &scene.lights {
+            if let LightShape::Rectangle { vertices } = light.shape {
+                let look = Look::Light(light.color.into());
+                parts.add_still(look, light_rectangle(vertices), &DRigid::IDENTITY, &seen);
+            }
+        }
+        Ok(Self {
+            camera,
+            world: World::new(
+                Structure::build(scene.settings.accelerator, parts.still, isa),
+                parts.instances,
+            ),
+            materials: scene.materials.iter().map(Material::from).collect(),
+            lights: scene.lights.iter().map(|light| Light::new(light, origin)).collect(),
+            sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
+            settings: scene.settings.clone(),
+            textures: scene.textures.clone(),
+            objects: parts.objects,
+            still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
+        })
+    }
+}
+
+/// How a shutter sees objects.
+struct Seen<'a> {
+    shutter: &'a Shutter,
+    camera: &'a SampledCamera,
+    /// Sampled transforms per millisecond, at least.
+    per_ms: f64,
+    /// Origin of render space.
+    origin: DVec3,
+}
+
+/// What a frame is put together from, object by object.
+#[derive(Default)]
+struct Parts {
+    objects: Vec<FrameObject>,
+    still: Primitives,
+    /// For each still triangle and each still curved surface its object.
+    triangle_objects: Vec<u32>,
+    curved_objects: Vec<u32>,
+    instances: Vec<Instance>,
+}
+
+impl Parts {
+    fn add(
+        &mut self,
+        object: &Object,
+        scene: &SceneDescription,
+        seen: &Seen<'_>,
+        isa: Isa,
+    ) -> Result<(), FrameError> {
+        let path = KeyFrames::new(&object.key_frames)
+            .map_err(|reason| FrameError::Path { object: object.name.clone(), reason })?;
+        let look = Look::Material(object.material.0);
+        let geometry = geometry(&object.shape);
+        if !path.moves(seen.shutter.scene_interval()) {
+            let place = path.pose(seen.shutter.scene_time(0.0));
+            self.add_still(look, geometry, &place, seen);
+            return Ok(());
+        }
+        let bounds = object_box(&geometry);
+        let motion = SampledMotion::new(&path, seen.shutter, &bounds, seen.camera, seen.per_ms);
+        let center = (bounds.min + bounds.max) * 0.5;
+        let mut local = Primitives::default();
+        add_primitives(&mut local, &geometry, &DRigid { translation: -center, ..DRigid::IDENTITY });
+        let poses = motion.poses().iter().map(|pose| {
+            DRigid { rotation: pose.rotation, translation: pose.point(center) }
+                .relative_to(seen.origin)
+        });
+        self.instances.push(Instance {
+            structure: Structure::build(scene.settings.accelerator, local, isa),
+            center: center.as_vec3(),
+            poses: poses.collect(),
+            object: self.objects.len() as u32,
+        });
+        self.objects.push(FrameObject {
+            look,
+            geometry,
+            place: Rigid::IDENTITY,
+            first_triangle: 0,
+        });
+        Ok(())
+    }
+
+    fn add_still(&mut self, look: Look, geometry: Geometry, place: &DRigid, seen: &Seen<'_>) {
+        let number = self.objects.len() as u32;
+        let first_triangle = self.still.triangles.len() as u32;
+        let placed = DRigid { translation: place.translation - seen.origin, ..*place };
+        add_primitives(&mut self.still, &geometry, &placed);
+        self.triangle_objects.resize(self.still.triangles.len(), number);
+        self.curved_objects.resize(self.still.curved.len(), number);
+        let place = place.relative_to(seen.origin);
+        self.objects.push(FrameObject { look, geometry, place, first_triangle });
+    }
+}
+
+/// Adds the primitives of a geometry, placed.
+fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DRigid) {
+    let point = |p: DVec3| place.point(p).as_vec3();
+    match geometry {
+        Geometry::Mesh(mesh, _) => {
+            let positions: Vec<Vec3> = mesh.positions.iter().map(|&p| point(p)).collect();
+            let triangle = |face: &[u32; 3]| face.map(|i| positions[i as usize]);
+            primitives.triangles.extend(mesh.faces.iter().map(triangle));
+        }
+        Geometry::Curved(shape) => primitives.curved.push(match *shape {
+            CurvedShape::Sphere { center, radius } => {
+                Curved::Sphere { center: point(center), radius: radius as f32 }
+            }
+            CurvedShape::Cylinder { base, top, radius } => {
+                Curved::Cylinder { base: point(base), top: point(top), radius: radius as f32 }
+            }
+            CurvedShape::Cone { base, apex, radius } => {
+                Curved::Cone { base: point(base), apex: point(apex), radius: radius as f32 }
+            }
+        }),
+    }
+}
+
+/// The box of a geometry in object space.
+fn object_box(geometry: &Geometry) -> ObjectBox {
+    let of = |points: &mut dyn Iterator<Item = DVec3>| {
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for p in points {
+            (min, max) = (min.min(p), max.max(p));
+        }
+        ObjectBox { min, max }
+    };
+    let balls = |centers: &[DVec3], radius: f64| {
+        of(&mut centers.iter().flat_map(|&c| [c - DVec3::splat(radius), c + DVec3::splat(radius)]))
+    };
+    match *geometry {
+        Geometry::Mesh(ref mesh, _) => of(&mut mesh.positions.iter().copied()),
+        Geometry::Curved(CurvedShape::Sphere { center, radius }) => balls(&[center], radius),
+        Geometry::Curved(
+            CurvedShape::Cylinder { base, top, radius }
+            | CurvedShape::Cone { base, apex: top, radius },
+        ) => balls(&[base, top], radius),
+    }
+}

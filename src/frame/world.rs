@@ -1,0 +1,187 @@
+//! The two-level structure: one tree over all that is still, one over the boxes of what moves, and
+//! a tree of its own for each moving object.
+
+use glam::Vec3;
+
+use crate::accel::{BoxTree, Coherence, Hits, NO_HIT, Rays, Scratch, Structure};
+use crate::math::rounding::gamma;
+use crate::math::{Bounds, Rigid};
+
+/// Instance number of a hit on something still.
+pub(crate) const STILL: u32 = u32::MAX;
+
+/// Everything that rays can hit during one shutter. Render space.
+#[derive(Debug)]
+pub(crate) struct World {
+    pub(super) still: Structure,
+    pub(super) instances: Vec<Instance>,
+    boxes: BoxTree,
+}
+
+/// An object that moves within the shutter.
+#[derive(Debug)]
+pub(crate) struct Instance {
+    /// Its primitives, in object space moved by `-center`.
+    pub(super) structure: Structure,
+    /// Middle of the object in object space: counted from there, coordinates keep their digits.
+    pub(super) center: Vec3,
+    /// `render_from_structure`, evenly spaced over the shutter; a ray takes the nearest one.
+    pub(super) poses: Vec<Rigid>,
+    /// Index of the object.
+    pub(super) object: u32,
+}
+
+impl Instance {
+    /// `render_from_structure` at a time of the shutter in `[0, 1]`.
+    ///
+    /// Source: thesis 5.3, by rounding.
+    #[inline]
+    pub(super) fn pose(&self, time: f32) -> &Rigid {
+        let last = self.poses.len() - 1;
+        &self.poses[((time * last as f32 + 0.5) as usize).min(last)]
+    }
+
+    /// The box over all poses.
+    fn bounds(&self) -> Bounds {
+        let corners = self.structure.bounds().corners();
+        let at = |pose: &Rigid| Bounds::of_points(corners.map(|c| pose.point(c)));
+        let bounds = self.poses.iter().map(at).fold(Bounds::EMPTY, Bounds::union);
+        // A ray is moved to object space by its own rounded operations.
+        let size = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let margin = Vec3::splat(size * gamma(16));
+        Bounds { min: bounds.min - margin, max: bounds.max + margin }
+    }
+}
+
+/// The first hits of a batch, and on which instance they lie.
+#[derive(Debug, Default)]
+pub(crate) struct WorldHits {
+    /// Primitive ids are those of the structure that was hit.
+    pub(crate) hits: Hits,
+    /// Instance number, [`STILL`] for the still structure.
+    pub(crate) instance: Vec<u32>,
+}
+
+/// Working memory of one thread.
+#[derive(Debug, Default)]
+pub(crate) struct WorldScratch {
+    accel: Scratch,
+    /// For each instance the rays that enter its box.
+    entering: Vec<Vec<u32>>,
+    local: Rays,
+    local_hits: Hits,
+    local_blocked: Vec<bool>,
+}
+
+impl World {
+    pub(super) fn new(still: Structure, instances: Vec<Instance>) -> Self {
+        let boxes: Vec<_> = instances.iter().map(Instance::bounds).collect();
+        Self { still, instances, boxes: BoxTree::new(&boxes) }
+    }
+
+    /// The first hit of every ray at its own time in `[0, 1]`.
+    pub(crate) fn intersect(
+        &self,
+        rays: &Rays,
+        time: &[f32],
+        coherence: Coherence,
+        found: &mut WorldHits,
+        scratch: &mut WorldScratch,
+    ) {
+        self.still.intersect(rays, coherence, &mut found.hits, &mut scratch.accel);
+        found.instance.clear();
+        found.instance.resize(rays.len(), STILL);
+        if self.instances.is_empty() {
+            return;
+        }
+        let reach = |t: f32, i: usize| t.min(rays.t_max[i]);
+        self.gather(rays, &mut scratch.entering, |i| Some(reach(found.hits.t[i], i)));
+        for (number, instance) in self.instances.iter().enumerate() {
+            let entering = &scratch.entering[number];
+            if entering.is_empty() {
+                continue;
+            }
+            let local = &mut scratch.local;
+            local.set_len(0);
+            for &i in entering {
+                let t_max = reach(found.hits.t[i as usize], i as usize);
+                push_local(local, rays, instance.pose(time[i as usize]), i as usize, t_max);
+            }
+            let hits = &mut scratch.local_hits;
+            instance.structure.intersect(local, coherence, hits, &mut scratch.accel);
+            for (j, &i) in entering.iter().enumerate() {
+                let i = i as usize;
+                if hits.primitive[j] != NO_HIT {
+                    found.hits.t[i] = hits.t[j];
+                    found.hits.u[i] = hits.u[j];
+                    found.hits.v[i] = hits.v[j];
+                    found.hits.primitive[i] = hits.primitive[j];
+                    found.instance[i] = number as u32;
+                }
+            }
+        }
+    }
+
+    /// Whether anything lies on each ray at its own time.
+    pub(crate) fn occluded(
+        &self,
+        rays: &Rays,
+        time: &[f32],
+        coherence: Coherence,
+        blocked: &mut Vec<bool>,
+        scratch: &mut WorldScratch,
+    ) {
+        self.still.occluded(rays, coherence, blocked, &mut scratch.accel);
+        if self.instances.is_empty() {
+            return;
+        }
+        self.gather(rays, &mut scratch.entering, |i| (!blocked[i]).then_some(rays.t_max[i]));
+        for (number, instance) in self.instances.iter().enumerate() {
+            let entering = &mut scratch.entering[number];
+            entering.retain(|&i| !blocked[i as usize]);
+            if entering.is_empty() {
+                continue;
+            }
+            let local = &mut scratch.local;
+            local.set_len(0);
+            for &i in &*entering {
+                let i = i as usize;
+                push_local(local, rays, instance.pose(time[i]), i, rays.t_max[i]);
+            }
+            let found = &mut scratch.local_blocked;
+            instance.structure.occluded(local, coherence, found, &mut scratch.accel);
+            for (&i, &hit) in entering.iter().zip(&*found) {
+                blocked[i as usize] |= hit;
+            }
+        }
+    }
+
+    /// Lists for each instance the rays that enter its box before `reach(ray)`, in order.
+    fn gather(
+        &self,
+        rays: &Rays,
+        entering: &mut Vec<Vec<u32>>,
+        reach: impl Fn(usize) -> Option<f32>,
+    ) {
+        entering.resize_with(self.instances.len(), Vec::new);
+        entering.iter_mut().for_each(Vec::clear);
+        for i in 0..rays.len() {
+            if let Some(t_max) = reach(i) {
+                self.boxes.visit(rays.origin(i), rays.direction(i), t_max, |number| {
+                    entering[number as usize].push(i as u32);
+                });
+            }
+        }
+    }
+
+    /// Bytes of all structures and poses.
+    pub(super) fn memory(&self) -> usize {
+        let of = |i: &Instance| i.structure.memory() + i.poses.len() * size_of::<Rigid>();
+        self.still.memory() + self.instances.iter().map(of).sum::<usize>()
+    }
+}
+
+fn push_local(local: &mut Rays, rays: &Rays, pose: &Rigid, i: usize, t_max: f32) {
+    let origin = pose.inverse_point(rays.origin(i));
+    local.push(origin, pose.inverse_vector(rays.direction(i)), t_max);
+}
