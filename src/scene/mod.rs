@@ -3,7 +3,11 @@
 //! Everything is plain data in scene space: right-handed, f64, the user's own units (`Scaling`
 //! already applied). Nothing here knows a frame number, a ray or a thread.
 
+pub mod files;
+mod load;
 pub mod mesh;
+mod names;
+mod resolve;
 pub mod texture;
 
 use std::sync::Arc;
@@ -12,6 +16,8 @@ use glam::DVec3;
 
 pub use crate::accel::Accelerator;
 pub use crate::sampling::Generator;
+pub use files::Files;
+pub use load::{Loaded, load};
 pub use texture::Texture;
 
 /// A scene that has no errors: all that its text, meshes and textures say.

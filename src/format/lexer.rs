@@ -1,0 +1,119 @@
+//! Scene text -> words and braces.
+
+use std::ops::Range;
+
+/// What a token is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TokenKind {
+    /// A run of characters without white space or braces.
+    Word,
+    /// `{`
+    Open,
+    /// `}`
+    Close,
+    /// A `/*` without its `*/`; the rest of the text is lost.
+    UnclosedComment,
+    /// Nothing is left.
+    End,
+}
+
+/// A token and its bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Token {
+    pub(crate) kind: TokenKind,
+    pub(crate) range: Range<usize>,
+}
+
+/// Reads tokens off a text. White space is Unicode's; a comment starts where a token could.
+#[derive(Clone, Debug)]
+pub(crate) struct Lexer<'a> {
+    text: &'a str,
+    at: usize,
+}
+
+impl<'a> Lexer<'a> {
+    pub(crate) fn new(text: &'a str) -> Self {
+        Self { text, at: 0 }
+    }
+
+    /// The next token; [`TokenKind::End`] again and again at the end.
+    pub(crate) fn next_token(&mut self) -> Token {
+        loop {
+            let rest = self.skip_white_space();
+            if rest.starts_with('#') {
+                self.at += rest.find('\n').unwrap_or(rest.len());
+            } else if rest.starts_with("/*") {
+                match rest[2..].find("*/") {
+                    Some(length) => self.at += length + 4,
+                    None => return self.unclosed_comment(),
+                }
+            } else {
+                return self.token(rest);
+            }
+        }
+    }
+
+    fn skip_white_space(&mut self) -> &'a str {
+        let rest = self.text[self.at..].trim_start();
+        self.at = self.text.len() - rest.len();
+        rest
+    }
+
+    fn unclosed_comment(&mut self) -> Token {
+        let range = self.at..self.at + 2;
+        self.at = self.text.len();
+        Token { kind: TokenKind::UnclosedComment, range }
+    }
+
+    fn token(&mut self, rest: &str) -> Token {
+        let (kind, length) = match rest.bytes().next() {
+            None => (TokenKind::End, 0),
+            Some(b'{') => (TokenKind::Open, 1),
+            Some(b'}') => (TokenKind::Close, 1),
+            Some(_) => (TokenKind::Word, word_length(rest)),
+        };
+        let range = self.at..self.at + length;
+        self.at = range.end;
+        Token { kind, range }
+    }
+}
+
+fn word_length(rest: &str) -> usize {
+    rest.find(|c: char| c.is_whitespace() || c == '{' || c == '}').unwrap_or(rest.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(text: &str, expected: &[&str]) {
+        let mut lexer = Lexer::new(text);
+        let mut tokens = Vec::new();
+        loop {
+            let token = lexer.next_token();
+            match token.kind {
+                TokenKind::End => break,
+                TokenKind::UnclosedComment => tokens.push("unclosed"),
+                _ => tokens.push(&text[token.range]),
+            }
+        }
+        assert_eq!(tokens, expected, "{text:?}");
+    }
+
+    #[test]
+    fn words_and_braces() {
+        check("a b{c}d { } ", &["a", "b", "{", "c", "}", "d", "{", "}"]);
+        check("plošné_světlo\u{a0}s\r\n{1\t2}", &["plošné_světlo", "s", "{", "1", "2", "}"]);
+        check("", &[]);
+    }
+
+    #[test]
+    fn comments() {
+        check("a # b { c\nd", &["a", "d"]);
+        check("a /* b\n { /* */ c", &["a", "c"]);
+        check("{#x\n}/*y*/b", &["{", "}", "b"]);
+        check("a /*/ b", &["a", "unclosed"]);
+        check("a /**/ b#c d/*e*/", &["a", "b#c", "d/*e*/"]);
+        check("# only", &[]);
+    }
+}

@@ -1,0 +1,363 @@
+//! Tokens -> syntax tree. Never stops at an error: what is broken is reported, the rest is kept.
+
+use std::ops::Range;
+
+use super::lexer::{Lexer, Token, TokenKind};
+use super::number::{looks_like_number, parse_number};
+use super::syntax::{Block, Entry, Form, Item, Number, Vocabulary, Word};
+use crate::diagnostics::{Diagnostic, Diagnostics, Label, SourceId, Span};
+
+/// Blocks deeper than this are skipped: the language needs four levels.
+const MAX_DEPTH: usize = 16;
+
+/// How far back a line's indentation is looked for, in bytes.
+const LONGEST_LINE: usize = 400;
+
+/// The entries of a scene text; what is wrong with it goes to `diagnostics`, whose `source` the
+/// text is.
+pub fn parse<'a>(
+    text: &'a str,
+    source: SourceId,
+    vocabulary: Vocabulary<'_>,
+    diagnostics: &mut Diagnostics,
+) -> Vec<Entry<'a>> {
+    let mut lexer = Lexer::new(text);
+    let next = lexer.next_token();
+    let parser = Parser {
+        text,
+        source,
+        vocabulary,
+        diagnostics,
+        lexer,
+        next,
+        stack: Vec::new(),
+        top: Vec::new(),
+        suspect: None,
+        comment_unclosed: false,
+    };
+    parser.run()
+}
+
+/// A block that is not closed yet.
+struct Frame<'a> {
+    /// `None`: a block without anything in front of it, which leads nowhere.
+    head: Option<Head<'a>>,
+    block: Block<'a>,
+    /// Whether the block holds anything but numbers.
+    has_items: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Head<'a> {
+    keyword: Word<'a>,
+    name: Option<Word<'a>>,
+}
+
+struct Parser<'a, 'v> {
+    text: &'a str,
+    source: SourceId,
+    vocabulary: Vocabulary<'v>,
+    diagnostics: &'v mut Diagnostics,
+    lexer: Lexer<'a>,
+    next: Token,
+    stack: Vec<Frame<'a>>,
+    top: Vec<Entry<'a>>,
+    /// The first block whose `}` stands further left than the line of its `{`.
+    suspect: Option<[Span; 2]>,
+    comment_unclosed: bool,
+}
+
+impl<'a> Parser<'a, '_> {
+    fn run(mut self) -> Vec<Entry<'a>> {
+        loop {
+            let token = self.advance();
+            match token.kind {
+                TokenKind::Word => self.word(self.word_at(token.range)),
+                TokenKind::Open => self.open_nameless(self.span(token.range)),
+                TokenKind::Close => self.close(self.span(token.range)),
+                TokenKind::UnclosedComment => self.report_comment(self.span(token.range)),
+                TokenKind::End => break,
+            }
+        }
+        self.report_unclosed_at_end();
+        self.close_all();
+        self.top
+    }
+
+    /// Takes the next token.
+    fn advance(&mut self) -> Token {
+        let following = self.lexer.next_token();
+        std::mem::replace(&mut self.next, following)
+    }
+
+    fn span(&self, range: Range<usize>) -> Span {
+        Span { source: self.source, start: range.start, end: range.end }
+    }
+
+    fn word_at(&self, range: Range<usize>) -> Word<'a> {
+        Word { text: &self.text[range.clone()], span: self.span(range) }
+    }
+
+    fn push_number(&mut self, number: Number<'a>) {
+        match self.stack.last_mut() {
+            Some(frame) => frame.block.entries.push(Entry::Number(number)),
+            None => self.top.push(Entry::Number(number)),
+        }
+    }
+
+    fn push_item(&mut self, keyword: Word<'a>, form: Form<'a>) {
+        let entry = Entry::Item(Item { keyword, form });
+        match self.stack.last_mut() {
+            Some(frame) => {
+                frame.has_items = true;
+                frame.block.entries.push(entry);
+            }
+            None => self.top.push(entry),
+        }
+    }
+
+    fn word(&mut self, word: Word<'a>) {
+        if looks_like_number(word.text) {
+            let value = self.number(word);
+            return self.push_number(Number { word, value });
+        }
+        if self.is_attribute_after_vector(word) {
+            self.close_vector(word);
+        }
+        match self.next.kind {
+            TokenKind::Open => self.open(Head { keyword: word, name: None }),
+            TokenKind::Word if self.lacks_value(word) => self.nothing(word),
+            TokenKind::Word => self.two_words(word),
+            _ => self.nothing(word),
+        }
+    }
+
+    fn number(&mut self, word: Word<'a>) -> Option<f64> {
+        parse_number(word.text)
+            .map_err(|e| {
+                let diagnostic = Diagnostic { help: e.help, ..Diagnostic::error(e.message) };
+                self.diagnostics.push(diagnostic.at(word.span, ""));
+            })
+            .ok()
+    }
+
+    /// Whether an attribute is followed by another attribute instead of its value.
+    fn lacks_value(&self, keyword: Word<'_>) -> bool {
+        let Vocabulary { attributes, naming, .. } = self.vocabulary;
+        let next = &self.text[self.next.range.clone()];
+        attributes.contains(&next)
+            && attributes.contains(&keyword.text)
+            && !naming.contains(&keyword.text)
+    }
+
+    fn two_words(&mut self, keyword: Word<'a>) {
+        let range = self.advance().range;
+        let second = self.word_at(range);
+        let is_element = self.vocabulary.elements.contains(&keyword.text);
+        let head = Head { keyword, name: Some(second) };
+        if self.next.kind == TokenKind::Open {
+            if is_element && !self.stack.is_empty() {
+                self.close_before_element(head);
+            }
+            self.open(head);
+        } else if is_element && self.stack.is_empty() {
+            self.open_without_brace(head);
+        } else {
+            self.push_item(keyword, Form::Value(second));
+        }
+    }
+
+    fn nothing(&mut self, keyword: Word<'a>) {
+        let message = format!("`{}` has no value", keyword.text);
+        self.diagnostics.push(
+            Diagnostic::error(message).at(keyword.span, "expected a value or `{` after this"),
+        );
+        self.push_item(keyword, Form::Nothing);
+    }
+
+    fn open(&mut self, head: Head<'a>) {
+        let range = self.advance().range;
+        let open = self.span(range);
+        if self.stack.len() < MAX_DEPTH {
+            self.push(Some(head), open);
+        } else {
+            self.skip_block(open);
+        }
+    }
+
+    fn open_nameless(&mut self, open: Span) {
+        self.diagnostics.push(
+            Diagnostic::error("expected a name in front of `{`").at(open, "of what is this?"),
+        );
+        if self.stack.len() < MAX_DEPTH {
+            self.push(None, open);
+        } else {
+            self.skip_block(open);
+        }
+    }
+
+    fn open_without_brace(&mut self, head: Head<'a>) {
+        let last = head.name.unwrap_or(head.keyword);
+        let message = format!("expected `{{` after `{} {}`", head.keyword.text, last.text);
+        self.diagnostics.push(Diagnostic::error(message).at(last.span, "expected `{` after this"));
+        self.push(Some(head), self.span(last.span.end..last.span.end));
+    }
+
+    fn push(&mut self, head: Option<Head<'a>>, open: Span) {
+        let block = Block { open, close: open, entries: Vec::new(), damaged: false };
+        self.stack.push(Frame { head, block, has_items: false });
+    }
+
+    /// Passes over a block that is too deep to be meant.
+    fn skip_block(&mut self, open: Span) {
+        self.diagnostics.push(
+            Diagnostic::error(format!("blocks are nested more than {MAX_DEPTH} deep"))
+                .at(open, "this block is skipped"),
+        );
+        let mut depth = 1;
+        while depth > 0 && !matches!(self.next.kind, TokenKind::End | TokenKind::UnclosedComment) {
+            match self.advance().kind {
+                TokenKind::Open => depth += 1,
+                TokenKind::Close => depth -= 1,
+                _ => {}
+            }
+        }
+    }
+
+    fn close(&mut self, close: Span) {
+        match self.stack.last() {
+            Some(frame) => {
+                self.note_indentation(frame.block.open, close);
+                self.pop(close);
+            }
+            None => self.surplus_close(close),
+        }
+    }
+
+    fn pop(&mut self, close: Span) {
+        let Some(Frame { head, mut block, .. }) = self.stack.pop() else { return };
+        block.close = close;
+        let Some(Head { keyword, name }) = head else { return };
+        let form = match name {
+            Some(name) => Form::Element(name, block),
+            None => Form::Block(block),
+        };
+        self.push_item(keyword, form);
+    }
+
+    fn close_all(&mut self) {
+        while let Some(frame) = self.stack.last_mut() {
+            frame.block.damaged = true;
+            let open = frame.block.open;
+            self.pop(open);
+        }
+    }
+
+    /// Whether a vector such as `center { 1 2 3` goes on with a word that is an attribute of
+    /// something: its `}` is missing.
+    fn is_attribute_after_vector(&self, word: Word<'_>) -> bool {
+        let Some(frame) = self.stack.last() else { return false };
+        let is_vector = frame.head.is_some_and(|head| head.name.is_none())
+            && !frame.block.entries.is_empty()
+            && !frame.has_items;
+        is_vector && self.vocabulary.attributes.contains(&word.text)
+    }
+
+    fn close_vector(&mut self, word: Word<'_>) {
+        let Some(frame) = self.stack.last() else { return };
+        let open = frame.block.open;
+        let last = frame.block.entries.iter().rev().find_map(|e| match e {
+            Entry::Number(number) => Some(number.word.span),
+            Entry::Item(_) => None,
+        });
+        self.diagnostics.push(
+            Diagnostic::error("this `{` is never closed")
+                .at(open, "")
+                .also(word.span, "expected a number or `}`, found this"),
+        );
+        self.pop(last.unwrap_or(open));
+    }
+
+    fn close_before_element(&mut self, head: Head<'_>) {
+        let mut diagnostic = self.unclosed();
+        if let Some(diagnostic) = &mut diagnostic {
+            let label = format!("`{}` can't stand in another element", head.keyword.text);
+            diagnostic.secondary.push(Label { span: head.keyword.span, text: label });
+        }
+        diagnostic.into_iter().for_each(|d| self.diagnostics.push(d));
+        self.close_all();
+    }
+
+    fn report_unclosed_at_end(&mut self) {
+        if !self.comment_unclosed
+            && let Some(diagnostic) = self.unclosed()
+        {
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// The error about the blocks that are open now.
+    fn unclosed(&mut self) -> Option<Diagnostic> {
+        let open: Vec<Span> = self.stack.iter().map(|f| f.block.open).collect();
+        let (innermost, outer) = open.split_last()?;
+        let mut diagnostic = Diagnostic::error("this `{` is never closed").at(*innermost, "");
+        for span in outer {
+            diagnostic = diagnostic.also(*span, "nor is this one");
+        }
+        if let Some([opened, closed]) = self.suspect.take()
+            && opened.start > innermost.start
+        {
+            diagnostic = diagnostic
+                .also(opened, "perhaps it is this one that lacks its `}`...")
+                .also(closed, "...as this `}` stands further left than its line");
+        }
+        Some(diagnostic)
+    }
+
+    fn note_indentation(&mut self, open: Span, close: Span) {
+        let (of_open, _) = self.indentation(open.start);
+        let (of_close, is_first) = self.indentation(close.start);
+        if self.suspect.is_none() && is_first && of_close < of_open {
+            self.suspect = Some([open, close]);
+        }
+    }
+
+    /// White space at the start of the line of a byte, and whether nothing else precedes it there.
+    /// A line too long to be written by hand counts as not indented.
+    fn indentation(&self, at: usize) -> (usize, bool) {
+        let nearby = &self.text.as_bytes()[at.saturating_sub(LONGEST_LINE)..at];
+        let Some(newline) = nearby.iter().rposition(|b| *b == b'\n') else { return (0, false) };
+        let before = &nearby[newline + 1..];
+        let width = before.iter().take_while(|b| b.is_ascii_whitespace()).count();
+        (width, width == before.len())
+    }
+
+    /// A `}` too many: what seemed to stand at the top of the scene since the last element was
+    /// meant to stand in that element.
+    fn surplus_close(&mut self, close: Span) {
+        let last = self.top.iter().rposition(is_element);
+        self.top.truncate(last.map_or(0, |i| i + 1));
+        let mut diagnostic = Diagnostic::error("this `}` closes nothing").at(close, "");
+        if let Some(Entry::Item(Item { keyword, form: Form::Element(name, block) })) =
+            self.top.last_mut()
+        {
+            block.damaged = true;
+            let label = format!("`{} {}` ends here already", keyword.text, name.text);
+            diagnostic = diagnostic.also(block.close, label);
+        }
+        self.diagnostics.push(diagnostic);
+    }
+
+    fn report_comment(&mut self, span: Span) {
+        self.comment_unclosed = true;
+        self.diagnostics.push(
+            Diagnostic::error("this comment is never closed")
+                .at(span, "")
+                .help("a comment that begins with `/*` ends with `*/`"),
+        );
+    }
+}
+
+fn is_element(entry: &Entry<'_>) -> bool {
+    matches!(entry, Entry::Item(Item { form: Form::Element(..), .. }))
+}

@@ -1,0 +1,192 @@
+//! Where the bytes of meshes and textures come from, and which of them a scene may read.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Component, Path, PathBuf};
+
+use super::names::closest;
+
+/// The files that a scene may name.
+#[derive(Clone, Debug)]
+pub struct Files {
+    origin: Origin,
+}
+
+#[derive(Clone, Debug)]
+enum Origin {
+    Disk { folder: PathBuf, root: PathBuf, allow_outside: bool },
+    BuiltIn { folder: String, table: Table },
+}
+
+type Table = &'static [(&'static str, &'static [u8])];
+
+/// Why a file can't be read.
+#[derive(Debug)]
+pub enum OpenError {
+    /// The path is not written as paths are; with what to write instead.
+    Spelling(String),
+    /// The path leaves the input folder.
+    Outside,
+    /// There is no such file; perhaps one of a similar name.
+    Missing(Option<String>),
+    /// The system refuses.
+    Unreadable(io::Error),
+}
+
+impl Files {
+    /// Files on disk: paths start from `folder`, which holds the scene, and must stay within
+    /// `root`, unless `allow_outside`.
+    pub fn on_disk(folder: &Path, root: &Path, allow_outside: bool) -> Self {
+        let (folder, root) = (absolute(folder), absolute(root));
+        Self { origin: Origin::Disk { folder, root, allow_outside } }
+    }
+
+    /// Files compiled into the program: pairs of path and content, paths with `/` and from the
+    /// root of the table; those in the scene start from `folder`, which may be empty.
+    pub fn built_in(folder: &str, table: Table) -> Self {
+        Self { origin: Origin::BuiltIn { folder: folder.to_owned(), table } }
+    }
+
+    /// The content of the file at a path as a scene writes it.
+    ///
+    /// # Errors
+    /// See [`OpenError`].
+    pub fn open(&self, path: &str) -> Result<Box<dyn Read>, OpenError> {
+        if path.contains('\\') {
+            return Err(OpenError::Spelling(path.replace('\\', "/")));
+        }
+        match &self.origin {
+            Origin::Disk { folder, root, allow_outside } => {
+                let full = normal(&folder.join(path));
+                if *allow_outside || (full.starts_with(root) && !is_absolute(path)) {
+                    open_on_disk(&full, path)
+                } else {
+                    Err(OpenError::Outside)
+                }
+            }
+            Origin::BuiltIn { folder, table } => open_built_in(table, folder, path),
+        }
+    }
+}
+
+/// Whether a path is absolute on any system.
+fn is_absolute(path: &str) -> bool {
+    path.starts_with('/') || path.as_bytes().get(1) == Some(&b':')
+}
+
+/// The path from the root of the file system, without links where it exists.
+fn absolute(path: &Path) -> PathBuf {
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    let absolute = path.canonicalize().or_else(|_| std::path::absolute(path));
+    normal(&absolute.unwrap_or_else(|_| path.to_owned()))
+}
+
+/// The path without `.` and `..`.
+fn normal(path: &Path) -> PathBuf {
+    let mut normal = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                normal.pop();
+            }
+            other => normal.push(other),
+        }
+    }
+    normal
+}
+
+fn open_on_disk(full: &Path, path: &str) -> Result<Box<dyn Read>, OpenError> {
+    match File::open(full) {
+        Ok(_) if full.is_dir() => {
+            Err(OpenError::Unreadable(io::Error::from(io::ErrorKind::IsADirectory)))
+        }
+        Ok(file) => Ok(Box::new(io::BufReader::with_capacity(1 << 16, file))),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => {
+            Err(OpenError::Missing(neighbour(full, path)))
+        }
+        Err(e) => Err(OpenError::Unreadable(e)),
+    }
+}
+
+/// The path with its last part replaced by the most similar name in that folder.
+fn neighbour(full: &Path, path: &str) -> Option<String> {
+    let entries = full.parent()?.read_dir().ok()?.take(1000);
+    let names = entries.filter_map(|e| e.ok()?.file_name().into_string().ok());
+    let mut names: Vec<String> = names.collect();
+    names.sort_unstable();
+    let name = closest(full.file_name()?.to_str()?, names.iter().map(String::as_str))?;
+    let folder = path.rfind('/').map_or("", |i| &path[..=i]);
+    Some(format!("{folder}{name}"))
+}
+
+fn open_built_in(table: Table, folder: &str, path: &str) -> Result<Box<dyn Read>, OpenError> {
+    if is_absolute(path) {
+        return Err(OpenError::Outside);
+    }
+    let mut parts: Vec<&str> = folder.split('/').filter(|p| !p.is_empty()).collect();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => {
+                parts.pop().ok_or(OpenError::Outside)?;
+            }
+            name => parts.push(name),
+        }
+    }
+    let full = parts.join("/");
+    match table.iter().find(|(name, _)| *name == full) {
+        Some((_, content)) => Ok(Box::new(*content)),
+        None => {
+            Err(OpenError::Missing(closest(&full, table.iter().map(|f| f.0)).map(str::to_owned)))
+        }
+    }
+}
+
+/// Hash over a scene's text and the files that it loads, in order.
+#[derive(Clone, Debug)]
+pub(super) struct ContentHash(blake3::Hasher);
+
+impl ContentHash {
+    /// Begins with the text.
+    pub(super) fn new(text: &[u8]) -> Self {
+        let mut whole = blake3::Hasher::new();
+        whole.update(blake3::hash(text).as_bytes());
+        Self(whole)
+    }
+
+    /// Adds a file that was read to its end.
+    pub(super) fn add(&mut self, file: &blake3::Hasher) {
+        self.0.update(file.finalize().as_bytes());
+    }
+
+    pub(super) fn finish(&self) -> [u8; 32] {
+        *self.0.finalize().as_bytes()
+    }
+}
+
+/// Passes bytes on and hashes them.
+pub(super) struct HashingReader<R> {
+    inner: R,
+    hasher: blake3::Hasher,
+}
+
+impl<R: Read> HashingReader<R> {
+    pub(super) fn new(inner: R) -> Self {
+        Self { inner, hasher: blake3::Hasher::new() }
+    }
+
+    /// The hash of the whole file, also of what its loader left unread.
+    pub(super) fn finish(mut self) -> io::Result<blake3::Hasher> {
+        io::copy(&mut self, &mut io::sink())?;
+        Ok(self.hasher)
+    }
+}
+
+impl<R: Read> Read for HashingReader<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.inner.read(buffer)?;
+        self.hasher.update(&buffer[..n]);
+        Ok(n)
+    }
+}

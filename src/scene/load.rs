@@ -1,0 +1,77 @@
+//! From the bytes of a scene text to a scene and everything that is wrong with it.
+
+use std::borrow::Cow;
+
+use super::SceneDescription;
+use super::files::{ContentHash, Files};
+use super::resolve::resolve;
+use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
+
+/// What came out of a scene text.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// `None` where there are errors.
+    pub scene: Option<SceneDescription>,
+    /// Errors and warnings, with the texts that they point into.
+    pub diagnostics: Diagnostics,
+}
+
+/// The scene that a text describes, with its meshes and textures loaded.
+///
+/// `text_name` is what messages call the text: its path as the user gave it. Everything that is
+/// wrong is found in one go; `files` says where meshes and textures are.
+pub fn load(text_name: &str, text: impl AsRef<[u8]>, files: &Files) -> Loaded {
+    load_bytes(text_name, text.as_ref(), files)
+}
+
+fn load_bytes(text_name: &str, bytes: &[u8], files: &Files) -> Loaded {
+    let mut diagnostics = Diagnostics::default();
+    let text = decode(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
+    let is_text = !text.contains('\0') && !is_utf_16(bytes);
+    let shown = if is_text { text.clone().into_owned() } else { String::new() };
+    let source =
+        diagnostics.add_source(Source { name: text_name.to_owned(), text: shown, first_line: 1 });
+    if !is_text {
+        diagnostics.push(not_a_text(bytes));
+        return Loaded { scene: None, diagnostics };
+    }
+    if let Cow::Owned(_) = text {
+        diagnostics.push(not_utf_8(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes), source));
+    }
+    let hash = ContentHash::new(bytes);
+    let scene = resolve(&text, source, files, hash, &mut diagnostics);
+    Loaded { scene: scene.filter(|_| !diagnostics.has_errors()), diagnostics }
+}
+
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// The text, with U+FFFD where it is not UTF-8.
+fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(bytes)
+}
+
+fn is_utf_16(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff")
+}
+
+fn not_a_text(bytes: &[u8]) -> Diagnostic {
+    if is_utf_16(bytes) {
+        return Diagnostic::error("the scene is UTF-16 text").help("save it as UTF-8");
+    }
+    Diagnostic::error("the scene is not a text, but a binary file")
+}
+
+/// The error about the first byte that is not UTF-8.
+fn not_utf_8(bytes: &[u8], source: SourceId) -> Diagnostic {
+    let start = bytes.utf8_chunks().next().map_or(0, |chunk| chunk.valid().len());
+    let places = bytes.utf8_chunks().filter(|chunk| !chunk.invalid().is_empty()).count();
+    let byte = bytes.get(start).copied().unwrap_or(0);
+    let span = Span { source, start, end: start + '\u{fffd}'.len_utf8() };
+    let label = match places {
+        1 => format!("the byte 0x{byte:02x}"),
+        n => format!("the byte 0x{byte:02x}, and {} more places", n - 1),
+    };
+    Diagnostic::error("the scene is not UTF-8 text").at(span, label).help(
+        "save it as UTF-8; texts of older Windows programs are often Windows-1250 or Windows-1252",
+    )
+}

@@ -1,0 +1,124 @@
+//! Names that stand for things, and names that were perhaps meant.
+
+use std::collections::HashMap;
+
+use crate::diagnostics::{Diagnostic, Diagnostics, Span};
+use crate::format::syntax::Word;
+
+/// The candidate that a misspelt word was most probably meant to be; `None` where none is near.
+pub(super) fn closest<'c>(
+    word: &str,
+    candidates: impl Iterator<Item = &'c str>,
+) -> Option<&'c str> {
+    let plain = simplified(word);
+    let allowed = (plain.chars().count() / 3).clamp(1, 4);
+    candidates
+        .map(|candidate| (distance(&plain, &simplified(candidate), allowed), candidate))
+        .filter(|(distance, _)| *distance <= allowed)
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// Edits from one to the other, where lengths alone don't rule it out.
+fn distance(a: &str, b: &str, allowed: usize) -> usize {
+    let difference = a.chars().count().abs_diff(b.chars().count());
+    if difference > allowed { usize::MAX } else { strsim::osa_distance(a, b) }
+}
+
+/// Without capitals and underscores; a word too long to be a slip of the keys is cut.
+fn simplified(word: &str) -> String {
+    word.chars().take(100).filter(|c| *c != '_' && *c != '-').flat_map(char::to_lowercase).collect()
+}
+
+/// The elements of one kind that can be referred to.
+#[derive(Debug)]
+pub(super) struct Names<'a> {
+    /// As in "no material is called ...".
+    kind: &'static str,
+    entries: Vec<Named<'a>>,
+    by_name: HashMap<&'a str, usize>,
+}
+
+#[derive(Debug)]
+struct Named<'a> {
+    word: Word<'a>,
+    used: bool,
+}
+
+impl<'a> Names<'a> {
+    pub(super) fn new(kind: &'static str) -> Self {
+        Self { kind, entries: Vec::new(), by_name: HashMap::new() }
+    }
+
+    /// Adds the next element; its index is the number of elements before it.
+    pub(super) fn declare(&mut self, word: Word<'a>) -> Option<Redefinition> {
+        let index = self.entries.len();
+        self.entries.push(Named { word, used: false });
+        let first = *self.by_name.entry(word.text).or_insert(index);
+        let is_double = first != index && !word.text.is_empty();
+        is_double.then(|| Redefinition { first: self.entries[first].word.span, again: word.span })
+    }
+
+    pub(super) fn contains(&self, name: &str) -> bool {
+        self.by_name.contains_key(name)
+    }
+
+    /// Index of the element of a name; marks it as used.
+    pub(super) fn find(&mut self, name: &str) -> Option<usize> {
+        let index = *self.by_name.get(name)?;
+        self.entries[index].used = true;
+        Some(index)
+    }
+
+    /// The most similar name.
+    pub(super) fn closest(&self, name: &str) -> Option<&'a str> {
+        closest(name, self.entries.iter().map(|e| e.word.text))
+    }
+
+    /// All names, for a help that lists them.
+    pub(super) fn all(&self) -> impl Iterator<Item = &'a str> {
+        self.entries.iter().map(|e| e.word.text)
+    }
+
+    /// Warns of what nothing refers to.
+    pub(super) fn warn_unused(&self, diagnostics: &mut Diagnostics) {
+        for named in self.entries.iter().filter(|e| !e.used) {
+            let message = format!("unused {} `{}`", self.kind, named.word.text);
+            diagnostics
+                .push(Diagnostic::warning(message).at(named.word.span, "nothing refers to this"));
+        }
+    }
+
+    pub(super) fn kind(&self) -> &'static str {
+        self.kind
+    }
+}
+
+/// Two elements of one kind with the same name.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Redefinition {
+    pub(super) first: Span,
+    pub(super) again: Span,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::closest;
+
+    #[test]
+    fn the_nearest_name_is_suggested() {
+        let names = ["ambient", "diffuse", "diffuse_reflection", "specular", "Camera"];
+        let cases = [
+            ("difuse", Some("diffuse")),
+            ("camera", Some("Camera")),
+            ("diffuseReflection", Some("diffuse_reflection")),
+            ("speuclar", Some("specular")),
+            ("radius", None),
+            ("x", None),
+            ("", None),
+        ];
+        for (word, expected) in cases {
+            assert_eq!(closest(word, names.into_iter()), expected, "{word}");
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The elements at the top of a scene, by type.
+
+use super::fields::{Element, nameless};
+use super::schema::{ELEMENTS, owners};
+use super::{AllNames, quoted_list};
+use crate::diagnostics::{Diagnostic, Diagnostics};
+use crate::format::syntax::{Entry, Form, Item, Word};
+use crate::scene::names::{Names, closest};
+
+/// Elements that can be seen, in the order of messages.
+const OBJECTS: [&str; 8] =
+    ["plane", "sphere", "triangle", "rectangle", "box", "cylinder", "cone", "mesh"];
+
+/// Elements without positions; everything else is scaled.
+const UNSCALED: [&str; 6] =
+    ["Scaling", "settings", "phong_info", "material_phong", "texture", "material_texture"];
+
+/// The elements of a scene in the order of the text.
+pub(super) struct Scene<'t, 'a> {
+    elements: Vec<Element<'t, 'a>>,
+    /// Names of elements of unknown types.
+    unknown: Vec<Word<'a>>,
+    /// Whether braces are wrong somewhere, so that elements may be lost.
+    pub(super) is_damaged: bool,
+}
+
+impl<'t, 'a> Scene<'t, 'a> {
+    /// Sorts out what is no element.
+    pub(super) fn collect(entries: &'t [Entry<'a>], diagnostics: &mut Diagnostics) -> Self {
+        let mut scene = Self { elements: Vec::new(), unknown: Vec::new(), is_damaged: false };
+        let mut in_numbers = false;
+        for entry in entries {
+            match entry {
+                Entry::Item(item) => scene.item(item, diagnostics),
+                Entry::Number(number) if !in_numbers => diagnostics.push(
+                    Diagnostic::error("expected an element, found a number")
+                        .at(number.word.span, ""),
+                ),
+                Entry::Number(_) => {}
+            }
+            in_numbers = true;
+        }
+        scene
+    }
+
+    fn item(&mut self, item: &'t Item<'a>, diagnostics: &mut Diagnostics) {
+        let keyword = item.keyword;
+        let schema = ELEMENTS.iter().find(|s| s.keyword == keyword.text);
+        let (name, block) = match &item.form {
+            Form::Element(name, block) => (*name, block),
+            Form::Block(block) if schema.is_some() => {
+                diagnostics.push(nameless(keyword));
+                (Word { text: "", span: keyword.span }, block)
+            }
+            _ => return diagnostics.push(not_an_element(item)),
+        };
+        self.is_damaged |= block.damaged;
+        match schema {
+            Some(schema) => self.elements.push(Element { schema, keyword, name, block }),
+            None => {
+                self.unknown.push(name);
+                diagnostics.push(unknown_type(keyword));
+            }
+        }
+    }
+
+    /// All elements of some types.
+    pub(super) fn of(&self, keywords: &[&str]) -> Vec<Element<'t, 'a>> {
+        let elements = self.elements.iter();
+        elements.filter(|e| keywords.contains(&e.schema.keyword)).copied().collect()
+    }
+
+    /// All that can be seen.
+    pub(super) fn objects(&self) -> Vec<Element<'t, 'a>> {
+        self.of(&OBJECTS)
+    }
+
+    /// The first element that `Scaling` changes.
+    pub(super) fn first_with_positions(&self) -> Option<&Element<'t, 'a>> {
+        self.elements.iter().find(|e| !UNSCALED.contains(&e.schema.keyword))
+    }
+
+    /// The one element of a type; reports all but the first.
+    pub(super) fn only(
+        &self,
+        keyword: &str,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Element<'t, 'a>> {
+        let elements = self.of(&[keyword]);
+        let (first, others) = elements.split_first()?;
+        for other in others {
+            diagnostics.push(
+                Diagnostic::error(format!("the scene has more than one `{keyword}`"))
+                    .at(other.head(), "one too many")
+                    .also(first.head(), "first here"),
+            );
+        }
+        Some(*first)
+    }
+
+    /// What can be referred to; reports names that are given twice.
+    pub(super) fn names(&self, diagnostics: &mut Diagnostics) -> AllNames<'a> {
+        let mut unknown = Names::new("element");
+        self.unknown.iter().for_each(|word| _ = unknown.declare(*word));
+        let lights = ["light_point", "light_rectangle"];
+        self.warn_of_doubles("light", &lights, diagnostics);
+        self.warn_of_doubles("object", &OBJECTS, diagnostics);
+        AllNames {
+            phong_infos: self.declare("phong_info", &["phong_info"], diagnostics),
+            materials: self.declare(
+                "material",
+                &["material_phong", "material_texture"],
+                diagnostics,
+            ),
+            textures: self.declare("texture", &["texture"], diagnostics),
+            unknown,
+        }
+    }
+
+    fn declare(
+        &self,
+        kind: &'static str,
+        keywords: &[&str],
+        diagnostics: &mut Diagnostics,
+    ) -> Names<'a> {
+        let mut names = Names::new(kind);
+        for element in self.of(keywords) {
+            if let Some(double) = names.declare(element.name) {
+                let message = format!("two {kind}s are called `{}`", element.name.text);
+                diagnostics.push(
+                    Diagnostic::error(message)
+                        .at(double.again, "again")
+                        .also(double.first, "first here"),
+                );
+            }
+        }
+        names
+    }
+
+    /// Nothing refers to objects and lights, so their names matter only to people.
+    fn warn_of_doubles(
+        &self,
+        kind: &'static str,
+        keywords: &[&str],
+        diagnostics: &mut Diagnostics,
+    ) {
+        let mut names = Names::new(kind);
+        for element in self.of(keywords) {
+            if let Some(double) = names.declare(element.name) {
+                let message = format!("two {kind}s are called `{}`", element.name.text);
+                diagnostics.push(
+                    Diagnostic::warning(message)
+                        .at(double.again, "again")
+                        .also(double.first, "first here"),
+                );
+            }
+        }
+    }
+}
+
+fn unknown_type(keyword: Word<'_>) -> Diagnostic {
+    let word = keyword.text;
+    let types = ELEMENTS.iter().map(|s| s.keyword);
+    if let Some(near) = closest(word, types.clone()) {
+        let message = format!("unknown element `{word}`, did you mean `{near}`?");
+        return Diagnostic::error(message).at(keyword.span, "");
+    }
+    let diagnostic = Diagnostic::error(format!("unknown element `{word}`"));
+    match owners(word).as_slice() {
+        [] => diagnostic
+            .at(keyword.span, "")
+            .help(format!("a scene takes {}", quoted_list(types, usize::MAX))),
+        owners => diagnostic
+            .at(keyword.span, format!("this stands in {}", quoted_list(owners.iter().copied(), 3))),
+    }
+}
+
+fn not_an_element(item: &Item<'_>) -> Diagnostic {
+    let Item { keyword, form } = item;
+    let word = keyword.text;
+    if let Form::Block(_) = form
+        && owners(word).is_empty()
+    {
+        return unknown_type(*keyword);
+    }
+    let diagnostic = Diagnostic::error(format!("expected an element, found `{word}`"));
+    match owners(word).as_slice() {
+        [] => diagnostic.at(keyword.span, "").help("an element is written `TYPE NAME { ... }`"),
+        owners => {
+            let list = quoted_list(owners.iter().copied(), 3);
+            diagnostic.at(keyword.span, format!("this is an attribute of {list}"))
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! `addKframe`: where an object is when.
+
+use glam::DVec3;
+
+use super::fields::{Element, Field, Fields, Value};
+use super::schema::{ADD_KFRAME, KEY, NEX, PRE, Schema};
+use super::values::Bound;
+use crate::diagnostics::{Diagnostic, Span};
+use crate::format::syntax::Word;
+use crate::scene::{KeyFrame, Placement};
+
+/// Sine between up and right below which they give no orientation.
+const LEAST_SINE: f64 = 1e-9;
+
+/// Steps at which the way between two key frames is looked at.
+const STEPS: u32 = 48;
+
+/// A key frame with its places in the text.
+struct Written {
+    key_frame: KeyFrame,
+    time: Span,
+    keyword: Span,
+}
+
+/// The key frames of an object, in order of time.
+pub(super) fn key_frames(fields: &mut Fields<'_, '_, '_>) -> Vec<KeyFrame> {
+    let blocks = fields.all("addKframe");
+    let mut written: Vec<_> = blocks.into_iter().filter_map(|b| key_frame(fields, b)).collect();
+    sort(&mut written, fields);
+    check_orientations(&written, fields);
+    written.into_iter().map(|w| w.key_frame).collect()
+}
+
+fn key_frame(fields: &mut Fields<'_, '_, '_>, field: Field<'_, '_>) -> Option<Written> {
+    let mut fields = open(fields, field, &ADD_KFRAME)?;
+    let time = fields.number("time", Bound::Any);
+    let [pre, key, nex] = [("pre", &PRE), ("key", &KEY), ("nex", &NEX)]
+        .map(|(name, schema)| placement(&mut fields, name, schema));
+    let time = time?;
+    let key_frame = KeyFrame { time: time.value, pre, key, nex };
+    Some(Written { key_frame, time: time.span, keyword: field.keyword.span })
+}
+
+fn placement(fields: &mut Fields<'_, '_, '_>, name: &str, schema: &'static Schema) -> Placement {
+    let field = fields.get(name);
+    let Some(mut fields) = field.and_then(|field| open(fields, field, schema)) else {
+        return Placement::default();
+    };
+    Placement {
+        pivot: fields.point("pivot").map(|f| f.value),
+        up: fields.direction("up").map(|f| f.value),
+        right: fields.direction("right").map(|f| f.value),
+    }
+}
+
+/// The attributes of a block in this one.
+fn open<'t, 'a, 'f>(
+    fields: &'f mut Fields<'_, '_, '_>,
+    field: Field<'t, 'a>,
+    schema: &'static Schema,
+) -> Option<Fields<'t, 'a, 'f>> {
+    let Value::Block(block) = field.value else { return None };
+    let name = Word { text: "", span: field.keyword.span };
+    let element = Element { schema, keyword: field.keyword, name, block };
+    Some(Fields::read(element, fields.scale, fields.diagnostics))
+}
+
+fn sort(written: &mut [Written], fields: &mut Fields<'_, '_, '_>) {
+    let disorder = written.windows(2).find(|pair| pair[1].key_frame.time < pair[0].key_frame.time);
+    if let Some([before, after]) = disorder {
+        let message = format!("key frames of {} are not in order of time", fields.element.title());
+        fields.diagnostics.push(
+            Diagnostic::warning(message)
+                .at(after.time, "earlier than the key frame before it")
+                .also(before.time, "")
+                .help("they are sorted"),
+        );
+    }
+    written.sort_by(|a, b| a.key_frame.time.total_cmp(&b.key_frame.time));
+    for pair in written.windows(2).filter(|p| p[0].key_frame.time == p[1].key_frame.time) {
+        let (first, again) = (pair[0].time.min(pair[1].time), pair[0].time.max(pair[1].time));
+        let message = format!("{} has two key frames at one time", fields.element.title());
+        fields
+            .diagnostics
+            .push(Diagnostic::error(message).at(again, "the same time").also(first, "first here"));
+    }
+}
+
+/// Up and right of a control point, with everything filled in.
+#[derive(Clone, Copy)]
+struct Orientation {
+    up: DVec3,
+    right: DVec3,
+}
+
+impl Orientation {
+    fn is_flat(self) -> bool {
+        let (up, right) = (self.up.normalize_or_zero(), self.right.normalize_or_zero());
+        up.cross(right).length() < LEAST_SINE
+    }
+
+    fn third_toward(self, other: Self) -> Self {
+        let third = |a: DVec3, b: DVec3| a + (b - a) / 3.0;
+        Self { up: third(self.up, other.up), right: third(self.right, other.right) }
+    }
+
+    /// With what a handle says instead.
+    fn with(self, handle: Placement) -> Self {
+        Self { up: handle.up.unwrap_or(self.up), right: handle.right.unwrap_or(self.right) }
+    }
+}
+
+fn check_orientations(written: &[Written], fields: &mut Fields<'_, '_, '_>) {
+    let mut last = Orientation { up: DVec3::Z, right: DVec3::X };
+    let mut keys = Vec::new();
+    for one in written {
+        last = last.with(one.key_frame.key);
+        keys.push(last);
+    }
+    let errors = fields.diagnostics.error_count();
+    for (i, one) in written.iter().enumerate() {
+        let neighbour =
+            |at: Option<usize>| at.and_then(|at| keys.get(at)).copied().unwrap_or(keys[i]);
+        let pre = keys[i].third_toward(neighbour(i.checked_sub(1))).with(one.key_frame.pre);
+        let nex = keys[i].third_toward(neighbour(Some(i + 1))).with(one.key_frame.nex);
+        let controls = [("pre", pre, one.key_frame.pre), ("nex", nex, one.key_frame.nex)];
+        if keys[i].is_flat() {
+            report_flat(fields, one, "key");
+        } else if let Some((name, ..)) = controls
+            .iter()
+            .find(|(_, o, given)| (given.up.is_some() || given.right.is_some()) && o.is_flat())
+        {
+            report_flat(fields, one, name);
+        }
+    }
+    if fields.diagnostics.error_count() == errors {
+        written
+            .windows(2)
+            .zip(keys.windows(2))
+            .for_each(|(pair, keys)| warn_of_collapse(fields, pair, keys));
+    }
+}
+
+fn report_flat(fields: &mut Fields<'_, '_, '_>, written: &Written, which: &str) {
+    let time = written.key_frame.time;
+    let message = format!(
+        "up is parallel to right in `{which}` of the key frame at time {time} of {}",
+        fields.element.title()
+    );
+    fields.diagnostics.push(
+        Diagnostic::error(message)
+            .at(written.keyword, "together they must span a plane")
+            .help("what a key frame leaves out is as in the one before it; at first up is z and right is x"),
+    );
+}
+
+/// Warns where up and right become parallel on the way between two keys.
+fn warn_of_collapse(fields: &mut Fields<'_, '_, '_>, pair: &[Written], keys: &[Orientation]) {
+    let ([from, to], [a, d]) = (pair, keys) else { return };
+    let b = a.third_toward(*d).with(from.key_frame.nex);
+    let c = d.third_toward(*a).with(to.key_frame.pre);
+    let at = |u: f64| Orientation {
+        up: bezier([a.up, b.up, c.up, d.up], u),
+        right: bezier([a.right, b.right, c.right, d.right], u),
+    };
+    let steps = (1..STEPS).map(|step| f64::from(step) / f64::from(STEPS));
+    if steps
+        .into_iter()
+        .any(|u| at(u).is_flat() || at(u).up.length().min(at(u).right.length()) < 1e-9)
+    {
+        let message = format!(
+            "{} loses its orientation between the key frames at times {} and {}",
+            fields.element.title(),
+            from.key_frame.time,
+            to.key_frame.time
+        );
+        fields.diagnostics.push(
+            Diagnostic::warning(message)
+                .at(to.keyword, "on the way here, up and right become parallel")
+                .also(from.keyword, "from here")
+                .help("put a key frame between them: a turn takes at least one per 90 degrees"),
+        );
+    }
+}
+
+/// A point of a cubic Bézier curve.
+fn bezier([a, b, c, d]: [DVec3; 4], u: f64) -> DVec3 {
+    let (ab, bc, cd) = (a.lerp(b, u), b.lerp(c, u), c.lerp(d, u));
+    ab.lerp(bc, u).lerp(bc.lerp(cd, u), u)
+}

@@ -1,0 +1,289 @@
+//! Syntax tree -> scene: every element in its room, references followed.
+
+mod assets;
+mod camera;
+mod collect;
+mod fields;
+mod key_frames;
+mod lights;
+mod materials;
+mod schema;
+mod settings;
+mod shapes;
+mod values;
+
+use std::sync::Arc;
+
+use self::assets::Assets;
+use self::collect::Scene;
+use self::fields::{Element, Fields, Value, quoted_list};
+use self::schema::{ELEMENTS, Kind, all_attributes, element_keywords};
+use super::files::{ContentHash, Files};
+use super::names::Names;
+use super::{
+    Camera, Light, Material, MaterialId, Object, SceneDescription, Settings, Shape, Texture,
+    TextureId, TextureUse,
+};
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceId};
+use crate::format::parse;
+use crate::format::syntax::{Entry, Vocabulary, Word};
+
+/// The scene of a text that is a source of `diagnostics`; a scene without meaning where there are
+/// errors.
+pub(super) fn resolve(
+    text: &str,
+    source: SourceId,
+    files: &Files,
+    hash: ContentHash,
+    diagnostics: &mut Diagnostics,
+) -> Option<SceneDescription> {
+    let entries = parse_scene(text, source, diagnostics);
+    let name = diagnostics.source(source).name.clone();
+    let scene = Scene::collect(&entries, diagnostics);
+    let scale = scaling(&scene, diagnostics);
+    let names = scene.names(diagnostics);
+    let assets = Assets::new(files, &name, hash);
+    let mut resolver = Resolver { scene, scale, names, assets, diagnostics };
+    let description = resolver.description();
+    if !resolver.diagnostics.has_errors() {
+        resolver.warn_unused();
+    }
+    description
+}
+
+fn parse_scene<'a>(
+    text: &'a str,
+    source: SourceId,
+    diagnostics: &mut Diagnostics,
+) -> Vec<Entry<'a>> {
+    let attributes = all_attributes();
+    let naming = attributes.iter().filter(|a| matches!(a.kind, Kind::Word(_))).map(|a| a.name);
+    let vocabulary = Vocabulary {
+        elements: &element_keywords(),
+        attributes: &attributes.iter().map(|a| a.name).collect::<Vec<_>>(),
+        naming: &naming.collect::<Vec<_>>(),
+    };
+    parse(text, source, vocabulary, diagnostics)
+}
+
+/// `Scaling`, which stands before everything that it scales.
+fn scaling(scene: &Scene<'_, '_>, diagnostics: &mut Diagnostics) -> f64 {
+    let Some(element) = scene.only("Scaling", diagnostics) else { return 1.0 };
+    if let Some(first) = scene.first_with_positions()
+        && first.keyword.span < element.keyword.span
+    {
+        diagnostics.push(
+            Diagnostic::error("`Scaling` stands after an element with positions")
+                .at(element.head(), "")
+                .also(first.head(), "this would not be scaled")
+                .help("write it at the top of the scene"),
+        );
+    }
+    let mut fields = Fields::bare(element, diagnostics);
+    let Some([factor]) = fields.numbers(element.keyword, element.block) else { return 1.0 };
+    if factor > 0.0 {
+        return factor;
+    }
+    let span = element.block.open.to(element.block.close);
+    diagnostics.push(Diagnostic::error("`Scaling` must be more than 0").at(span, ""));
+    1.0
+}
+
+/// What can be referred to.
+struct AllNames<'a> {
+    phong_infos: Names<'a>,
+    materials: Names<'a>,
+    textures: Names<'a>,
+    /// Names of elements of unknown types: they may be what a reference means.
+    unknown: Names<'a>,
+}
+
+struct Resolver<'t, 'a, 'd> {
+    scene: Scene<'t, 'a>,
+    scale: f64,
+    names: AllNames<'a>,
+    assets: Assets<'d>,
+    diagnostics: &'d mut Diagnostics,
+}
+
+/// The kinds of elements that are referred to.
+#[derive(Clone, Copy)]
+enum Referred {
+    PhongInfo,
+    Material,
+    Texture,
+}
+
+impl<'t, 'a> Resolver<'t, 'a, '_> {
+    fn description(&mut self) -> Option<SceneDescription> {
+        let settings = self.settings();
+        let camera = self.camera();
+        let lights = self.lights();
+        let phong_infos = self.phong_infos();
+        let textures = self.textures();
+        let materials = self.materials(&phong_infos);
+        let objects = self.objects();
+        Some(SceneDescription {
+            settings,
+            camera: camera?,
+            lights,
+            materials,
+            textures: textures.into_iter().collect::<Option<_>>()?,
+            objects,
+            content_hash: self.assets.hash.finish(),
+        })
+    }
+
+    fn fields(&mut self, element: Element<'t, 'a>) -> Fields<'t, 'a, '_> {
+        Fields::read(element, self.scale, self.diagnostics)
+    }
+
+    fn settings(&mut self) -> Settings {
+        match self.scene.only("settings", self.diagnostics) {
+            Some(element) => settings::settings(&mut self.fields(element)),
+            None => Settings::default(),
+        }
+    }
+
+    fn camera(&mut self) -> Option<Camera> {
+        let Some(element) = self.scene.only("Camera", self.diagnostics) else {
+            if !self.scene.is_damaged {
+                self.diagnostics.push(
+                    Diagnostic::error("the scene has no `Camera`")
+                        .help("write `Camera NAME { fps NUMBER  Film NAME { ... }  CamSegment NAME { ... } }`"),
+                );
+            }
+            return None;
+        };
+        camera::camera(&mut self.fields(element))
+    }
+
+    fn lights(&mut self) -> Vec<Light> {
+        let elements = self.scene.of(&["light_point", "light_rectangle"]);
+        let mut lights = Vec::new();
+        for element in elements {
+            let mut fields = self.fields(element);
+            lights.extend(match element.schema.keyword {
+                "light_point" => lights::point(&mut fields),
+                _ => lights::rectangle(&mut fields),
+            });
+        }
+        lights
+    }
+
+    fn phong_infos(&mut self) -> Vec<Material> {
+        let elements = self.scene.of(&["phong_info"]);
+        elements.into_iter().map(|e| materials::phong_info(&mut self.fields(e))).collect()
+    }
+
+    fn textures(&mut self) -> Vec<Option<Arc<Texture>>> {
+        let mut textures = Vec::new();
+        for element in self.scene.of(&["texture"]) {
+            let path = self.fields(element).word("filename");
+            textures.push(path.and_then(|path| self.assets.texture(path, self.diagnostics)));
+        }
+        textures
+    }
+
+    fn materials(&mut self, phong_infos: &[Material]) -> Vec<Material> {
+        let elements = self.scene.of(&["material_phong", "material_texture"]);
+        elements.into_iter().filter_map(|e| self.material(e, phong_infos)).collect()
+    }
+
+    fn material(&mut self, element: Element<'t, 'a>, phong_infos: &[Material]) -> Option<Material> {
+        let mut fields = self.fields(element);
+        let (phong, texture) = (fields.word("phong_info"), fields.word("texture"));
+        let scale = materials::texture_scale(&mut fields);
+        let phong = phong.and_then(|word| self.refer(Referred::PhongInfo, word));
+        let texture = texture.and_then(|word| self.refer(Referred::Texture, word));
+        Some(Material {
+            name: element.name.text.to_owned(),
+            texture: texture.map(|id| TextureUse { texture: TextureId(id as u32), scale }),
+            ..phong_infos.get(phong?)?.clone()
+        })
+    }
+
+    fn objects(&mut self) -> Vec<Object> {
+        let elements = self.scene.objects();
+        elements.into_iter().filter_map(|e| self.object(e)).collect()
+    }
+
+    fn object(&mut self, element: Element<'t, 'a>) -> Option<Object> {
+        let mut fields = Fields::read(element, self.scale, self.diagnostics);
+        let material = fields.word("material");
+        let key_frames = key_frames::key_frames(&mut fields);
+        let shape = match element.schema.keyword {
+            "plane" => shapes::plane(&mut fields),
+            "sphere" => shapes::sphere(&mut fields),
+            "triangle" => shapes::triangle(&mut fields),
+            "rectangle" => shapes::rectangle(&mut fields),
+            "box" => shapes::cuboid(&mut fields),
+            "cylinder" => shapes::cylinder(&mut fields),
+            "cone" => shapes::cone(&mut fields),
+            _ => mesh(&mut fields, &mut self.assets),
+        };
+        let material = material.and_then(|word| self.refer(Referred::Material, word));
+        Some(Object {
+            name: element.name.text.to_owned(),
+            material: MaterialId(material? as u32),
+            shape: shape?,
+            key_frames,
+        })
+    }
+
+    /// Index of what a word refers to; reports a name that there is not.
+    fn refer(&mut self, referred: Referred, word: Word<'a>) -> Option<usize> {
+        let AllNames { phong_infos, materials, textures, unknown } = &mut self.names;
+        let (names, others) = match referred {
+            Referred::PhongInfo => (phong_infos, [&*materials, &*textures]),
+            Referred::Material => (materials, [&*phong_infos, &*textures]),
+            Referred::Texture => (textures, [&*phong_infos, &*materials]),
+        };
+        let found = names.find(word.text);
+        if found.is_none() && !unknown.contains(word.text) && !self.scene.is_damaged {
+            self.diagnostics.push(dangling(word, names, others));
+        }
+        found
+    }
+
+    fn warn_unused(&mut self) {
+        let AllNames { phong_infos, materials, textures, .. } = &self.names;
+        for names in [phong_infos, materials, textures] {
+            names.warn_unused(self.diagnostics);
+        }
+        if self.scene.objects().is_empty() {
+            self.diagnostics.push(Diagnostic::warning("the scene has no objects"));
+        }
+    }
+}
+
+fn mesh(fields: &mut Fields<'_, '_, '_>, assets: &mut Assets<'_>) -> Option<Shape> {
+    let smooth = fields.count("smooth_normals", 0, 1);
+    let paths = fields.all("filename").into_iter().map(|field| match field.value {
+        Value::Word(word) => Some(word),
+        _ => None,
+    });
+    let paths: Vec<Word<'_>> = paths.collect::<Option<_>>()?;
+    let smooth = smooth.is_some_and(|s| s.value == 1);
+    let mesh = assets.mesh(&paths, smooth, fields.scale, fields.diagnostics)?;
+    Some(Shape::Mesh { mesh, smooth })
+}
+
+fn dangling(word: Word<'_>, names: &Names<'_>, others: [&Names<'_>; 2]) -> Diagnostic {
+    let kind = names.kind();
+    let message = format!("no {kind} is called `{}`", word.text);
+    if let Some(near) = names.closest(word.text) {
+        return Diagnostic::error(format!("{message}, did you mean `{near}`?")).at(word.span, "");
+    }
+    let diagnostic = Diagnostic::error(message);
+    if let Some(other) = others.iter().find(|o| o.contains(word.text)) {
+        let label = format!("this is the name of a {}", other.kind());
+        return diagnostic.at(word.span, label);
+    }
+    let known: Vec<_> = names.all().filter(|n| !n.is_empty()).collect();
+    let help = match known.as_slice() {
+        [] => format!("the scene has no {kind}"),
+        known => format!("there is {}", quoted_list(known.iter().copied(), 8)),
+    };
+    diagnostic.at(word.span, "").help(help)
+}

@@ -1,0 +1,96 @@
+//! The `settings` element.
+
+use super::fields::Fields;
+use super::values::Bound;
+use crate::accel::Accelerator;
+use crate::diagnostics::Diagnostic;
+use crate::sampling::Generator;
+use crate::scene::{Contrast, LightSampling, Settings, ShadowMode};
+
+/// Samples of one kind; the product with another kind still fits u32.
+const MOST_SAMPLES: u32 = 65_535;
+const MOST_BOUNCES: u32 = 1000;
+const MOST_SECTIONS: u32 = 65_536;
+const MOST_THREADS: u32 = 65_536;
+
+const GENERATORS: [(&str, Generator); 3] =
+    [("PSEUDO", Generator::Pseudo), ("QUASI", Generator::Quasi), ("ZERO_TWO", Generator::ZeroTwo)];
+const LIGHT_SAMPLINGS: [(&str, LightSampling); 2] =
+    [("SAMPLE_ONE_AT_TIME", LightSampling::One), ("SAMPLE_ALL_AT_TIME", LightSampling::All)];
+const CONTRASTS: [(&str, Contrast); 3] = [
+    ("DIFFERENCE", Contrast::Difference),
+    ("WEBER", Contrast::Weber),
+    ("MICHELSON", Contrast::Michelson),
+];
+const ACCELERATORS: [(&str, Accelerator); 4] = [
+    ("KDTREE", Accelerator::KdTree),
+    ("BVH", Accelerator::Bvh),
+    ("CWBVH", Accelerator::Cwbvh),
+    ("NONE", Accelerator::None),
+];
+const SHADOWS: [(&str, ShadowMode); 2] =
+    [("OPAQUE", ShadowMode::Opaque), ("TRANSPARENT", ShadowMode::Transparent)];
+
+/// What the element says, and defaults for what it does not.
+pub(super) fn settings(fields: &mut Fields<'_, '_, '_>) -> Settings {
+    let mut settings = Settings::default();
+    choices(fields, &mut settings);
+    samples(fields, &mut settings);
+    sections(fields, &mut settings);
+    set(&mut settings.background, fields.color("background"));
+    set(&mut settings.seed, fields.seed("seed"));
+    settings.noise = fields.number_f32("noise", Bound::Positive);
+    let per_ms = fields.number("transformSamplesPerMs", Bound::Positive);
+    set(&mut settings.transform_samples_per_ms, per_ms.map(|f| f.value));
+    settings
+}
+
+fn set<T>(target: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *target = value;
+    }
+}
+
+fn choices(fields: &mut Fields<'_, '_, '_>, settings: &mut Settings) {
+    set(&mut settings.generator, fields.choice("generatorType", &GENERATORS));
+    set(&mut settings.light_sampling, fields.choice("lightSamplingType", &LIGHT_SAMPLINGS));
+    set(&mut settings.contrast, fields.choice("contrastType", &CONTRASTS));
+    set(&mut settings.accelerator, fields.choice("accelerator", &ACCELERATORS));
+    set(&mut settings.shadow, fields.choice("shadow", &SHADOWS));
+}
+
+fn samples(fields: &mut Fields<'_, '_, '_>, settings: &mut Settings) {
+    let mut count = |name| fields.count(name, 1, MOST_SAMPLES).map(|f| f.value);
+    set(&mut settings.image_samples, count("imageSamples"));
+    set(&mut settings.dof_samples, count("dofSamples"));
+    set(&mut settings.soft_shadow_samples, count("softShadowSamples"));
+    set(&mut settings.diffuse_reflection_samples, count("diffuseReflectionSamples"));
+    set(&mut settings.diffuse_refraction_samples, count("diffuseRefractionSamples"));
+    settings.image_min_samples = min_samples(fields, settings.image_samples);
+    set(&mut settings.recursion, fields.count("recursion", 0, MOST_BOUNCES).map(|f| f.value));
+    set(
+        &mut settings.image_contrast_limit,
+        fields.number_f32("imageContrastLimit", Bound::NotNegative),
+    );
+}
+
+/// `imageMinSamples`, at most `image_samples`.
+fn min_samples(fields: &mut Fields<'_, '_, '_>, image_samples: u32) -> u32 {
+    let Some(min) = fields.count("imageMinSamples", 1, MOST_SAMPLES) else { return image_samples };
+    if min.value > image_samples {
+        let label = format!("{image_samples} are taken, as many as `imageSamples`");
+        fields.diagnostics.push(
+            Diagnostic::warning("`imageMinSamples` is more than `imageSamples`")
+                .at(min.span, label),
+        );
+    }
+    min.value.min(image_samples)
+}
+
+fn sections(fields: &mut Fields<'_, '_, '_>, settings: &mut Settings) {
+    let mut count = |name, most| fields.count(name, 1, most).map(|f| f.value);
+    settings.sections_horizontal = count("sectionsHorizontal", MOST_SECTIONS);
+    settings.sections_vertical = count("sectionsVertical", MOST_SECTIONS);
+    settings.parallel_threads = count("parallelThreads", MOST_THREADS);
+    set(&mut settings.sections_per_thread, count("sectionsPerThread", u32::MAX));
+}

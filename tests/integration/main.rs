@@ -1,0 +1,3 @@
+//! Tests from outside: the library's public face and the program itself.
+
+mod scene_language;
