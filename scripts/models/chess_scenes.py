@@ -1,0 +1,218 @@
+"""Scenes with a chess board, written from a position: scenes/table.txt."""
+
+import math
+import os
+import random
+
+from mesh import ROOT, number
+
+SQUARE = 5.5
+NAMES = {"p": "pawn", "n": "knight", "b": "bishop", "r": "rook", "q": "queen", "k": "king"}
+
+
+def vector(*values):
+    return "{ %s }" % " ".join(number(v, 3) for v in values)
+
+
+def centre(file, rank, flipped=False):
+    """Middle of a square; file and rank count from 0. Flipped: black sits on the near side."""
+    x, y = (file - 3.5) * SQUARE, (rank - 3.5) * SQUARE
+    return (-x, -y) if flipped else (x, y)
+
+
+def placed(name, mesh, material, x, y, z, turn):
+    right = (math.cos(turn), math.sin(turn), 0.0)
+    return ("mesh %s {\n    filename ../meshes/%s.slo smooth_normals 1 material %s\n"
+            "    addKframe { time 0 key { pivot %s up { 0 0 1 } right %s } }\n}\n"
+            % (name, mesh, material, vector(x, y, z), vector(*right)))
+
+
+def position(fen, flipped, seed, colours=("boxwood", "ebony")):
+    """One mesh element per piece, each stood down a little carelessly."""
+    hand = random.Random(seed)
+    out = []
+    for row, text in enumerate(fen.split("/")):
+        file = 0
+        for c in text:
+            if c.isdigit():
+                file += int(c)
+                continue
+            white = c.isupper()
+            x, y = centre(file, 7 - row, flipped)
+            turn = (0.0 if white else math.pi) + (math.pi if flipped else 0.0)
+            turn += hand.uniform(-.35, .35)
+            x, y = x + hand.uniform(-.25, .25), y + hand.uniform(-.25, .25)
+            name = "%s_%s_%s%d" % ("white" if white else "black", NAMES[c.lower()],
+                                   "abcdefgh"[file], 8 - row)
+            out.append(placed(name, NAMES[c.lower()], colours[0 if white else 1], x, y, 0.0, turn))
+            file += 1
+    return "".join(out)
+
+
+BOARD = """
+mesh board_dark { filename ../meshes/board_dark.slo smooth_normals 0 material dark_square }
+mesh board_light { filename ../meshes/board_light.slo smooth_normals 0 material light_square }
+mesh board_inlay { filename ../meshes/board_inlay.slo smooth_normals 0 material light_square }
+mesh board_frame { filename ../meshes/board_frame.slo smooth_normals 1 material frame }
+"""
+
+WOODS = """
+texture boxwood { filename ../textures/boxwood.png }
+texture walnut { filename ../textures/walnut.png }
+
+phong_info boxwood {
+    ambient { .02 .014 .008 } diffuse { .66 .42 .19 } specular { .22 .22 .22 } shininess 60
+    reflectance .045 diffuse_reflection .08
+}
+phong_info ebony {
+    ambient { .004 .003 .003 } diffuse { .052 .028 .022 } specular { .25 .25 .25 } shininess 70
+    reflectance .06 diffuse_reflection .06
+}
+phong_info light_square {
+    ambient { .014 .010 .006 } diffuse { .62 .43 .24 } specular { .06 .06 .06 } shininess 40
+    reflectance .10 diffuse_reflection .05
+}
+phong_info dark_square {
+    ambient { .004 .003 .002 } diffuse { .115 .052 .026 } specular { .06 .06 .06 } shininess 40
+    reflectance .10 diffuse_reflection .05
+}
+phong_info frame {
+    ambient { .004 .002 .001 } diffuse { .13 .045 .022 } specular { .15 .15 .15 } shininess 50
+    reflectance .09 diffuse_reflection .05
+}
+material_texture boxwood { phong_info boxwood texture boxwood scale_U 1 scale_V 1 }
+material_texture ebony { phong_info ebony texture walnut scale_U 1 scale_V 1 }
+material_texture light_square { phong_info light_square texture boxwood scale_U 1 scale_V 1 }
+material_texture dark_square { phong_info dark_square texture walnut scale_U 1 scale_V 1 }
+material_texture frame { phong_info frame texture walnut scale_U 1 scale_V 1 }
+"""
+
+
+def coloured_cube(where, size_note, spin):
+    """The spinning cube on one of its corners: seven meshes that share their key frames."""
+    parts = [("body", "cube_black"), ("left", "cube_green"), ("right", "cube_blue"),
+             ("front", "cube_red"), ("back", "cube_orange"), ("down", "cube_yellow"),
+             ("up", "cube_white")]
+    out = ["# %s\n" % size_note]
+    for part, material in parts:
+        out.append("mesh cube_%s {\n    filename ../meshes/cube_%s.slo smooth_normals 1 "
+                   "material %s\n%s}\n" % (part, part, material, key_frames(where, spin)))
+    return "".join(out)
+
+
+def key_frames(where, spin, frames=5):
+    """A turn about the vertical of a cube that stands on its corner, `spin` radians a second."""
+    out = []
+    tilt = math.acos(1.0 / math.sqrt(3.0))
+    for i in range(frames):
+        time = i * .05 - .05
+        a = spin * time
+        # Body diagonal upright: x and z axes of the cube at equal angles about it.
+        axes = []
+        for k in (0, 2):
+            b = a + 2.0 * math.pi * k / 3.0
+            axes.append((math.sin(tilt) * math.cos(b), math.sin(tilt) * math.sin(b),
+                         math.cos(tilt)))
+        out.append("    addKframe { time %s key { pivot %s up %s right %s } }\n"
+                   % (number(time, 3), vector(*where), vector(*axes[1]), vector(*axes[0])))
+    return "".join(out)
+
+
+CUBE_COLOURS = """
+phong_info cube_black { ambient { .002 .002 .002 } diffuse { .02 .02 .02 } specular { .2 .2 .2 } shininess 40 }
+""" + "".join("""phong_info cube_%s { diffuse { %s } specular { .25 .25 .25 } shininess 60 reflectance .04 }
+""" % row for row in (("green", ".02 .34 .09"), ("blue", ".02 .10 .50"), ("red", ".55 .025 .025"),
+                      ("orange", ".75 .20 .01"), ("yellow", ".78 .55 .02"), ("white", ".75 .75 .72"))) + \
+    "".join("material_phong cube_%s { phong_info cube_%s }\n" % (c, c) for c in (
+        "black", "green", "blue", "red", "orange", "yellow", "white"))
+
+
+def write(name, text):
+    path = os.path.join(ROOT, "scenes", name + ".txt")
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "w", encoding="utf-8", newline="\n") as file:
+        file.write(text)
+    print("scenes/%s.txt: %d lines" % (name, text.count("\n")))
+
+
+def lamp(name, x, y, z, radius, colour):
+    return "sphere %s { center %s radius %s material %s }\n" % (
+        name, vector(x, y, z), number(radius, 2), colour)
+
+
+def table():
+    text = """# The chess table: the end of the "immortal game" (Anderssen - Kieseritzky, London 1851), seen from
+# behind the mated king; a coloured cube spins on the frosted glass. Centimetres, z up, the
+# playing surface is z = 0. Written by scripts/models/chess_scenes.py.
+
+settings quality {
+    imageSamples 128 dofSamples 1 softShadowSamples 1
+    diffuseReflectionSamples 1 diffuseRefractionSamples 2
+    recursion 4 shadow TRANSPARENT background { .004 .004 .005 }
+}
+
+Camera main {
+    fps 25
+    Film film { width 1280 height 720 prefix table output PNG_IMAGE encoding SRGB }
+    CamSegment still {
+        videoStart 0 videoEnd 4 sceneStart 0 sceneEnd 4
+        addPosition { -25 -57 19 } addPosition { -33 -53 19 }
+        addTarget { 1.5 -9 1.2 }
+        skyStart { 0 0 1 } fovStart .235
+        dofStart 48.5 lensRadiusStart .55 blurDuration .02
+    }
+}
+
+# Key from the upper left, a cool window on the right, a warm rim from behind.
+light_rectangle key { color { .78 .70 .58 } vertex0 { -75 -10 70 } vertex1 { -45 -10 95 } vertex2 { -45 35 95 } }
+light_rectangle window { color { .16 .21 .30 } vertex0 { 90 -40 20 } vertex1 { 90 30 20 } vertex2 { 90 30 80 } }
+light_rectangle rim { color { .42 .30 .18 } vertex0 { -15 95 45 } vertex1 { 55 95 45 } vertex2 { 55 95 75 } }
+""" + WOODS + CUBE_COLOURS + """
+phong_info frosted_glass {
+    ambient { .004 .008 .008 } diffuse { .035 .055 .052 } specular { .3 .3 .3 } shininess 50
+    reflectance .08 diffuse_reflection .02 refraction .72 diffuse_refraction .12 refraction_index 1.5
+}
+phong_info chrome { diffuse { .08 .08 .09 } specular { .6 .6 .6 } shininess 120 reflectance .7 }
+phong_info carpet { ambient { .012 .004 .003 } diffuse { .34 .09 .05 } }
+phong_info wall { ambient { .10 .055 .028 } diffuse { .10 .07 .05 } }
+phong_info glow_warm { ambient { 1.0 .62 .26 } }
+phong_info glow_pale { ambient { .9 .78 .55 } }
+phong_info glow_blue { ambient { .22 .35 .60 } }
+material_phong frosted_glass { phong_info frosted_glass }
+material_phong chrome { phong_info chrome }
+texture linen { filename ../textures/linen.png }
+material_texture carpet { phong_info carpet texture linen scale_U 1 scale_V 1 }
+texture backdrop { filename ../textures/backdrop.png }
+material_texture wall { phong_info wall texture backdrop scale_U 1 scale_V 1 }
+material_phong glow_warm { phong_info glow_warm }
+material_phong glow_pale { phong_info glow_pale }
+material_phong glow_blue { phong_info glow_blue }
+"""
+    text += "\n# The board\n" + BOARD
+    text += """
+# The table: a slab of frosted glass on chrome legs, a carpet below, the room behind
+mesh glass { filename ../meshes/glass_top.slo smooth_normals 1 material frosted_glass
+    addKframe { time 0 key { pivot { 12 8 -3.23 } } } }
+cylinder leg_a { base { -30 -22 -72 } top { -30 -22 -4.3 } radius 2.2 material chrome }
+cylinder leg_b { base { 56 -22 -72 } top { 56 -22 -4.3 } radius 2.2 material chrome }
+cylinder leg_c { base { -30 40 -72 } top { -30 40 -4.3 } radius 2.2 material chrome }
+cylinder leg_d { base { 56 40 -72 } top { 56 40 -4.3 } radius 2.2 material chrome }
+mesh carpet { filename ../meshes/sheet.slo smooth_normals 0 material carpet
+    addKframe { time 0 key { pivot { 0 100 -72 } } } }
+mesh wall { filename ../meshes/sheet.slo smooth_normals 0 material wall
+    addKframe { time 0 key { pivot { 60 330 20 } up { 0 -1 0 } right { 1 0 0 } } } }
+"""
+    lamps = [("a", -40, 300, 34, 5, "glow_warm"), ("b", 8, 310, 52, 4, "glow_pale"),
+             ("c", 60, 290, 40, 6, "glow_warm"), ("d", 118, 305, 60, 4.5, "glow_pale"),
+             ("e", 150, 300, 30, 5, "glow_blue"), ("f", 90, 280, 20, 3, "glow_warm"),
+             ("g", 30, 320, 20, 3.5, "glow_blue"), ("h", 190, 300, 48, 6, "glow_warm")]
+    for n, x, y, z, r, c in lamps:
+        text += lamp("lamp_" + n, x, y, z, r, c)
+    text += "\n# The spinning cube\n" + coloured_cube(
+        (36.5, 2.0, -2.2 + 4.4 * math.sqrt(3.0) / 2.0), "4.4 cm, on its corner", 9.0)
+    text += "\n# 1-0\n" + position("r1bk3r/p2pBpNp/n4n2/1p1NP2P/6P1/3P4/P1P1K3/q5b1", True, 7)
+    write("table", text)
+
+
+def build():
+    table()
