@@ -30,6 +30,11 @@ impl Fixed {
         }
     }
 
+    /// The exact square, in units of 2^-48.
+    pub fn squared(self) -> i128 {
+        i128::from(self.0) * i128::from(self.0)
+    }
+
     /// The number, to the precision of f64.
     pub fn to_f64(self) -> f64 {
         self.0 as f64 / ONE

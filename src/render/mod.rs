@@ -1,5 +1,6 @@
 //! Tiles over threads, adaptive blocks, progress.
 
+mod adaptive;
 mod sections;
 mod tile;
 
