@@ -1,7 +1,30 @@
 //! The command line: arguments as typed -> validated options -> commands and exit codes.
 
+mod args;
+mod check;
+mod crash;
+mod default_scene;
+mod interrupt;
+mod load;
+mod options;
+mod parse;
+mod problem;
+mod progress;
+mod recipe;
+mod render;
+mod scene_file;
+mod short_forms;
+mod summary;
+mod terminal;
+#[cfg(test)]
+mod test_scene;
+
 use std::ffi::OsString;
 use std::process::ExitCode;
+
+use options::{Options, Task};
+use problem::Problem;
+use terminal::Terminal;
 
 /// What the program tells its caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,11 +34,11 @@ pub enum Exit {
     Done = 0,
     /// Rendering failed, or a file could not be read or written.
     Failed = 1,
-    /// The command line is wrong.
+    /// The command line is wrong, or names a frame that the scene does not have.
     Usage = 2,
     /// The scene, or a mesh or texture of it, has errors.
     BadInput = 65,
-    /// An input file is missing.
+    /// An input file is missing or can't be read.
     NoInput = 66,
     /// The output can't be created; found before rendering starts.
     CantCreate = 73,
@@ -30,6 +53,35 @@ impl From<Exit> for ExitCode {
 }
 
 /// Runs the program with its arguments, the program's name first.
-pub fn run(_args: impl IntoIterator<Item = OsString>) -> Exit {
-    Exit::Done
+///
+/// Writes the picture's path to standard output and all else to standard error. Listens to
+/// Ctrl-C and catches panics: it is meant to be called once, by `main`.
+pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
+    let args: Vec<OsString> = args.into_iter().collect();
+    crash::reported(&args, || {
+        interrupt::listen();
+        match parse::parse(&args) {
+            Ok(args) => execute(Options::from(args)),
+            Err(exit) => exit,
+        }
+    })
+}
+
+fn execute(Options { task, terminal }: Options) -> Exit {
+    let done = task.and_then(|task| match task {
+        Task::Render(job) => render::run(&job, terminal),
+        Task::Check(job) => check::run(&job, terminal),
+        Task::Recipe(picture) => recipe::run(&picture),
+    });
+    match done {
+        Ok(()) => Exit::Done,
+        Err(problem) => tell(&problem, terminal),
+    }
+}
+
+fn tell(problem: &Problem, terminal: Terminal) -> Exit {
+    if !problem.message.is_empty() {
+        terminal.error(&problem.message, &problem.help);
+    }
+    problem.exit
 }

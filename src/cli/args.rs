@@ -1,0 +1,285 @@
+//! The command line as typed.
+
+use std::path::PathBuf;
+
+use clap::builder::Styles;
+use clap::{Parser, ValueEnum};
+
+use crate::scene::Accelerator;
+
+const ABOUT: &str = "Renders one frame of a scene file: motion blur, depth of field, soft shadows, \
+                     glossy surfaces.";
+
+const LONG_ABOUT: &str = "\
+slo-rt renders one frame of a scene file to a picture: motion blur, depth of field, soft shadows,
+glossy reflection and refraction.
+
+Without arguments it renders frame 0 of the scene that it carries inside, and prints the path of
+the picture. A sequence is one run per frame; scripts/render_sequence.sh does it.";
+
+const EXAMPLES: &str = "\
+Examples:
+  slo-rt                                     the scene inside, to see that all works
+  slo-rt -s table.txt                        frame 0 of a scene
+  slo-rt -s table.txt -f 15                  another frame
+  slo-rt -s table.txt --size 320x180 --samples 4   a quick draft
+  slo-rt -s table.txt --check                find mistakes, render nothing
+  slo-rt -f 15 -s table.txt -id input/scenes -od output/table
+                                             folders of their own for what comes in and goes out
+  slo-rt --recipe default_00000.png          how a picture was made
+
+The picture's path goes to standard output, all else to standard error.";
+
+const EXIT_CODES: &str = "\
+Exit codes:
+    0  done
+    1  rendering failed, or a file could not be read or written
+    2  the command line is wrong, or the scene has no such frame
+   65  the scene, a mesh or a texture has errors
+   66  an input file is missing or can't be read
+   73  the picture can't be created (found before rendering starts)
+  130  interrupted (Ctrl-C)
+
+Environment:
+  NO_COLOR, CLICOLOR_FORCE, TERM=dumb   as usual; --color decides over them
+  SLO_RT_ISA=avx512|avx2|portable       instruction set; the picture is the same";
+
+const WHAT: &str = "What to render";
+const WHERE: &str = "Where it goes";
+const DRAFT: &str = "Instead of the scene's settings";
+const HOW: &str = "How it runs";
+const INSTEAD: &str = "Instead of rendering";
+
+/// See [`ABOUT`]; every member is one option.
+#[derive(Debug, Parser)]
+#[command(
+    name = "slo-rt",
+    version,
+    about = ABOUT,
+    long_about = LONG_ABOUT,
+    after_help = EXAMPLES,
+    after_long_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"),
+    override_usage = "slo-rt [--scene FILE] [--frame N] [options]",
+    max_term_width = 100,
+    disable_help_flag = true,
+    disable_version_flag = true,
+    styles = Styles::styled(),
+)]
+pub(super) struct Args {
+    /// Scene file [the scene inside the program]
+    #[arg(short, long, value_name = "FILE", help_heading = WHAT)]
+    pub(super) scene: Option<PathBuf>,
+
+    /// Number of the frame; may be negative [0]
+    #[arg(short, long, value_name = "N", help_heading = WHAT, allow_negative_numbers = true)]
+    pub(super) frame: Option<i64>,
+
+    /// -id  Folder that holds the scene file
+    ///
+    /// Short form: -id. Folder that holds the file named by --scene. Paths in the scene may not
+    /// leave this folder. Without it: they may not leave the current folder, or the folder of the
+    /// scene where that lies elsewhere.
+    #[arg(long, value_name = "DIR", help_heading = WHAT, requires = "scene")]
+    pub(super) indir: Option<PathBuf>,
+
+    /// Let paths in the scene lead anywhere
+    #[arg(long, help_heading = WHAT)]
+    pub(super) allow_outside: bool,
+
+    /// -od  Folder for the picture, made where missing [the current one]
+    #[arg(long, value_name = "DIR", help_heading = WHERE, alias = "outdit")]
+    pub(super) outdir: Option<PathBuf>,
+
+    /// -pre  Beginning of the picture's name [the scene's]
+    #[arg(long, value_name = "TEXT", help_heading = WHERE)]
+    pub(super) prefix: Option<String>,
+
+    /// Add the settings and the render time to the picture's name
+    #[arg(short, long, help_heading = WHERE)]
+    pub(super) info: bool,
+
+    /// Render nothing where the picture is there already
+    ///
+    /// Render nothing where the picture is there already and its recipe is the one that this run
+    /// would have: the same scene, frame, settings and version.
+    #[arg(long, help_heading = WHERE, conflicts_with_all = ["info", "check"])]
+    pub(super) skip_existing: bool,
+
+    /// Size of the picture in pixels, such as 320x180
+    #[arg(long, value_name = "WxH", help_heading = DRAFT, value_parser = size)]
+    pub(super) size: Option<Size>,
+
+    /// Camera samples per pixel
+    ///
+    /// Camera samples per pixel, at most and in all: N stands for imageSamples, dofSamples becomes
+    /// 1, and imageMinSamples becomes N where it is more. Samples of shadows and glossy surfaces
+    /// stay.
+    #[arg(long, value_name = "N", help_heading = DRAFT)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) samples: Option<u32>,
+
+    /// Seed of the noise
+    #[arg(long, value_name = "N", help_heading = DRAFT)]
+    pub(super) seed: Option<u64>,
+
+    /// Structure that rays are traced through; the picture is the same
+    #[arg(long, value_name = "NAME", help_heading = DRAFT)]
+    pub(super) accelerator: Option<AcceleratorName>,
+
+    /// Threads [the scene's parallelThreads, or all]; the picture is the same
+    #[arg(long, value_name = "N", help_heading = HOW)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(super) threads: Option<u32>,
+
+    /// Say nothing but warnings and errors
+    #[arg(short, long, help_heading = HOW)]
+    pub(super) quiet: bool,
+
+    /// Say more at the end
+    #[arg(short, long, help_heading = HOW, conflicts_with = "quiet")]
+    pub(super) verbose: bool,
+
+    /// Colour of messages: auto, always, never
+    #[arg(long, value_name = "WHEN", help_heading = HOW, hide_possible_values = true)]
+    #[arg(value_enum, default_value_t = When::Auto, hide_default_value = true)]
+    pub(super) color: When,
+
+    /// Read the scene and all its files, report, render nothing
+    #[arg(long, help_heading = INSTEAD)]
+    pub(super) check: bool,
+
+    /// Print how a picture was made
+    ///
+    /// Print how a picture of this program was made, from inside the PNG or EXR file: version,
+    /// hash of the scene, frame, seed and all settings that count, as JSON.
+    #[arg(long, value_name = "FILE", help_heading = INSTEAD, exclusive = true)]
+    pub(super) recipe: Option<PathBuf>,
+
+    /// Help; --help says more
+    #[arg(short, long, help_heading = INSTEAD, action = clap::ArgAction::Help)]
+    help: (),
+
+    /// Version
+    #[arg(short = 'V', long, help_heading = INSTEAD, action = clap::ArgAction::Version)]
+    version: (),
+}
+
+/// `--size`, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Size {
+    pub(super) width: u32,
+    pub(super) height: u32,
+}
+
+/// `--accelerator`, as the scene language names them.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum AcceleratorName {
+    Kdtree,
+    Bvh,
+    Cwbvh,
+    None,
+}
+
+impl From<AcceleratorName> for Accelerator {
+    fn from(name: AcceleratorName) -> Self {
+        match name {
+            AcceleratorName::Kdtree => Self::KdTree,
+            AcceleratorName::Bvh => Self::Bvh,
+            AcceleratorName::Cwbvh => Self::Cwbvh,
+            AcceleratorName::None => Self::None,
+        }
+    }
+}
+
+/// `--color`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum When {
+    #[default]
+    Auto,
+    Always,
+    Never,
+}
+
+/// Parses `WxH`.
+fn size(text: &str) -> Result<Size, String> {
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=65536).contains(side));
+    let (width, height) = text
+        .split_once(['x', 'X', '×'])
+        .ok_or("expected width x height in pixels, such as 320x180")?;
+    match (side(width), side(height)) {
+        (Some(width), Some(height)) => Ok(Size { width, height }),
+        _ => Err("each side is a whole number from 1 to 65536".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Args::command().debug_assert();
+    }
+
+    fn parse(typed: &str) -> Result<Args, clap::Error> {
+        Args::try_parse_from(format!("slo-rt {typed}").trim().split(' '))
+    }
+
+    #[test]
+    fn frames_may_be_negative() {
+        for typed in ["-f -5", "-f=-5", "-f-5", "--frame -5", "--frame=-5"] {
+            assert_eq!(parse(typed).unwrap().frame, Some(-5), "{typed}");
+        }
+        assert_eq!(parse("-f 15").unwrap().frame, Some(15));
+        assert_eq!(parse("").unwrap().frame, None);
+    }
+
+    #[test]
+    fn the_spelling_of_the_thesis_works() {
+        assert_eq!(parse("--outdit x").unwrap().outdir, Some("x".into()));
+        assert!(!Args::command().render_long_help().to_string().contains("outdit"));
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("320x180"), Ok(Size { width: 320, height: 180 }));
+        assert_eq!(size("65536X1"), Ok(Size { width: 65536, height: 1 }));
+        for bad in ["", "x", "320", "0x5", "5x0", "65537x1", "-1x5", "1x2x3", "1.5x2", "1 x2"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn wrong_values_are_refused() {
+        for bad in [
+            "-f x",
+            "-f 1.5",
+            "-f 99999999999999999999",
+            "-f",
+            "--threads 0",
+            "--samples 0",
+            "--samples -1",
+            "--seed -1",
+            "--accelerator tree",
+            "--color blue",
+            "--indir x",
+            "--quiet --verbose",
+            "scene.txt",
+            "--recipe a --check",
+            "-f 1 -f 2",
+            "--frame= ",
+        ] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn every_accelerator_of_the_scene_language_has_its_name() {
+        let names = AcceleratorName::value_variants()
+            .iter()
+            .map(|v| v.to_possible_value().unwrap().get_name().to_ascii_uppercase());
+        assert!(names.eq(["KDTREE", "BVH", "CWBVH", "NONE"]));
+    }
+}

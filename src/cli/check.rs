@@ -1,0 +1,86 @@
+//! `--check`: reads a scene with all its files and says what is in it.
+
+use super::load;
+use super::options::Job;
+use super::problem::Problem;
+use super::terminal::Terminal;
+use crate::animation::Clock;
+use crate::scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape, Texture};
+
+/// Reports on the job's scene; renders nothing.
+pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
+    let scene = load::scene(job, terminal)?;
+    if let Some(frame) = job.frame {
+        Clock::new(&scene.camera).shutter(frame).map_err(|error| load::no_segment(&error))?;
+    }
+    terminal.note("the scene has no errors");
+    for line in report(&scene) {
+        terminal.note(line);
+    }
+    Ok(())
+}
+
+fn report(scene: &SceneDescription) -> Vec<String> {
+    let mut lines = vec![picture(&scene.camera), samples(&scene.settings)];
+    lines.extend(segments(&scene.camera));
+    lines.push(objects(&scene.objects));
+    lines.push(lights_and_materials(scene));
+    lines
+}
+
+fn picture(camera: &Camera) -> String {
+    let film = &camera.film;
+    let (format, encoding) = (film.output, film.encoding);
+    format!(
+        "picture: {} x {} pixels, {format:?}, {encoding:?}, {} frames per second",
+        film.width, film.height, camera.fps
+    )
+}
+
+fn samples(settings: &Settings) -> String {
+    let Settings { image_samples: most, image_min_samples: least, .. } = *settings;
+    let image = if least < most { format!("{least} to {most}") } else { most.to_string() };
+    format!(
+        "samples: {image} image x {} dof, {} shadow, {} reflection, {} refraction; recursion {}",
+        settings.dof_samples,
+        settings.soft_shadow_samples,
+        settings.diffuse_reflection_samples,
+        settings.diffuse_refraction_samples,
+        settings.recursion
+    )
+}
+
+fn segments(camera: &Camera) -> Vec<String> {
+    let clock = Clock::new(camera);
+    clock.segments().map(|segment| format!("segment {segment}")).collect()
+}
+
+fn objects(objects: &[Object]) -> String {
+    let moving = objects.iter().filter(|object| object.key_frames.len() > 1).count();
+    let triangles: usize = objects.iter().map(|object| triangles(&object.shape)).sum();
+    format!("objects: {}, {moving} of them animated; {triangles} triangles", objects.len())
+}
+
+fn triangles(shape: &Shape) -> usize {
+    match shape {
+        Shape::Mesh { mesh, .. } => mesh.faces.len(),
+        Shape::Triangle { .. } => 1,
+        Shape::Plane { .. } | Shape::Rectangle { .. } => 2,
+        Shape::Box { .. } => 12,
+        Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => 0,
+    }
+}
+
+fn lights_and_materials(scene: &SceneDescription) -> String {
+    let is_area = |shape: &LightShape| matches!(shape, LightShape::Rectangle { .. });
+    let areas = scene.lights.iter().filter(|light| is_area(&light.shape)).count();
+    let texels = |texture: &Texture| u64::from(texture.width()) * u64::from(texture.height());
+    let texels: u64 = scene.textures.iter().map(|texture| texels(texture)).sum();
+    format!(
+        "lights: {areas} area, {} point; materials: {}; textures: {} of {:.1} megapixels",
+        scene.lights.len() - areas,
+        scene.materials.len(),
+        scene.textures.len(),
+        texels as f64 / 1e6
+    )
+}

@@ -1,0 +1,70 @@
+//! From a job to a scene that can be rendered.
+
+use std::path::Path;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::options::Job;
+use super::problem::Problem;
+use super::scene_file::{self, SceneFile};
+use super::terminal::Terminal;
+use super::{Exit, default_scene};
+use crate::animation::NoSegment;
+use crate::frame::{FrameError, FrameScene};
+use crate::output::check_prefix;
+use crate::scene::{Files, Loaded, SceneDescription, load};
+
+/// More threads than this are taken as this many.
+const MOST_THREADS: usize = 4096;
+
+/// Threads for a job: as many as asked for, or as the machine has.
+pub(super) fn threads(asked: Option<usize>) -> Result<ThreadPool, Problem> {
+    let threads = asked.map_or(0, |threads| threads.min(MOST_THREADS));
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Problem::new(Exit::Failed, format!("can't start threads: {error}")))
+}
+
+/// The job's scene, with what the command line says over it. Errors and warnings of the scene
+/// are said.
+pub(super) fn scene(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
+    let mut scene = read(job, terminal)?;
+    job.overrides.apply(&mut scene);
+    check_prefix(&scene.camera.film.prefix)
+        .map_err(|why| Problem::new(Exit::BadInput, format!("the Film's prefix: {why}")))?;
+    Ok(scene)
+}
+
+fn read(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
+    let loaded = match &job.scene {
+        None => {
+            let files = Files::built_in(default_scene::FOLDER, default_scene::FILES);
+            load(default_scene::PATH, default_scene::text(), &files)
+        }
+        Some(path) => load_file(scene_file::read(path, job)?, job.allow_outside),
+    };
+    let Loaded { scene, diagnostics } = loaded;
+    terminal.show(&diagnostics);
+    let exit = if diagnostics.missing_input() { Exit::NoInput } else { Exit::BadInput };
+    scene.ok_or_else(|| Problem::told(exit))
+}
+
+fn load_file(file: SceneFile, allow_outside: bool) -> Loaded {
+    let folder = file.path.parent().unwrap_or(Path::new(""));
+    let files = Files::on_disk(folder, &file.root, allow_outside);
+    load(&file.path.to_string_lossy(), file.text, &files)
+}
+
+/// What the job's frame needs, built on the threads of the current pool.
+pub(super) fn frame(job: &Job, scene: &SceneDescription) -> Result<FrameScene, Problem> {
+    FrameScene::build(scene, job.frame(), job.isa).map_err(|error| match error {
+        FrameError::NoSegment(error) => no_segment(&error),
+        other => Problem::new(Exit::BadInput, other),
+    })
+}
+
+/// A frame that the camera does not have.
+pub(super) fn no_segment(error: &NoSegment) -> Problem {
+    Problem::new(Exit::Usage, error).with_help("`--frame` names the frame")
+}

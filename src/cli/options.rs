@@ -1,0 +1,202 @@
+//! Validated options: what the commands work with.
+
+use std::path::PathBuf;
+
+use super::Exit;
+use super::args::{Args, Size};
+use super::problem::Problem;
+use super::terminal::{Terminal, Verbosity};
+use crate::accel::{Accelerator, Isa};
+use crate::output::check_prefix;
+use crate::scene::SceneDescription;
+
+/// What the program is to do, and how.
+#[derive(Debug)]
+pub(super) struct Options {
+    /// What to do, or what is wrong with it.
+    pub(super) task: Result<Task, Problem>,
+    pub(super) terminal: Terminal,
+}
+
+/// What the program is to do.
+#[derive(Debug)]
+pub(super) enum Task {
+    /// Render a frame.
+    Render(Job),
+    /// Read a scene and report.
+    Check(Job),
+    /// Print the recipe of a picture.
+    Recipe(PathBuf),
+}
+
+/// A frame of a scene.
+#[derive(Debug)]
+pub(super) struct Job {
+    /// The scene file; `None`: the one inside the program.
+    pub(super) scene: Option<PathBuf>,
+    /// Folder that `scene` lies in and that its paths may not leave.
+    pub(super) indir: Option<PathBuf>,
+    /// Whether the paths of the scene may lead anywhere.
+    pub(super) allow_outside: bool,
+    /// The frame asked for; `None`: 0.
+    pub(super) frame: Option<i64>,
+    /// Folder of the picture; empty: the current one.
+    pub(super) outdir: PathBuf,
+    /// Whether settings and time go into the picture's name.
+    pub(super) info: bool,
+    /// Whether a picture that is there with the same recipe is left as it is.
+    pub(super) skip_existing: bool,
+    pub(super) overrides: Overrides,
+    pub(super) threads: Option<usize>,
+    pub(super) isa: Isa,
+}
+
+/// What the command line says over the scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Overrides {
+    pub(super) prefix: Option<String>,
+    pub(super) size: Option<Size>,
+    pub(super) samples: Option<u32>,
+    pub(super) seed: Option<u64>,
+    pub(super) accelerator: Option<Accelerator>,
+}
+
+impl Job {
+    /// Number of the frame.
+    pub(super) fn frame(&self) -> i64 {
+        self.frame.unwrap_or(0)
+    }
+}
+
+impl From<Args> for Options {
+    fn from(args: Args) -> Self {
+        let verbosity = match (args.quiet, args.verbose) {
+            (true, _) => Verbosity::Quiet,
+            (_, true) => Verbosity::Verbose,
+            _ => Verbosity::Normal,
+        };
+        Self { terminal: Terminal::new(args.color, verbosity), task: task(args) }
+    }
+}
+
+fn task(args: Args) -> Result<Task, Problem> {
+    match args.recipe.clone() {
+        Some(picture) => Ok(Task::Recipe(picture)),
+        None if args.check => job(args).map(Task::Check),
+        None => job(args).map(Task::Render),
+    }
+}
+
+fn job(args: Args) -> Result<Job, Problem> {
+    let usage = |why: String| Problem::new(Exit::Usage, why);
+    check_prefix(args.prefix.as_deref().unwrap_or_default()).map_err(usage)?;
+    Ok(Job {
+        scene: args.scene,
+        indir: args.indir,
+        allow_outside: args.allow_outside,
+        frame: args.frame,
+        outdir: args.outdir.unwrap_or_default(),
+        info: args.info,
+        skip_existing: args.skip_existing,
+        overrides: Overrides {
+            prefix: args.prefix,
+            size: args.size,
+            samples: args.samples,
+            seed: args.seed,
+            accelerator: args.accelerator.map(Accelerator::from),
+        },
+        threads: args.threads.map(|threads| threads as usize),
+        isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
+    })
+}
+
+impl Overrides {
+    /// Puts what the command line says in the place of what the scene says.
+    ///
+    /// `samples` counts camera samples per pixel, whatever they sample: it stands for the product
+    /// of `imageSamples` and `dofSamples`.
+    pub(super) fn apply(&self, scene: &mut SceneDescription) {
+        let film = &mut scene.camera.film;
+        film.prefix = self.prefix.clone().unwrap_or_else(|| film.prefix.clone());
+        if let Some(Size { width, height }) = self.size {
+            (film.width, film.height) = (width, height);
+        }
+        let settings = &mut scene.settings;
+        if let Some(samples) = self.samples {
+            let adaptive = settings.image_min_samples < settings.image_samples;
+            let least = if adaptive { settings.image_min_samples } else { samples };
+            settings.image_min_samples = least.min(samples);
+            settings.image_samples = samples;
+            settings.dof_samples = 1;
+        }
+        settings.seed = self.seed.unwrap_or(settings.seed);
+        settings.accelerator = self.accelerator.unwrap_or(settings.accelerator);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::cli::test_scene::empty_scene;
+
+    fn check_samples(scene: (u32, u32, u32), samples: u32, expected: (u32, u32, u32)) {
+        let mut description = empty_scene();
+        let settings = &mut description.settings;
+        (settings.image_min_samples, settings.image_samples, settings.dof_samples) = scene;
+        Overrides { samples: Some(samples), ..Overrides::default() }.apply(&mut description);
+        let settings = &description.settings;
+        let result = (settings.image_min_samples, settings.image_samples, settings.dof_samples);
+        assert_eq!(result, expected, "--samples {samples} over {scene:?}");
+    }
+
+    #[test]
+    fn samples_are_all_camera_samples() {
+        check_samples((16, 16, 6), 4, (4, 4, 1));
+        check_samples((16, 16, 1), 64, (64, 64, 1));
+        check_samples((32, 256, 2), 128, (32, 128, 1));
+        check_samples((32, 256, 2), 8, (8, 8, 1));
+    }
+
+    #[test]
+    fn without_options_the_scene_stays() {
+        let mut scene = empty_scene();
+        Overrides::default().apply(&mut scene);
+        assert_eq!(scene.settings, empty_scene().settings);
+        assert_eq!(scene.camera.film, empty_scene().camera.film);
+    }
+
+    #[test]
+    fn options_replace_what_the_scene_says() {
+        let mut scene = empty_scene();
+        let overrides = Overrides {
+            prefix: Some("p".into()),
+            size: Some(Size { width: 3, height: 2 }),
+            seed: Some(7),
+            accelerator: Some(Accelerator::None),
+            samples: None,
+        };
+        overrides.apply(&mut scene);
+        let film = &scene.camera.film;
+        assert_eq!((film.width, film.height, &*film.prefix), (3, 2, "p"));
+        assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
+    }
+
+    fn task(typed: &str) -> Result<Task, Problem> {
+        let args = Args::parse_from(format!("slo-rt {typed}").trim().split(' '));
+        Options::from(args).task
+    }
+
+    #[test]
+    fn tasks() {
+        assert!(matches!(task("").unwrap(), Task::Render(Job { frame: None, .. })));
+        assert!(matches!(task("--check -f 3").unwrap(), Task::Check(Job { frame: Some(3), .. })));
+        assert!(matches!(task("--recipe x.png").unwrap(), Task::Recipe(_)));
+    }
+
+    #[test]
+    fn a_prefix_with_a_folder_is_a_usage_error() {
+        assert_eq!(task("--prefix a/b").unwrap_err().exit, Exit::Usage);
+    }
+}

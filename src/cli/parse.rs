@@ -1,0 +1,110 @@
+//! Arguments as typed -> [`Args`], or help, or what is wrong with them.
+
+use std::ffi::OsString;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{ColorChoice, CommandFactory, Error, FromArgMatches};
+
+use super::Exit;
+use super::args::Args;
+use super::short_forms::written_out;
+
+/// Parses `args`, the program's name first. Help and version go to standard output, mistakes to
+/// standard error.
+///
+/// # Errors
+/// Nothing is left to do: all was said, and this is the exit code.
+pub(super) fn parse(args: &[OsString]) -> Result<Args, Exit> {
+    try_parse(args).map_err(|error| {
+        let error = with_tip(error);
+        let _ = error.print();
+        match error.kind() {
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Exit::Done,
+            _ => Exit::Usage,
+        }
+    })
+}
+
+fn try_parse(args: &[OsString]) -> Result<Args, Error> {
+    let command = Args::command().color(color_choice(args));
+    let args = written_out(args.iter().cloned(), &command);
+    Args::from_arg_matches(&command.try_get_matches_from(args)?)
+}
+
+/// What `--color` says, also where the rest of the arguments is wrong.
+fn color_choice(args: &[OsString]) -> ColorChoice {
+    let mut values = args.iter().enumerate().filter_map(|(at, arg)| match arg.to_str()? {
+        "--color" => args.get(at + 1)?.to_str(),
+        arg => arg.strip_prefix("--color="),
+    });
+    match values.next() {
+        Some("always") => ColorChoice::Always,
+        Some("never") => ColorChoice::Never,
+        _ => ColorChoice::Auto,
+    }
+}
+
+/// A word without an option is most likely a scene.
+fn with_tip(mut error: Error) -> Error {
+    let word = match (error.kind(), error.get(ContextKind::InvalidArg)) {
+        (ErrorKind::UnknownArgument, Some(ContextValue::String(word))) => word.clone(),
+        _ => return error,
+    };
+    if !word.starts_with('-') {
+        let tip = format!("a scene file is named by an option: '--scene {word}'");
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arguments(typed: &str) -> Vec<OsString> {
+        format!("slo-rt {typed}").trim().split(' ').map(OsString::from).collect()
+    }
+
+    #[test]
+    fn the_command_lines_of_the_thesis() {
+        let check = |typed: &str| try_parse(&arguments(typed)).unwrap();
+        assert!(check("").scene.is_none());
+        assert_eq!(check("--frame 5").frame, Some(5));
+        assert_eq!(check("--scene animace.txt").scene, Some("animace.txt".into()));
+        assert!(check("-f 15 -s animace.txt --info").info);
+        let last = check("-f 15 -s animace.txt -id input/scenes -od output/animace -pre x");
+        assert_eq!(last.indir, Some("input/scenes".into()));
+        assert_eq!(last.outdir, Some("output/animace".into()));
+        assert_eq!(last.prefix, Some("x".into()));
+    }
+
+    #[test]
+    fn values_that_look_like_short_forms() {
+        let error = try_parse(&arguments("-s -id x")).unwrap_err().to_string();
+        assert!(error.contains("--scene <FILE>"), "{error}");
+        assert_eq!(try_parse(&arguments("--prefix=-id")).unwrap().prefix, Some("-id".into()));
+    }
+
+    #[test]
+    fn a_bare_scene_gets_a_tip() {
+        let error = with_tip(try_parse(&arguments("table.txt")).unwrap_err()).to_string();
+        assert!(error.contains("'--scene table.txt'"), "{error}");
+    }
+
+    #[test]
+    fn misspelt_options_get_a_tip() {
+        let error = with_tip(try_parse(&arguments("--scen x")).unwrap_err()).to_string();
+        assert!(error.contains("'--scene'"), "{error}");
+    }
+
+    #[test]
+    fn colour_is_known_before_the_rest() {
+        let check = |typed: &str, expected| {
+            assert_eq!(color_choice(&arguments(typed)), expected, "{typed}");
+        };
+        check("--nonsense --color never", ColorChoice::Never);
+        check("--color=always", ColorChoice::Always);
+        check("--color", ColorChoice::Auto);
+        check("-s --colour", ColorChoice::Auto);
+    }
+}

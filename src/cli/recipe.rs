@@ -1,0 +1,22 @@
+//! `--recipe`: how a picture was made.
+
+use std::io::ErrorKind;
+use std::path::Path;
+
+use super::Exit;
+use super::problem::Problem;
+use super::terminal::print;
+use crate::output::{RecipeError, read_recipe};
+
+/// Prints the recipe inside `picture`.
+pub(super) fn run(picture: &Path) -> Result<(), Problem> {
+    let recipe = read_recipe(picture).map_err(|error| {
+        let exit = match &error {
+            RecipeError::Io(error) if error.kind() != ErrorKind::IsADirectory => Exit::NoInput,
+            _ => Exit::BadInput,
+        };
+        Problem::new(exit, format!("`{}`: {error}", picture.display()))
+    })?;
+    print(recipe.as_bytes())
+        .map_err(|error| Problem::new(Exit::Failed, format!("can't print the recipe: {error}")))
+}

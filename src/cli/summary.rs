@@ -1,0 +1,142 @@
+//! How a rendering went, in a line or a few.
+
+use std::fmt::Write;
+use std::time::Duration;
+
+use super::progress::human;
+use super::terminal::Terminal;
+use crate::accel::Isa;
+use crate::frame::FrameScene;
+use crate::render::Statistics;
+use crate::scene::SceneDescription;
+
+/// What was measured of one run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Summary<'a> {
+    pub(super) loading: Duration,
+    pub(super) building: Duration,
+    pub(super) rendering: Duration,
+    pub(super) statistics: Statistics,
+    pub(super) frame: &'a FrameScene,
+    pub(super) isa: Isa,
+}
+
+impl Summary<'_> {
+    /// Says it.
+    pub(super) fn tell(&self, scene: &SceneDescription, terminal: Terminal) {
+        let refused = self.statistics.refused_contributions;
+        if refused > 0 {
+            terminal.warn(format_args!(
+                "{refused} samples were no numbers or beyond what the film holds, and were left out"
+            ));
+        }
+        let total = self.loading + self.building + self.rendering;
+        terminal.note(line(total, self.rendering, &self.statistics, peak_memory()));
+        for detail in self.details(scene) {
+            terminal.detail(detail);
+        }
+    }
+
+    fn details(&self, scene: &SceneDescription) -> [String; 4] {
+        let Statistics { camera_rays, shadow_rays, bounce_rays, .. } = self.statistics;
+        let film = &scene.camera.film;
+        let pixels = f64::from(film.width) * f64::from(film.height);
+        [
+            format!(
+                "loading {}, building {}, rendering {}",
+                human(self.loading),
+                human(self.building),
+                human(self.rendering)
+            ),
+            format!(
+                "{} primitives, {} moving objects; structures {}",
+                self.frame.primitives(),
+                self.frame.moving_objects(),
+                megabytes(self.frame.memory() as u64)
+            ),
+            format!(
+                "rays: {camera_rays} camera ({:.2} per pixel), {shadow_rays} shadow, \
+                 {bounce_rays} bounce",
+                camera_rays as f64 / pixels.max(1.0)
+            ),
+            format!(
+                "{} threads, {:?} instructions, {:?} structure",
+                rayon::current_num_threads(),
+                self.isa,
+                scene.settings.accelerator
+            ),
+        ]
+    }
+}
+
+fn line(total: Duration, rendering: Duration, rays: &Statistics, peak: Option<u64>) -> String {
+    let rate = |rays: u64| rays as f64 / 1e6 / rendering.as_secs_f64().max(1e-6);
+    let mut line = format!(
+        "rendered in {}; Mrays/s: {:.2} camera, {:.2} shadow, {:.2} bounce",
+        human(total),
+        rate(rays.camera_rays),
+        rate(rays.shadow_rays),
+        rate(rays.bounce_rays)
+    );
+    if let Some(peak) = peak {
+        let _ = write!(line, "; {} of memory", megabytes(peak));
+    }
+    line
+}
+
+/// Bytes with a unit.
+pub(super) fn megabytes(bytes: u64) -> String {
+    match bytes as f64 / 1e6 {
+        small if small < 9.95 => format!("{small:.1} MB"),
+        large => format!("{large:.0} MB"),
+    }
+}
+
+/// Most bytes that this process had in memory, where the system tells.
+fn peak_memory() -> Option<u64> {
+    peak_of(&std::fs::read_to_string("/proc/self/status").ok()?)
+}
+
+fn peak_of(status: &str) -> Option<u64> {
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RAYS: Statistics = Statistics {
+        camera_rays: 4_000_000,
+        shadow_rays: 8_000_000,
+        bounce_rays: 1_000_000,
+        refused_contributions: 0,
+    };
+
+    #[test]
+    fn one_line_tells_time_rates_and_memory() {
+        let line = |peak| line(Duration::from_secs(5), Duration::from_secs(4), &RAYS, peak);
+        insta::assert_snapshot!(line(Some(210_000_000)), @"rendered in 5 s; Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce; 210 MB of memory");
+        insta::assert_snapshot!(line(None), @"rendered in 5 s; Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce");
+    }
+
+    #[test]
+    fn no_time_is_no_division_by_zero() {
+        assert!(!line(Duration::ZERO, Duration::ZERO, &RAYS, None).contains("inf"));
+    }
+
+    #[test]
+    fn the_system_tells_the_peak() {
+        assert_eq!(peak_of("Name:\tx\nVmHWM:\t    2048 kB\nVmRSS:\t1 kB\n"), Some(2_097_152));
+        assert_eq!(peak_of("VmHWM: many\n"), None);
+        assert_eq!(peak_of(""), None);
+    }
+
+    #[test]
+    fn bytes_have_units() {
+        assert_eq!(megabytes(0), "0.0 MB");
+        assert_eq!(megabytes(1_250_000), "1.2 MB");
+        assert_eq!(megabytes(12_300_000_000), "12300 MB");
+    }
+}

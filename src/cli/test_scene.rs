@@ -1,0 +1,43 @@
+//! Values for the tests of this room.
+
+use std::path::PathBuf;
+
+use super::options::{Job, Overrides};
+use crate::accel::Isa;
+use crate::scene::{Camera, Encoding, Film, OutputFormat, SceneDescription, Settings};
+
+/// A scene with nothing in it.
+pub(super) fn empty_scene() -> SceneDescription {
+    let film = Film {
+        width: 32,
+        height: 18,
+        prefix: "empty_".into(),
+        output: OutputFormat::Png8,
+        encoding: Encoding::Raw,
+    };
+    SceneDescription {
+        settings: Settings::default(),
+        camera: Camera { fps: 25.0, film, segments: Vec::new() },
+        lights: Vec::new(),
+        materials: Vec::new(),
+        textures: Vec::new(),
+        objects: Vec::new(),
+        content_hash: [0; 32],
+    }
+}
+
+/// The job of a command line without arguments.
+pub(super) fn job() -> Job {
+    Job {
+        scene: None,
+        indir: None,
+        allow_outside: false,
+        frame: None,
+        outdir: PathBuf::new(),
+        info: false,
+        skip_existing: false,
+        overrides: Overrides::default(),
+        threads: None,
+        isa: Isa::Portable,
+    }
+}
