@@ -1,7 +1,5 @@
 //! What is wrong with an input, with places: values that are collected, never printed in passing.
 
-use std::borrow::Cow;
-
 use annotate_snippets::{
     Annotation, AnnotationKind, Group, Level, Origin, Renderer, Snippet, normalize_untrusted_str,
 };
@@ -208,7 +206,9 @@ impl Diagnostics {
             }
         }
         report.push_str(&self.summary(&renderer));
-        report
+        // The renderer makes control characters visible, except those past ASCII, which some
+        // terminals obey.
+        report.replace(|c| ('\u{80}'..='\u{9f}').contains(&c), "\u{fffd}")
     }
 
     /// `error: 34 errors (20 shown), 3 warnings`
@@ -290,7 +290,7 @@ fn snippet<'a>(
     let to = text[last..].find('\n').map_or(text.len(), |i| last + i);
     let skipped = text[..from].bytes().filter(|b| *b == b'\n').count();
     let annotations = labels.iter().zip(&spans).map(|((label, kind), (start, end))| {
-        let words = (!label.text.is_empty()).then_some(Cow::Borrowed(label.text.as_str()));
+        let words = (!label.text.is_empty()).then(|| normalize_untrusted_str(&label.text));
         kind.span(start - from..end - from).label(words)
     });
     Snippet::source(&text[from..to])

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::lexer::{Lexer, Token, TokenKind};
 use super::number::{looks_like_number, parse_number};
-use super::syntax::{Block, Entry, Form, Item, Number, Vocabulary, Word};
-use crate::diagnostics::{Diagnostic, Diagnostics, Label, SourceId, Span};
+use super::syntax::{Block, Entry, Form, Item, Number, Tree, Vocabulary, Word};
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 
 /// Blocks deeper than this are skipped: the language needs four levels.
 const MAX_DEPTH: usize = 16;
@@ -13,14 +13,14 @@ const MAX_DEPTH: usize = 16;
 /// How far back a line's indentation is looked for, in bytes.
 const LONGEST_LINE: usize = 400;
 
-/// The entries of a scene text; what is wrong with it goes to `diagnostics`, whose `source` the
+/// The syntax tree of a scene text; what is wrong with it goes to `diagnostics`, whose `source` the
 /// text is.
 pub fn parse<'a>(
     text: &'a str,
     source: SourceId,
     vocabulary: Vocabulary<'_>,
     diagnostics: &mut Diagnostics,
-) -> Vec<Entry<'a>> {
+) -> Tree<'a> {
     let mut lexer = Lexer::new(text);
     let next = lexer.next_token();
     let parser = Parser {
@@ -33,6 +33,8 @@ pub fn parse<'a>(
         stack: Vec::new(),
         top: Vec::new(),
         suspect: None,
+        forced: None,
+        late_closes: 0,
         comment_unclosed: false,
     };
     parser.run()
@@ -64,11 +66,24 @@ struct Parser<'a, 'v> {
     top: Vec<Entry<'a>>,
     /// The first block whose `}` stands further left than the line of its `{`.
     suspect: Option<[Span; 2]>,
+    forced: Option<Forced>,
+    /// How many `}` may still follow of blocks that were closed in front of an element.
+    late_closes: usize,
     comment_unclosed: bool,
 }
 
+/// Blocks that were closed in front of an element.
+struct Forced {
+    /// The error if their `}` are missing.
+    unclosed: Diagnostic,
+    /// The error if their `}` follow, so that the element was meant to stand in them.
+    nested: Diagnostic,
+    /// How many blocks.
+    count: usize,
+}
+
 impl<'a> Parser<'a, '_> {
-    fn run(mut self) -> Vec<Entry<'a>> {
+    fn run(mut self) -> Tree<'a> {
         loop {
             let token = self.advance();
             match token.kind {
@@ -81,7 +96,7 @@ impl<'a> Parser<'a, '_> {
         }
         self.report_unclosed_at_end();
         self.close_all();
-        self.top
+        Tree { entries: self.top, truncated: self.comment_unclosed }
     }
 
     /// Takes the next token.
@@ -126,9 +141,8 @@ impl<'a> Parser<'a, '_> {
         }
         match self.next.kind {
             TokenKind::Open => self.open(Head { keyword: word, name: None }),
-            TokenKind::Word if self.lacks_value(word) => self.nothing(word),
-            TokenKind::Word => self.two_words(word),
-            _ => self.nothing(word),
+            TokenKind::Word if !self.lacks_value(word) => self.two_words(word),
+            _ => self.push_item(word, Form::Nothing),
         }
     }
 
@@ -141,9 +155,13 @@ impl<'a> Parser<'a, '_> {
             .ok()
     }
 
-    /// Whether an attribute is followed by another attribute instead of its value.
+    /// Whether what follows a word can't be meant as its value: another attribute, or, at the top
+    /// of the scene where there are no values, a word on another line.
     fn lacks_value(&self, keyword: Word<'_>) -> bool {
-        let Vocabulary { attributes, naming, .. } = self.vocabulary;
+        let Vocabulary { elements, attributes, naming } = self.vocabulary;
+        if self.stack.is_empty() && !elements.contains(&keyword.text) {
+            return self.text[keyword.span.end..self.next.range.start].contains('\n');
+        }
         let next = &self.text[self.next.range.clone()];
         attributes.contains(&next)
             && attributes.contains(&keyword.text)
@@ -167,14 +185,6 @@ impl<'a> Parser<'a, '_> {
         }
     }
 
-    fn nothing(&mut self, keyword: Word<'a>) {
-        let message = format!("`{}` has no value", keyword.text);
-        self.diagnostics.push(
-            Diagnostic::error(message).at(keyword.span, "expected a value or `{` after this"),
-        );
-        self.push_item(keyword, Form::Nothing);
-    }
-
     fn open(&mut self, head: Head<'a>) {
         let range = self.advance().range;
         let open = self.span(range);
@@ -186,9 +196,11 @@ impl<'a> Parser<'a, '_> {
     }
 
     fn open_nameless(&mut self, open: Span) {
-        self.diagnostics.push(
-            Diagnostic::error("expected a name in front of `{`").at(open, "of what is this?"),
-        );
+        let is_inner = self.stack.last().is_some_and(|frame| frame.head.is_none());
+        if !is_inner {
+            let error = Diagnostic::error("expected a name in front of `{`");
+            self.diagnostics.push(error.at(open, ""));
+        }
         if self.stack.len() < MAX_DEPTH {
             self.push(None, open);
         } else {
@@ -278,17 +290,31 @@ impl<'a> Parser<'a, '_> {
         self.pop(last.unwrap_or(open));
     }
 
+    /// Closes all blocks in front of an element that stands in no other. Whether their `}` are
+    /// missing or follow later will show.
     fn close_before_element(&mut self, head: Head<'_>) {
-        let mut diagnostic = self.unclosed();
-        if let Some(diagnostic) = &mut diagnostic {
-            let label = format!("`{}` can't stand in another element", head.keyword.text);
-            diagnostic.secondary.push(Label { span: head.keyword.span, text: label });
+        self.report_forced();
+        let keyword = head.keyword;
+        let outer = self.stack.first().and_then(|frame| frame.head);
+        if let (Some(unclosed), Some(outer)) = (self.unclosed(), outer) {
+            let message = format!("`{}` can't stand in another element", keyword.text);
+            let nested = Diagnostic::error(&message).at(keyword.span, "");
+            self.forced = Some(Forced {
+                unclosed: unclosed.also(keyword.span, message),
+                nested: nested.also(outer.keyword.span, "in this"),
+                count: self.stack.len(),
+            });
         }
-        diagnostic.into_iter().for_each(|d| self.diagnostics.push(d));
         self.close_all();
     }
 
+    /// Reports blocks that were closed in front of an element, and indeed had no `}`.
+    fn report_forced(&mut self) {
+        self.forced.take().into_iter().for_each(|forced| self.diagnostics.push(forced.unclosed));
+    }
+
     fn report_unclosed_at_end(&mut self) {
+        self.report_forced();
         if !self.comment_unclosed
             && let Some(diagnostic) = self.unclosed()
         {
@@ -337,6 +363,9 @@ impl<'a> Parser<'a, '_> {
     fn surplus_close(&mut self, close: Span) {
         let last = self.top.iter().rposition(is_element);
         self.top.truncate(last.map_or(0, |i| i + 1));
+        if self.is_late_close() {
+            return;
+        }
         let mut diagnostic = Diagnostic::error("this `}` closes nothing").at(close, "");
         if let Some(Entry::Item(Item { keyword, form: Form::Element(name, block) })) =
             self.top.last_mut()
@@ -346,6 +375,17 @@ impl<'a> Parser<'a, '_> {
             diagnostic = diagnostic.also(block.close, label);
         }
         self.diagnostics.push(diagnostic);
+    }
+
+    /// Whether a `}` belongs to a block that was closed in front of an element.
+    fn is_late_close(&mut self) -> bool {
+        if let Some(forced) = self.forced.take() {
+            self.diagnostics.push(forced.nested);
+            self.late_closes = forced.count;
+        }
+        let is_late = self.late_closes > 0;
+        self.late_closes -= usize::from(is_late);
+        is_late
     }
 
     fn report_comment(&mut self, span: Span) {

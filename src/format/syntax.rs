@@ -11,6 +11,15 @@ pub struct Word<'a> {
     pub span: Span,
 }
 
+/// A scene text.
+#[derive(Clone, Debug)]
+pub struct Tree<'a> {
+    /// What stands at the top, in the order of the text.
+    pub entries: Vec<Entry<'a>>,
+    /// Whether the end of the text is lost in a comment that is never closed.
+    pub truncated: bool,
+}
+
 /// What stands in a block, or at the top of a scene.
 #[derive(Clone, Debug)]
 pub enum Entry<'a> {
@@ -47,7 +56,7 @@ pub enum Form<'a> {
     Block(Block<'a>),
     /// `<name> <value>`
     Value(Word<'a>),
-    /// `<name>` alone, which the parser has reported.
+    /// `<name>` alone, where a value should follow.
     Nothing,
 }
 

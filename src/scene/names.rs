@@ -11,7 +11,8 @@ pub(super) fn closest<'c>(
     candidates: impl Iterator<Item = &'c str>,
 ) -> Option<&'c str> {
     let plain = simplified(word);
-    let allowed = (plain.chars().count() / 3).clamp(1, 4);
+    let length = plain.chars().count();
+    let allowed = if length < 3 { 0 } else { (length / 3).clamp(1, 4) };
     candidates
         .map(|candidate| (distance(&plain, &simplified(candidate), allowed), candidate))
         .filter(|(distance, _)| *distance <= allowed)
@@ -114,7 +115,8 @@ mod tests {
             ("diffuseReflection", Some("diffuse_reflection")),
             ("speuclar", Some("specular")),
             ("radius", None),
-            ("x", None),
+            ("p", None),
+            ("CAMERA_", Some("Camera")),
             ("", None),
         ];
         for (word, expected) in cases {

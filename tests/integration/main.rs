@@ -1,3 +1,4 @@
 //! Tests from outside: the library's public face and the program itself.
 
+mod scene_fuzz;
 mod scene_language;

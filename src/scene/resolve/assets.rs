@@ -1,6 +1,6 @@
 //! Meshes and textures: each file is read once, whoever names it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::Read;
 use std::sync::Arc;
 
@@ -22,6 +22,8 @@ pub(super) struct Assets<'f> {
     pub(super) hash: ContentHash,
     textures: HashMap<String, Option<Arc<Texture>>>,
     meshes: HashMap<(Vec<String>, bool), Option<Arc<Mesh>>>,
+    /// Paths of files that can't be had, which were reported.
+    failed: HashSet<String>,
 }
 
 impl<'f> Assets<'f> {
@@ -29,7 +31,14 @@ impl<'f> Assets<'f> {
     pub(super) fn new(files: &'f Files, text_name: &str, hash: ContentHash) -> Self {
         let end = text_name.rfind(['/', '\\']).map_or(0, |i| i + 1);
         let folder = text_name[..end].to_owned();
-        Self { files, folder, hash, textures: HashMap::new(), meshes: HashMap::new() }
+        Self {
+            files,
+            folder,
+            hash,
+            textures: HashMap::new(),
+            meshes: HashMap::new(),
+            failed: HashSet::new(),
+        }
     }
 
     /// The image at a path; `None` where it can't be had, which is reported once.
@@ -116,21 +125,27 @@ impl<'f> Assets<'f> {
         diagnostics: &mut Diagnostics,
         load: impl FnOnce(&mut dyn Read) -> Result<T, FileError>,
     ) -> Option<T> {
-        let reader = match self.files.open(path.text) {
-            Ok(reader) => reader,
-            Err(e) => {
-                diagnostics.push(cannot_open(path, &e));
-                return None;
-            }
-        };
+        if self.failed.contains(path.text) {
+            return None;
+        }
+        let loaded = self.try_read(path, diagnostics, load);
+        if loaded.is_none() {
+            self.failed.insert(path.text.to_owned());
+        }
+        loaded
+    }
+
+    fn try_read<T>(
+        &mut self,
+        path: Word<'_>,
+        diagnostics: &mut Diagnostics,
+        load: impl FnOnce(&mut dyn Read) -> Result<T, FileError>,
+    ) -> Option<T> {
+        let reader = self.files.open(path.text);
+        let reader = reader.map_err(|e| diagnostics.push(cannot_open(path, &e))).ok()?;
         let mut reader = HashingReader::new(reader);
-        let loaded = match load(&mut reader) {
-            Ok(loaded) => loaded,
-            Err(e) => {
-                self.report_content(path, e, diagnostics);
-                return None;
-            }
-        };
+        let loaded = load(&mut reader);
+        let loaded = loaded.map_err(|e| self.report_content(path, e, diagnostics)).ok()?;
         match reader.finish() {
             Ok(hash) => self.hash.add(&hash),
             Err(e) => diagnostics.push(cannot_open(path, &OpenError::Unreadable(e))),
@@ -144,7 +159,7 @@ impl<'f> Assets<'f> {
             let span = self.excerpt(path.text, &e, diagnostics);
             Diagnostic::error(e.message).at(span, e.label).also(path.span, "loaded here")
         } else {
-            Diagnostic::error(format!("`{}`: {}", path.text, e.message)).at(path.span, e.label)
+            Diagnostic::error(e.message).at(path.span, e.label)
         };
         diagnostic.help = e.help;
         diagnostics.push(diagnostic);

@@ -45,7 +45,8 @@ fn inner<T>(
 ) -> Option<T> {
     let Value::Element(name, block) = field.value else { return None };
     let schema = if field.attribute.name == FILM.keyword { &FILM } else { &CAM_SEGMENT };
-    let element = Element { schema, keyword: field.keyword, name, block };
+    let damaged = fields.element.damaged || block.damaged;
+    let element = Element { schema, keyword: field.keyword, name, block, damaged };
     read(&mut Fields::read(element, fields.scale, fields.diagnostics))
 }
 
@@ -147,7 +148,7 @@ fn lens(fields: &mut Fields<'_, '_, '_>) -> ([f64; 2], [f64; 2]) {
         let dof = end_as_start(fields, Bound::Any, ["dofStart", "dofEnd"], 1.0);
         return (if dof.iter().all(|d| *d > 0.0) { dof } else { [1.0; 2] }, radius);
     }
-    if fields.get("dofStart").is_none() && !fields.element.block.damaged {
+    if fields.get("dofStart").is_none() && !fields.element.damaged {
         let message = format!("{} has an open lens, but no `dofStart`", fields.element.title());
         let lens = fields.get("lensRadiusStart").or_else(|| fields.get("lensRadiusEnd"));
         let span = lens.map_or(fields.element.head(), |f| f.keyword.span);

@@ -4,7 +4,7 @@ use super::fields::{Element, nameless};
 use super::schema::{ELEMENTS, owners};
 use super::{AllNames, quoted_list};
 use crate::diagnostics::{Diagnostic, Diagnostics};
-use crate::format::syntax::{Entry, Form, Item, Word};
+use crate::format::syntax::{Entry, Form, Item, Tree, Word};
 use crate::scene::names::{Names, closest};
 
 /// Elements that can be seen, in the order of messages.
@@ -20,30 +20,32 @@ pub(super) struct Scene<'t, 'a> {
     elements: Vec<Element<'t, 'a>>,
     /// Names of elements of unknown types.
     unknown: Vec<Word<'a>>,
-    /// Whether braces are wrong somewhere, so that elements may be lost.
-    pub(super) is_damaged: bool,
+    /// Whether the end of the text is lost, so that elements may be.
+    pub(super) is_truncated: bool,
 }
 
 impl<'t, 'a> Scene<'t, 'a> {
     /// Sorts out what is no element.
-    pub(super) fn collect(entries: &'t [Entry<'a>], diagnostics: &mut Diagnostics) -> Self {
-        let mut scene = Self { elements: Vec::new(), unknown: Vec::new(), is_damaged: false };
+    pub(super) fn collect(tree: &'t Tree<'a>, diagnostics: &mut Diagnostics) -> Self {
+        let is_truncated = tree.truncated;
+        let mut scene = Self { elements: Vec::new(), unknown: Vec::new(), is_truncated };
         let mut in_numbers = false;
-        for entry in entries {
+        for entry in &tree.entries {
             match entry {
-                Entry::Item(item) => scene.item(item, diagnostics),
-                Entry::Number(number) if !in_numbers => diagnostics.push(
-                    Diagnostic::error("expected an element, found a number")
-                        .at(number.word.span, ""),
-                ),
+                Entry::Item(item) => in_numbers = !scene.item(item, diagnostics),
+                Entry::Number(number) if !in_numbers => {
+                    in_numbers = true;
+                    let error = Diagnostic::error("expected an element, found a number");
+                    diagnostics.push(error.at(number.word.span, ""));
+                }
                 Entry::Number(_) => {}
             }
-            in_numbers = true;
         }
         scene
     }
 
-    fn item(&mut self, item: &'t Item<'a>, diagnostics: &mut Diagnostics) {
+    /// Whether the item is an element; if not, this was reported.
+    fn item(&mut self, item: &'t Item<'a>, diagnostics: &mut Diagnostics) -> bool {
         let keyword = item.keyword;
         let schema = ELEMENTS.iter().find(|s| s.keyword == keyword.text);
         let (name, block) = match &item.form {
@@ -52,16 +54,22 @@ impl<'t, 'a> Scene<'t, 'a> {
                 diagnostics.push(nameless(keyword));
                 (Word { text: "", span: keyword.span }, block)
             }
-            _ => return diagnostics.push(not_an_element(item)),
+            _ => {
+                diagnostics.push(not_an_element(item));
+                return false;
+            }
         };
-        self.is_damaged |= block.damaged;
         match schema {
-            Some(schema) => self.elements.push(Element { schema, keyword, name, block }),
+            Some(schema) => {
+                let damaged = block.damaged;
+                self.elements.push(Element { schema, keyword, name, block, damaged });
+            }
             None => {
                 self.unknown.push(name);
                 diagnostics.push(unknown_type(keyword));
             }
         }
+        true
     }
 
     /// All elements of some types.

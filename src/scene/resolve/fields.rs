@@ -14,6 +14,9 @@ pub(super) struct Element<'t, 'a> {
     /// Empty where the block has or needs no name.
     pub(super) name: Word<'a>,
     pub(super) block: &'t Block<'a>,
+    /// Whether braces are wrong in the block or about it, so that what belongs here may stand
+    /// elsewhere and the other way round.
+    pub(super) damaged: bool,
 }
 
 impl Element<'_, '_> {
@@ -158,6 +161,9 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             ))
             .at(word.span, "")
         } else {
+            if self.element.damaged && !owners(word.text).is_empty() {
+                return;
+            }
             self.misplaced(word, &item.form)
         };
         self.diagnostics.push(diagnostic);
@@ -194,7 +200,12 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         numbers: &[&Number<'a>],
     ) -> Value<'t, 'a> {
         match (attribute.kind, &item.form) {
-            (_, Form::Nothing) => Value::Broken,
+            (_, Form::Nothing) => {
+                let message = format!("`{}` has no value", item.keyword.text);
+                let error = Diagnostic::error(message).at(item.keyword.span, "");
+                self.diagnostics.push(error.help(format!("write {}", attribute.usage())));
+                Value::Broken
+            }
             (Kind::Number | Kind::Choice | Kind::Word(_), Form::Value(word)) => Value::Word(*word),
             (Kind::Vector(_) | Kind::Block, Form::Block(block)) => Value::Block(block),
             (Kind::Element, Form::Element(name, block)) => Value::Element(*name, block),
@@ -226,10 +237,10 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         numbers: &[&Number<'a>],
     ) {
         let (span, found) = match form {
-            Form::Value(word) => (word.span, "a word"),
-            Form::Block(block) => (block.open, "a block"),
-            Form::Element(name, _) => (name.span, "a name and a block"),
-            Form::Nothing => (keyword.span, "nothing"),
+            Form::Value(word) => (word.span, "found this"),
+            Form::Block(block) => (block.open, "found `{`"),
+            Form::Element(name, _) => (name.span, "found this"),
+            Form::Nothing => (keyword.span, "found nothing"),
         };
         let expected = match attribute.kind {
             Kind::Number => "a number without braces",
@@ -243,13 +254,13 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             .unwrap_or_else(|| format!("write {}", attribute.usage()));
         self.diagnostics.push(
             Diagnostic::error(format!("`{}` takes {expected}", keyword.text))
-                .at(span, format!("found {found}"))
+                .at(span, found)
                 .help(help),
         );
     }
 
     fn report_missing(&mut self) {
-        if self.element.block.damaged {
+        if self.element.damaged {
             return;
         }
         let attributes = self.element.schema.attributes.iter();
@@ -290,8 +301,11 @@ fn rewritten(
         (Kind::Vector(_), Form::Value(x), [y, z]) => {
             Some(format!("write `{keyword} {{ {} {} {} }}`", x.text, y.word.text, z.word.text))
         }
-        (Kind::Number, Form::Block(block), _) => match block.entries.as_slice() {
-            [Entry::Number(number)] => Some(format!("write `{keyword} {}`", number.word.text)),
+        (_, Form::Block(block), _) => match block.entries.as_slice() {
+            [Entry::Number(Number { word, .. })]
+            | [Entry::Item(Item { keyword: word, form: Form::Nothing })] => {
+                Some(format!("write `{keyword} {}`", word.text))
+            }
             _ => None,
         },
         _ => None,

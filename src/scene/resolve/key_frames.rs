@@ -5,15 +5,13 @@ use glam::DVec3;
 use super::fields::{Element, Field, Fields, Value};
 use super::schema::{ADD_KFRAME, KEY, NEX, PRE, Schema};
 use super::values::Bound;
+use crate::animation::KeyFrames;
 use crate::diagnostics::{Diagnostic, Span};
 use crate::format::syntax::Word;
 use crate::scene::{KeyFrame, Placement};
 
-/// Sine between up and right below which they give no orientation.
+/// Sine between up and right below which they give no orientation; as in `animation`.
 const LEAST_SINE: f64 = 1e-9;
-
-/// Steps at which the way between two key frames is looked at.
-const STEPS: u32 = 48;
 
 /// A key frame with its places in the text.
 struct Written {
@@ -61,7 +59,8 @@ fn open<'t, 'a, 'f>(
 ) -> Option<Fields<'t, 'a, 'f>> {
     let Value::Block(block) = field.value else { return None };
     let name = Word { text: "", span: field.keyword.span };
-    let element = Element { schema, keyword: field.keyword, name, block };
+    let damaged = fields.element.damaged || block.damaged;
+    let element = Element { schema, keyword: field.keyword, name, block, damaged };
     Some(Fields::read(element, fields.scale, fields.diagnostics))
 }
 
@@ -110,35 +109,39 @@ impl Orientation {
     }
 }
 
+/// Reports key frames without an orientation, and warns where it is lost between two.
 fn check_orientations(written: &[Written], fields: &mut Fields<'_, '_, '_>) {
     let mut last = Orientation { up: DVec3::Z, right: DVec3::X };
-    let mut keys = Vec::new();
-    for one in written {
+    let complete = |one: &Written| {
         last = last.with(one.key_frame.key);
-        keys.push(last);
+        last
+    };
+    let keys: Vec<_> = written.iter().map(complete).collect();
+    let flat: Vec<_> =
+        (0..keys.len()).filter_map(|i| Some((i, flat_part(written, &keys, i)?))).collect();
+    for (i, part) in &flat {
+        report_flat(fields, &written[*i], part);
     }
-    let errors = fields.diagnostics.error_count();
-    for (i, one) in written.iter().enumerate() {
-        let neighbour =
-            |at: Option<usize>| at.and_then(|at| keys.get(at)).copied().unwrap_or(keys[i]);
-        let pre = keys[i].third_toward(neighbour(i.checked_sub(1))).with(one.key_frame.pre);
-        let nex = keys[i].third_toward(neighbour(Some(i + 1))).with(one.key_frame.nex);
-        let controls = [("pre", pre, one.key_frame.pre), ("nex", nex, one.key_frame.nex)];
-        if keys[i].is_flat() {
-            report_flat(fields, one, "key");
-        } else if let Some((name, ..)) = controls
-            .iter()
-            .find(|(_, o, given)| (given.up.is_some() || given.right.is_some()) && o.is_flat())
-        {
-            report_flat(fields, one, name);
-        }
+    if flat.is_empty() {
+        warn_of_collapse(fields, written);
     }
-    if fields.diagnostics.error_count() == errors {
-        written
-            .windows(2)
-            .zip(keys.windows(2))
-            .for_each(|(pair, keys)| warn_of_collapse(fields, pair, keys));
+}
+
+/// The control point of a key frame whose up and right are parallel.
+fn flat_part(written: &[Written], keys: &[Orientation], i: usize) -> Option<&'static str> {
+    if keys[i].is_flat() {
+        return Some("key");
     }
+    let neighbour = |at: Option<usize>| at.and_then(|at| keys.get(at)).unwrap_or(&keys[i]);
+    let key_frame = &written[i].key_frame;
+    let handles = [
+        ("pre", key_frame.pre, neighbour(i.checked_sub(1))),
+        ("nex", key_frame.nex, neighbour(Some(i + 1))),
+    ];
+    handles.into_iter().find_map(|(name, handle, toward)| {
+        let is_given = handle.up.is_some() || handle.right.is_some();
+        (is_given && keys[i].third_toward(*toward).with(handle).is_flat()).then_some(name)
+    })
 }
 
 fn report_flat(fields: &mut Fields<'_, '_, '_>, written: &Written, which: &str) {
@@ -155,36 +158,22 @@ fn report_flat(fields: &mut Fields<'_, '_, '_>, written: &Written, which: &str) 
 }
 
 /// Warns where up and right become parallel on the way between two keys.
-fn warn_of_collapse(fields: &mut Fields<'_, '_, '_>, pair: &[Written], keys: &[Orientation]) {
-    let ([from, to], [a, d]) = (pair, keys) else { return };
-    let b = a.third_toward(*d).with(from.key_frame.nex);
-    let c = d.third_toward(*a).with(to.key_frame.pre);
-    let at = |u: f64| Orientation {
-        up: bezier([a.up, b.up, c.up, d.up], u),
-        right: bezier([a.right, b.right, c.right, d.right], u),
-    };
-    let steps = (1..STEPS).map(|step| f64::from(step) / f64::from(STEPS));
-    if steps
-        .into_iter()
-        .any(|u| at(u).is_flat() || at(u).up.length().min(at(u).right.length()) < 1e-9)
-    {
-        let message = format!(
-            "{} loses its orientation between the key frames at times {} and {}",
-            fields.element.title(),
-            from.key_frame.time,
-            to.key_frame.time
-        );
+fn warn_of_collapse(fields: &mut Fields<'_, '_, '_>, written: &[Written]) {
+    let key_frames: Vec<_> = written.iter().map(|w| w.key_frame).collect();
+    let Ok(path) = KeyFrames::new(&key_frames) else { return };
+    let jumps = path.jumps([f64::NEG_INFINITY, f64::INFINITY]);
+    for jump in jumps.iter().filter(|jump| jump.collapse) {
+        let (from, to) = (&written[jump.key], &written[jump.key + 1]);
+        let message =
+            format!("{} loses its orientation between key frames", fields.element.title());
         fields.diagnostics.push(
             Diagnostic::warning(message)
-                .at(to.keyword, "on the way here, up and right become parallel")
+                .at(
+                    to.keyword,
+                    format!("on the way here, at time {:.3}, up and right are parallel", jump.time),
+                )
                 .also(from.keyword, "from here")
                 .help("put a key frame between them: a turn takes at least one per 90 degrees"),
         );
     }
-}
-
-/// A point of a cubic Bézier curve.
-fn bezier([a, b, c, d]: [DVec3; 4], u: f64) -> DVec3 {
-    let (ab, bc, cd) = (a.lerp(b, u), b.lerp(c, u), c.lerp(d, u));
-    ab.lerp(bc, u).lerp(bc.lerp(cd, u), u)
 }

@@ -26,7 +26,7 @@ use super::{
 };
 use crate::diagnostics::{Diagnostic, Diagnostics, SourceId};
 use crate::format::parse;
-use crate::format::syntax::{Entry, Vocabulary, Word};
+use crate::format::syntax::{Tree, Vocabulary, Word};
 
 /// The scene of a text that is a source of `diagnostics`; a scene without meaning where there are
 /// errors.
@@ -37,9 +37,9 @@ pub(super) fn resolve(
     hash: ContentHash,
     diagnostics: &mut Diagnostics,
 ) -> Option<SceneDescription> {
-    let entries = parse_scene(text, source, diagnostics);
+    let tree = parse_scene(text, source, diagnostics);
     let name = diagnostics.source(source).name.clone();
-    let scene = Scene::collect(&entries, diagnostics);
+    let scene = Scene::collect(&tree, diagnostics);
     let scale = scaling(&scene, diagnostics);
     let names = scene.names(diagnostics);
     let assets = Assets::new(files, &name, hash);
@@ -51,13 +51,12 @@ pub(super) fn resolve(
     description
 }
 
-fn parse_scene<'a>(
-    text: &'a str,
-    source: SourceId,
-    diagnostics: &mut Diagnostics,
-) -> Vec<Entry<'a>> {
+fn parse_scene<'a>(text: &'a str, source: SourceId, diagnostics: &mut Diagnostics) -> Tree<'a> {
     let attributes = all_attributes();
-    let naming = attributes.iter().filter(|a| matches!(a.kind, Kind::Word(_))).map(|a| a.name);
+    let naming = attributes
+        .iter()
+        .filter(|a| matches!(a.kind, Kind::Word(_) | Kind::Element))
+        .map(|a| a.name);
     let vocabulary = Vocabulary {
         elements: &element_keywords(),
         attributes: &attributes.iter().map(|a| a.name).collect::<Vec<_>>(),
@@ -147,7 +146,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
 
     fn camera(&mut self) -> Option<Camera> {
         let Some(element) = self.scene.only("Camera", self.diagnostics) else {
-            if !self.scene.is_damaged {
+            if !self.scene.is_truncated {
                 self.diagnostics.push(
                     Diagnostic::error("the scene has no `Camera`")
                         .help("write `Camera NAME { fps NUMBER  Film NAME { ... }  CamSegment NAME { ... } }`"),
@@ -240,7 +239,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             Referred::Texture => (textures, [&*phong_infos, &*materials]),
         };
         let found = names.find(word.text);
-        if found.is_none() && !unknown.contains(word.text) && !self.scene.is_damaged {
+        if found.is_none() && !unknown.contains(word.text) && !self.scene.is_truncated {
             self.diagnostics.push(dangling(word, names, others));
         }
         found
@@ -272,14 +271,14 @@ fn mesh(fields: &mut Fields<'_, '_, '_>, assets: &mut Assets<'_>) -> Option<Shap
 fn dangling(word: Word<'_>, names: &Names<'_>, others: [&Names<'_>; 2]) -> Diagnostic {
     let kind = names.kind();
     let message = format!("no {kind} is called `{}`", word.text);
+    if let Some(other) = others.iter().find(|o| o.contains(word.text)) {
+        let label = format!("this is the name of a {}", other.kind());
+        return Diagnostic::error(message).at(word.span, label);
+    }
     if let Some(near) = names.closest(word.text) {
         return Diagnostic::error(format!("{message}, did you mean `{near}`?")).at(word.span, "");
     }
     let diagnostic = Diagnostic::error(message);
-    if let Some(other) = others.iter().find(|o| o.contains(word.text)) {
-        let label = format!("this is the name of a {}", other.kind());
-        return diagnostic.at(word.span, label);
-    }
     let known: Vec<_> = names.all().filter(|n| !n.is_empty()).collect();
     let help = match known.as_slice() {
         [] => format!("the scene has no {kind}"),

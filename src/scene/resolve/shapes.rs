@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::fields::Fields;
-use super::values::{Bound, Found};
+use super::values::{Bound, Found, SHORTEST};
 use crate::diagnostics::Diagnostic;
 use crate::scene::Shape;
 
@@ -67,7 +67,7 @@ pub(super) fn cone(fields: &mut Fields<'_, '_, '_>) -> Option<Shape> {
 fn axis(fields: &mut Fields<'_, '_, '_>, from: &str, to: &str) -> Option<[DVec3; 2]> {
     let (start, end) = (fields.point(from), fields.point(to));
     let (start, end) = (start?, end?);
-    if (end.value - start.value).try_normalize().is_none() {
+    if end.value.distance(start.value) < SHORTEST {
         let message = format!("{} has no height", fields.element.title());
         fields.diagnostics.push(
             Diagnostic::error(message)
@@ -90,11 +90,8 @@ pub(super) fn corners(fields: &mut Fields<'_, '_, '_>, of_rectangle: bool) -> Op
     } else {
         (vertices[1] - vertices[0], vertices[2] - vertices[0])
     };
-    let longest = u.length().max(v.length()).max((u - v).length());
     let shortest = u.length().min(v.length()).min((u - v).length());
-    if u.cross(v).length() <= LEAST_SINE * u.length() * v.length()
-        || shortest <= LEAST_SINE * longest
-    {
+    if shortest < SHORTEST || u.cross(v).length() <= LEAST_SINE * u.length() * v.length() {
         report_no_area(fields, &found);
         return None;
     }

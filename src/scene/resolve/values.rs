@@ -12,6 +12,10 @@ use crate::scene::names::closest;
 /// multiplies four of them.
 pub(super) const FARTHEST: f64 = 1e9;
 
+/// The shortest length that is more than 0: the least of which a fourth power is still a normal
+/// f32.
+pub(super) const SHORTEST: f64 = 1e-9;
+
 /// A value with its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found<T> {
@@ -87,9 +91,9 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         let found = self.number(name, bound)?;
         let value = found.value * self.scale;
         self.check_distance(value, found.span)?;
-        if bound == Bound::Positive && value == 0.0 {
+        if bound == Bound::Positive && value < SHORTEST {
             let word = self.word(name)?;
-            self.out_of_range(name, word, "is too close to 0");
+            self.out_of_range(name, word, &format!("is less than {SHORTEST:e}"));
             return None;
         }
         Some(Found { value, ..found })
@@ -200,6 +204,9 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         keyword: Word<'_>,
         block: &Block<'_>,
     ) -> Option<[f64; N]> {
+        if block.damaged {
+            return None;
+        }
         let mut numbers = Vec::new();
         for entry in &block.entries {
             match entry {
