@@ -1,9 +1,13 @@
 //! Scene text and mesh files as they are written: tokens, syntax tree, vertices and faces.
 
+mod bytes;
 pub mod error;
+mod input;
 mod lexer;
 mod number;
 mod parser;
+mod place;
+pub mod slo;
 pub mod syntax;
 
 pub use error::FileError;
