@@ -140,8 +140,51 @@ def sheet(half, repeats, cells=1):
     return mesh
 
 
+def cove(width, front, back, radius, height, steps=24):
+    """A photographer's sweep: a floor along y that curves up into a wall."""
+    mesh = Mesh()
+    rows = [(front, 0.0, 0.0, 1.0)]
+    for i in range(steps + 1):
+        a = math.pi / 2.0 * i / steps
+        rows.append((back - radius + math.sin(a) * radius, radius - math.cos(a) * radius,
+                     -math.sin(a), math.cos(a)))
+    rows.append((back, height, -1.0, 0.0))
+    lines = []
+    for k, (y, z, ny, nz) in enumerate(rows):
+        lines.append([mesh.vertex((x, y, z), (0.0, ny, nz), (u, k / (len(rows) - 1.0)))
+                      for x, u in ((-width / 2.0, 0.0), (width / 2.0, 1.0))])
+    for low, high in zip(lines, lines[1:]):
+        mesh.quad(low[0], low[1], high[1], high[0])
+    return mesh
+
+
+def torus(ring, tube, around, across):
+    mesh = Mesh()
+    grid = []
+    for i in range(around):
+        a = 2.0 * math.pi * i / around
+        row = []
+        for j in range(across):
+            b = 2.0 * math.pi * j / across
+            n = (math.cos(a) * math.cos(b), math.sin(a) * math.cos(b), math.sin(b))
+            row.append(mesh.vertex((ring * math.cos(a) + tube * n[0],
+                                    ring * math.sin(a) + tube * n[1], tube * n[2]), n))
+        grid.append(row)
+    for i in range(around):
+        for j in range(across):
+            k, m = (i + 1) % around, (j + 1) % across
+            mesh.quad(grid[i][j], grid[k][j], grid[k][m], grid[i][m])
+    return mesh
+
+
 def build():
+    cove(500.0, -160.0, 130.0, 70.0, 260.0).write("cove")
+    torus(1.0, .4, 10, 5).write("torus_100")
+    torus(1.0, .12, 72, 16).write("ring")
+    bevelled_box((9.0, 1.0, 15.0), .25, 4).write("pane")
+    bevelled_box((12.0, 60.0, 1.0), .2, 3).write("plate")
     sheet(500.0, 1).write("sheet")
+    sheet(600.0, 24).write("floor")
     squares(0).write("board_dark")
     squares(1).write("board_light")
     frame().write("board_frame")

@@ -115,6 +115,18 @@ def leaf(size):
     png.write("leaf", size, size, pixel)
 
 
+def checker(size, squares, light, dark):
+    """A chequered floor with a little wear."""
+
+    def pixel(x, y):
+        u, v = (x + .5) / size, (y + .5) / size
+        odd = (x * squares // size + y * squares // size) % 2
+        wear = 1.0 - .12 * fbm(u, v, 6, 6, 60 + odd, 4)
+        return tuple(c * wear for c in (dark if odd else light))
+
+    png.write("checker", size, size, pixel)
+
+
 def glow(name, width, height, low, high, centre, reach):
     """A backdrop: a soft light on a dark wall, dithered against banding."""
 
@@ -132,6 +144,7 @@ def build():
     wood("boxwood", 512, 9, (1.0, .97, .90), (.62, .47, .30), .22, 101, .8)
     wood("walnut", 512, 8, (1.0, .86, .72), (.30, .19, .13), .5, 202)
     linen(384)
+    checker(256, 4, (1.0, .97, .90), (.10, .17, .20))
     petal(256)
     leaf(256)
     glow("backdrop", 512, 288, (.02, .02, .03), (1.0, .9, .75), (.62, .55), .55)
