@@ -6,6 +6,7 @@
 
 mod box_tree;
 mod brute;
+pub mod bvh;
 pub mod curved;
 mod isa;
 pub mod kdtree;
@@ -39,13 +40,17 @@ pub enum Accelerator {
 pub enum Structure {
     /// SAH kd-tree.
     KdTree(kdtree::KdTree),
+    /// 8-wide bounding volume hierarchy.
+    Bvh(bvh::Bvh),
     /// Every primitive is tested: the oracle of the others.
     Brute(brute::Brute),
 }
 
 /// Working memory of queries, one per thread; holds nothing between calls.
 #[derive(Debug, Default)]
-pub struct Scratch {}
+pub struct Scratch {
+    bvh: bvh::Scratch,
+}
 
 impl Structure {
     /// Builds a structure, on all threads of the current rayon pool. The same primitives give the
@@ -53,6 +58,7 @@ impl Structure {
     pub fn build(accelerator: Accelerator, primitives: Primitives, isa: Isa) -> Self {
         match accelerator {
             Accelerator::None => Self::Brute(brute::Brute::new(primitives)),
+            Accelerator::Bvh => Self::Bvh(bvh::Bvh::build(primitives, isa)),
             _ => Self::KdTree(kdtree::KdTree::build(primitives, isa)),
         }
     }
@@ -61,6 +67,7 @@ impl Structure {
     pub fn triangle_count(&self) -> usize {
         match self {
             Self::KdTree(tree) => tree.primitives().triangles.len(),
+            Self::Bvh(bvh) => bvh.triangle_count(),
             Self::Brute(brute) => brute.primitives().triangles.len(),
         }
     }
@@ -69,6 +76,7 @@ impl Structure {
     pub fn triangle(&self, id: u32) -> Triangle {
         match self {
             Self::KdTree(tree) => tree.primitives().triangles[id as usize],
+            Self::Bvh(bvh) => bvh.triangle(id),
             Self::Brute(brute) => brute.primitives().triangles[id as usize],
         }
     }
@@ -78,6 +86,7 @@ impl Structure {
     pub fn curved(&self) -> &[Curved] {
         match self {
             Self::KdTree(tree) => &tree.primitives().curved,
+            Self::Bvh(bvh) => bvh.curved(),
             Self::Brute(brute) => &brute.primitives().curved,
         }
     }
@@ -86,6 +95,7 @@ impl Structure {
     pub fn memory(&self) -> usize {
         match self {
             Self::KdTree(tree) => tree.primitives().memory() + tree.memory(),
+            Self::Bvh(bvh) => bvh.memory(),
             Self::Brute(brute) => brute.primitives().memory() + brute.memory(),
         }
     }
@@ -94,6 +104,7 @@ impl Structure {
     pub fn bounds(&self) -> Bounds {
         match self {
             Self::KdTree(tree) => tree.primitives().all_bounds(),
+            Self::Bvh(bvh) => bvh.bounds(),
             Self::Brute(brute) => brute.primitives().all_bounds(),
         }
     }
@@ -109,6 +120,7 @@ impl Structure {
         hits.reset(rays.len());
         match self {
             Self::KdTree(tree) => tree.intersect(rays, coherence, hits, scratch),
+            Self::Bvh(bvh) => bvh.intersect(rays, coherence, hits, &mut scratch.bvh),
             Self::Brute(brute) => brute.intersect(rays, hits),
         }
     }
@@ -125,6 +137,7 @@ impl Structure {
         blocked.resize(rays.len().next_multiple_of(LANES), false);
         match self {
             Self::KdTree(tree) => tree.occluded(rays, coherence, blocked, scratch),
+            Self::Bvh(bvh) => bvh.occluded(rays, coherence, blocked, &mut scratch.bvh),
             Self::Brute(brute) => brute.occluded(rays, blocked),
         }
     }

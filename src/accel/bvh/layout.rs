@@ -1,0 +1,174 @@
+//! What the hierarchy is made of in memory.
+
+use crate::accel::Triangle;
+use crate::accel::triangle::POSITION_ERROR;
+use crate::math::{Bounds, rounding::UNIT_ROUNDOFF};
+use glam::Vec3;
+
+/// Children of a node.
+pub(super) const WIDTH: usize = 8;
+
+/// How much boxes and rays are widened, in units of the largest coordinate: a hit may lie
+/// [`POSITION_ERROR`] outside its triangle's box, and the test of a box makes eight roundings.
+///
+/// A hit's error is relative to the corners' distance from the origin, which is at most the
+/// largest coordinate of the box plus that of the origin: the box is widened for the first when it
+/// is stored, the ray for the second when it is made ready.
+pub(super) const BOX_ERROR: f32 = POSITION_ERROR + 8.0 * UNIT_ROUNDOFF;
+
+/// A node: boxes and names of eight children, in four cache lines.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// Lower and upper planes of x, then y, then z; lower above upper where there is no child.
+    pub(super) planes: [[f32; WIDTH]; 6],
+    pub(super) children: [Child; WIDTH],
+    /// Four bits for each octant of directions: in word `s`, the child that lies `s`-th from the
+    /// far end.
+    pub(super) order: [u32; WIDTH],
+}
+
+impl Node {
+    pub(super) const EMPTY: Self = Self {
+        planes: [
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+        ],
+        children: [Child::DONE; WIDTH],
+        order: [
+            0,
+            0x1111_1111,
+            0x2222_2222,
+            0x3333_3333,
+            0x4444_4444,
+            0x5555_5555,
+            0x6666_6666,
+            0x7777_7777,
+        ],
+    };
+
+    /// Puts a child into its place, its box widened.
+    pub(super) fn set(&mut self, place: usize, child: Child, bounds: Bounds) {
+        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let error = BOX_ERROR * largest;
+        for axis in 0..3 {
+            self.planes[2 * axis][place] = (bounds.min[axis] - error).next_down();
+            self.planes[2 * axis + 1][place] = (bounds.max[axis] + error).next_up();
+        }
+        self.children[place] = child;
+    }
+}
+
+/// What a node's child is: another node, a block of triangles, or a curved surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub(super) struct Child(pub(super) u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const KIND_SHIFT: u32 = 28;
+    const CURVED: u32 = 4;
+    const INDEX: u32 = (1 << Self::KIND_SHIFT) - 1;
+
+    /// The end of a stack: nothing is left to visit.
+    pub(super) const DONE: Self = Self(u32::MAX);
+
+    /// How many triangles, curved surfaces, and nodes can be told apart.
+    pub(super) const LIMIT: usize = Self::INDEX as usize;
+
+    pub(super) fn node(index: u32) -> Self {
+        Self(index)
+    }
+
+    /// One to four triangles from a slot on.
+    pub(super) fn triangles(slot: u32, count: u32) -> Self {
+        debug_assert!((1..=4).contains(&count));
+        Self(Self::LEAF | (count - 1) << Self::KIND_SHIFT | slot)
+    }
+
+    pub(super) fn curved(index: u32) -> Self {
+        Self(Self::LEAF | Self::CURVED << Self::KIND_SHIFT | index)
+    }
+
+    /// Whether it is not a node.
+    #[inline(always)]
+    pub(super) fn is_leaf(self) -> bool {
+        self.0 >= Self::LEAF
+    }
+
+    /// Index of the node, first slot, or index of the curved surface.
+    #[inline(always)]
+    pub(super) fn index(self) -> usize {
+        (self.0 & Self::INDEX) as usize
+    }
+
+    /// How many triangles there are; `None` where it is a curved surface or the end.
+    #[inline(always)]
+    pub(super) fn triangle_count(self) -> Option<usize> {
+        let kind = (self.0 >> Self::KIND_SHIFT) & 7;
+        (kind < Self::CURVED).then_some(kind as usize + 1)
+    }
+}
+
+/// The corners of triangles, block by block in the order of leaves. A block of n triangles is nine
+/// rows of n: x, y, and z of the first corners, then of the second, then of the third.
+#[derive(Debug, Default)]
+pub(super) struct Corners {
+    rows: Vec<f32>,
+}
+
+impl Corners {
+    /// Rows are readable this far beyond their end, so that four lanes may be loaded.
+    pub(super) const PADDING: usize = 4;
+
+    pub(super) const PER_TRIANGLE: usize = 9;
+
+    /// `rows` without the padding.
+    pub(super) fn new(mut rows: Vec<f32>) -> Self {
+        rows.resize(rows.len() + Self::PADDING, 0.0);
+        Self { rows }
+    }
+
+    pub(super) fn rows(&self) -> &[f32] {
+        &self.rows
+    }
+
+    /// One triangle of the block of `count` that begins at `slot`.
+    pub(super) fn triangle(&self, slot: usize, count: usize, lane: usize) -> Triangle {
+        block_triangle(&self.rows[slot * Self::PER_TRIANGLE..], count, lane)
+    }
+}
+
+/// One triangle of a block of `count` that `rows` begins with.
+#[inline(always)]
+pub(super) fn block_triangle(rows: &[f32], count: usize, lane: usize) -> Triangle {
+    std::array::from_fn(|corner| {
+        Vec3::from_array(std::array::from_fn(|axis| rows[(3 * corner + axis) * count + lane]))
+    })
+}
+
+/// Where the triangle of an id is: slot of its block, triangles there, and its lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place(u32);
+
+impl Place {
+    pub(super) fn new(slot: u32, count: u32, lane: u32) -> Self {
+        Self(slot << 4 | (count - 1) << 2 | lane)
+    }
+
+    pub(super) fn slot(self) -> usize {
+        (self.0 >> 4) as usize
+    }
+
+    pub(super) fn count(self) -> usize {
+        (self.0 >> 2 & 3) as usize + 1
+    }
+
+    pub(super) fn lane(self) -> usize {
+        (self.0 & 3) as usize
+    }
+}

@@ -1,0 +1,237 @@
+//! A bounding volume hierarchy of eight children to a node, traced in streams of many rays.
+//!
+//! Built by binned SAH ([`binary`]), collapsed by dynamic programming ([`plan`], [`collapse`]).
+//! Leaves hold the triangles themselves, in blocks of up to four as rows of coordinates: they are
+//! the only copy, found again by id through a table.
+
+mod binary;
+mod careful;
+mod collapse;
+mod layout;
+mod plan;
+mod ray;
+mod steps;
+mod stream;
+#[cfg(test)]
+mod tests;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use rayon::prelude::*;
+
+use self::binary::{BinaryTree, Reference};
+use self::collapse::Wide;
+use self::layout::{Corners, Node, Place};
+use self::ray::Ray;
+use self::steps::Portable;
+use self::stream::Query;
+use super::{Coherence, Curved, Hits, Isa, Primitives, Rays, Triangle, triangle};
+use crate::math::Bounds;
+
+/// A bounding volume hierarchy.
+#[derive(Debug)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    corners: Corners,
+    /// Ids of the triangles, by slot.
+    ids: Vec<u32>,
+    /// Where each triangle is, by id.
+    places: Vec<Place>,
+    curved: Vec<Curved>,
+    bounds: Bounds,
+    /// Entries that a ray's stack needs.
+    stack: usize,
+    isa: Isa,
+    /// Whether tame rays stay tame here.
+    is_tame: bool,
+}
+
+/// Working memory of queries.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    stream: stream::Stream,
+    pending: Vec<u32>,
+}
+
+impl Bvh {
+    /// Builds the hierarchy, on all threads of the current rayon pool; it is the same for any
+    /// number of them.
+    pub fn build(primitives: Primitives, isa: Isa) -> Self {
+        let bounds = primitives.all_bounds();
+        let references = references(&primitives);
+        let triangle_count = primitives.triangles.len();
+        let left_out = left_out(&references, triangle_count);
+        let tree = BinaryTree::build(references, triangle_count as u32);
+        let wide = collapse::collapse(tree, &primitives.triangles, &left_out);
+        let Wide { nodes, corners, ids, places, depth } = wide;
+        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let is_tame = largest <= ray::TAME_COORDINATE;
+        let stack = stream::stack_size(depth);
+        Self { nodes, corners, ids, places, curved: primitives.curved, bounds, stack, isa, is_tame }
+    }
+
+    pub(super) fn triangle_count(&self) -> usize {
+        self.ids.len()
+    }
+
+    pub(super) fn triangle(&self, id: u32) -> Triangle {
+        let place = self.places[id as usize];
+        self.corners.triangle(place.slot(), place.count(), place.lane())
+    }
+
+    pub(super) fn curved(&self) -> &[Curved] {
+        &self.curved
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Bytes held, geometry included.
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(self.nodes.as_slice())
+            + size_of_val(self.corners.rows())
+            + size_of_val(self.ids.as_slice())
+            + size_of_val(self.places.as_slice())
+            + size_of_val(self.curved.as_slice())
+    }
+
+    pub(super) fn intersect(
+        &self,
+        rays: &Rays,
+        coherence: Coherence,
+        hits: &mut Hits,
+        scratch: &mut Scratch,
+    ) {
+        self.run(rays, coherence, &mut Closest { hits }, scratch);
+    }
+
+    pub(super) fn occluded(
+        &self,
+        rays: &Rays,
+        coherence: Coherence,
+        blocked: &mut [bool],
+        scratch: &mut Scratch,
+    ) {
+        self.run(rays, coherence, &mut Any { blocked }, scratch);
+    }
+
+    fn run<Q: Query>(&self, rays: &Rays, _: Coherence, query: &mut Q, scratch: &mut Scratch) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let Scratch { stream, pending } = scratch;
+        pending.clear();
+        for i in 0..rays.len() {
+            if !(rays.t_max[i] > 0.0) {
+                continue;
+            }
+            if self.is_tame && ray::is_tame(rays.origin(i), rays.direction(i)) {
+                pending.push(i as u32);
+            } else {
+                query.finish(&careful::trace(self, rays, i as u32, Q::ANY));
+            }
+        }
+        // SAFETY: the set is one that the CPU has.
+        unsafe {
+            match self.isa {
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx512 => stream_avx512(self, rays, pending, query, stream),
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx2 => stream_avx2(self, rays, pending, query, stream),
+                _ => stream::trace::<Portable, Q>(self, rays, pending, query, stream),
+            }
+        }
+    }
+
+    /// Tests the curved surface that a ray stands before.
+    fn test_curved(&self, rays: &Rays, ray: &mut Ray) {
+        let index = ray.current.index();
+        let i = ray.index as usize;
+        let hit = self.curved[index].intersect(rays.origin(i), rays.direction(i), ray.t.next_up());
+        if let Some((t, part)) = hit {
+            ray.offer(t, part.to_u(), 0.0, (self.ids.len() + index) as u32);
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,avx512f,avx512bw,avx512dq,avx512vl")]
+unsafe fn stream_avx512<Q: Query>(
+    bvh: &Bvh,
+    rays: &Rays,
+    pending: &[u32],
+    query: &mut Q,
+    stream: &mut stream::Stream,
+) {
+    // SAFETY: the caller's.
+    unsafe { stream::trace::<x86::Avx512, Q>(bvh, rays, pending, query, stream) }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+unsafe fn stream_avx2<Q: Query>(
+    bvh: &Bvh,
+    rays: &Rays,
+    pending: &[u32],
+    query: &mut Q,
+    stream: &mut stream::Stream,
+) {
+    // SAFETY: the caller's.
+    unsafe { stream::trace::<x86::Avx2, Q>(bvh, rays, pending, query, stream) }
+}
+
+/// Boxes of everything that can be hit.
+fn references(primitives: &Primitives) -> Vec<Reference> {
+    let is_solid = |id: u32| match primitives.triangles.get(id as usize) {
+        Some(corners) => !triangle::is_degenerate(corners),
+        None => true,
+    };
+    (0..primitives.len() as u32)
+        .into_par_iter()
+        .filter(|&id| is_solid(id))
+        .map(|id| (id, primitives.bounds(id)))
+        .filter(|(_, bounds)| !bounds.is_empty())
+        .map(|(id, bounds)| Reference::new(bounds, id))
+        .collect()
+}
+
+/// Triangles that nothing refers to.
+fn left_out(references: &[Reference], triangle_count: usize) -> Vec<u32> {
+    let mut kept = references.iter().map(Reference::id).peekable();
+    (0..triangle_count as u32).filter(|&id| kept.next_if_eq(&id).is_none()).collect()
+}
+
+/// The first hit of each ray.
+struct Closest<'a> {
+    hits: &'a mut Hits,
+}
+
+impl Query for Closest<'_> {
+    const ANY: bool = false;
+
+    #[inline(always)]
+    fn finish(&mut self, ray: &Ray) {
+        if ray.is_hit {
+            let i = ray.index as usize;
+            self.hits.t[i] = ray.t;
+            self.hits.u[i] = ray.u;
+            self.hits.v[i] = ray.v;
+            self.hits.primitive[i] = ray.primitive;
+        }
+    }
+}
+
+/// Whether each ray is blocked.
+struct Any<'a> {
+    blocked: &'a mut [bool],
+}
+
+impl Query for Any<'_> {
+    const ANY: bool = true;
+
+    #[inline(always)]
+    fn finish(&mut self, ray: &Ray) {
+        self.blocked[ray.index as usize] = ray.is_hit;
+    }
+}

@@ -1,0 +1,112 @@
+//! The two steps of a ray, boxes and triangles, in plain Rust: the reference of the others.
+
+use super::binary::BLOCK;
+use super::layout::{Child, Corners, Node, WIDTH, block_triangle};
+use super::ray::Ray;
+use crate::accel::triangle::{self, ShearedRay};
+use glam::Vec3;
+
+/// The steps that streams are made of, for one instruction set. All sets find the same hits; boxes
+/// may be entered by one and missed by another where no hit depends on it.
+pub(super) trait Steps {
+    /// Writes the children whose boxes the ray enters up to its best hit, from far to near, with
+    /// the distances where it enters; returns how many. Eight entries of both arrays may be
+    /// overwritten.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; both arrays are writable for eight entries.
+    unsafe fn children(node: &Node, ray: &Ray, ts: *mut f32, children: *mut Child) -> usize;
+
+    /// Which triangles of a block the ray hits no farther than at `ray.t`, and where: bit `lane` of
+    /// the result tells whether lane `lane` of `hits` counts.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; `block` is the first row of a block of `count` triangles,
+    /// and 4 elements beyond its rows are readable.
+    unsafe fn triangles(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32;
+
+    /// Whether the ray hits a triangle of a block before `ray.t`.
+    ///
+    /// # Safety
+    /// As [`triangles`](Self::triangles).
+    unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool;
+}
+
+/// Where triangles of a block are hit.
+#[derive(Default)]
+pub(super) struct BlockHits {
+    pub(super) t: [f32; BLOCK],
+    pub(super) u: [f32; BLOCK],
+    pub(super) v: [f32; BLOCK],
+}
+
+/// Plain Rust.
+pub(super) struct Portable;
+
+impl Steps for Portable {
+    #[inline(always)]
+    unsafe fn children(node: &Node, ray: &Ray, ts: *mut f32, children: *mut Child) -> usize {
+        let mut enters = [f32::INFINITY; WIDTH];
+        for (child, enter) in enters.iter_mut().enumerate() {
+            let (mut near, mut far) = (0.0f32, ray.t);
+            for axis in 0..3 {
+                let negative = (ray.octant >> axis & 1) as usize;
+                let entry = node.planes[2 * axis + negative][child];
+                let exit = node.planes[2 * axis + 1 - negative][child];
+                near = near.max(entry * ray.inverse[axis] - ray.near[axis]);
+                far = far.min(exit * ray.inverse[axis] - ray.far[axis]);
+            }
+            if near <= far {
+                *enter = near;
+            }
+        }
+        let mut count = 0;
+        for word in node.order {
+            let child = (word >> (4 * ray.octant) & 7) as usize;
+            if enters[child] < f32::INFINITY {
+                // SAFETY: at most eight entries are written.
+                unsafe {
+                    *ts.add(count) = enters[child];
+                    *children.add(count) = node.children[child];
+                }
+                count += 1;
+            }
+        }
+        count
+    }
+
+    #[inline(always)]
+    unsafe fn triangles(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
+        // SAFETY: the caller's.
+        let block = unsafe { std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE) };
+        let sheared = sheared(ray);
+        let mut set = 0;
+        for lane in 0..count {
+            let triangle = block_triangle(block, count, lane);
+            if let Some(hit) = triangle::intersect(&sheared, &triangle, ray.t.next_up()) {
+                (hits.t[lane], hits.u[lane], hits.v[lane]) = (hit.t, hit.u, hit.v);
+                set |= 1 << lane;
+            }
+        }
+        set
+    }
+
+    #[inline(always)]
+    unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool {
+        // SAFETY: the caller's.
+        let block = unsafe { std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE) };
+        let sheared = sheared(ray);
+        (0..count).any(|lane| {
+            triangle::intersect(&sheared, &block_triangle(block, count, lane), ray.t).is_some()
+        })
+    }
+}
+
+fn sheared(ray: &Ray) -> ShearedRay {
+    let axes = ray.axes.map(|axis| axis as usize);
+    let mut origin = Vec3::ZERO;
+    for (place, axis) in axes.into_iter().enumerate() {
+        origin[axis] = ray.origin[place];
+    }
+    ShearedRay { origin, axes, shear: ray.shear }
+}
