@@ -22,8 +22,8 @@ pub struct FileError {
     pub message: String,
     /// Words beside the underline; may be empty.
     pub label: String,
-    /// What to write instead.
-    pub help: Option<String>,
+    /// What to write instead. Not a `String`: the error is returned by value from inner loops.
+    pub help: Option<Box<str>>,
 }
 
 impl FileError {
@@ -33,7 +33,7 @@ impl FileError {
     }
 
     /// The same error with advice.
-    pub fn with_help(self, help: impl Into<String>) -> Self {
+    pub fn with_help(self, help: impl Into<Box<str>>) -> Self {
         Self { help: Some(help.into()), ..self }
     }
 }

@@ -132,7 +132,7 @@ pub(super) fn bad_number(
         return error;
     }
     let place = words.input.fault(token.len());
-    FileError { help: fault.help, ..place.error(fault.message, "") }
+    FileError { help: fault.help.map(String::into_boxed_str), ..place.error(fault.message, "") }
 }
 
 /// The name of a section inside of another one.

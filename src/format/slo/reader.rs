@@ -188,9 +188,9 @@ fn read_groups<'r, T: Copy + Default, G: From<[T; N]>, const N: usize>(
 ) -> Result<(), FileError> {
     loop {
         let mut group = [T::default(); N];
-        for have in 0..N {
+        for (have, slot) in group.iter_mut().enumerate() {
             match next(words, section)? {
-                Some(value) => group[have] = value,
+                Some(value) => *slot = value,
                 None if have == 0 => return close(words, section, groups.len()),
                 None => return Err(faults::incomplete(words, section, groups.len(), have, N)),
             }

@@ -161,7 +161,7 @@ impl<'f> Assets<'f> {
         } else {
             Diagnostic::error(e.message).at(path.span, e.label)
         };
-        diagnostic.help = e.help;
+        diagnostic.help = e.help.map(String::from);
         diagnostics.push(diagnostic);
     }
 
