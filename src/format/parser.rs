@@ -401,3 +401,105 @@ impl<'a> Parser<'a, '_> {
 fn is_element(entry: &Entry<'_>) -> bool {
     matches!(entry, Entry::Item(Item { form: Form::Element(..), .. }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VOCABULARY: Vocabulary<'_> = Vocabulary {
+        elements: &["sphere", "camera"],
+        attributes: &["center", "radius", "material", "film"],
+        naming: &["material", "film"],
+    };
+
+    fn outline(entries: &[Entry<'_>]) -> String {
+        let one = |entry: &Entry<'_>| match entry {
+            Entry::Number(number) => number.value.map_or("?".to_owned(), |v| v.to_string()),
+            Entry::Item(Item { keyword, form }) => keyword.text.to_owned() + &form_outline(form),
+        };
+        entries.iter().map(one).collect::<Vec<_>>().join(" ")
+    }
+
+    fn form_outline(form: &Form<'_>) -> String {
+        let block = |block: &Block<'_>| {
+            let mark = if block.damaged { "!" } else { "" };
+            format!("{{{}}}{mark}", outline(&block.entries))
+        };
+        match form {
+            Form::Element(name, body) => format!(":{}{}", name.text, block(body)),
+            Form::Block(body) => block(body),
+            Form::Value(word) => format!("={}", word.text),
+            Form::Nothing => String::new(),
+        }
+    }
+
+    /// Parses a text; the outline of its tree, and the messages in the order of the text.
+    fn check(text: &str, expected: &str, errors: &[&str]) {
+        let mut diagnostics = Diagnostics::default();
+        let tree = parse(text, SourceId(0), VOCABULARY, &mut diagnostics);
+        assert_eq!(outline(&tree.entries), expected, "{text}");
+        let messages: Vec<_> = diagnostics.sorted().iter().map(|d| d.message.clone()).collect();
+        assert_eq!(messages, errors, "{text}");
+    }
+
+    #[test]
+    fn three_forms() {
+        check(
+            "sphere s{center{1 -.5 2e-3}radius 2 material radius}",
+            "sphere:s{center{1 -0.5 0.002} radius=2 material=radius}",
+            &[],
+        );
+        check("camera c { film radius { } }", "camera:c{film:radius{}}", &[]);
+        check("sphere 1 { } sphere sphere { }", "sphere:1{} sphere:sphere{}", &[]);
+        check("", "", &[]);
+    }
+
+    #[test]
+    fn values_that_are_missing_leave_the_next_attribute_whole() {
+        check("sphere s { radius center { 1 } }", "sphere:s{radius center{1}}", &[]);
+        check("sphere s { radius material m radius }", "sphere:s{radius material=m radius}", &[]);
+    }
+
+    #[test]
+    fn a_vector_ends_where_an_attribute_begins() {
+        let error = "this `{` is never closed";
+        check("sphere s { center { 1 2 3 radius 4 }", "sphere:s{center{1 2 3} radius=4}", &[error]);
+        check("sphere s { center { 1 two 3 } }", "sphere:s{center{1 two=3}}", &[]);
+    }
+
+    #[test]
+    fn blocks_end_where_an_element_begins() {
+        check(
+            "sphere a { center { 1 sphere b { }",
+            "sphere:a{center{1}!}! sphere:b{}",
+            &["this `{` is never closed"],
+        );
+        check(
+            "sphere a { sphere b { } radius 1 } sphere c { }",
+            "sphere:a{}! sphere:b{}! sphere:c{}",
+            &["`sphere` can't stand in another element"],
+        );
+    }
+
+    #[test]
+    fn braces_too_many_or_too_few() {
+        check(
+            "sphere a { } radius 1 } sphere b { }",
+            "sphere:a{}! sphere:b{}",
+            &["this `}` closes nothing"],
+        );
+        check("sphere a { center {", "sphere:a{center{}!}!", &["this `{` is never closed"]);
+        check("sphere a radius 1 }", "sphere:a{radius=1}", &["expected `{` after `sphere a`"]);
+        check("{ { 1 } } sphere a { }", "sphere:a{}", &["expected a name in front of `{`"]);
+        check("/* sphere a { } ", "", &["this comment is never closed"]);
+    }
+
+    #[test]
+    fn numbers_that_are_none_keep_their_place() {
+        check(
+            "center { 1 0,5 nan }",
+            "center{1 ? ?}",
+            &["`0,5` is not a number: the decimal sign is a point", "`nan` is not a finite number"],
+        );
+    }
+}

@@ -57,7 +57,7 @@ impl Files {
         }
         match &self.origin {
             Origin::Disk { folder, root, allow_outside } => {
-                let full = normal(&folder.join(path));
+                let full = resolve(folder, path);
                 if *allow_outside || (full.starts_with(root) && !is_absolute(path)) {
                     open_on_disk(&full, path)
                 } else {
@@ -72,6 +72,17 @@ impl Files {
 /// Whether a path is absolute on any system.
 fn is_absolute(path: &str) -> bool {
     path.starts_with('/') || path.as_bytes().get(1) == Some(&b':')
+}
+
+/// Where a path as a scene writes it leads from a folder, without `.` and `..`.
+fn resolve(folder: &Path, path: &str) -> PathBuf {
+    if is_absolute(path) {
+        return normal(Path::new(path));
+    }
+    // Part by part: Windows knows no `/` in the long form of paths.
+    let full =
+        path.split('/').filter(|part| !part.is_empty()).fold(folder.to_owned(), |f, p| f.join(p));
+    normal(&full)
 }
 
 /// The path from the root of the file system, without links where it exists.
@@ -188,5 +199,113 @@ impl<R: Read> Read for HashingReader<R> {
         let n = self.inner.read(buffer)?;
         self.hasher.update(&buffer[..n]);
         Ok(n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: Table = &[("scenes/a.txt", b"a"), ("meshes/pawn.slo", b"pawn"), ("top", b"top")];
+
+    /// What comes of opening a path.
+    fn outcome(files: &Files, path: &str) -> String {
+        match files.open(path) {
+            Ok(mut reader) => {
+                let mut content = String::new();
+                reader.read_to_string(&mut content).unwrap();
+                content
+            }
+            Err(OpenError::Spelling(better)) => format!("write {better}"),
+            Err(OpenError::Outside) => "outside".to_owned(),
+            Err(OpenError::Missing(None)) => "missing".to_owned(),
+            Err(OpenError::Missing(Some(near))) => format!("missing, {near}?"),
+            Err(OpenError::Unreadable(_)) => "unreadable".to_owned(),
+        }
+    }
+
+    #[test]
+    fn built_in_files() {
+        let files = Files::built_in("scenes", TABLE);
+        let cases = [
+            ("a.txt", "a"),
+            ("./a.txt", "a"),
+            ("../meshes/pawn.slo", "pawn"),
+            ("..//top", "top"),
+            ("../../top", "outside"),
+            ("/top", "outside"),
+            ("..\\top", "write ../top"),
+            ("../meshes/pwan.slo", "missing, meshes/pawn.slo?"),
+            ("nothing", "missing"),
+        ];
+        for (path, expected) in cases {
+            assert_eq!(outcome(&files, path), expected, "{path}");
+        }
+    }
+
+    #[test]
+    fn files_on_disk() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("input/scenes");
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(root.path().join("outside.slo"), "outside it is").unwrap();
+        std::fs::write(root.path().join("input/wood.png"), "wood").unwrap();
+        std::fs::write(folder.join("rook.slo"), "rook").unwrap();
+        let within = Files::on_disk(&folder, &root.path().join("input"), false);
+        let cases = [
+            ("rook.slo", "rook"),
+            ("../wood.png", "wood"),
+            ("../scenes/../wood.png", "wood"),
+            ("../../input/wood.png", "wood"),
+            ("../../outside.slo", "outside"),
+            ("../../missing.slo", "outside"),
+            ("rock.slo", "missing, rook.slo?"),
+            ("../Wood.png", "missing, ../wood.png?"),
+            ("nowhere/a.slo", "missing"),
+            ("..", "unreadable"),
+            ("..\\wood.png", "write ../wood.png"),
+        ];
+        for (path, expected) in cases {
+            assert_eq!(outcome(&within, path), expected, "{path}");
+        }
+        let anywhere = Files::on_disk(&folder, &root.path().join("input"), true);
+        assert_eq!(outcome(&anywhere, "../../outside.slo"), "outside it is");
+    }
+
+    #[test]
+    fn absolute_paths_are_outside_even_if_they_lead_inside() {
+        let root = tempfile::tempdir().unwrap();
+        std::fs::write(root.path().join("a"), "a").unwrap();
+        let path = root.path().join("a");
+        let path = path.to_str().unwrap().replace('\\', "/");
+        assert_eq!(outcome(&Files::on_disk(root.path(), root.path(), false), &path), "outside");
+        assert_eq!(outcome(&Files::on_disk(root.path(), root.path(), true), &path), "a");
+    }
+
+    #[test]
+    fn hash_covers_text_files_and_their_order() {
+        let hash = |text: &str, files: &[&[u8]]| {
+            let mut hash = ContentHash::new(text.as_bytes());
+            for content in files {
+                let mut reader = HashingReader::new(*content);
+                let _ = reader.read(&mut [0; 2]).unwrap(); // the rest counts all the same
+                hash.add(&reader.finish().unwrap());
+            }
+            hash.finish()
+        };
+        let all = [
+            hash("text", &[]),
+            hash("Text", &[]),
+            hash("text", &[b"one"]),
+            hash("text", &[b"ont"]),
+            hash("text", &[b"one", b"two"]),
+            hash("text", &[b"two", b"one"]),
+            hash("text", &[b"onetwo"]),
+            hash("textone", &[b"two"]),
+        ];
+        for (i, a) in all.iter().enumerate() {
+            assert!(all[..i].iter().all(|b| b != a), "{i}");
+        }
+        assert_eq!(all[2], hash("text", &[b"one"]));
     }
 }
