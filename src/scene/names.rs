@@ -5,6 +5,10 @@ use std::collections::HashMap;
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::format::syntax::Word;
 
+/// Names that are looked through for one that was meant: a scene of a hundred thousand elements
+/// that all refer to nothing still ends.
+const MOST_CANDIDATES: usize = 2000;
+
 /// The candidate that a misspelt word was most probably meant to be; `None` where none is near.
 pub(super) fn closest<'c>(
     word: &str,
@@ -71,9 +75,9 @@ impl<'a> Names<'a> {
         Some(index)
     }
 
-    /// The most similar name.
+    /// The most similar name, of the first thousands.
     pub(super) fn closest(&self, name: &str) -> Option<&'a str> {
-        closest(name, self.entries.iter().map(|e| e.word.text))
+        closest(name, self.entries.iter().take(MOST_CANDIDATES).map(|e| e.word.text))
     }
 
     /// All names, for a help that lists them.

@@ -4,7 +4,8 @@ use rand::rngs::StdRng;
 use rand::{Rng, RngExt, SeedableRng};
 use slo_rt::scene::{Files, Loaded, load};
 
-const SCENES: [&str; 3] = [
+const SCENES: [&str; 4] = [
+    include_str!("../scenes/meshes.txt"),
     include_str!("../scenes/everything.txt"),
     include_str!("../scenes/minimal.txt"),
     include_str!("../scenes/errors/a_hundred_errors.txt"),

@@ -1,8 +1,9 @@
 //! The scene language: fixtures of `tests/scenes`, their scenes and their messages.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use slo_rt::scene::{Files, Loaded, load};
+use slo_rt::scene::{Files, Loaded, Mesh, SceneDescription, Shape, load};
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes")
@@ -33,6 +34,58 @@ fn everything() {
     let mut scene = loaded.scene.expect("there are no errors");
     scene.content_hash = [0; 32];
     insta::assert_snapshot!("everything", format!("{}\n{scene:#?}", scene.summary()));
+}
+
+fn mesh<'s>(scene: &'s SceneDescription, object: &str) -> &'s Arc<Mesh> {
+    match &scene.objects.iter().find(|o| o.name == object).expect("it is there").shape {
+        Shape::Mesh { mesh, .. } => mesh,
+        other => panic!("{other:?} is no mesh"),
+    }
+}
+
+#[test]
+fn meshes_are_scaled_added_and_shared() {
+    let loaded = load_fixture("meshes.txt");
+    assert_eq!(loaded.diagnostics.render(false), "");
+    let scene = loaded.scene.expect("there are no errors");
+    let [one, again, smooth, twice] = ["one", "again", "smooth", "twice"].map(|o| mesh(&scene, o));
+    assert_eq!(one.positions[1].to_array(), [0.1, 0.0, 0.0]);
+    assert!(Arc::ptr_eq(one, again));
+    assert!(one.normals.is_empty() && smooth.normals.len() == 4);
+    assert_eq!(twice.faces.len(), 2 * one.faces.len());
+    assert_eq!(scene.summary().triangles, 4 + 4 + 4 + 8);
+    assert_eq!(scene.summary().meshes, 3);
+}
+
+#[test]
+fn content_hash_covers_the_bytes_of_meshes() {
+    const SCENE: &[u8] = include_bytes!("../scenes/meshes.txt");
+    const MESH: &[u8] = include_bytes!("../scenes/files/tetrahedron.slo");
+    const COMMENTED: &[u8] = b"slo_mesh 1 # the same\nvertices { 0 0 0  1 0 0  0 1 0  0 0 1 }\nfaces { 0 2 1  0 1 3  0 3 2  1 2 3 }";
+    let hash = |files| {
+        let scene = load("meshes.txt", SCENE, &Files::built_in("", files)).scene;
+        scene.expect("there are no errors").content_hash
+    };
+    let original = hash(&[("files/tetrahedron.slo", MESH)]);
+    assert_eq!(original, hash(&[("files/tetrahedron.slo", MESH), ("other", b"unread")]));
+    assert_ne!(original, hash(&[("files/tetrahedron.slo", COMMENTED)]));
+    assert_eq!(original, load_fixture("meshes.txt").scene.expect("no errors").content_hash);
+}
+
+#[test]
+fn missing_files_are_told_from_bad_ones() {
+    let missing = |name| load_fixture(&format!("errors/{name}.txt")).diagnostics.missing_input();
+    assert!(missing("file_missing"));
+    assert!(!missing("file_bad"));
+    assert!(!missing("name_dangling"));
+    assert!(!load_fixture("minimal.txt").diagnostics.missing_input());
+}
+
+#[test]
+fn colours_only_where_asked() {
+    let diagnostics = load_fixture("errors/a_hundred_errors.txt").diagnostics;
+    assert!(!diagnostics.render(false).contains('\u{1b}'));
+    assert!(diagnostics.render(true).contains("\u{1b}["));
 }
 
 #[test]
