@@ -19,14 +19,14 @@ the picture. A sequence is one run per frame; scripts/render_sequence.sh does it
 
 const EXAMPLES: &str = "\
 Examples:
-  slo-rt                                     the scene inside, to see that all works
-  slo-rt -s table.txt                        frame 0 of a scene
-  slo-rt -s table.txt -f 15                  another frame
-  slo-rt -s table.txt --size 320x180 --samples 4   a quick draft
-  slo-rt -s table.txt --check                find mistakes, render nothing
+  slo-rt                                the scene inside, to see that all works
+  slo-rt -s table.txt -f 15             frame 15 of a scene
+  slo-rt -s table.txt --check           find mistakes, render nothing
+  slo-rt -s table.txt --size 320x180 --samples 4
+                                        a quick draft
   slo-rt -f 15 -s table.txt -id input/scenes -od output/table
-                                             folders of their own for what comes in and goes out
-  slo-rt --recipe default_00000.png          how a picture was made
+                                        folders for what comes in and what goes out
+  slo-rt --recipe default_00000.png     how a picture was made
 
 The picture's path goes to standard output, all else to standard error.";
 
@@ -60,7 +60,6 @@ const INSTEAD: &str = "Instead of rendering";
     after_help = EXAMPLES,
     after_long_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"),
     override_usage = "slo-rt [--scene FILE] [--frame N] [options]",
-    max_term_width = 100,
     disable_help_flag = true,
     disable_version_flag = true,
     styles = Styles::styled(),
@@ -74,23 +73,24 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "N", help_heading = WHAT, allow_negative_numbers = true)]
     pub(super) frame: Option<i64>,
 
-    /// -id  Folder that holds the scene file
+    /// Folder that holds the scene file (short: -id)
     ///
-    /// Short form: -id. Folder that holds the file named by --scene. Paths in the scene may not
-    /// leave this folder. Without it: they may not leave the current folder, or the folder of the
+    /// The path of --scene starts there, and paths in the scene may not leave it.
+    /// Without it they may not leave the current folder, or the folder of the
     /// scene where that lies elsewhere.
     #[arg(long, value_name = "DIR", help_heading = WHAT, requires = "scene")]
+    #[arg(verbatim_doc_comment)]
     pub(super) indir: Option<PathBuf>,
 
     /// Let paths in the scene lead anywhere
     #[arg(long, help_heading = WHAT)]
     pub(super) allow_outside: bool,
 
-    /// -od  Folder for the picture, made where missing [the current one]
+    /// Folder for the picture, made where missing (short: -od) [the current one]
     #[arg(long, value_name = "DIR", help_heading = WHERE, alias = "outdit")]
     pub(super) outdir: Option<PathBuf>,
 
-    /// -pre  Beginning of the picture's name [the scene's]
+    /// Beginning of the picture's name (short: -pre) [the scene's]
     #[arg(long, value_name = "TEXT", help_heading = WHERE)]
     pub(super) prefix: Option<String>,
 
@@ -100,9 +100,10 @@ pub(super) struct Args {
 
     /// Render nothing where the picture is there already
     ///
-    /// Render nothing where the picture is there already and its recipe is the one that this run
-    /// would have: the same scene, frame, settings and version.
+    /// A picture is taken for the one that this run would make when it holds the
+    /// same recipe: scene, frame, settings and version.
     #[arg(long, help_heading = WHERE, conflicts_with_all = ["info", "check"])]
+    #[arg(verbatim_doc_comment)]
     pub(super) skip_existing: bool,
 
     /// Size of the picture in pixels, such as 320x180
@@ -111,22 +112,22 @@ pub(super) struct Args {
 
     /// Camera samples per pixel
     ///
-    /// Camera samples per pixel, at most and in all: N stands for imageSamples, dofSamples becomes
-    /// 1, and imageMinSamples becomes N where it is more. Samples of shadows and glossy surfaces
-    /// stay.
-    #[arg(long, value_name = "N", help_heading = DRAFT)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+    /// At most so many, and in all: N stands for imageSamples, dofSamples becomes
+    /// 1, and imageMinSamples becomes N where it is more. Samples of shadows and
+    /// of glossy surfaces stay.
+    #[arg(long, value_name = "N", help_heading = DRAFT, verbatim_doc_comment)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=65535))]
     pub(super) samples: Option<u32>,
 
     /// Seed of the noise
     #[arg(long, value_name = "N", help_heading = DRAFT)]
     pub(super) seed: Option<u64>,
 
-    /// Structure that rays are traced through; the picture is the same
-    #[arg(long, value_name = "NAME", help_heading = DRAFT)]
+    /// Structure for the rays: kdtree, bvh, cwbvh or none
+    #[arg(long, value_name = "NAME", help_heading = DRAFT, hide_possible_values = true)]
     pub(super) accelerator: Option<AcceleratorName>,
 
-    /// Threads [the scene's parallelThreads, or all]; the picture is the same
+    /// Threads [parallelThreads of the scene, or all]
     #[arg(long, value_name = "N", help_heading = HOW)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(super) threads: Option<u32>,
@@ -150,9 +151,10 @@ pub(super) struct Args {
 
     /// Print how a picture was made
     ///
-    /// Print how a picture of this program was made, from inside the PNG or EXR file: version,
-    /// hash of the scene, frame, seed and all settings that count, as JSON.
+    /// The recipe is in every PNG and EXR file of this program: version, hash of
+    /// the scene, frame, seed, and all settings that count, as JSON.
     #[arg(long, value_name = "FILE", help_heading = INSTEAD, exclusive = true)]
+    #[arg(verbatim_doc_comment)]
     pub(super) recipe: Option<PathBuf>,
 
     /// Help; --help says more
@@ -260,6 +262,7 @@ mod tests {
             "-f",
             "--threads 0",
             "--samples 0",
+            "--samples 65536",
             "--samples -1",
             "--seed -1",
             "--accelerator tree",

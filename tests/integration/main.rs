@@ -1,4 +1,5 @@
 //! Tests from outside: the library's public face and the program itself.
 
+mod program;
 mod scene_fuzz;
 mod scene_language;

@@ -189,7 +189,7 @@ fn cannot_open(path: Word<'_>, e: &OpenError) -> Diagnostic {
         }
         OpenError::Outside => Diagnostic::error(format!("`{name}` leaves the input folder"))
             .at(path.span, "")
-            .help("move the file into the folder, or give --allow-outside"),
+            .help("give `--indir` a folder that holds this file too, or give `--allow-outside`"),
         OpenError::Missing(near) => {
             let diagnostic = Diagnostic::error(match near {
                 Some(near) => format!("file `{name}` not found, did you mean `{near}`?"),

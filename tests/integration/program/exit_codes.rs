@@ -1,0 +1,143 @@
+//! Command lines that fail: the exit code, and what is said.
+
+use std::process::Stdio;
+
+use super::{Folder, Run, SCENE};
+
+/// The scene with so many samples that rendering it takes hours.
+fn endless() -> Folder {
+    let text = SCENE.replace("imageSamples 2", "imageSamples 65535");
+    Folder::with_scene(&text.replace("width 16 height 9", "width 4000 height 4000"))
+}
+
+#[track_caller]
+fn check(folder: &Folder, typed: &str, exit: i32, said: &[&str]) {
+    let before = folder.names();
+    let run = folder.run(typed);
+    assert_eq!(run.exit, exit, "{typed}: {}", run.said);
+    assert_eq!(run.printed, "", "{typed}");
+    for part in said {
+        assert!(run.said.contains(part), "{typed}: no `{part}` in\n{}", run.said);
+    }
+    assert_eq!(folder.names(), before, "{typed}");
+}
+
+#[test]
+fn wrong_command_lines() {
+    let folder = Folder::new();
+    check(&folder, "--nonsense", 2, &["--nonsense"]);
+    check(&folder, "--scen scene.txt", 2, &["--scene"]);
+    check(&folder, "scene.txt", 2, &["--scene scene.txt"]);
+    check(&folder, "-f x", 2, &["--frame"]);
+    check(&folder, "-s scene.txt -pre a/b", 2, &["--outdir"]);
+    check(&folder, "-s scene.txt --size 0x5", 2, &["65536"]);
+    check(&folder, "-id in", 2, &["--scene"]);
+    let isa = folder.command("-s scene.txt").env("SLO_RT_ISA", "abacus").output().unwrap();
+    assert_eq!(Run::of(isa).exit, 2);
+}
+
+#[test]
+fn a_frame_that_the_scene_does_not_have() {
+    let folder = Folder::new();
+    check(&folder, "-s scene.txt -f 26", 2, &["frame 26", "`only` 0 s to 1 s", "--frame"]);
+    check(&folder, "-s scene.txt -f -1 --check", 2, &["frame -1"]);
+    check(&folder, "-s scene.txt -f 9223372036854775807", 2, &[]);
+    check(&folder, "-s scene.txt -f -9223372036854775808", 2, &[]);
+}
+
+#[test]
+fn scenes_with_errors() {
+    let folder = Folder::with_scene(&SCENE.replace("diffuse", "difuse"));
+    folder.write("binary.txt", b"\0\x01\x02");
+    let place = "scene.txt:12:";
+    check(&folder, "-s scene.txt", 65, &[place, "difuse", "diffuse"]);
+    check(&folder, "--check -s scene.txt", 65, &[place]);
+    check(&folder, "-q -s scene.txt", 65, &[place]);
+    check(&folder, "-s binary.txt", 65, &[]);
+}
+
+#[test]
+fn meshes_with_errors() {
+    let mesh = "mesh m { filename broken.slo smooth_normals 0 material matte }";
+    let folder = Folder::with_scene(&format!("{SCENE}{mesh}"));
+    folder.write("broken.slo", "slo_mesh 1\nvertices { 0 0 0 1 0 0 0 1 0 }\nfaces { 0 1 3 }\n");
+    check(&folder, "-s scene.txt", 65, &["broken.slo"]);
+}
+
+#[test]
+fn files_that_are_missing() {
+    let folder = Folder::with_scene(&format!(
+        "{SCENE} mesh m {{ filename missing.slo smooth_normals 0 material matte }}"
+    ));
+    check(&folder, "-s scene.txt", 66, &["missing.slo"]);
+    check(&folder, "-s scnee.txt", 66, &["there is `scene.txt`"]);
+    check(&folder, "-s none/scene.txt", 66, &["none/scene.txt"]);
+    check(&folder, "-s .", 66, &["directory"]);
+    check(&folder, "--recipe none.png", 66, &["none.png"]);
+}
+
+#[test]
+fn files_that_are_no_pictures() {
+    let folder = Folder::new();
+    check(&folder, "--recipe scene.txt", 65, &["not a PNG or EXR"]);
+    check(&folder, "--recipe .", 65, &[]);
+}
+
+#[test]
+fn paths_that_leave_the_input_folder() {
+    let mesh = "mesh m { filename ../tetra.slo smooth_normals 0 material matte }";
+    let folder = Folder::new();
+    folder.write("in/deep/scene.txt", format!("{SCENE}{mesh}"));
+    folder.write(
+        "in/tetra.slo",
+        "slo_mesh 1\nvertices { 0 0 0 1 0 0 0 1 0 0 0 1 }\nfaces { 0 2 1 0 1 3 1 2 3 2 0 3 }\n",
+    );
+    let ways_out = ["--indir", "--allow-outside"];
+    check(&folder, "-s scene.txt -id in/deep --check", 65, &ways_out);
+    check(&folder, "-s ../../scene.txt -id in/deep --check", 2, &ways_out);
+    check(&folder, "-s deep/scene.txt -id in --check", 0, &[]);
+    check(&folder, "-s in/deep/scene.txt --check", 0, &[]);
+    check(&folder, "-s scene.txt -id in/deep --allow-outside --check", 0, &[]);
+}
+
+#[test]
+fn what_cannot_be_created_is_found_before_rendering() {
+    let folder = endless();
+    folder.write("file", "");
+    folder.write("taken/ball_00000.png/inside", "");
+    check(&folder, "-s scene.txt -od file", 73, &["file", "--outdir"]);
+    check(&folder, "-s scene.txt -od file/deeper", 73, &["--outdir"]);
+    check(&folder, "-s scene.txt -od taken", 73, &["ball_00000.png"]);
+    check(&folder, &format!("-s scene.txt -pre {}", "x".repeat(300)), 73, &[]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_nobody_can_write_to() {
+    check(&endless(), "-s scene.txt -od /proc/none", 73, &["/proc/none"]);
+}
+
+#[test]
+fn nobody_reads_the_path() {
+    let folder = Folder::new();
+    let mut child = folder
+        .command("-q -s scene.txt")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let run = Run::of(child.wait_with_output().unwrap());
+    assert_eq!((run.exit, &*run.said), (0, ""));
+    assert_eq!(folder.names(), ["ball_00000.png"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_is_full() {
+    let folder = Folder::new();
+    folder.printed("-s scene.txt");
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = folder.command("--recipe ball_00000.png").stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+}

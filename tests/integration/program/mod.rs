@@ -1,0 +1,112 @@
+//! The program itself: what it prints, writes and returns.
+
+mod bytes;
+mod documentation;
+mod exit_codes;
+mod pictures;
+#[cfg(unix)]
+mod sequence;
+#[cfg(unix)]
+mod signals;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A folder of a test's own, with the scene `scene.txt` in it.
+pub(crate) struct Folder(TempDir);
+
+/// A ball under a lamp, 16 x 9 pixels; frames 0 to 25.
+const SCENE: &str = "
+settings s { imageSamples 2 }
+Camera c {
+    fps 25
+    Film f { width 16 height 9 prefix ball_ output PNG_IMAGE }
+    CamSegment only {
+        videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1
+        addPosition { 0 -5 1 } addTarget { 0 0 0 } skyStart { 0 0 1 } fovStart 0.4
+    }
+}
+light_point lamp { color { 1 1 1 } position { 2 -3 4 } }
+phong_info matte { ambient { .1 .1 .1 } diffuse { .7 .6 .5 } }
+material_phong matte { phong_info matte }
+sphere ball { center { 0 0 0 } radius 1 material matte }
+";
+
+impl Folder {
+    fn new() -> Self {
+        Self::with_scene(SCENE)
+    }
+
+    fn with_scene(text: &str) -> Self {
+        let folder =
+            Self(tempfile::tempdir().expect("the system has a folder for temporary files"));
+        folder.write("scene.txt", text);
+        folder
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        let path = self.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
+
+    fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Names in the folder, sorted, `scene.txt` left out.
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.path()).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<_> = names.filter(|name| name != "scene.txt").collect();
+        names.sort();
+        names
+    }
+
+    /// The program with `typed` split at spaces, to be run here.
+    fn command(&self, typed: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_slo-rt"));
+        command.current_dir(self.path()).args(typed.split_whitespace());
+        for variable in ["NO_COLOR", "CLICOLOR_FORCE", "TERM", "SLO_RT_ISA"] {
+            command.env_remove(variable);
+        }
+        command
+    }
+
+    fn run(&self, typed: &str) -> Run {
+        Run::of(self.command(typed).output().expect("the program starts"))
+    }
+
+    /// Runs the program, which must succeed; what it printed.
+    fn printed(&self, typed: &str) -> String {
+        let run = self.run(typed);
+        assert_eq!(run.exit, 0, "{typed}: {}", run.said);
+        run.printed
+    }
+}
+
+/// What came out of a run.
+struct Run {
+    exit: i32,
+    /// Standard output.
+    printed: String,
+    /// Standard error.
+    said: String,
+}
+
+impl Run {
+    fn of(output: Output) -> Self {
+        Self {
+            exit: output.status.code().expect("no signal ended it"),
+            printed: String::from_utf8(output.stdout).unwrap(),
+            said: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
