@@ -25,9 +25,9 @@ use crate::math::Bounds;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Accelerator {
     /// SAH kd-tree.
-    #[default]
     KdTree,
     /// 8-wide bounding volume hierarchy.
+    #[default]
     Bvh,
     /// obvhs's compressed wide hierarchy, the library yardstick.
     Cwbvh,
