@@ -171,8 +171,7 @@ mod tests {
             let n = 4096;
             // Over pixels, at a fixed sample: this is what neighbouring pixels' noise is made of.
             let correlation = |of: &dyn Fn(u32) -> (f32, f32)| {
-                (0..n).map(|i| of(i)).map(|(a, b)| (a - 0.5) * (b - 0.5) * 12.0).sum::<f32>()
-                    / n as f32
+                (0..n).map(of).map(|(a, b)| (a - 0.5) * (b - 0.5) * 12.0).sum::<f32>() / n as f32
             };
             // Standard deviation of the mean is 1/64: five of them.
             let bound = 5.0 / 64.0;

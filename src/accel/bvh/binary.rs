@@ -267,9 +267,9 @@ impl Bins {
         let mut bins = Self::EMPTY;
         for r in references {
             let places = binning.bins(r.center());
-            for axis in 0..3 {
-                bins.boxes[axis][places[axis]].grow(Box4 { min: r.min, max: r.max });
-                bins.counts[axis][places[axis]] += 1;
+            for (axis, place) in places.into_iter().enumerate().take(3) {
+                bins.boxes[axis][place].grow(Box4 { min: r.min, max: r.max });
+                bins.counts[axis][place] += 1;
             }
         }
         bins

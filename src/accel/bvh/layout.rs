@@ -77,9 +77,6 @@ impl Child {
     /// The end of a stack: nothing is left to visit.
     pub(super) const DONE: Self = Self(u32::MAX);
 
-    /// How many triangles, curved surfaces, and nodes can be told apart.
-    pub(super) const LIMIT: usize = Self::INDEX as usize;
-
     pub(super) fn node(index: u32) -> Self {
         Self(index)
     }

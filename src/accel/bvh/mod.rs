@@ -123,7 +123,7 @@ impl Bvh {
         let Scratch { stream, pending } = scratch;
         pending.clear();
         for i in 0..rays.len() {
-            if !(rays.t_max[i] > 0.0) {
+            if rays.t_max[i].is_nan() || rays.t_max[i] <= 0.0 {
                 continue;
             }
             if self.is_tame && ray::is_tame(rays.origin(i), rays.direction(i)) {

@@ -23,14 +23,13 @@ pub struct KdTree {
     /// Root first; siblings are neighbours.
     nodes: Vec<Node>,
     arena: Arena,
-    isa: Isa,
 }
 
 impl KdTree {
     /// Builds the tree.
-    pub fn build(primitives: Primitives, isa: Isa) -> Self {
+    pub fn build(primitives: Primitives, _isa: Isa) -> Self {
         let built = build::build(&primitives);
-        Self { primitives, bounds: built.bounds, nodes: built.nodes, arena: built.arena, isa }
+        Self { primitives, bounds: built.bounds, nodes: built.nodes, arena: built.arena }
     }
 
     pub(super) fn primitives(&self) -> &Primitives {

@@ -87,7 +87,7 @@ impl Chunk {
 
     pub(super) fn new(triangles: usize, vertices: usize, curved: bool, more: bool) -> Self {
         debug_assert!(triangles <= Self::MAX_TRIANGLES && vertices <= Self::MAX_VERTICES);
-        let flags = u32::from(curved) * Self::CURVED | u32::from(more) * Self::MORE;
+        let flags = (u32::from(curved) * Self::CURVED) | (u32::from(more) * Self::MORE);
         Self(triangles as u32 | (vertices as u32) << 5 | flags)
     }
 
@@ -109,11 +109,6 @@ impl Chunk {
     #[inline(always)]
     pub(super) fn has_curved(self) -> bool {
         self.0 & Self::CURVED != 0
-    }
-
-    #[inline(always)]
-    pub(super) fn has_more(self) -> bool {
-        self.0 & Self::MORE != 0
     }
 
     /// Whether anything follows the triangles.
@@ -158,7 +153,7 @@ mod tests {
         assert_eq!((leaf.offset(), leaf.chunk()), (9, chunk));
         assert_eq!(leaf.moved(3, 100), Node::leaf(109, chunk));
         assert_eq!((chunk.triangles(), chunk.vertices()), (16, 32));
-        assert!(chunk.has_curved() && !chunk.has_more() && chunk.is_followed());
+        assert!(chunk.has_curved() && chunk.is_followed());
         assert!(Node::EMPTY.is_leaf() && Node::EMPTY.chunk().is_empty());
     }
 }

@@ -41,7 +41,7 @@ impl Cell {
         bounds[0].max[plane.axis] = plane.position;
         bounds[1].min[plane.axis] = plane.position;
         let sides = sides(&self, plane);
-        let mut parts = bounds.map(|bounds| Part::new(bounds));
+        let mut parts = bounds.map(Part::new);
         let places = place(&self.ids, &sides, primitives, &mut parts);
         drop(sides);
         let [below, above] = &mut parts;
