@@ -3,7 +3,7 @@
 //!
 //! Source: Wald, *On fast construction of SAH-based bounding volume hierarchies* (2007). A leaf
 //! costs what its blocks of [`BLOCK`] primitives cost. Which subtrees become leaves and which
-//! nodes melt together is planned on the way back up ([`plan`](super::plan)).
+//! nodes melt together is planned on the way back up ([`plan`]).
 
 use glam::{BVec4A, Vec3, Vec4};
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! A bounding volume hierarchy of eight children to a node, traced in streams of many rays.
 //!
-//! Built by binned SAH ([`binary`]), collapsed by dynamic programming ([`plan`], [`collapse`]).
+//! Built by binned SAH (`binary`), collapsed by dynamic programming (`plan`, `collapse`).
 //! Leaves hold the triangles themselves, in blocks of up to four as rows of coordinates: they are
 //! the only copy, found again by id through a table.
 
