@@ -3,7 +3,11 @@
 import board
 import chess
 import chess_scenes
+import effect_scenes
+import rose
+import rose_scene
 import textures
 
-for module in (board, chess, textures, chess_scenes):
+for module in (board, chess, rose, textures, chess_scenes, effect_scenes,
+               rose_scene):
     module.build()

@@ -3,7 +3,7 @@
 import math
 import random
 
-from mesh import Mesh, add
+from mesh import Mesh, add, cross, lerp, mul, sub, unit
 
 SQUARE = 5.5
 HALF = 4.0 * SQUARE
@@ -128,6 +128,11 @@ def cube(size=4.4, bevel=.22, gap=.14):
     return body, tiles
 
 
+def plank(p, n):
+    """Grain along x."""
+    return ((p[1] + .7 * p[2] + .1 * n[0]) / 9.0, p[0] / 26.0)
+
+
 def sheet(half, repeats, cells=1):
     """A square cloth on z = 0, `repeats` of its texture along a side."""
     mesh = Mesh()
@@ -177,11 +182,53 @@ def torus(ring, tube, around, across):
     return mesh
 
 
+def strings(family, count=44, radius=7.4, low=.6, high=18.4, twist=2.15, thin=.045):
+    """Straight strings of one family of a hyperboloid: six-sided, cut to short lengths."""
+    mesh = Mesh()
+    cuts = 8
+    for i in range(count):
+        a = 2.0 * math.pi * (i + (.5 if family < 0 else 0)) / count
+        b = a + family * twist
+        p = (radius * math.cos(a), radius * math.sin(a), low)
+        q = (radius * math.cos(b), radius * math.sin(b), high)
+        d = unit(sub(q, p))
+        u = unit(cross(d, (0.0, 0.0, 1.0)))
+        v = cross(d, u)
+        rings = []
+        for k in range(cuts + 1):
+            c = lerp(p, q, k / cuts)
+            ring = []
+            for j in range(6):
+                w = 2.0 * math.pi * j / 6
+                n = add(mul(u, math.cos(w)), mul(v, math.sin(w)))
+                ring.append(mesh.vertex(add(c, mul(n, thin)), n))
+            rings.append(ring)
+        for lower, upper in zip(rings, rings[1:]):
+            for j in range(6):
+                mesh.quad(lower[j], lower[(j + 1) % 6], upper[(j + 1) % 6], upper[j])
+    return mesh
+
+
+def standing(width, height):
+    """A picture that stands on z = 0 and faces -y."""
+    mesh = Mesh()
+    w = width / 2.0
+    mesh.polygon([(-w, 0.0, 0.0), (w, 0.0, 0.0), (w, 0.0, height), (-w, 0.0, height)],
+                 (0.0, -1.0, 0.0), [(0, 0), (1, 0), (1, 1), (0, 1)])
+    return mesh
+
+
 def build():
+    standing(320.0, 180.0).write("backdrop")
+    strings(1.0).write("strings_right")
+    strings(-1.0).write("strings_left")
+    bevelled_box((190.0, 110.0, 3.0), .6, 4, plank).write("table_top")
     cove(500.0, -160.0, 130.0, 70.0, 260.0).write("cove")
     torus(1.0, .4, 10, 5).write("torus_100")
     torus(1.0, .12, 72, 16).write("ring")
+    torus(7.4, .38, 80, 14).write("hoop")
     bevelled_box((9.0, 1.0, 15.0), .25, 4).write("pane")
+    bevelled_box((32.0, 15.0, 1.8), .35, 4, plank).write("stand")
     bevelled_box((12.0, 60.0, 1.0), .2, 3).write("plate")
     sheet(500.0, 1).write("sheet")
     sheet(600.0, 24).write("floor")

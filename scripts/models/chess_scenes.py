@@ -156,17 +156,17 @@ Camera main {
     Film film { width 1280 height 720 prefix table output PNG_IMAGE encoding SRGB }
     CamSegment still {
         videoStart 0 videoEnd 4 sceneStart 0 sceneEnd 4
-        addPosition { -25 -57 19 } addPosition { -33 -53 19 }
-        addTarget { 1.5 -9 1.2 }
-        skyStart { 0 0 1 } fovStart .235
-        dofStart 48.5 lensRadiusStart .55 blurDuration .02
+        addPosition { -21 -60 14.5 } addPosition { -29 -57 14.5 }
+        addTarget { 6.2 -8 2.4 }
+        skyStart { 0 0 1 } fovStart .245
+        dofStart 47 lensRadiusStart .55 blurDuration .02
     }
 }
 
 # Key from the upper left, a cool window on the right, a warm rim from behind.
-light_rectangle key { color { .78 .70 .58 } vertex0 { -75 -10 70 } vertex1 { -45 -10 95 } vertex2 { -45 35 95 } }
-light_rectangle window { color { .16 .21 .30 } vertex0 { 90 -40 20 } vertex1 { 90 30 20 } vertex2 { 90 30 80 } }
-light_rectangle rim { color { .42 .30 .18 } vertex0 { -15 95 45 } vertex1 { 55 95 45 } vertex2 { 55 95 75 } }
+light_rectangle key { color { 1.0 .90 .74 } vertex0 { -75 -10 70 } vertex1 { -45 -10 95 } vertex2 { -45 35 95 } }
+light_rectangle window { color { .24 .32 .46 } vertex0 { 90 -40 20 } vertex1 { 90 30 20 } vertex2 { 90 30 80 } }
+light_rectangle rim { color { .60 .44 .27 } vertex0 { -15 95 45 } vertex1 { 55 95 45 } vertex2 { 55 95 75 } }
 """ + WOODS + CUBE_COLOURS + """
 phong_info frosted_glass {
     ambient { .004 .008 .008 } diffuse { .035 .055 .052 } specular { .3 .3 .3 } shininess 50
@@ -200,16 +200,16 @@ cylinder leg_d { base { 56 40 -72 } top { 56 40 -4.3 } radius 2.2 material chrom
 mesh carpet { filename ../meshes/sheet.slo smooth_normals 0 material carpet
     addKframe { time 0 key { pivot { 0 100 -72 } } } }
 mesh wall { filename ../meshes/sheet.slo smooth_normals 0 material wall
-    addKframe { time 0 key { pivot { 60 330 20 } up { 0 -1 0 } right { 1 0 0 } } } }
+    addKframe { time 0 key { pivot { 170 430 60 } up { 0 -1 0 } right { 1 0 0 } } } }
 """
-    lamps = [("a", -40, 300, 34, 5, "glow_warm"), ("b", 8, 310, 52, 4, "glow_pale"),
-             ("c", 60, 290, 40, 6, "glow_warm"), ("d", 118, 305, 60, 4.5, "glow_pale"),
-             ("e", 150, 300, 30, 5, "glow_blue"), ("f", 90, 280, 20, 3, "glow_warm"),
-             ("g", 30, 320, 20, 3.5, "glow_blue"), ("h", 190, 300, 48, 6, "glow_warm")]
+    hand = random.Random(9)
+    lamps = [(i, hand.uniform(-10, 330), hand.uniform(280, 380), hand.uniform(-16, 40),
+              hand.uniform(1.6, 3.6), hand.choice(("glow_warm", "glow_warm", "glow_pale",
+                                                   "glow_blue"))) for i in range(26)]
     for n, x, y, z, r, c in lamps:
-        text += lamp("lamp_" + n, x, y, z, r, c)
+        text += lamp("lamp_%d" % n, x, y, z, r, c)
     text += "\n# The spinning cube\n" + coloured_cube(
-        (36.5, 2.0, -2.2 + 4.4 * math.sqrt(3.0) / 2.0), "4.4 cm, on its corner", 9.0)
+        (33.0, -24.0, -2.2 + 4.4 * math.sqrt(3.0) / 2.0), "4.4 cm, on its corner", 9.0)
     text += "\n# 1-0\n" + position("r1bk3r/p2pBpNp/n4n2/1p1NP2P/6P1/3P4/P1P1K3/q5b1", True, 7)
     write("table", text)
 

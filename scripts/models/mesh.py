@@ -48,6 +48,10 @@ def smoothstep(lo, hi, x):
     return t * t * (3.0 - 2.0 * t)
 
 
+def area(p, q, r):
+    return length(cross(sub(q, p), sub(r, p)))
+
+
 class Mesh:
     """Vertices, one normal and one uv each, and triangles."""
 
@@ -63,7 +67,7 @@ class Mesh:
 
     def triangle(self, a, b, c):
         p, q, r = self.positions[a], self.positions[b], self.positions[c]
-        if length(cross(sub(q, p), sub(r, p))) > 1e-9:
+        if area(p, q, r) > 1e-9:
             self.faces.append((a, b, c))
 
     def quad(self, a, b, c, d):
@@ -125,7 +129,8 @@ class Mesh:
                 order.append(row)
             remap[i] = seen[row]
         faces = [tuple(remap[i] for i in f) for f in self.faces]
-        faces = [f for f in faces if len(set(f)) == 3]
+        points = [tuple(float(x) for x in r[0].split()) for r in order]
+        faces = [f for f in faces if area(*(points[i] for i in f)) > 1e-9]
         lines = ["slo_mesh 1", "vertices {"] + [r[0] for r in order] + ["}"]
         lines += ["normals {"] + [r[1] for r in order] + ["}"]
         if with_uv:

@@ -115,6 +115,22 @@ def leaf(size):
     png.write("leaf", size, size, pixel)
 
 
+def garden(width, height):
+    """Foliage far out of focus: patches of light and shade in greens, brighter at the top left."""
+
+    def pixel(x, y):
+        u, v = (x + .5) / width, 1.0 - (y + .5) / height
+        patch = fbm(u, v, 9, 7, 71, 3)
+        bright = smoothstep(.42, .78, patch) * (.25 + .75 * smoothstep(.35, .8, v))
+        gap = smoothstep(.66, .80, fbm(u, v, 14, 11, 81, 2)) * smoothstep(.35, .75, v)
+        dark, green, pale = (.012, .030, .010), (.16, .30, .065), (.86, .92, .62)
+        colour = mix(mix(dark, green, bright), pale, .8 * gap)
+        grain = (hashed(x, y, 27) + hashed(x, y, 28) - 1.0) / 255.0
+        return tuple(c + grain for c in colour)
+
+    png.write("garden", width, height, pixel)
+
+
 def checker(size, squares, light, dark):
     """A chequered floor with a little wear."""
 
@@ -145,6 +161,7 @@ def build():
     wood("walnut", 512, 8, (1.0, .86, .72), (.30, .19, .13), .5, 202)
     linen(384)
     checker(256, 4, (1.0, .97, .90), (.10, .17, .20))
+    garden(256, 256)
     petal(256)
     leaf(256)
     glow("backdrop", 512, 288, (.02, .02, .03), (1.0, .9, .75), (.62, .55), .55)
