@@ -88,11 +88,31 @@ pub fn intersect(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<Tr
     }
     let z = fused(area_c, c[2], fused(area_b, b[2], area_a * a[2]));
     let t = (z / determinant) * ray.shear[2];
-    (t > 0.0 && t < t_max).then(|| TriangleHit {
+    (t > 0.0 && t < t_max && lies_ahead(ray, triangle, determinant)).then(|| TriangleHit {
         t,
         u: area_b / determinant,
         v: area_c / determinant,
     })
+}
+
+/// Whether a ray that hits a triangle starts before its plane, not in it nor behind.
+///
+/// The t of a hit is off by roundings of the triangle's coordinates along the ray, which are large
+/// for a large triangle that the ray grazes: a ray that leaves a floor of 1000 units from a
+/// millionth above it could hit that floor again. The sign of the origin's distance from the plane
+/// is right in f64, whose roundings are a billionth of those. It is taken from the edges, so that
+/// it is right for small triangles far away too.
+fn lies_ahead(ray: &ShearedRay, triangle: &Triangle, determinant: f32) -> bool {
+    let wide = |p: Vec3| ray.axes.map(|axis| f64::from(p[axis]));
+    let difference = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let [a, b, c] = triangle.map(wide);
+    let (e, f, p) = (difference(b, a), difference(c, a), difference(a, wide(ray.origin)));
+    let x = (e[1] * f[2] - e[2] * f[1]) * p[0];
+    let y = (e[2] * f[0] - e[0] * f[2]) * p[1];
+    let z = (e[0] * f[1] - e[1] * f[0]) * p[2];
+    let volume = (x + y) + z;
+    let negative = [volume.is_sign_negative(), determinant < 0.0, ray.shear[2] < 0.0];
+    volume != 0.0 && negative[0] ^ negative[1] ^ negative[2]
 }
 
 /// Whether a triangle has no area (its corners, as they are in f32, lie on a line). Such triangles
@@ -162,6 +182,24 @@ mod tests {
         }
         assert!(hit(&UNIT, Vec3::new(-1.0, 0.25, 0.0), Vec3::X).is_none());
         assert!(hit(&UNIT, Vec3::new(0.7, 0.7, 1.0), Vec3::NEG_Z).is_none());
+    }
+
+    #[test]
+    fn a_large_triangle_is_not_hit_from_just_before_it() {
+        let mut rng = StdRng::seed_from_u64(5);
+        let floor = [[-900.0, -900.0], [900.0, -900.0], [900.0, 900.0]];
+        for height in [0.0, 1.0, -3.7] {
+            let triangle = floor.map(|[x, y]| Vec3::new(x, y, height));
+            for _ in 0..20_000 {
+                let mut number = |range: std::ops::Range<f32>| rng.random_range(range);
+                let (x, y) = (number(-9.0..9.0), number(-9.0..9.0));
+                let side = if number(-1.0..1.0) < 0.0 { -1.0 } else { 1.0 };
+                let away = Vec3::new(number(-1.0..1.0), number(-1.0..1.0), side * number(0.0..1.0));
+                let beside = if side > 0.0 { height.next_up() } else { height.next_down() };
+                let origin = Vec3::new(x, y, beside);
+                assert_eq!(hit(&triangle, origin, away), None, "{origin} {away}");
+            }
+        }
     }
 
     #[test]

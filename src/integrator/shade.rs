@@ -114,10 +114,11 @@ impl Wave {
             return;
         }
         let origin = surface.leave(toward);
+        let (direction, t_max) = light.shadow_ray(origin, target);
         self.shadows[usize::from(depth > 0)].push(ShadowRay {
             origin,
-            direction: light.shadow_target(target, origin) - origin,
-            t_max: 1.0,
+            direction,
+            t_max,
             time: point.time,
             light: light_added,
             slot: point.slot,

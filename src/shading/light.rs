@@ -58,11 +58,21 @@ impl Light {
         self.corner + self.sides[0] * u[0] + self.sides[1] * u[1]
     }
 
-    /// Where a shadow ray from `from` to `point` ends: before the light's own rectangle.
+    /// Direction of a shadow ray from `from` to a `point` of the light, and the t at which it ends:
+    /// 1, less what keeps the light's own rectangle from being hit.
+    ///
+    /// The test of the rectangle may be off along its normal by the roundings of its corners as
+    /// seen from `from`, and along the ray by more, the flatter the ray comes in.
     #[inline(always)]
-    pub fn shadow_target(&self, point: Vec3, from: Vec3) -> Vec3 {
-        let side = if (from - point).dot(self.normal) < 0.0 { -self.offset } else { self.offset };
-        point + self.normal * side
+    pub fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32) {
+        let direction = point - from;
+        if !self.is_area() {
+            return (direction, 1.0);
+        }
+        let far = (self.corner - from).abs() + self.sides[0].abs() + self.sides[1].abs();
+        let error = self.offset + far.max_element() * gamma(32);
+        // A ray in the rectangle's plane is kept as long as half its way.
+        (direction, (1.0 - error / direction.dot(self.normal).abs()).max(0.5))
     }
 }
 
@@ -84,9 +94,14 @@ mod tests {
         assert_eq!(light.point([1.0, 1.0]), Vec3::new(3.0, 4.0, 5.0));
         let p = light.point([0.5, 0.5]);
         assert_eq!(p, Vec3::new(2.0, 2.5, 5.0));
-        for (from, below) in [(Vec3::ZERO, true), (Vec3::new(0.0, 0.0, 9.0), false)] {
-            let z = light.shadow_target(p, from).z;
-            assert!(if below { z < 5.0 && z > 4.999 } else { z > 5.0 && z < 5.001 }, "{z}");
+        for from in [Vec3::ZERO, Vec3::new(0.0, 0.0, 9.0), Vec3::new(-50.0, 70.0, 4.9)] {
+            let (direction, t_max) = light.shadow_ray(from, p);
+            assert_eq!(direction, p - from);
+            let end = from + direction * t_max;
+            assert!(t_max < 1.0 && (end - p).length() < 0.02, "{t_max} from {from}");
+            assert!((end.z < 5.0) == (from.z < 5.0));
         }
+        let (_, edge_on) = light.shadow_ray(Vec3::new(-9.0, 2.0, 5.0), p);
+        assert_eq!(edge_on, 0.5);
     }
 }

@@ -1,5 +1,7 @@
 //! Tests from outside: the library's public face and the program itself.
 
+mod analytic;
 mod program;
 mod scene_fuzz;
 mod scene_language;
+mod support;

@@ -198,7 +198,11 @@ impl Block {
             let ahead =
                 _mm_and_ps(_mm_cmpgt_ps(t, zero), _mm_cmple_ps(t, _mm_broadcast_ss(&ray.t)));
             let hits = _mm_movemask_ps(_mm_and_ps(_mm_and_ps(inside, solid), ahead)) as u32;
-            Self { area_b, area_c, determinant, t, hits: hits & ((1 << count) - 1) }
+            let mut hits = hits & ((1 << count) - 1);
+            if hits != 0 {
+                hits &= lie_ahead(block, count, ray, determinant);
+            }
+            Self { area_b, area_c, determinant, t, hits }
         }
     }
 
@@ -224,6 +228,36 @@ impl Block {
         // SAFETY: no memory beyond the ray is read.
         let before = unsafe { _mm_movemask_ps(_mm_cmplt_ps(self.t, _mm_broadcast_ss(&ray.t))) };
         self.hits & before as u32 != 0
+    }
+}
+
+/// Which of four triangles the ray starts before: the sign of the origin's distance from their
+/// planes, in f64, as in [`triangle`](crate::accel::triangle).
+///
+/// # Safety
+/// As [`Block::test`].
+#[inline(always)]
+unsafe fn lie_ahead(block: *const f32, count: usize, ray: &Ray, determinant: __m128) -> u32 {
+    // SAFETY: the caller's.
+    unsafe {
+        let row = |corner: usize, axis: usize| {
+            let row = block.add((3 * corner + ray.axes[axis] as usize) * count);
+            _mm256_cvtps_pd(_mm_loadu_ps(row))
+        };
+        let edge = |corner: usize, axis: usize| _mm256_sub_pd(row(corner, axis), row(0, axis));
+        let [e, f] = [1, 2].map(|corner| [0, 1, 2].map(|axis| edge(corner, axis)));
+        let term = |axis: usize| {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let minor =
+                _mm256_sub_pd(_mm256_mul_pd(e[next], f[last]), _mm256_mul_pd(e[last], f[next]));
+            let origin = _mm256_set1_pd(f64::from(ray.origin[axis]));
+            _mm256_mul_pd(minor, _mm256_sub_pd(row(0, axis), origin))
+        };
+        let volume = _mm256_add_pd(_mm256_add_pd(term(0), term(1)), term(2));
+        let nonzero = _mm256_cmp_pd::<_CMP_NEQ_UQ>(volume, _mm256_setzero_pd());
+        let flipped = if ray.shear[2] < 0.0 { 15 } else { 0 };
+        let ahead = _mm256_movemask_pd(volume) ^ _mm_movemask_ps(determinant) ^ flipped;
+        (ahead & _mm256_movemask_pd(nonzero)) as u32
     }
 }
 

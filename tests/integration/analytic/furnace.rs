@@ -1,0 +1,74 @@
+//! White furnace: where light of 1 comes from everywhere and nothing is absorbed, everything is 1,
+//! whatever its shape and gloss; and what the recursion cuts off is black.
+
+use crate::support::{Shot, material};
+
+/// One object in a world of light 1.
+fn furnace(recursion: u32, samples: u32) -> Shot {
+    let settings = "background { 1 1 1 }".to_owned();
+    Shot { fov: 0.2, recursion, samples, settings, ..Shot::default() }
+}
+
+const SPHERE: &str = "sphere s { material m center { 0 0 0 } radius 1.5 }";
+const BOX: &str = "box b { material m vertex0 { -1 -1 -0.8 } vertex1 { 1 -0.6 -1 } \
+    vertex2 { 0.6 1.4 -1 } height 1.5 }";
+const CYLINDER: &str = "cylinder c { material m base { -1 0 0 } top { 1 1 1 } radius 1 }";
+const CONE: &str = "cone c { material m base { -1 0 0 } apex { 1 1 1 } radius 1 }";
+const MESH: &str = "mesh m { material m filename files/ball.obj smooth_normals 0 }";
+const SMOOTH_MESH: &str = "mesh m { material m filename files/ball.obj smooth_normals 1 }";
+const MOVING_SPHERE: &str = "sphere s { material m center { 0 0 0 } radius 1.5 \
+    addKframe { time 0 key { pivot { -1 0 0 } } } addKframe { time 1 key { pivot { 1 0 0 } } } }";
+
+const SHAPES: [&str; 7] = [SPHERE, BOX, CYLINDER, CONE, MESH, SMOOTH_MESH, MOVING_SPHERE];
+
+#[test]
+fn convex_mirrors_of_any_gloss_reflect_everything_at_once() {
+    // A convex thing meets no reflected ray again: one bounce must do. A ray that hit the surface that
+    // it leaves, or went below it, would be lost.
+    for shape in SHAPES {
+        for sigma in [0.0, 0.1, 0.5, 1.0] {
+            let mirror = material("m", &format!("reflectance 1 diffuse_reflection {sigma}"));
+            let shot = Shot { blur: 1.0, ..furnace(1, 8) };
+            shot.take(&(mirror + shape)).assert_is([1.0; 3], 1e-6);
+        }
+    }
+}
+
+#[test]
+fn clear_spheres_pass_everything_in_two_bounces() {
+    for index in [1.5, 1.0, 0.7] {
+        // what meets the thin sphere at a slant is totally reflected outside, in one bounce
+        let glass = material("m", &format!("refraction 1 refraction_index {index}"));
+        furnace(2, 8).take(&(glass + SPHERE)).assert_is([1.0; 3], 1e-6);
+    }
+}
+
+#[test]
+fn frosted_things_keep_nothing() {
+    for shape in SHAPES {
+        for sigma in [0.0, 0.2, 1.0] {
+            let phong = format!(
+                "refraction 0.6 reflectance 0.4 refraction_index 1.5
+                 diffuse_refraction {sigma} diffuse_reflection {sigma}"
+            );
+            let shot = Shot { blur: 1.0, ..furnace(64, 4) };
+            shot.take(&(material("m", &phong) + shape)).assert_is([1.0; 3], 5e-3);
+        }
+    }
+}
+
+#[test]
+fn many_samples_of_a_lobe_weigh_as_much_as_one() {
+    let settings = "background { 1 1 1 } diffuseReflectionSamples 5 diffuseRefractionSamples 3";
+    let phong = "refraction 0.5 reflectance 0.5 diffuse_refraction 0.2 diffuse_reflection 0.2";
+    let shot = Shot { settings: settings.into(), ..furnace(20, 2) };
+    shot.take(&(material("m", phong) + SPHERE)).assert_is([1.0; 3], 5e-3);
+}
+
+#[test]
+fn a_bounce_too_few_is_black() {
+    let glass = material("m", "refraction 1 refraction_index 1.5");
+    let picture = furnace(1, 8).take(&(glass + SPHERE));
+    assert_eq!(picture.at(32, 32), [0.0; 3]);
+    assert_eq!(picture.at(0, 0), [1.0; 3]);
+}

@@ -1,0 +1,11 @@
+//! Pictures whose pixels can be derived by hand. Each test says how.
+
+mod expectation;
+mod far_away;
+mod furnace;
+mod lens;
+mod light;
+mod mirror;
+mod motion;
+mod refraction;
+mod shadow;
