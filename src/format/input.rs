@@ -137,6 +137,16 @@ impl<'r> Input<'r> {
         self.here(len)
     }
 
+    /// The place of the last `len` bytes that were parsed, as far as they are still at hand.
+    pub(crate) fn behind(&mut self, len: usize) -> Place {
+        let offset = self.offset().saturating_sub(len as u64);
+        if self.rest().len() < EXCERPT_REACH {
+            // An error of reading would be a second one: the first is told.
+            let _ = self.refill();
+        }
+        self.place(offset.max(self.offset), len)
+    }
+
     /// The place of `len` bytes at an offset that the window still holds.
     fn place(&self, offset: u64, len: usize) -> Place {
         let start = offset.saturating_sub(self.offset) as usize;

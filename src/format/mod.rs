@@ -10,6 +10,9 @@ mod place;
 pub mod slo;
 pub mod syntax;
 
+pub(crate) use bytes::{blank_len, parse_word, quick_f64, word_len};
 pub use error::FileError;
+pub(crate) use input::Input;
 pub use number::{NumberError, looks_like_number, parse_number};
 pub use parser::parse;
+pub(crate) use place::Place;

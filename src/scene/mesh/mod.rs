@@ -3,6 +3,8 @@
 mod append;
 mod finish;
 mod normals;
+mod obj;
+mod ply;
 
 use std::io::Read;
 
@@ -34,6 +36,8 @@ pub fn load(
 ) -> Result<LoadedMesh, FileError> {
     let mesh = match extension(path_name).as_str() {
         "slo" => slo::read(reader)?,
+        "obj" => obj::read(reader, smooth)?,
+        "ply" => ply::read(reader)?,
         other => return Err(unknown_extension(other)),
     };
     finish::finish(mesh, smooth, scale)
