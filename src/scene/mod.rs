@@ -8,7 +8,6 @@ mod load;
 pub mod mesh;
 mod names;
 mod resolve;
-mod summary;
 pub mod texture;
 
 use std::sync::Arc;
@@ -19,7 +18,6 @@ pub use crate::accel::Accelerator;
 pub use crate::sampling::Generator;
 pub use files::Files;
 pub use load::{Loaded, load};
-pub use summary::Summary;
 pub use texture::Texture;
 
 /// A scene that has no errors: all that its text, meshes and textures say.

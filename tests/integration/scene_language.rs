@@ -33,7 +33,7 @@ fn everything() {
     assert_eq!(loaded.diagnostics.render(false), "");
     let mut scene = loaded.scene.expect("there are no errors");
     scene.content_hash = [0; 32];
-    insta::assert_snapshot!("everything", format!("{}\n{scene:#?}", scene.summary()));
+    insta::assert_snapshot!("everything", format!("{scene:#?}"));
 }
 
 fn mesh<'s>(scene: &'s SceneDescription, object: &str) -> &'s Arc<Mesh> {
@@ -53,8 +53,6 @@ fn meshes_are_scaled_added_and_shared() {
     assert!(Arc::ptr_eq(one, again));
     assert!(one.normals.is_empty() && smooth.normals.len() == 4);
     assert_eq!(twice.faces.len(), 2 * one.faces.len());
-    assert_eq!(scene.summary().triangles, 4 + 4 + 4 + 8);
-    assert_eq!(scene.summary().meshes, 3);
 }
 
 #[test]
