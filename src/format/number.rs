@@ -52,7 +52,9 @@ fn explain(word: &str) -> NumberError {
         return explain_comma(word);
     }
     let (number, rest) = split_number(word);
-    let help = if word.contains(MINUS_SIGN) {
+    let help = if !number.is_empty() && rest == ";" {
+        Some(format!("write `{number}`, without the semicolon"))
+    } else if word.contains(MINUS_SIGN) {
         Some(format!("write `{}` with a plain minus", word.replace(MINUS_SIGN, "-")))
     } else if !number.is_empty() && (rest.starts_with('#') || rest.starts_with("/*")) {
         Some(format!("put white space in front of the comment: `{number} {rest}`"))
@@ -133,6 +135,7 @@ mod tests {
         assert_eq!(help("1,2,3"), "write `1 2 3`");
         assert_eq!(help("\u{2212}5"), "write `-5` with a plain minus");
         assert_eq!(help("32#samples"), "put white space in front of the comment: `32 #samples`");
+        assert_eq!(help("1;"), "write `1`, without the semicolon");
         assert_eq!(help("5cm"), "a number has no unit, write `5`");
     }
 

@@ -74,14 +74,25 @@ pub struct Block<'a> {
     pub damaged: bool,
 }
 
-/// Words of the language. They never change what a correct text means; they tell the parser where
-/// a missing brace should have been.
-#[derive(Clone, Copy, Debug)]
-pub struct Vocabulary<'a> {
-    /// Types of elements that stand in no other element.
-    pub elements: &'a [&'a str],
-    /// Names of attributes and types of inner elements.
-    pub attributes: &'a [&'a str],
-    /// Those of `attributes` that take a name of the user's own, which may be any word.
-    pub naming: &'a [&'a str],
+/// What the language allows where. It never changes what a correct text means; it tells the parser
+/// where a brace should have been that is missing.
+pub trait Grammar {
+    /// What follows a word that may begin something in the block of `owner` (`None`: at the top of a
+    /// scene); `None` where it may not.
+    fn follows(&self, owner: Option<&str>, word: &str) -> Option<Follows>;
+}
+
+/// What follows the first word of an element or attribute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Follows {
+    /// A name and a block.
+    Element,
+    /// A block.
+    Block,
+    /// Numbers in braces.
+    Vector,
+    /// A word of the user's own, which may be any.
+    Name,
+    /// A number, or one of several words.
+    Value,
 }

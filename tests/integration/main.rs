@@ -4,4 +4,5 @@ mod analytic;
 mod program;
 mod scene_fuzz;
 mod scene_language;
+mod scene_mistakes;
 mod support;

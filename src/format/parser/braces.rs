@@ -2,84 +2,145 @@
 
 use super::{Head, Parser};
 use crate::diagnostics::{Diagnostic, Span};
+use crate::format::lexer::TokenKind;
 use crate::format::syntax::{Entry, Form, Item, Word};
 
 /// How far back a line's indentation is looked for, in bytes.
 const LONGEST_LINE: usize = 400;
 
-/// Blocks that were closed in front of an element.
+/// Blocks that were closed in front of a word that belongs further out.
 pub(super) struct Forced {
     /// The error if their `}` are missing.
     unclosed: Diagnostic,
-    /// The error if their `}` follow, so that the element was meant to stand in them.
-    nested: Diagnostic,
+    /// The error if their `}` follow, so that the word was meant to stand in them.
+    misplaced: Diagnostic,
     /// How many blocks.
     count: usize,
 }
 
 impl Parser<'_, '_> {
     pub(super) fn close(&mut self, close: Span) {
-        match self.stack.last() {
-            Some(frame) => {
-                self.note_indentation(frame.block.open, close);
-                self.pop(close);
-            }
-            None => self.surplus_close(close),
+        let depth = self.stack.len();
+        let Some(frame) = self.stack.last() else { return self.surplus_close(close) };
+        let is_early = self.is_early(depth);
+        if frame.unopened && (is_early || self.count_closes(depth) > depth) {
+            self.stack[depth - 1].unopened = false;
+        } else if frame.doubled > 0 && (is_early || self.count_closes(depth) > depth) {
+            self.stack[depth - 1].doubled -= 1;
+        } else if is_early {
+            self.report_early(close);
+        } else {
+            self.note_indentation(frame.block.open, close);
+            self.pop(close);
         }
     }
 
+    /// Whether what follows a `}` belongs in the block that it would close, and not outside.
+    fn is_early(&self, depth: usize) -> bool {
+        let next = &self.text[self.next.range.clone()];
+        self.next.kind == TokenKind::Word
+            && self.follows(depth, next).is_some()
+            && self.follows(depth - 1, next).is_none()
+    }
+
+    /// The `}` just read and those that follow it at once; no more than one above `most`.
+    fn count_closes(&self, most: usize) -> usize {
+        let mut lexer = self.lexer.clone();
+        let following = std::iter::once(self.next.kind)
+            .chain(std::iter::from_fn(|| Some(lexer.next_token().kind)));
+        1 + following.take(most).take_while(|kind| *kind == TokenKind::Close).count()
+    }
+
+    fn report_early(&mut self, close: Span) {
+        if self.is_late_close() {
+            return;
+        }
+        let next = self.span(self.next.range.clone());
+        let title = self.stack.last().and_then(|frame| frame.head).map(Head::title);
+        let title = title.unwrap_or_default();
+        self.diagnostics.push(
+            Diagnostic::error(format!("this `}}` ends `{title}` too early"))
+                .at(close, "")
+                .also(next, "this belongs in it"),
+        );
+    }
+
+    /// Closes all blocks, which lack their `}`.
     pub(super) fn close_all(&mut self) {
-        while let Some(frame) = self.stack.last_mut() {
+        self.close_damaged(0);
+    }
+
+    fn close_damaged(&mut self, depth: usize) {
+        while self.stack.len() > depth {
+            let Some(frame) = self.stack.last_mut() else { return };
             frame.block.damaged = true;
             let open = frame.block.open;
             self.pop(open);
         }
     }
 
-    /// Whether a vector such as `center { 1 2 3` goes on with a word that is an attribute of
-    /// something: its `}` is missing.
-    pub(super) fn is_attribute_after_vector(&self, word: Word<'_>) -> bool {
-        let Some(frame) = self.stack.last() else { return false };
-        let is_vector = frame.head.is_some_and(|head| head.name.is_none())
-            && !frame.block.entries.is_empty()
-            && !frame.has_items;
-        is_vector && self.vocabulary.attributes.contains(&word.text)
+    /// Closes the blocks that a word can't stand in, if it can further out. Whether their `}` are
+    /// missing or follow later will show.
+    pub(super) fn close_up_to_owner(&mut self, word: Word<'_>) {
+        let depth = self.stack.len();
+        if depth == 0 || self.follows(depth, word.text).is_some() {
+            return;
+        }
+        let mut outer = (0..depth).rev();
+        let Some(owner) = outer.find(|depth| self.follows(*depth, word.text).is_some()) else {
+            return;
+        };
+        if owner == 0 && !self.is_element_ahead() {
+            return;
+        }
+        if owner + 1 == depth && self.is_vector() {
+            return self.close_vector(word);
+        }
+        self.report_forced();
+        self.forced = self.force(owner, word);
+        self.close_damaged(owner);
     }
 
-    pub(super) fn close_vector(&mut self, word: Word<'_>) {
+    /// Whether a name and `{` come next.
+    fn is_element_ahead(&self) -> bool {
+        self.next.kind == TokenKind::Word && self.lexer.clone().next_token().kind == TokenKind::Open
+    }
+
+    /// Whether the innermost block is one of numbers.
+    fn is_vector(&self) -> bool {
+        self.stack.last().is_some_and(|frame| {
+            frame.head.is_some() && !frame.has_items && !frame.block.entries.is_empty()
+        })
+    }
+
+    fn close_vector(&mut self, word: Word<'_>) {
         let Some(frame) = self.stack.last() else { return };
-        let open = frame.block.open;
-        let last = frame.block.entries.iter().rev().find_map(|e| match e {
-            Entry::Number(number) => Some(number.word.span),
-            Entry::Item(_) => None,
+        let (open, last) = (frame.block.open, frame.block.entries.last());
+        let close = last.map_or(open, |entry| match entry {
+            Entry::Number(number) => number.word.span,
+            Entry::Item(item) => item.keyword.span,
         });
         self.diagnostics.push(
             Diagnostic::error("this `{` is never closed")
                 .at(open, "")
                 .also(word.span, "expected a number or `}`, found this"),
         );
-        self.pop(last.unwrap_or(open));
+        self.pop(close);
     }
 
-    /// Closes all blocks in front of an element that stands in no other. Whether their `}` are
-    /// missing or follow later will show.
-    pub(super) fn close_before_element(&mut self, head: Head<'_>) {
-        self.report_forced();
-        let keyword = head.keyword;
-        let outer = self.stack.first().and_then(|frame| frame.head);
-        if let (Some(unclosed), Some(outer)) = (self.unclosed(), outer) {
-            let message = format!("`{}` can't stand in another element", keyword.text);
-            let nested = Diagnostic::error(&message).at(keyword.span, "");
-            self.forced = Some(Forced {
-                unclosed: unclosed.also(keyword.span, message),
-                nested: nested.also(outer.keyword.span, "in this"),
-                count: self.stack.len(),
-            });
-        }
-        self.close_all();
+    fn force(&mut self, depth: usize, word: Word<'_>) -> Option<Forced> {
+        let head = self.stack[depth..].iter().find_map(|frame| frame.head)?;
+        let unclosed = self.unclosed(depth)?;
+        let message = format!("`{}` can't stand in `{}`", word.text, head.keyword.text);
+        let misplaced = Diagnostic::error(&message).at(word.span, "");
+        Some(Forced {
+            unclosed: unclosed.also(word.span, message),
+            misplaced: misplaced.also(head.keyword.span, "in this"),
+            count: self.stack.len() - depth,
+        })
     }
 
-    /// Reports blocks that were closed in front of an element, and indeed had no `}`.
+    /// Reports blocks that were closed in front of a word, and indeed had no `}`.
     fn report_forced(&mut self) {
         self.forced.take().into_iter().for_each(|forced| self.diagnostics.push(forced.unclosed));
     }
@@ -87,15 +148,15 @@ impl Parser<'_, '_> {
     pub(super) fn report_unclosed_at_end(&mut self) {
         self.report_forced();
         if !self.comment_unclosed
-            && let Some(diagnostic) = self.unclosed()
+            && let Some(diagnostic) = self.unclosed(0)
         {
             self.diagnostics.push(diagnostic);
         }
     }
 
-    /// The error about the blocks that are open now.
-    fn unclosed(&mut self) -> Option<Diagnostic> {
-        let open: Vec<Span> = self.stack.iter().map(|f| f.block.open).collect();
+    /// The error about the blocks that are open past a depth.
+    fn unclosed(&mut self, depth: usize) -> Option<Diagnostic> {
+        let open: Vec<Span> = self.stack[depth..].iter().map(|f| f.block.open).collect();
         let (innermost, outer) = open.split_last()?;
         let mut diagnostic = Diagnostic::error("this `{` is never closed").at(*innermost, "");
         for span in outer {
@@ -148,10 +209,10 @@ impl Parser<'_, '_> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Whether a `}` belongs to a block that was closed in front of an element.
+    /// Whether a `}` belongs to a block that was closed in front of a word.
     fn is_late_close(&mut self) -> bool {
         if let Some(forced) = self.forced.take() {
-            self.diagnostics.push(forced.nested);
+            self.diagnostics.push(forced.misplaced);
             self.late_closes = forced.count;
         }
         let is_late = self.late_closes > 0;

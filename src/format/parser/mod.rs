@@ -7,7 +7,7 @@ use std::ops::Range;
 use self::braces::Forced;
 use super::lexer::{Lexer, Token, TokenKind};
 use super::number::{looks_like_number, parse_number};
-use super::syntax::{Block, Entry, Form, Item, Number, Tree, Vocabulary, Word};
+use super::syntax::{Block, Entry, Follows, Form, Grammar, Item, Number, Tree, Word};
 use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 
 /// Blocks deeper than this are skipped: the language needs four levels.
@@ -18,7 +18,7 @@ const MAX_DEPTH: usize = 16;
 pub fn parse<'a>(
     text: &'a str,
     source: SourceId,
-    vocabulary: Vocabulary<'_>,
+    grammar: &dyn Grammar,
     diagnostics: &mut Diagnostics,
 ) -> Tree<'a> {
     let mut lexer = Lexer::new(text);
@@ -26,7 +26,7 @@ pub fn parse<'a>(
     let parser = Parser {
         text,
         source,
-        vocabulary,
+        grammar,
         diagnostics,
         lexer,
         next,
@@ -47,6 +47,17 @@ struct Frame<'a> {
     block: Block<'a>,
     /// Whether the block holds anything but numbers.
     has_items: bool,
+    /// How many `{` too many it began with.
+    doubled: usize,
+    /// Whether it ends in a vector without its `{`.
+    unopened: bool,
+}
+
+impl Frame<'_> {
+    /// The first word of what the block belongs to.
+    fn owner(&self) -> &str {
+        self.head.map_or("", |head| head.keyword.text)
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -55,10 +66,18 @@ struct Head<'a> {
     name: Option<Word<'a>>,
 }
 
+impl Head<'_> {
+    /// As messages call it.
+    fn title(self) -> String {
+        let name = self.name.map_or(String::new(), |name| format!(" {}", name.text));
+        format!("{}{name}", self.keyword.text)
+    }
+}
+
 struct Parser<'a, 'v> {
     text: &'a str,
     source: SourceId,
-    vocabulary: Vocabulary<'v>,
+    grammar: &'v dyn Grammar,
     diagnostics: &'v mut Diagnostics,
     lexer: Lexer<'a>,
     next: Token,
@@ -67,7 +86,7 @@ struct Parser<'a, 'v> {
     /// The first block whose `}` stands further left than the line of its `{`.
     suspect: Option<[Span; 2]>,
     forced: Option<Forced>,
-    /// How many `}` may still follow of blocks that were closed in front of an element.
+    /// How many `}` may still follow of blocks that were closed in front of a word.
     late_closes: usize,
     comment_unclosed: bool,
 }
@@ -115,6 +134,7 @@ impl<'a> Parser<'a, '_> {
         match self.stack.last_mut() {
             Some(frame) => {
                 frame.has_items = true;
+                frame.unopened = false;
                 frame.block.entries.push(entry);
             }
             None => self.top.push(entry),
@@ -122,18 +142,22 @@ impl<'a> Parser<'a, '_> {
     }
 
     fn word(&mut self, word: Word<'a>) {
-        if looks_like_number(word.text) {
+        if looks_like_number(word.text) && self.next.kind != TokenKind::Open {
             let value = self.number(word);
             return self.push_number(Number { word, value });
         }
-        if self.is_attribute_after_vector(word) {
-            self.close_vector(word);
-        }
+        self.close_up_to_owner(word);
         match self.next.kind {
             TokenKind::Open => self.open(Head { keyword: word, name: None }),
             TokenKind::Word if !self.lacks_value(word) => self.two_words(word),
             _ => self.push_item(word, Form::Nothing),
         }
+    }
+
+    /// What follows a word in the block at some depth; 0 is the top of the scene.
+    fn follows(&self, depth: usize, word: &str) -> Option<Follows> {
+        let owner = depth.checked_sub(1).map(|i| self.stack[i].owner());
+        self.grammar.follows(owner, word)
     }
 
     fn number(&mut self, word: Word<'a>) -> Option<f64> {
@@ -145,33 +169,39 @@ impl<'a> Parser<'a, '_> {
             .ok()
     }
 
-    /// Whether what follows a word can't be meant as its value: another attribute, or, at the top
-    /// of the scene where there are no values, a word on another line.
-    fn lacks_value(&self, keyword: Word<'_>) -> bool {
-        let Vocabulary { elements, attributes, naming } = self.vocabulary;
-        if self.stack.is_empty() && !elements.contains(&keyword.text) {
-            return self.text[keyword.span.end..self.next.range.start].contains('\n');
+    /// Whether what follows a word can't be meant as its value: something else that belongs here,
+    /// or, at the top of the scene where there are no values, a word on another line.
+    fn lacks_value(&self, word: Word<'_>) -> bool {
+        let depth = self.stack.len();
+        let follows = self.follows(depth, word.text);
+        if depth == 0 && follows.is_none() {
+            return self.text[word.span.end..self.next.range.start].contains('\n');
         }
         let next = &self.text[self.next.range.clone()];
-        attributes.contains(&next)
-            && attributes.contains(&keyword.text)
-            && !naming.contains(&keyword.text)
+        let may_be_any = matches!(follows, Some(Follows::Name | Follows::Element));
+        !may_be_any && self.follows(depth, next).is_some()
     }
 
     fn two_words(&mut self, keyword: Word<'a>) {
+        let follows = self.follows(self.stack.len(), keyword.text);
+        let next = &self.text[self.next.range.clone()];
+        if follows == Some(Follows::Block)
+            && self.grammar.follows(Some(keyword.text), next).is_some()
+        {
+            return self.open_without_brace(Head { keyword, name: None });
+        }
         let range = self.advance().range;
         let second = self.word_at(range);
-        let is_element = self.vocabulary.elements.contains(&keyword.text);
         let head = Head { keyword, name: Some(second) };
         if self.next.kind == TokenKind::Open {
-            if is_element && !self.stack.is_empty() {
-                self.close_before_element(head);
-            }
             self.open(head);
-        } else if is_element && self.stack.is_empty() {
+        } else if follows == Some(Follows::Element) {
             self.open_without_brace(head);
         } else {
             self.push_item(keyword, Form::Value(second));
+            if let Some(frame) = self.stack.last_mut() {
+                frame.unopened = follows == Some(Follows::Vector);
+            }
         }
     }
 
@@ -186,11 +216,16 @@ impl<'a> Parser<'a, '_> {
     }
 
     fn open_nameless(&mut self, open: Span) {
-        let is_inner = self.stack.last().is_some_and(|frame| frame.head.is_none());
-        if !is_inner {
-            let error = Diagnostic::error("expected a name in front of `{`");
-            self.diagnostics.push(error.at(open, ""));
+        if let Some(frame) = self.stack.last_mut().filter(|frame| frame.block.entries.is_empty()) {
+            frame.doubled += 1;
+            if frame.doubled == 1 && frame.head.is_some() {
+                let error = Diagnostic::error("unexpected `{`").at(open, "one too many");
+                self.diagnostics.push(error);
+            }
+            return;
         }
+        let error = Diagnostic::error("expected a name in front of `{`").at(open, "");
+        self.diagnostics.push(error);
         if self.stack.len() < MAX_DEPTH {
             self.push(None, open);
         } else {
@@ -200,14 +235,14 @@ impl<'a> Parser<'a, '_> {
 
     fn open_without_brace(&mut self, head: Head<'a>) {
         let last = head.name.unwrap_or(head.keyword);
-        let message = format!("expected `{{` after `{} {}`", head.keyword.text, last.text);
+        let message = format!("expected `{{` after `{}`", head.title());
         self.diagnostics.push(Diagnostic::error(message).at(last.span, "expected `{` after this"));
         self.push(Some(head), self.span(last.span.end..last.span.end));
     }
 
     fn push(&mut self, head: Option<Head<'a>>, open: Span) {
         let block = Block { open, close: open, entries: Vec::new(), damaged: false };
-        self.stack.push(Frame { head, block, has_items: false });
+        self.stack.push(Frame { head, block, has_items: false, doubled: 0, unopened: false });
     }
 
     /// Passes over a block that is too deep to be meant.
@@ -251,11 +286,23 @@ impl<'a> Parser<'a, '_> {
 mod tests {
     use super::*;
 
-    const VOCABULARY: Vocabulary<'_> = Vocabulary {
-        elements: &["sphere", "camera"],
-        attributes: &["center", "radius", "material", "film"],
-        naming: &["material", "film"],
-    };
+    /// Spheres and cameras with films.
+    struct Toy;
+
+    impl Grammar for Toy {
+        fn follows(&self, owner: Option<&str>, word: &str) -> Option<Follows> {
+            let follows = match (owner, word) {
+                (None, "sphere" | "camera") | (Some("camera"), "film") => Follows::Element,
+                (Some("sphere"), "center") => Follows::Vector,
+                (Some("sphere"), "material") => Follows::Name,
+                (Some("sphere"), "radius") | (Some("camera"), "fps") => Follows::Value,
+                (Some("film"), "width") | (Some("key"), "time") => Follows::Value,
+                (Some("sphere"), "key") => Follows::Block,
+                _ => return None,
+            };
+            Some(follows)
+        }
+    }
 
     fn outline(entries: &[Entry<'_>]) -> String {
         let one = |entry: &Entry<'_>| match entry {
@@ -281,7 +328,7 @@ mod tests {
     /// Parses a text; the outline of its tree, and the messages in the order of the text.
     fn check(text: &str, expected: &str, errors: &[&str]) {
         let mut diagnostics = Diagnostics::default();
-        let tree = parse(text, SourceId(0), VOCABULARY, &mut diagnostics);
+        let tree = parse(text, SourceId(0), &Toy, &mut diagnostics);
         assert_eq!(outline(&tree.entries), expected, "{text}");
         let messages: Vec<_> = diagnostics.sorted().iter().map(|d| d.message.clone()).collect();
         assert_eq!(messages, errors, "{text}");
@@ -303,39 +350,61 @@ mod tests {
     fn values_that_are_missing_leave_the_next_attribute_whole() {
         check("sphere s { radius center { 1 } }", "sphere:s{radius center{1}}", &[]);
         check("sphere s { radius material m radius }", "sphere:s{radius material=m radius}", &[]);
+        check("sphere s { foo radius 1 }", "sphere:s{foo radius=1}", &[]);
+        check("foo\nsphere s { }", "foo sphere:s{}", &[]);
     }
+
+    const UNCLOSED: &str = "this `{` is never closed";
 
     #[test]
     fn a_vector_ends_where_an_attribute_begins() {
-        let error = "this `{` is never closed";
-        check("sphere s { center { 1 2 3 radius 4 }", "sphere:s{center{1 2 3} radius=4}", &[error]);
+        let found = "sphere:s{center{1 2 3} radius=4}";
+        check("sphere s { center { 1 2 3 radius 4 }", found, &[UNCLOSED]);
         check("sphere s { center { 1 two 3 } }", "sphere:s{center{1 two=3}}", &[]);
     }
 
     #[test]
-    fn blocks_end_where_an_element_begins() {
-        check(
-            "sphere a { center { 1 sphere b { }",
-            "sphere:a{center{1}!}! sphere:b{}",
-            &["this `{` is never closed"],
-        );
+    fn blocks_end_where_something_of_an_outer_one_begins() {
+        let spheres = "sphere:a{center{1}!}! sphere:b{}";
+        check("sphere a { center { 1 sphere b { }", spheres, &[UNCLOSED]);
+        let camera = "camera:c{film:f{width=1}! fps=1}";
+        check("camera c { film f { width 1 fps 1 }", camera, &[UNCLOSED]);
+        check("camera c { film f { width 1 fps 1 } }", camera, &["`fps` can't stand in `film`"]);
         check(
             "sphere a { sphere b { } radius 1 } sphere c { }",
             "sphere:a{}! sphere:b{} sphere:c{}",
-            &["`sphere` can't stand in another element"],
+            &["`sphere` can't stand in `sphere`"],
         );
     }
 
     #[test]
-    fn braces_too_many_or_too_few() {
-        check(
-            "sphere a { } radius 1 } sphere b { }",
-            "sphere:a{}! sphere:b{}",
-            &["this `}` closes nothing"],
-        );
-        check("sphere a { center {", "sphere:a{center{}!}!", &["this `{` is never closed"]);
-        check("sphere a radius 1 }", "sphere:a{radius=1}", &["expected `{` after `sphere a`"]);
+    fn a_brace_too_many() {
+        let sphere = "sphere:a{center{1} radius=1}";
+        let early = "this `}` ends `sphere a` too early";
+        check("sphere a { center { 1 } } radius 1 }", sphere, &[early]);
+        check("sphere a { center { { 1 } radius 1 }", sphere, &["unexpected `{`"]);
+        check("sphere a { center { { 1 } } radius 1 }", sphere, &["unexpected `{`"]);
+        check("sphere a { { center { 1 } radius 1 }", sphere, &["unexpected `{`"]);
+        check("sphere a { } }", "sphere:a{}!", &["this `}` closes nothing"]);
         check("{ { 1 } } sphere a { }", "sphere:a{}", &["expected a name in front of `{`"]);
+    }
+
+    #[test]
+    fn a_brace_too_few() {
+        check("sphere a radius 1 }", "sphere:a{radius=1}", &["expected `{` after `sphere a`"]);
+        check(
+            "camera c { film f width 1 } fps 1 }",
+            "camera:c{film:f{width=1} fps=1}",
+            &["expected `{` after `film f`"],
+        );
+        check(
+            "sphere a { key time 1 } radius 1 }",
+            "sphere:a{key{time=1} radius=1}",
+            &["expected `{` after `key`"],
+        );
+        check("sphere a { center 1 2 3 } radius 1 }", "sphere:a{center=1 2 3 radius=1}", &[]);
+        check("sphere a { radius 1 center 1 2 3 }", "sphere:a{radius=1 center=1 2 3}", &[]);
+        check("sphere a { center {", "sphere:a{center{}!}!", &[UNCLOSED]);
         check("/* sphere a { } ", "", &["this comment is never closed"]);
     }
 

@@ -33,7 +33,7 @@ impl<'t, 'a> Scene<'t, 'a> {
         for entry in &tree.entries {
             match entry {
                 Entry::Item(item) => in_numbers = !scene.item(item, diagnostics),
-                Entry::Number(number) if !in_numbers => {
+                Entry::Number(number) if !in_numbers && number.value.is_some() => {
                     in_numbers = true;
                     let error = Diagnostic::error("expected an element, found a number");
                     diagnostics.push(error.at(number.word.span, ""));
@@ -59,15 +59,18 @@ impl<'t, 'a> Scene<'t, 'a> {
                 return false;
             }
         };
+        // One that is misspelt is taken for what was meant, so that what is in it is looked at too.
+        let schema = schema.or_else(|| {
+            diagnostics.push(unknown_type(keyword));
+            let near = closest(keyword.text, ELEMENTS.iter().map(|s| s.keyword))?;
+            ELEMENTS.iter().find(|s| s.keyword == near)
+        });
         match schema {
             Some(schema) => {
                 let damaged = block.damaged;
                 self.elements.push(Element { schema, keyword, name, block, damaged });
             }
-            None => {
-                self.unknown.push(name);
-                diagnostics.push(unknown_type(keyword));
-            }
+            None => self.unknown.push(name),
         }
         true
     }

@@ -63,6 +63,8 @@ pub(super) struct Fields<'t, 'a, 'd> {
     /// `Scaling`.
     pub(super) scale: f64,
     found: Vec<Field<'t, 'a>>,
+    /// Attributes that this element does not take, and that resemble none that it does.
+    strangers: usize,
 }
 
 impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
@@ -73,7 +75,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         scale: f64,
         diagnostics: &'d mut Diagnostics,
     ) -> Self {
-        let mut fields = Self { element, diagnostics, scale, found: Vec::new() };
+        let mut fields = Self { element, diagnostics, scale, found: Vec::new(), strangers: 0 };
         let mut entries = element.block.entries.iter().peekable();
         while let Some(entry) = entries.next() {
             let mut numbers = Vec::new();
@@ -89,7 +91,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
 
     /// An element without attributes: nothing is read yet.
     pub(super) fn bare(element: Element<'t, 'a>, diagnostics: &'d mut Diagnostics) -> Self {
-        Self { element, diagnostics, scale: 1.0, found: Vec::new() }
+        Self { element, diagnostics, scale: 1.0, found: Vec::new(), strangers: 0 }
     }
 
     /// The first attribute of that name.
@@ -116,6 +118,9 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
     }
 
     fn stray_numbers(&mut self, first: &Number<'_>, rest: &[&Number<'_>]) {
+        if first.value.is_none() {
+            return;
+        }
         let span = first.word.span.to(rest.last().map_or(first.word.span, |n| n.word.span));
         let found = if rest.is_empty() { "a number" } else { "numbers" };
         let mut diagnostic =
@@ -164,6 +169,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             if self.element.damaged && !owners(word.text).is_empty() {
                 return;
             }
+            self.strangers += 1;
             self.misplaced(word, &item.form)
         };
         self.diagnostics.push(diagnostic);
@@ -200,6 +206,17 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         numbers: &[&Number<'a>],
     ) -> Value<'t, 'a> {
         match (attribute.kind, &item.form) {
+            (_, Form::Value(Word { text: sign @ ("=" | ":"), span })) => {
+                let message =
+                    format!("`{}` is followed by its value, without `{sign}`", item.keyword.text);
+                let error = Diagnostic::error(message).at(*span, "");
+                self.diagnostics.push(error.help(format!("write {}", attribute.usage())));
+                Value::Broken
+            }
+            (Kind::Word(_), Form::Value(word)) if word.text.contains('"') => {
+                self.quoted(*word);
+                Value::Broken
+            }
             (_, Form::Nothing) => {
                 let message = format!("`{}` has no value", item.keyword.text);
                 let error = Diagnostic::error(message).at(item.keyword.span, "");
@@ -227,6 +244,14 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
                 Value::Broken
             }
         }
+    }
+
+    fn quoted(&mut self, word: Word<'_>) {
+        let error = Diagnostic::error("a word is written without quotes").at(word.span, "");
+        self.diagnostics.push(match word.text.trim_matches('"') {
+            plain if word.text.len() == plain.len() + 2 => error.help(format!("write `{plain}`")),
+            _ => error.help("a name or path can't contain white space"),
+        });
     }
 
     fn wrong_form(
@@ -266,7 +291,8 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         let attributes = self.element.schema.attributes.iter();
         let missing: Vec<_> =
             attributes.filter(|a| a.required && self.get(a.name).is_none()).collect();
-        if missing.is_empty() {
+        // One that is missing and one that is not known are most probably the same.
+        if missing.is_empty() || (missing.len() == 1 && self.strangers == 1) {
             return;
         }
         let names: Vec<_> = missing.iter().map(|a| format!("`{}`", a.name)).collect();

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use self::assets::Assets;
 use self::collect::Scene;
 use self::fields::{Element, Fields, Value, quoted_list};
-use self::schema::{ELEMENTS, Kind, all_attributes, element_keywords};
+use self::schema::{ELEMENTS, SceneGrammar};
 use super::files::{ContentHash, Files};
 use super::names::Names;
 use super::{
@@ -26,7 +26,7 @@ use super::{
 };
 use crate::diagnostics::{Diagnostic, Diagnostics, SourceId};
 use crate::format::parse;
-use crate::format::syntax::{Tree, Vocabulary, Word};
+use crate::format::syntax::Word;
 
 /// The scene of a text that is a source of `diagnostics`; a scene without meaning where there are
 /// errors.
@@ -37,32 +37,20 @@ pub(super) fn resolve(
     hash: ContentHash,
     diagnostics: &mut Diagnostics,
 ) -> Option<SceneDescription> {
-    let tree = parse_scene(text, source, diagnostics);
+    let tree = parse(text, source, &SceneGrammar, diagnostics);
     let name = diagnostics.source(source).name.clone();
     let scene = Scene::collect(&tree, diagnostics);
     let scale = scaling(&scene, diagnostics);
     let names = scene.names(diagnostics);
     let assets = Assets::new(files, &name, hash);
-    let mut resolver = Resolver { scene, scale, names, assets, diagnostics };
+    let dangling = Vec::new();
+    let mut resolver = Resolver { scene, scale, names, assets, dangling, diagnostics };
     let description = resolver.description();
+    resolver.report_dangling();
     if !resolver.diagnostics.has_errors() {
         resolver.warn_unused();
     }
     description
-}
-
-fn parse_scene<'a>(text: &'a str, source: SourceId, diagnostics: &mut Diagnostics) -> Tree<'a> {
-    let attributes = all_attributes();
-    let naming = attributes
-        .iter()
-        .filter(|a| matches!(a.kind, Kind::Word(_) | Kind::Element))
-        .map(|a| a.name);
-    let vocabulary = Vocabulary {
-        elements: &element_keywords(),
-        attributes: &attributes.iter().map(|a| a.name).collect::<Vec<_>>(),
-        naming: &naming.collect::<Vec<_>>(),
-    };
-    parse(text, source, vocabulary, diagnostics)
 }
 
 /// `Scaling`, which stands before everything that it scales.
@@ -97,16 +85,38 @@ struct AllNames<'a> {
     unknown: Names<'a>,
 }
 
+impl<'a> AllNames<'a> {
+    /// The names of a kind, and those of the other kinds.
+    fn of(&mut self, referred: Referred) -> (&mut Names<'a>, [&Names<'a>; 2]) {
+        let Self { phong_infos, materials, textures, .. } = self;
+        match referred {
+            Referred::PhongInfo => (phong_infos, [materials, textures]),
+            Referred::Material => (materials, [phong_infos, textures]),
+            Referred::Texture => (textures, [phong_infos, materials]),
+        }
+    }
+}
+
+/// Dangling names that are told apart and explained; beyond, each place counts by itself.
+const MOST_DANGLING: usize = 100;
+
 struct Resolver<'t, 'a, 'd> {
     scene: Scene<'t, 'a>,
     scale: f64,
     names: AllNames<'a>,
     assets: Assets<'d>,
+    dangling: Vec<Dangling<'a>>,
     diagnostics: &'d mut Diagnostics,
 }
 
+/// A name that nothing has, and everything that refers to it.
+struct Dangling<'a> {
+    referred: Referred,
+    words: Vec<Word<'a>>,
+}
+
 /// The kinds of elements that are referred to.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Referred {
     PhongInfo,
     Material,
@@ -230,19 +240,38 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         })
     }
 
-    /// Index of what a word refers to; reports a name that there is not.
+    /// Index of what a word refers to; notes a name that there is not.
     fn refer(&mut self, referred: Referred, word: Word<'a>) -> Option<usize> {
-        let AllNames { phong_infos, materials, textures, unknown } = &mut self.names;
-        let (names, others) = match referred {
-            Referred::PhongInfo => (phong_infos, [&*materials, &*textures]),
-            Referred::Material => (materials, [&*phong_infos, &*textures]),
-            Referred::Texture => (textures, [&*phong_infos, &*materials]),
-        };
+        let (names, _) = self.names.of(referred);
         let found = names.find(word.text);
-        if found.is_none() && !unknown.contains(word.text) && !self.scene.is_truncated {
-            self.diagnostics.push(dangling(word, names, others));
+        if found.is_none() && !self.names.unknown.contains(word.text) && !self.scene.is_truncated {
+            self.note_dangling(referred, word);
         }
         found
+    }
+
+    fn note_dangling(&mut self, referred: Referred, word: Word<'a>) {
+        let same = |d: &&mut Dangling<'_>| d.referred == referred && d.words[0].text == word.text;
+        match self.dangling.iter_mut().take(MOST_DANGLING).find(same) {
+            Some(dangling) => dangling.words.push(word),
+            None => self.dangling.push(Dangling { referred, words: vec![word] }),
+        }
+    }
+
+    fn report_dangling(&mut self) {
+        for (i, Dangling { referred, words }) in self.dangling.iter().enumerate() {
+            let (names, others) = self.names.of(*referred);
+            let mut diagnostic = dangling(words[0], names, others, i < MOST_DANGLING);
+            for word in words[1..].iter().take(2) {
+                diagnostic = diagnostic.also(word.span, "and here");
+            }
+            if words.len() > 3
+                && let Some(last) = diagnostic.secondary.last_mut()
+            {
+                last.text = format!("and here, and in {} more places", words.len() - 3);
+            }
+            self.diagnostics.push(diagnostic);
+        }
     }
 
     fn warn_unused(&mut self) {
@@ -268,9 +297,18 @@ fn mesh(fields: &mut Fields<'_, '_, '_>, assets: &mut Assets<'_>) -> Option<Shap
     Some(Shape::Mesh { mesh, smooth })
 }
 
-fn dangling(word: Word<'_>, names: &Names<'_>, others: [&Names<'_>; 2]) -> Diagnostic {
+/// The error about a name that nothing has; with what was meant, if it is to be looked for.
+fn dangling(
+    word: Word<'_>,
+    names: &Names<'_>,
+    others: [&Names<'_>; 2],
+    is_explained: bool,
+) -> Diagnostic {
     let kind = names.kind();
     let message = format!("no {kind} is called `{}`", word.text);
+    if !is_explained {
+        return Diagnostic::error(message).at(word.span, "");
+    }
     if let Some(other) = others.iter().find(|o| o.contains(word.text)) {
         let label = format!("this is the name of a {}", other.kind());
         return Diagnostic::error(message).at(word.span, label);

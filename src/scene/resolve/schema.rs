@@ -1,5 +1,7 @@
 //! The elements of the language and the attributes that each takes.
 
+use crate::format::syntax::{Follows, Grammar};
+
 /// An element or inner block: its keyword and what may stand in it.
 #[derive(Debug)]
 pub(super) struct Schema {
@@ -289,17 +291,23 @@ pub(super) static ELEMENTS: [&Schema; 17] = [
 /// What stands only in other elements.
 static INNER: [&Schema; 6] = [&FILM, &CAM_SEGMENT, &ADD_KFRAME, &PRE, &KEY, &NEX];
 
-/// Keywords of [`ELEMENTS`].
-pub(super) fn element_keywords() -> Vec<&'static str> {
-    ELEMENTS.iter().map(|s| s.keyword).collect()
-}
+/// The language, as far as the parser asks.
+pub(super) struct SceneGrammar;
 
-/// Every attribute of every element, once by name.
-pub(super) fn all_attributes() -> Vec<&'static Attribute> {
-    let mut all: Vec<_> = ELEMENTS.iter().chain(&INNER).flat_map(|s| s.attributes).collect();
-    all.sort_by_key(|a| a.name);
-    all.dedup_by_key(|a| a.name);
-    all
+impl Grammar for SceneGrammar {
+    fn follows(&self, owner: Option<&str>, word: &str) -> Option<Follows> {
+        let Some(owner) = owner else {
+            return ELEMENTS.iter().any(|s| s.keyword == word).then_some(Follows::Element);
+        };
+        let schema = ELEMENTS.iter().chain(&INNER).find(|s| s.keyword == owner)?;
+        Some(match schema.attribute(word)?.kind {
+            Kind::Element => Follows::Element,
+            Kind::Block => Follows::Block,
+            Kind::Vector(_) => Follows::Vector,
+            Kind::Word(_) => Follows::Name,
+            Kind::Number | Kind::Choice => Follows::Value,
+        })
+    }
 }
 
 /// Elements that take an attribute of that name.
