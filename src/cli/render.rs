@@ -51,11 +51,21 @@ impl Run<'_> {
         let start = Instant::now();
         let (film, statistics) = self.sample(&frame)?;
         let rendering = start.elapsed();
+        let start = Instant::now();
         let path = self.target(rendering);
         self.save(&film, &recipe, &path)?;
         print_path(&path)?;
-        Summary { loading, building, rendering, statistics, frame: &frame, isa: self.job.isa }
-            .tell(self.scene, self.terminal);
+        let writing = start.elapsed();
+        Summary {
+            loading,
+            building,
+            rendering,
+            writing,
+            statistics,
+            frame: &frame,
+            isa: self.job.isa,
+        }
+        .tell(self.scene, self.terminal);
         Ok(())
     }
 

@@ -16,6 +16,7 @@ pub(super) struct Summary<'a> {
     pub(super) loading: Duration,
     pub(super) building: Duration,
     pub(super) rendering: Duration,
+    pub(super) writing: Duration,
     pub(super) statistics: Statistics,
     pub(super) frame: &'a FrameScene,
     pub(super) isa: Isa,
@@ -30,7 +31,7 @@ impl Summary<'_> {
                 "{refused} samples were no numbers or beyond what the film holds, and were left out"
             ));
         }
-        let total = self.loading + self.building + self.rendering;
+        let total = self.loading + self.building + self.rendering + self.writing;
         terminal.note(line(total, self.rendering, &self.statistics, peak_memory()));
         for detail in self.details(scene) {
             terminal.detail(detail);
@@ -43,10 +44,11 @@ impl Summary<'_> {
         let pixels = f64::from(film.width) * f64::from(film.height);
         [
             format!(
-                "loading {}, building {}, rendering {}",
+                "loading {}, building {}, rendering {}, writing {}",
                 human(self.loading),
                 human(self.building),
-                human(self.rendering)
+                human(self.rendering),
+                human(self.writing)
             ),
             format!(
                 "{} primitives, {} moving objects; structures {}",

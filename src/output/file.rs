@@ -12,7 +12,10 @@ use tempfile::{Builder, NamedTempFile};
 /// # Errors
 /// What the system says of the folder or the file; `path` is a folder.
 pub fn check_writable(path: &Path) -> io::Result<()> {
-    fs::create_dir_all(folder(path))?;
+    fs::create_dir_all(folder(path)).map_err(|error| match error.kind() {
+        io::ErrorKind::AlreadyExists => io::ErrorKind::NotADirectory.into(),
+        _ => error,
+    })?;
     match fs::symlink_metadata(path) {
         Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),

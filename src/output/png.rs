@@ -6,10 +6,14 @@
 use std::io::{self, Seek, Write};
 
 use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
+use rayon::prelude::*;
 
 use super::values::quantised;
 use super::{KEYWORD, Picture};
 use crate::scene::{Encoding, OutputFormat};
+
+/// Rows that are encoded in parallel before they are written in order.
+const ROWS_AT_A_TIME: usize = 256;
 
 /// Writes `picture` row by row.
 pub(super) fn write(picture: &Picture, out: impl Write + Seek) -> io::Result<()> {
@@ -23,11 +27,10 @@ fn encode(picture: &Picture, out: impl Write) -> Result<(), EncodingError> {
     let mut buffered = io::BufWriter::new(out);
     let mut writer = header(picture, &mut buffered)?.write_header()?;
     let mut stream = writer.stream_writer()?;
-    let mut row = Vec::new();
-    for pixels in picture.image.rgb.chunks(picture.image.width.max(1) as usize) {
-        row.clear();
-        append_row(&mut row, pixels, picture);
-        stream.write_all(&row)?;
+    let width = picture.image.width.max(1) as usize;
+    for block in picture.image.rgb.chunks(width * ROWS_AT_A_TIME) {
+        let rows: Vec<_> = block.par_chunks(width).map(|row| row_bytes(row, picture)).collect();
+        rows.iter().try_for_each(|row| stream.write_all(row))?;
     }
     stream.finish()?;
     writer.finish()?;
@@ -48,14 +51,14 @@ fn header<'a, W: Write>(picture: &Picture, out: W) -> Result<Encoder<'a, W>, Enc
     Ok(encoder)
 }
 
-/// Appends the bytes of one row, big-endian as PNG wants it.
-fn append_row(row: &mut Vec<u8>, pixels: &[[f32; 3]], picture: &Picture) {
-    let values = pixels.as_flattened().iter();
+/// The bytes of a row, big-endian as PNG wants it.
+fn row_bytes(row: &[[f32; 3]], picture: &Picture) -> Vec<u8> {
+    let values = row.as_flattened().iter();
     match picture.format {
         OutputFormat::Png16 => {
-            row.extend(values.flat_map(|&c| quantised(c, picture.encoding, u16::MAX).to_be_bytes()))
+            values.flat_map(|&c| quantised(c, picture.encoding, u16::MAX).to_be_bytes()).collect()
         }
-        _ => row.extend(values.map(|&c| quantised(c, picture.encoding, 255) as u8)),
+        _ => values.map(|&c| quantised(c, picture.encoding, 255) as u8).collect(),
     }
 }
 

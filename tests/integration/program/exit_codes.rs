@@ -105,7 +105,7 @@ fn what_cannot_be_created_is_found_before_rendering() {
     let folder = endless();
     folder.write("file", "");
     folder.write("taken/ball_00000.png/inside", "");
-    check(&folder, "-s scene.txt -od file", 73, &["file", "--outdir"]);
+    check(&folder, "-s scene.txt -od file", 73, &["file", "not a directory", "--outdir"]);
     check(&folder, "-s scene.txt -od file/deeper", 73, &["--outdir"]);
     check(&folder, "-s scene.txt -od taken", 73, &["ball_00000.png"]);
     check(&folder, &format!("-s scene.txt -pre {}", "x".repeat(300)), 73, &[]);
