@@ -36,6 +36,11 @@ impl<'a> Lexer<'a> {
         Self { text, at: 0 }
     }
 
+    /// Goes on at a byte that was passed, or at the next.
+    pub(crate) fn rewind(&mut self, at: usize) {
+        self.at = at;
+    }
+
     /// The next token; [`TokenKind::End`] again and again at the end.
     pub(crate) fn next_token(&mut self) -> Token {
         loop {

@@ -96,3 +96,10 @@ pub enum Follows {
     /// A number, or one of several words.
     Value,
 }
+
+impl Follows {
+    /// Whether there is a brace at once.
+    pub fn is_block(self) -> bool {
+        matches!(self, Self::Block | Self::Vector)
+    }
+}

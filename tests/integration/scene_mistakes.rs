@@ -47,22 +47,51 @@ fn words() -> Vec<(usize, usize)> {
     words
 }
 
+/// Makes a mistake at each place of a brace: it gives one error.
+fn check_braces(brace: char, replacement: &str) {
+    for (start, end) in places_of(brace) {
+        let (count, report) = errors(start, end, replacement);
+        assert_eq!(count, 1, "{brace} at {start} as {replacement:?}:\n{report}");
+    }
+}
+
 #[test]
 fn a_brace_is_missing() {
-    check(&places_of('{'), "");
-    check(&places_of('}'), "");
+    check_braces('{', "");
+    check_braces('}', "");
 }
 
 #[test]
 fn a_brace_is_doubled() {
-    check(&places_of('{'), "{ {");
-    check(&places_of('}'), "} }");
+    check_braces('{', "{ {");
+    check_braces('}', "} }");
+}
+
+#[test]
+fn a_brace_is_the_other() {
+    check_braces('{', "}");
+    check_braces('}', "{");
 }
 
 #[test]
 fn a_brace_is_another() {
-    check(&places_of('}'), "{");
-    check(&places_of('{'), "(");
+    for bracket in ["(", "["] {
+        check_braces('{', bracket);
+    }
+    for bracket in [")", "]"] {
+        check_braces('}', bracket);
+    }
+}
+
+#[test]
+fn all_braces_of_an_element_are_others() {
+    let end = SCENE.find("\nplane").expect("there is a plane") + 1;
+    let after = SCENE[end..].find('\n').expect("it has a line") + end;
+    let line = SCENE[end..after].replace('{', "(").replace('}', ")");
+    let (count, report) = errors(end, after, &line);
+    assert_eq!(count, 3, "{report}");
+    let (count, report) = errors(end, after, &line.replace(" ( ", "(").replace(" )", ")"));
+    assert_eq!(count, 3, "{report}");
 }
 
 #[test]

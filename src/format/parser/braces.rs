@@ -2,8 +2,7 @@
 
 use super::{Head, Parser};
 use crate::diagnostics::{Diagnostic, Span};
-use crate::format::lexer::TokenKind;
-use crate::format::syntax::{Entry, Form, Item, Word};
+use crate::format::syntax::{Entry, Follows, Form, Item, Word};
 
 /// How far back a line's indentation is looked for, in bytes.
 const LONGEST_LINE: usize = 400;
@@ -22,33 +21,18 @@ impl Parser<'_, '_> {
     pub(super) fn close(&mut self, close: Span) {
         let depth = self.stack.len();
         let Some(frame) = self.stack.last() else { return self.surplus_close(close) };
-        let is_early = self.is_early(depth);
-        if frame.unopened && (is_early || self.count_closes(depth) > depth) {
+        let ahead = self.ahead(depth);
+        let is_surplus = ahead.is_early(self, depth) || ahead.closes >= depth;
+        if frame.unopened && is_surplus {
             self.stack[depth - 1].unopened = false;
-        } else if frame.doubled > 0 && (is_early || self.count_closes(depth) > depth) {
+        } else if frame.doubled > 0 && is_surplus {
             self.stack[depth - 1].doubled -= 1;
-        } else if is_early {
+        } else if ahead.closes == 0 && ahead.is_early(self, depth) {
             self.report_early(close);
         } else {
             self.note_indentation(frame.block.open, close);
             self.pop(close);
         }
-    }
-
-    /// Whether what follows a `}` belongs in the block that it would close, and not outside.
-    fn is_early(&self, depth: usize) -> bool {
-        let next = &self.text[self.next.range.clone()];
-        self.next.kind == TokenKind::Word
-            && self.follows(depth, next).is_some()
-            && self.follows(depth - 1, next).is_none()
-    }
-
-    /// The `}` just read and those that follow it at once; no more than one above `most`.
-    fn count_closes(&self, most: usize) -> usize {
-        let mut lexer = self.lexer.clone();
-        let following = std::iter::once(self.next.kind)
-            .chain(std::iter::from_fn(|| Some(lexer.next_token().kind)));
-        1 + following.take(most).take_while(|kind| *kind == TokenKind::Close).count()
     }
 
     fn report_early(&mut self, close: Span) {
@@ -83,27 +67,37 @@ impl Parser<'_, '_> {
     /// missing or follow later will show.
     pub(super) fn close_up_to_owner(&mut self, word: Word<'_>) {
         let depth = self.stack.len();
-        if depth == 0 || self.follows(depth, word.text).is_some() {
+        let here = self.follows(depth, word.text);
+        if depth == 0 || here.is_some_and(|follows| follows != Follows::Name) {
+            return;
+        }
+        let is_element = self.is_element_ahead(word.text);
+        if here.is_some() && !is_element {
             return;
         }
         let mut outer = (0..depth).rev();
         let Some(owner) = outer.find(|depth| self.follows(*depth, word.text).is_some()) else {
             return;
         };
-        if owner == 0 && !self.is_element_ahead() {
+        if owner == 0 && !is_element {
             return;
         }
         if owner + 1 == depth && self.is_vector() {
             return self.close_vector(word);
+        }
+        if is_element && self.is_misplaced(owner) {
+            return self.report_misplaced(owner, word);
         }
         self.report_forced();
         self.forced = self.force(owner, word);
         self.close_damaged(owner);
     }
 
-    /// Whether a name and `{` come next.
-    fn is_element_ahead(&self) -> bool {
-        self.next.kind == TokenKind::Word && self.lexer.clone().next_token().kind == TokenKind::Open
+    /// An element in a block that it can't stand in: it will go where it belongs.
+    fn report_misplaced(&mut self, owner: usize, word: Word<'_>) {
+        let Some(head) = self.stack.last().and_then(|frame| frame.head) else { return };
+        self.diagnostics.push(misplaced(word, head));
+        self.misplaced = Some(owner);
     }
 
     /// Whether the innermost block is one of numbers.
@@ -131,11 +125,10 @@ impl Parser<'_, '_> {
     fn force(&mut self, depth: usize, word: Word<'_>) -> Option<Forced> {
         let head = self.stack[depth..].iter().find_map(|frame| frame.head)?;
         let unclosed = self.unclosed(depth)?;
-        let message = format!("`{}` can't stand in `{}`", word.text, head.keyword.text);
-        let misplaced = Diagnostic::error(&message).at(word.span, "");
+        let misplaced = misplaced(word, head);
         Some(Forced {
-            unclosed: unclosed.also(word.span, message),
-            misplaced: misplaced.also(head.keyword.span, "in this"),
+            unclosed: unclosed.also(word.span, &misplaced.message),
+            misplaced,
             count: self.stack.len() - depth,
         })
     }
@@ -219,6 +212,12 @@ impl Parser<'_, '_> {
         self.late_closes -= usize::from(is_late);
         is_late
     }
+}
+
+fn misplaced(word: Word<'_>, head: Head<'_>) -> Diagnostic {
+    Diagnostic::error(format!("`{}` can't stand in `{}`", word.text, head.keyword.text))
+        .at(word.span, "")
+        .also(head.keyword.span, "in this")
 }
 
 fn is_element(entry: &Entry<'_>) -> bool {

@@ -1,6 +1,8 @@
 //! Tokens -> syntax tree. Never stops at an error: what is broken is reported, the rest is kept.
 
+mod ahead;
 mod braces;
+mod brackets;
 
 use std::ops::Range;
 
@@ -34,6 +36,8 @@ pub fn parse<'a>(
         top: Vec::new(),
         suspect: None,
         forced: None,
+        misplaced: None,
+        closer: None,
         late_closes: 0,
         comment_unclosed: false,
     };
@@ -51,6 +55,10 @@ struct Frame<'a> {
     doubled: usize,
     /// Whether it ends in a vector without its `{`.
     unopened: bool,
+    /// What closes it, if it was opened with a bracket.
+    closer: Option<char>,
+    /// The depth that it belongs at, if not here.
+    home: Option<usize>,
 }
 
 impl Frame<'_> {
@@ -86,6 +94,10 @@ struct Parser<'a, 'v> {
     /// The first block whose `}` stands further left than the line of its `{`.
     suspect: Option<[Span; 2]>,
     forced: Option<Forced>,
+    /// The depth that the element belongs at whose block comes next, if it stands too deep.
+    misplaced: Option<usize>,
+    /// What closes the block that comes next, if it is opened with a bracket.
+    closer: Option<char>,
     /// How many `}` may still follow of blocks that were closed in front of a word.
     late_closes: usize,
     comment_unclosed: bool,
@@ -111,7 +123,9 @@ impl<'a> Parser<'a, '_> {
     /// Takes the next token.
     fn advance(&mut self) -> Token {
         let following = self.lexer.next_token();
-        std::mem::replace(&mut self.next, following)
+        let token = std::mem::replace(&mut self.next, following);
+        self.cut_closer();
+        token
     }
 
     fn span(&self, range: Range<usize>) -> Span {
@@ -123,35 +137,55 @@ impl<'a> Parser<'a, '_> {
     }
 
     fn push_number(&mut self, number: Number<'a>) {
-        match self.stack.last_mut() {
-            Some(frame) => frame.block.entries.push(Entry::Number(number)),
-            None => self.top.push(Entry::Number(number)),
-        }
+        let depth = self.stack.len();
+        self.entries(depth).push(Entry::Number(number));
     }
 
     fn push_item(&mut self, keyword: Word<'a>, form: Form<'a>) {
-        let entry = Entry::Item(Item { keyword, form });
-        match self.stack.last_mut() {
-            Some(frame) => {
-                frame.has_items = true;
-                frame.unopened = false;
-                frame.block.entries.push(entry);
-            }
-            None => self.top.push(entry),
+        let depth = self.stack.len();
+        self.push_item_at(depth, keyword, form);
+    }
+
+    fn push_item_at(&mut self, depth: usize, keyword: Word<'a>, form: Form<'a>) {
+        self.entries(depth).push(Entry::Item(Item { keyword, form }));
+        if let Some(i) = depth.checked_sub(1) {
+            self.stack[i].has_items = true;
+            self.stack[i].unopened = false;
+        }
+    }
+
+    /// What the block at some depth holds so far; 0 is the top of the scene.
+    fn entries(&mut self, depth: usize) -> &mut Vec<Entry<'a>> {
+        match depth.checked_sub(1) {
+            Some(i) => &mut self.stack[i].block.entries,
+            None => &mut self.top,
         }
     }
 
     fn word(&mut self, word: Word<'a>) {
-        if looks_like_number(word.text) && self.next.kind != TokenKind::Open {
+        let is_name = self.next.kind == TokenKind::Open && !self.is_swapped_ahead();
+        if looks_like_number(word.text) && !is_name {
+            let word = self.cut_number(word);
             let value = self.number(word);
             return self.push_number(Number { word, value });
         }
+        if self.closes_as_bracket(word) {
+            return;
+        }
+        let word = self.cut_at_bracket(word);
         self.close_up_to_owner(word);
+        let follows = self.follows(self.stack.len(), word.text);
+        if !matches!(follows, Some(Follows::Element | Follows::Name | Follows::Value)) {
+            self.take_bracket();
+        }
+        let head = Head { keyword: word, name: None };
         match self.next.kind {
-            TokenKind::Open => self.open(Head { keyword: word, name: None }),
+            TokenKind::Open => self.open(head),
             TokenKind::Word if !self.lacks_value(word) => self.two_words(word),
+            TokenKind::Close if self.is_open_meant(word.text, follows) => self.open_swapped(head),
             _ => self.push_item(word, Form::Nothing),
         }
+        self.misplaced = None;
     }
 
     /// What follows a word in the block at some depth; 0 is the top of the scene.
@@ -190,11 +224,21 @@ impl<'a> Parser<'a, '_> {
         {
             return self.open_without_brace(Head { keyword, name: None });
         }
+        if follows == Some(Follows::Value) {
+            self.cut_next_number();
+        }
         let range = self.advance().range;
-        let second = self.word_at(range);
+        let mut second = self.word_at(range);
+        if follows == Some(Follows::Element) || self.stack.is_empty() {
+            second = self.cut_name(second);
+            self.take_bracket();
+        }
         let head = Head { keyword, name: Some(second) };
-        if self.next.kind == TokenKind::Open {
+        let is_value = matches!(follows, Some(Follows::Name | Follows::Value));
+        if self.next.kind == TokenKind::Open && !(is_value && self.is_swapped_ahead()) {
             self.open(head);
+        } else if self.is_open_meant(keyword.text, follows) {
+            self.open_swapped(head);
         } else if follows == Some(Follows::Element) {
             self.open_without_brace(head);
         } else {
@@ -224,6 +268,10 @@ impl<'a> Parser<'a, '_> {
             }
             return;
         }
+        if self.is_close_meant() {
+            self.report_swapped("}", "{", open);
+            return self.pop(open);
+        }
         let error = Diagnostic::error("expected a name in front of `{`").at(open, "");
         self.diagnostics.push(error);
         if self.stack.len() < MAX_DEPTH {
@@ -240,9 +288,25 @@ impl<'a> Parser<'a, '_> {
         self.push(Some(head), self.span(last.span.end..last.span.end));
     }
 
+    /// Opens a block with a `}` that was meant to be `{`.
+    fn open_swapped(&mut self, head: Head<'a>) {
+        let range = self.advance().range;
+        let open = self.span(range);
+        self.report_swapped("{", "}", open);
+        self.push(Some(head), open);
+    }
+
+    fn report_swapped(&mut self, expected: &str, found: &str, span: Span) {
+        let message = format!("expected `{expected}`, found `{found}`");
+        self.diagnostics.push(Diagnostic::error(message).at(span, ""));
+    }
+
     fn push(&mut self, head: Option<Head<'a>>, open: Span) {
         let block = Block { open, close: open, entries: Vec::new(), damaged: false };
-        self.stack.push(Frame { head, block, has_items: false, doubled: 0, unopened: false });
+        let (closer, home) = (self.closer.take(), self.misplaced.take());
+        let (has_items, doubled, unopened) = (false, 0, false);
+        self.stack.push(Frame { head, block, has_items, doubled, unopened, closer, home });
+        self.cut_closer();
     }
 
     /// Passes over a block that is too deep to be meant.
@@ -262,14 +326,14 @@ impl<'a> Parser<'a, '_> {
     }
 
     fn pop(&mut self, close: Span) {
-        let Some(Frame { head, mut block, .. }) = self.stack.pop() else { return };
+        let Some(Frame { head, mut block, home, .. }) = self.stack.pop() else { return };
         block.close = close;
         let Some(Head { keyword, name }) = head else { return };
         let form = match name {
             Some(name) => Form::Element(name, block),
             None => Form::Block(block),
         };
-        self.push_item(keyword, form);
+        self.push_item_at(home.unwrap_or(self.stack.len()), keyword, form);
     }
 
     fn report_comment(&mut self, span: Span) {
@@ -372,7 +436,7 @@ mod tests {
         check("camera c { film f { width 1 fps 1 } }", camera, &["`fps` can't stand in `film`"]);
         check(
             "sphere a { sphere b { } radius 1 } sphere c { }",
-            "sphere:a{}! sphere:b{} sphere:c{}",
+            "sphere:b{} sphere:a{radius=1} sphere:c{}",
             &["`sphere` can't stand in `sphere`"],
         );
     }
@@ -406,6 +470,37 @@ mod tests {
         check("sphere a { radius 1 center 1 2 3 }", "sphere:a{radius=1 center=1 2 3}", &[]);
         check("sphere a { center {", "sphere:a{center{}!}!", &[UNCLOSED]);
         check("/* sphere a { } ", "", &["this comment is never closed"]);
+    }
+
+    #[test]
+    fn a_brace_for_another() {
+        let sphere = "sphere:a{center{1} radius=1}";
+        let (open, close) = ("expected `{`, found `}`", "expected `}`, found `{`");
+        check("sphere a } center { 1 } radius 1 }", sphere, &[open]);
+        check("sphere a { center } 1 } radius 1 }", sphere, &[open]);
+        check("sphere a { center { 1 { radius 1 }", sphere, &[close]);
+        check("sphere a { center { 1 } radius 1 {", sphere, &[close]);
+        check("sphere a { radius 1 { sphere b { }", "sphere:a{radius=1} sphere:b{}", &[close]);
+        check("sphere a { center { 1 { }", "sphere:a{center{1}}", &[close]);
+    }
+
+    #[test]
+    fn brackets_for_braces() {
+        let sphere = "sphere:a{center{1} radius=1}";
+        let (round, square) = ("expected `{`, found `(`", "expected `{`, found `[`");
+        check("sphere a { center (1) radius 1 }", sphere, &[round]);
+        check("sphere a { center( 1 } radius 1 }", sphere, &[round]);
+        check("sphere a [center [ 1 ]radius 1]", sphere, &[square, square]);
+        check("sphere a { center <1> radius 1 }", sphere, &["expected `{`, found `<`"]);
+        check("sphere a { center { 1) radius 1 )", sphere, &["expected `}`, found `)`"; 2]);
+        check("sphere a { center { 1 } radius 1] ", sphere, &["expected `}`, found `]`"]);
+    }
+
+    #[test]
+    fn brackets_in_names_are_names() {
+        check("sphere (a) { material [1] }", "sphere:(a){material=[1]}", &[]);
+        check("sphere ( { material ) }", "sphere:({material=)}", &[]);
+        check("sphere <b { radius 1 material a) }", "sphere:<b{radius=1 material=a)}", &[]);
     }
 
     #[test]

@@ -100,19 +100,19 @@ fn faults_of_text_have_places() {
     let faulty = |from: &str, to: &str| error_of(&ASCII.replace(from, to));
     assert_eq!(
         faulty("3 0 1 4 -1", "3 0 1 5 -1"),
-        "28:7: `vertex_indices` of face 1 refers to vertex 5, but there are 5 vertices, from 0 on"
+        "29:7: `vertex_indices` of face 1 refers to vertex 5, but there are 5 vertices, from 0 on"
     );
     assert_eq!(
         faulty("3 0 1 4 -1", "2 0 1 -1"),
-        "28:1: `vertex_indices` of face 1 has 2 corners, not 3 or more"
+        "29:1: `vertex_indices` of face 1 has 2 corners, not 3 or more"
     );
-    assert_eq!(faulty("0.5 0.5 1e0", "0.5 0,5 1e0"), "26:5: `y` of vertex 4 is not a number");
-    assert_eq!(faulty("0.5 0.5 1e0", "0.5 nan 1e0"), "26:5: `y` of vertex 4 is not a number");
-    assert_eq!(faulty("0 0 2\n", "0 0 1e39\n"), "26:26: `nz` of vertex 4 is too large");
+    assert_eq!(faulty("0.5 0.5 1e0", "0.5 0,5 1e0"), "27:5: `y` of vertex 4 is not a number");
+    assert_eq!(faulty("0.5 0.5 1e0", "0.5 nan 1e0"), "27:5: `y` of vertex 4 is not a number");
+    assert_eq!(faulty("0 0 2\n", "0 0 1e39\n"), "27:29: `nz` of vertex 4 is too large");
     let cut = &ASCII[..ASCII.len() - 3];
-    assert_eq!(error_of(cut), "29:1: the file ends before `vertex1` of edge 0");
+    assert_eq!(error_of(cut), "30:2: the file ends before `vertex2` of edge 0");
     let cut = &ASCII[..ASCII.find("1e0").expect("1e0")];
-    assert_eq!(error_of(cut), "26:9: the file ends before `z` of vertex 4");
+    assert_eq!(error_of(cut), "27:9: the file ends before `z` of vertex 4");
 }
 
 #[test]
