@@ -1,6 +1,7 @@
 """Write every mesh, texture and generated scene again: python3 scripts/models/all.py"""
 
 import board
+import candle
 import chess
 import chess_scenes
 import effect_scenes
@@ -8,6 +9,6 @@ import rose
 import rose_scene
 import textures
 
-for module in (board, chess, rose, textures, chess_scenes, effect_scenes,
+for module in (board, candle, chess, rose, textures, chess_scenes, effect_scenes,
                rose_scene):
     module.build()

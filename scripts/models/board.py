@@ -218,6 +218,17 @@ def standing(width, height):
     return mesh
 
 
+PLATE = 76.0
+"""Distance of the middle of a plate from the point that its sides run to."""
+
+
+def plate():
+    """A bar that narrows towards a point `PLATE` before its middle."""
+    mesh = bevelled_box((10.1, 64.0, 1.0), .2, 3)
+    mesh.positions = [(x * (1.0 + y / PLATE), y, z) for x, y, z in mesh.positions]
+    return mesh
+
+
 def build():
     standing(320.0, 180.0).write("backdrop")
     strings(1.0).write("strings_right")
@@ -227,9 +238,10 @@ def build():
     torus(1.0, .4, 10, 5).write("torus_100")
     torus(1.0, .12, 72, 16).write("ring")
     torus(7.4, .38, 80, 14).write("hoop")
-    bevelled_box((9.0, 1.0, 15.0), .25, 4).write("pane")
-    bevelled_box((32.0, 15.0, 1.8), .35, 4, plank).write("stand")
-    bevelled_box((12.0, 60.0, 1.0), .2, 3).write("plate")
+    bevelled_box((12.8, .8, 13.8), .25, 4).write("pane")
+    bevelled_box((39.0, 15.0, 1.8), .35, 4, plank).write("stand")
+    bevelled_box((43.0, 2.6, 1.2), .2, 3).write("rail")
+    plate().write("plate")
     sheet(500.0, 1).write("sheet")
     sheet(600.0, 24).write("floor")
     squares(0).write("board_dark")

@@ -3,6 +3,8 @@
 import math
 import random
 
+import board
+import candle
 from chess_scenes import number, placed, vector, write
 
 HEADER = "# %s\n# Centimetres, z up. Written by scripts/models/effect_scenes.py.\n\n"
@@ -29,40 +31,39 @@ def supersampling():
                      "# runs to the horizon. Try --samples 1.")
     text += """settings quality {
     imageSamples 256 imageMinSamples 64 imageContrastLimit .08
-    recursion 3 background { .04 .02 .02 }
+    recursion 3 background { .03 .06 .15 }
 }
 
 Camera main {
     fps 25
-    Film film { width 1280 height 720 prefix supersampling output PNG_IMAGE encoding SRGB }
+    Film film { width 1280 height 720 prefix supersampling_ output PNG_IMAGE encoding SRGB }
     CamSegment around {
         videoStart 0 videoEnd 8 sceneStart 0 sceneEnd 8
-        addPosition { -13 -44 13 } addPosition { 13 -44 13 }
-        addTarget { 0 0 9.2 }
-        skyStart { 0 0 1 } fovStart .30
+        addPosition { -13 -42 8.5 } addPosition { 13 -42 8.5 }
+        addTarget { 0 0 9.3 }
+        skyStart { 0 0 1 } fovStart .29
     }
 }
 
-light_rectangle sun { color { .78 .72 .62 } vertex0 { -60 -60 80 } vertex1 { -40 -60 95 } vertex2 { -40 -40 95 } }
-light_rectangle sky { color { .16 .20 .26 } vertex0 { 60 -50 60 } vertex1 { 100 -10 60 } vertex2 { 100 -10 110 } }
+light_rectangle sun { color { 1.0 .72 .44 } vertex0 { 56 -34 40 } vertex1 { 70 -8 40 } vertex2 { 70 -8 70 } }
+light_rectangle sky { color { .46 .44 .46 } vertex0 { -70 -50 60 } vertex1 { -40 -70 60 } vertex2 { -40 -70 100 } }
 
 texture checker { filename ../textures/checker.png }
-phong_info floor { ambient { .03 .03 .035 } diffuse { .62 .62 .62 } reflectance .12 }
-material_texture floor { phong_info floor texture checker scale_U 3 scale_V 3 }
 """
-    text += "texture backdrop { filename ../textures/backdrop.png }\n"
-    text += textured("dusk", "backdrop", None, ambient=(.95, .42, .20))
-    text += phong("gold", (.42, .26, .07), ambient=(.03, .02, .01), specular=grey(.5), shininess=60,
-                  reflectance=.25)
-    text += phong("copper", (.45, .16, .07), ambient=(.03, .012, .006), specular=grey(.5),
+    text += textured("floor", "checker", (.55, .55, .55), 40, 40, ambient=(.02, .02, .025),
+                     reflectance=.16)
+    text += "texture dusk { filename ../textures/dusk.png }\n"
+    text += textured("dusk", "dusk", None, ambient=grey(1.0))
+    text += phong("gold", (.50, .29, .07), ambient=(.03, .02, .01), specular=(.6, .5, .3),
+                  shininess=60, reflectance=.25)
+    text += phong("copper", (.50, .17, .07), ambient=(.03, .012, .006), specular=(.5, .35, .3),
                   shininess=60, reflectance=.15)
-    text += phong("pearl", (.05, .05, .05), specular=grey(.6), shininess=150, reflectance=.85)
+    text += phong("pearl", (.03, .03, .03), specular=grey(.6), shininess=150, reflectance=.9)
     text += """
-mesh floor { filename ../meshes/floor.slo smooth_normals 0 material floor }
-mesh dusk {
-    filename ../meshes/backdrop.slo smooth_normals 0 material dusk
-    addKframe { time 0 key { pivot { 20 138 -30 } } }
-}
+plane floor { normal { 0 0 1 } position { 0 0 0 } material floor }
+
+# The inside of a ball is the sky
+sphere dusk { center { 0 0 0 } radius 480 material dusk }
 
 # The strings: two families of straight lines on a hyperboloid
 mesh strings_right { filename ../meshes/strings_right.slo smooth_normals 1 material gold }
@@ -70,123 +71,124 @@ mesh strings_left { filename ../meshes/strings_left.slo smooth_normals 1 materia
 """
     low, high = .6, 18.4
     text += "\n# A pearl in the waist, rings that hold the strings\n"
-    text += "sphere pearl { center { 0 0 9.5 } radius 2.3 material pearl }\n"
+    text += "sphere pearl { center { 0 0 9.5 } radius 2.7 material pearl }\n"
     for name, z in (("low", low), ("high", high)):
         text += ("mesh ring_%s { filename ../meshes/hoop.slo smooth_normals 1 material gold\n"
                  "    addKframe { time 0 key { pivot { 0 0 %s } } } }\n" % (name, number(z, 2)))
     write("supersampling", text)
 
 
-def crayon(name, x, y, z, height, colour, radius=.55):
-    """A crayon on end: a cylinder under a cone."""
-    return ("cylinder %s { base %s top %s radius %s material %s }\n"
-            "cone %s_tip { base %s apex %s radius %s material %s }\n" % (
-                name, vector(x, y, z), vector(x, y, z + height), number(radius, 2), colour,
-                name, vector(x, y, z + height), vector(x, y, z + height + 1.5),
-                number(radius, 2), colour))
-
-
-CRAYONS = [("red", (.70, .03, .03)), ("orange", (.80, .22, .01)), ("yellow", (.82, .60, .02)),
-           ("green", (.06, .42, .08)), ("teal", (.01, .34, .36)), ("blue", (.02, .10, .55)),
-           ("violet", (.22, .04, .42)), ("pink", (.78, .16, .30))]
-
-
-def crayon_materials():
-    return "".join(phong(n, c, ambient=tuple(.04 * v for v in c), specular=grey(.25), shininess=50,
-                         reflectance=.04) for n, c in CRAYONS)
+CANDLES = (("middle", -2.35, 89.0), ("tall", -.05, 93.5), ("low", 2.35, 87.0))
+"""Which candle, how many degrees right of the middle of its plate and how far from the camera."""
 
 
 def glossy_reflection():
-    text = HEADER % ("Glossy reflection: crayons on five metal plates, from a mirror on the left\n"
+    text = HEADER % ("Glossy reflection: candles on five metal plates, from a mirror on the left\n"
                      "# to brushed metal on the right; what is farther from a plate blurs more.")
     text += """settings quality {
-    imageSamples 256 diffuseReflectionSamples 2 recursion 3 background { .006 .007 .010 }
+    imageSamples 256 recursion 3 background { .004 .005 .008 }
 }
 
 Camera main {
     fps 25
-    Film film { width 1280 height 720 prefix glossy_reflection output PNG_IMAGE encoding SRGB }
+    Film film { width 1280 height 720 prefix glossy_reflection_ output PNG_IMAGE encoding SRGB }
     CamSegment still {
         videoStart 0 videoEnd 4 sceneStart 0 sceneEnd 4
-        addPosition { 0 -84 21 } addTarget { 0 0 1.6 }
-        skyStart { 0 0 1 } fovStart .225
+        addPosition { 0 0 27 } addTarget { 0 82 2.6 }
+        skyStart { 0 0 1 } fovStart .204
     }
 }
 
-light_rectangle key { color { .92 .87 .78 } vertex0 { -70 -50 75 } vertex1 { -30 -50 95 } vertex2 { -30 -10 95 } }
-light_rectangle fill { color { .34 .40 .52 } vertex0 { 80 -70 30 } vertex1 { 80 -20 30 } vertex2 { 80 -20 80 } }
+# The candles shine by the ambient colour of their materials; this is the evening around them
+light_rectangle window { color { .30 .38 .58 } vertex0 { -60 170 84 } vertex1 { 20 190 84 } vertex2 { 20 190 140 } }
+light_rectangle room { color { .10 .085 .07 } vertex0 { -60 10 80 } vertex1 { -20 10 80 } vertex2 { -20 30 100 } }
 
+texture wax { filename ../textures/wax.png }
+texture flame { filename ../textures/flame.png }
 """
-    text += crayon_materials()
-    for i, sigma in enumerate((0, .04, .09, .18, .40)):
-        text += phong("metal_%d" % i, (.045, .045, .05), reflectance=.62, diffuse_reflection=sigma)
-    text += phong("cove", (.10, .11, .13), ambient=(.012, .013, .016))
+    text += textured("wax", "wax", (.45, .45, .45), ambient=(.80, .80, .80), specular=grey(.06),
+                     shininess=20)
+    text += textured("flame", "flame", None, ambient=(1.9, 1.9, 1.9))
+    text += phong("wick", (.02, .015, .012))
+    for i, sigma in enumerate((0, .035, .08, .16, .36)):
+        text += phong("metal_%d" % i, (.020, .021, .025), reflectance=.72, diffuse_reflection=sigma)
+    text += phong("cove", (.060, .066, .085), ambient=(.004, .005, .008))
     text += """
 mesh cove { filename ../meshes/cove.slo smooth_normals 1 material cove
-    addKframe { time 0 key { pivot { 0 0 -1.1 } } } }
+    addKframe { time 0 key { pivot { 0 80 -1.1 } } } }
+
+# The plates run towards the camera, so that a candle and its image are on the same one
 """
-    hand = random.Random(3)
-    k = 0
     for i in range(5):
-        x = (i - 2) * 12.6
+        angle = math.radians((i - 2) * 7.95)
+        c, d = math.cos(angle), math.sin(angle)
         text += ("mesh plate_%d { filename ../meshes/plate.slo smooth_normals 1 material metal_%d\n"
-                 "    addKframe { time 0 key { pivot { %s -6 -.5 } } } }\n" % (i, i, number(x, 2)))
-        for j in range(4):
-            name = "crayon_%d%d" % (i, j)
-            text += crayon(name, x - 4.35 + 2.9 * j, 4.0 + hand.uniform(-1.5, 1.5), 0.0,
-                           hand.uniform(5.5, 8.5), CRAYONS[k % 8][0], .72)
-            k += 1
-        k += 1
+                 "    addKframe { time 0 key { pivot %s right %s } } }\n" % (
+                     i, i, vector(board.PLATE * d, board.PLATE * c, -.5), vector(c, -d, 0)))
+        for height, right, away in CANDLES:
+            a = angle + math.radians(right)
+            text += lit_candle("%s_%d" % (height, i), height, away * math.sin(a),
+                               away * math.cos(a))
     write("glossy_reflection", text)
 
 
+def lit_candle(name, height, x, y):
+    top = candle.HEIGHTS[height] - candle.DIP
+    return ("mesh %s { filename ../meshes/candle_%s.slo smooth_normals 1 material wax\n"
+            "    addKframe { time 0 key { pivot %s } } }\n"
+            "cylinder %s_wick { base %s top %s radius .06 material wick }\n"
+            "mesh %s_flame { filename ../meshes/flame.slo smooth_normals 1 material flame\n"
+            "    addKframe { time 0 key { pivot %s } } }\n" % (
+                name, height, vector(x, y, 0), name, vector(x, y, top), vector(x, y, top + .6),
+                name, vector(x, y, top + .4)))
+
+
 def glossy_refraction():
-    text = HEADER % ("Glossy refraction: five panes from clear to frosted glass before a row of balls;\n"
+    text = HEADER % ("Glossy refraction: the same three pieces behind clear, satin and frosted glass;\n"
                      "# what is farther behind a pane blurs more.")
     text += """settings quality {
     imageSamples 256 diffuseRefractionSamples 2 recursion 4 shadow TRANSPARENT
-    background { .02 .02 .025 }
+    background { .62 .61 .59 }
 }
 
 Camera main {
     fps 25
-    Film film { width 1280 height 720 prefix glossy_refraction output PNG_IMAGE encoding SRGB }
+    Film film { width 1280 height 720 prefix glossy_refraction_ output PNG_IMAGE encoding SRGB }
     CamSegment still {
         videoStart 0 videoEnd 4 sceneStart 0 sceneEnd 4
-        addPosition { -12 -78 16 } addTarget { 0 0 6.4 }
-        skyStart { 0 0 1 } fovStart .225
+        addPosition { -9 -80 15 } addTarget { -.5 0 6.2 }
+        skyStart { 0 0 1 } fovStart .150
     }
 }
 
-light_rectangle key { color { .84 .80 .73 } vertex0 { -60 -30 70 } vertex1 { -30 -30 90 } vertex2 { -30 10 90 } }
-light_rectangle fill { color { .20 .23 .28 } vertex0 { 80 -60 30 } vertex1 { 80 -10 30 } vertex2 { 80 -10 75 } }
+light_rectangle key { color { 1.24 1.17 1.05 } vertex0 { -70 -20 60 } vertex1 { -40 -45 60 } vertex2 { -40 -45 95 } }
+light_rectangle fill { color { .22 .25 .30 } vertex0 { 80 -60 30 } vertex1 { 80 -10 30 } vertex2 { 80 -10 75 } }
 
 """
-    text += crayon_materials()
-    for i, sigma in enumerate((0, .03, .07, .14, .28)):
-        text += phong("glass_%d" % i, (.016, .022, .021), ambient=(.003, .005, .005),
-                      specular=grey(.25), shininess=80, reflectance=.06, refraction=.90,
+    for name, colour in (("red", (.66, .028, .022)), ("blue", (.012, .060, .30)),
+                         ("yellow", (.85, .50, .015))):
+        text += phong(name, colour, ambient=tuple(.05 * v for v in colour), specular=grey(.3),
+                      shininess=60, reflectance=.04)
+    for i, sigma in enumerate((0, .04, .10)):
+        text += phong("glass_%d" % i, (.012, .020, .019), ambient=(.002, .004, .004),
+                      specular=grey(.25), shininess=80, reflectance=.06, refraction=.92,
                       diffuse_refraction=sigma, refraction_index=1.5)
-    text += phong("cove", (.62, .61, .59), ambient=(.04, .04, .042))
-    text += phong("steel", (.06, .06, .065), specular=grey(.4), shininess=60, reflectance=.4,
-                  diffuse_reflection=.1)
+    text += phong("cove", (.64, .625, .60), ambient=(.04, .04, .042))
+    text += phong("rail", (.035, .030, .030), specular=grey(.2), shininess=60, reflectance=.06,
+                  diffuse_reflection=.06)
     text += """
 mesh cove { filename ../meshes/cove.slo smooth_normals 1 material cove }
-box rail { vertex0 { -29 -.9 0 } vertex1 { 29 -.9 0 } vertex2 { 29 .9 0 } height .9 material steel }
+mesh rail { filename ../meshes/rail.slo smooth_normals 1 material rail
+    addKframe { time 0 key { pivot { 0 0 .6 } } } }
 """
-    for i in range(5):
+    for i in range(3):
+        x = (i - 1) * 13.9
         text += ("mesh pane_%d { filename ../meshes/pane.slo smooth_normals 1 material glass_%d\n"
-                 "    addKframe { time 0 key { pivot { %s 0 8 } } } }\n"
-                 % (i, i, number((i - 2) * 11.0, 2)))
-    text += "\n# Balls near the panes, crayons farther behind\n"
-    for i in range(11):
-        x = -27.5 + 5.5 * i
-        near = i % 2 == 0
-        if near:
-            text += "sphere ball_%d { center %s radius 2.6 material %s }\n" % (
-                i, vector(x + 2.75, 4.4, 2.6), CRAYONS[(i * 3 // 2) % 8][0])
-        text += crayon("crayon_%d" % i, x, 11.0 + 2.0 * (i % 3), 0.0, 8.0 + 2.2 * ((i * 7) % 3),
-                       CRAYONS[(i * 5 + 2) % 8][0], .9)
+                 "    addKframe { time 0 key { pivot { %s 0 7.5 } } } }\n" % (i, i, number(x, 2)))
+        for piece, colour, right, back, turn in (("knight", "red", 3.6, 4.4, .5 * math.pi),
+                                                 ("pawn", "yellow", -3.2, 2.6, 0.0),
+                                                 ("king", "blue", .6, 8.6, .3)):
+            text += placed("%s_%d" % (piece, i), piece, colour, x + right, back, 0.0, turn)
     write("glossy_refraction", text)
 
 
@@ -210,18 +212,18 @@ def depth_of_field():
 
 Camera main {
     fps 25
-    Film film { width 1280 height 720 prefix depth_of_field output PNG_IMAGE encoding SRGB }
+    Film film { width 1280 height 720 prefix depth_of_field_ output PNG_IMAGE encoding SRGB }
     CamSegment pull {
         # the focus wanders from the red pawn to the end of the row
         videoStart 0 videoEnd 4 sceneStart 0 sceneEnd 4
-        addPosition { -4 -33 8.6 } addTarget { 2.6 -4 4.0 }
-        skyStart { 0 0 1 } fovStart .25
-        dofStart 26.6 dofEnd 60 lensRadiusStart .55
+        addPosition { -5 -32 7.4 } addTarget { 1.9 -4 4.2 }
+        skyStart { 0 0 1 } fovStart .225
+        dofStart 24.6 dofEnd 60 lensRadiusStart .62
     }
 }
 
-light_rectangle key { color { .72 .66 .56 } vertex0 { -55 -25 45 } vertex1 { -35 -25 65 } vertex2 { -35 10 65 } }
-light_rectangle rim { color { .34 .36 .42 } vertex0 { 20 70 40 } vertex1 { 70 50 40 } vertex2 { 70 50 65 } }
+light_rectangle key { color { 1.05 .86 .62 } vertex0 { -46 4 34 } vertex1 { -36 -20 34 } vertex2 { -36 -20 58 } }
+light_rectangle rim { color { .40 .46 .62 } vertex0 { 20 70 40 } vertex1 { 70 50 40 } vertex2 { 70 50 65 } }
 """
     text += WOOD
     text += textured("boxwood", "boxwood", (.64, .42, .20), ambient=(.02, .014, .008),
@@ -230,14 +232,20 @@ light_rectangle rim { color { .34 .36 .42 } vertex0 { 20 70 40 } vertex1 { 70 50
                      reflectance=.14, diffuse_reflection=.06)
     text += phong("red", (.62, .018, .018), ambient=(.025, .002, .002), specular=grey(.35),
                   shininess=90, reflectance=.05)
-    glow = {"amber": (1.0, .50, .14), "gold": (1.0, .74, .38), "rose": (.85, .22, .20),
-            "sky": (.25, .45, .85), "mint": (.25, .65, .50)}
+    text += "texture backdrop { filename ../textures/backdrop.png }\n"
+    text += textured("wall", "backdrop", None, ambient=(.055, .060, .115))
+    glow = {"amber": (3.2, 1.35, .30), "gold": (3.2, 2.0, .85), "rose": (2.4, .50, .42),
+            "sky": (.55, 1.0, 2.2), "mint": (.50, 1.5, 1.1)}
     for name, colour in glow.items():
         text += phong(name, None, ambient=colour)
     text += """
 mesh table {
     filename ../meshes/table_top.slo smooth_normals 1 material table
     addKframe { time 0 key { pivot { 20 8 -1.5 } } }
+}
+mesh wall {
+    filename ../meshes/backdrop.slo smooth_normals 0 material wall
+    addKframe { time 0 key { pivot { 77 300 -95 } right { .97 -.24 0 } } }
 }
 
 # The file of pawns
@@ -250,10 +258,10 @@ mesh table {
                        hand.uniform(0, 6.28))
     text += "\n# Lamps far behind\n"
     names = list(glow)
-    for i in range(30):
-        x, z = hand.uniform(-120, 190), -22.0 + 92.0 * hand.random()
+    for i in range(34):
+        x, z = hand.uniform(-65, 160), -6.0 + 56.0 * hand.random() ** 1.3
         text += "sphere lamp_%d { center %s radius %s material %s }\n" % (
-            i, vector(x, hand.uniform(250, 330), z), number(hand.uniform(2.4, 4.4), 2),
+            i, vector(x, hand.uniform(215, 270), z), number(hand.uniform(1.8, 2.7), 2),
             names[hand.choice((0, 0, 0, 1, 1, 1, 2, 3, 4))])
     write("depth_of_field", text)
 
@@ -287,37 +295,37 @@ def motion_blur():
 
 Camera main {
     fps 25
-    Film film { width 1280 height 720 prefix motion_blur output PNG_IMAGE encoding SRGB }
+    Film film { width 1280 height 720 prefix motion_blur_ output PNG_IMAGE encoding SRGB }
     CamSegment still {
-        videoStart 0 videoEnd 2 sceneStart .13 sceneEnd 2.13
-        addPosition { -9 -54 12.5 } addTarget { -2.4 0 9.3 }
-        skyStart { 0 0 1 } fovStart .25 blurDuration .05
+        videoStart 0 videoEnd 2 sceneStart .088 sceneEnd 2.088
+        addPosition { -13 -52 10.8 } addTarget { -1.4 0 9.5 }
+        skyStart { 0 0 1 } fovStart .245 blurDuration .04
     }
     CamSegment follow {
         # half speed; the camera passes along the cradle with the ball that flies out
-        videoStart 2 videoEnd 4 sceneStart .3 sceneEnd 1.3
+        videoStart 2 videoEnd 3 sceneStart .1 sceneEnd .6
         addPosition { -14 -50 12 } addPosition { 2 -54 12 } addPosition { 16 -50 12 }
         addTarget { -10 0 8 } addTarget { 0 0 8 } addTarget { 16 0 9 }
         skyStart { 0 0 1 } fovStart .25 blurDuration .04
     }
 }
 
-light_rectangle key { color { .66 .62 .55 } vertex0 { -60 -40 40 } vertex1 { -30 -60 40 } vertex2 { -30 -60 80 } }
-light_rectangle strip { color { .50 .56 .66 } vertex0 { 30 -70 6 } vertex1 { 44 -60 6 } vertex2 { 44 -60 60 } }
-light_rectangle top { color { .34 .32 .30 } vertex0 { -30 -16 70 } vertex1 { 30 -16 70 } vertex2 { 30 30 70 } }
+light_rectangle key { color { .95 .86 .72 } vertex0 { -66 -30 26 } vertex1 { -46 -58 26 } vertex2 { -46 -58 66 } }
+light_rectangle strip { color { .40 .50 .68 } vertex0 { 40 -60 4 } vertex1 { 52 -46 4 } vertex2 { 52 -46 60 } }
+light_rectangle top { color { .42 .40 .38 } vertex0 { -40 -4 64 } vertex1 { 40 -4 64 } vertex2 { 40 44 64 } }
 """
     text += WOOD
-    text += textured("table", "walnut", (.24, .10, .05), ambient=(.006, .003, .002),
-                     reflectance=.08, diffuse_reflection=.08)
+    text += textured("table", "walnut", (.15, .062, .032), ambient=(.004, .002, .001),
+                     reflectance=.10, diffuse_reflection=.06)
     text += textured("stand", "boxwood", (.50, .25, .10), 1, 1, ambient=(.01, .006, .003),
                      specular=grey(.15), shininess=50, reflectance=.04, diffuse_reflection=.06)
     text += phong("steel", (.035, .035, .038), specular=grey(.5), shininess=200, reflectance=.82)
-    text += phong("gold", (.30, .17, .03), specular=(.6, .45, .2), shininess=120, reflectance=.45)
+    text += phong("gold", (.55, .30, .05), specular=(.7, .5, .2), shininess=120, reflectance=.40)
     text += phong("bar", (.06, .06, .065), specular=grey(.5), shininess=80, reflectance=.55,
                   diffuse_reflection=.05)
     text += phong("thread", (.45, .42, .38), ambient=grey(.02))
     text += "texture backdrop { filename ../textures/backdrop.png }\n"
-    text += textured("wall", "backdrop", (.16, .10, .06), ambient=(.30, .15, .07))
+    text += textured("wall", "backdrop", (.02, .03, .035), ambient=(.10, .165, .20))
     text += """
 mesh table {
     filename ../meshes/table_top.slo smooth_normals 1 material table
@@ -325,31 +333,30 @@ mesh table {
 }
 mesh wall {
     filename ../meshes/backdrop.slo smooth_normals 0 material wall
-    addKframe { time 0 key { pivot { -10 170 -90 } } }
+    addKframe { time 0 key { pivot { -10 150 -86 } } }
 }
 mesh stand { filename ../meshes/stand.slo smooth_normals 1 material stand
     addKframe { time 0 key { pivot { 0 0 .9 } } } }
 """
-    height, spread, radius, length = 19.0, 5.0, 2.2, 13.4
+    width, height, spread, radius, length = 16.8, 19.0, 5.0, 2.2, 13.4
     for name, y in (("front", -spread), ("back", spread)):
-        for side, x in (("left", -13.5), ("right", 13.5)):
+        for side, x in (("left", -width), ("right", width)):
             text += "cylinder post_%s_%s { base %s top %s radius .42 material bar }\n" % (
                 name, side, vector(x, y, 1.8), vector(x, y, height))
             text += "sphere knob_%s_%s { center %s radius .62 material bar }\n" % (
                 name, side, vector(x, y, height))
         text += "cylinder rod_%s { base %s top %s radius .42 material bar }\n" % (
-            name, vector(-13.5, y, height), vector(13.5, y, height))
-    text += "\n# The balls hang from z = %g; first and last swing in turn, half a second each way\n" % height
+            name, vector(-width, y, height), vector(width, y, height))
+    text += "\n# The balls hang from z = %g; first and last swing in turn, as fast as gravity lets them\n" % height
+    swing, half = math.radians(40.0), .184
     for i in range(5):
         pivot = ((i - 2) * 2.0 * radius, 0.0, height)
         keys = "    addKframe { time 0 key { pivot %s } }\n" % vector(*pivot)
         if i == 0:
-            a = math.radians(40.0)
-            keys = (cradle_keys(pivot, a, .3, 0.0, 1)
-                    + cradle_keys(pivot, a, .3, .9, -1) + cradle_keys(pivot, a, .3, 2.1, -1))
+            keys = cradle_keys(pivot, swing, half, 0.0, 1) + "".join(
+                cradle_keys(pivot, swing, half, n * half, -1) for n in (3, 7, 11))
         if i == 4:
-            a = math.radians(-40.0)
-            keys = cradle_keys(pivot, a, .3, .3, -1) + cradle_keys(pivot, a, .3, 1.5, -1)
+            keys = "".join(cradle_keys(pivot, -swing, half, n * half, -1) for n in (1, 5, 9))
         text += "sphere ball_%d { center %s radius %s material %s\n%s}\n" % (
             i, vector(0, 0, -length), number(radius, 2), "gold" if i in (0,) else "steel", keys)
         for name, y in (("front", -spread), ("back", spread)):

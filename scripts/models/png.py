@@ -1,4 +1,4 @@
-"""An 8-bit RGB PNG writer."""
+"""An RGB PNG writer, of 8 or 16 bits a channel."""
 
 import os
 import struct
@@ -7,19 +7,21 @@ import zlib
 from mesh import ROOT
 
 
-def write(name, width, height, pixel):
+def write(name, width, height, pixel, bits=8):
     """Write textures/NAME.png; pixel(x, y) is an (r, g, b) in [0, 1], row 0 on top."""
+    size, top = bits // 8, (1 << bits) - 1
     rows = bytearray()
-    previous = bytearray(3 * width)
+    previous = bytearray(3 * size * width)
     for y in range(height):
         row = bytearray()
         for x in range(width):
-            row += bytes(min(max(int(c * 255.0 + .5), 0), 255) for c in pixel(x, y))
+            for c in pixel(x, y):
+                row += min(max(int(c * top + .5), 0), top).to_bytes(size, "big")
         rows += b"\x02" + bytes((a - b) & 255 for a, b in zip(row, previous))
         previous = row
     path = os.path.join(ROOT, "textures", name + ".png")
     os.makedirs(os.path.dirname(path), exist_ok=True)
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", width, height, bits, 2, 0, 0, 0)
     with open(path, "wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n")
         for kind, data in ((b"IHDR", header), (b"IDAT", zlib.compress(bytes(rows), 9)),

@@ -215,6 +215,8 @@ def bud():
     mesh = Mesh()
     for k in range(9):
         sheet(mesh, 12, 14, petal(k, 60, hand))
+    # Down into the cup, and as wide as it.
+    mesh.positions = [(1.45 * x, 1.45 * y, z - .62) for x, y, z in mesh.positions]
     return mesh
 
 

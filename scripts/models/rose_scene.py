@@ -17,7 +17,7 @@ settings quality {
 
 Camera main {
     fps 25
-    Film film { width 1280 height 720 prefix rose output PNG_IMAGE encoding SRGB }
+    Film film { width 1280 height 720 prefix rose_ output PNG_IMAGE encoding SRGB }
     CamSegment still {
         videoStart 0 videoEnd 4 sceneStart 0 sceneEnd 4
         addPosition { 0 -44 34 } addTarget { 1.3 0 24.6 }
@@ -27,9 +27,9 @@ Camera main {
 }
 
 # The sun through a veil from the left, the sky from behind, its reflection from the right
-light_rectangle sun { color { .74 .68 .58 } vertex0 { -64 -30 50 } vertex1 { -44 -42 70 } vertex2 { -29 -17 70 } }
-light_rectangle sky { color { .26 .30 .34 } vertex0 { -20 60 70 } vertex1 { 50 60 70 } vertex2 { 50 20 95 } }
-light_rectangle fill { color { .12 .13 .14 } vertex0 { 60 -50 20 } vertex1 { 60 -10 20 } vertex2 { 60 -10 60 } }
+light_rectangle sun { color { .98 .89 .74 } vertex0 { -64 -30 50 } vertex1 { -44 -42 70 } vertex2 { -29 -17 70 } }
+light_rectangle sky { color { .34 .39 .44 } vertex0 { -20 60 70 } vertex1 { 50 60 70 } vertex2 { 50 20 95 } }
+light_rectangle fill { color { .16 .175 .19 } vertex0 { 60 -50 20 } vertex1 { 60 -10 20 } vertex2 { 60 -10 60 } }
 
 texture petal { filename ../textures/petal.png }
 texture leaf { filename ../textures/leaf.png }
@@ -42,6 +42,17 @@ def frame(up, right):
     x = unit(right)
     z = unit(sub(up, mul(x, dot(up, x))))
     return x, cross(z, x), z
+
+
+def placed_at(point, pivot, up, right):
+    """A point of an object's own space in that of the scene."""
+    x, y, z = frame(up, right)
+    return add(pivot, add(add(mul(x, point[0]), mul(y, point[1])), mul(z, point[2])))
+
+
+def on_stem(t, pivot, up, right):
+    """Where a leaf springs from the stem of the flower at `pivot`; t runs down the stem."""
+    return placed_at(rose.bezier(rose.STEM, t), pivot, up, right)
 
 
 def group(name, meshes, pivot, up, right):
@@ -67,7 +78,7 @@ def build():
                   shininess=20)
     text += phong("water", (.004, .004, .004), specular=grey(.9), shininess=220, reflectance=.06,
                   refraction=.92, refraction_index=1.33)
-    text += textured("garden", "garden", None, ambient=(.55, .60, .50))
+    text += textured("garden", "garden", None, ambient=(.72, .76, .60))
     text += """
 mesh garden {
     filename ../meshes/sheet.slo smooth_normals 0 material garden
@@ -81,9 +92,10 @@ mesh garden {
               ("rose_stem", "stalk")]
     text += group("front", flower, pivot, up, right)
     leaf = [("rose_leaf", "leaf")]
-    text += group("right", leaf, (-.6, 3.2, 17.2), (-.25, -.62, .75), (1.0, .05, .35))
-    text += group("left", leaf, (-1.6, 5.0, 15.0), (.35, -.55, .75), (-1.0, .0, .22))
-    text += group("low", leaf, (.4, 5.0, 13.0), (.1, -.65, .75), (.9, -.5, -.1))
+    for name, t, lean, ahead in (("right", .36, (-.25, -.62, .75), (1.0, .05, .35)),
+                                 ("left", .46, (.35, -.55, .75), (-1.0, .0, .22)),
+                                 ("low", .60, (.1, -.65, .75), (.9, -.5, -.1))):
+        text += group(name, leaf, on_stem(t, pivot, up, right), lean, ahead)
     text += group("bud", [("rose_bud", "red"), ("rose_calyx", "stalk"), ("rose_stem", "stalk")],
                   (8.6, 6.5, 26.0), (.28, -.20, .93), (1.0, .1, -.2))
     text += "\n# Its neighbours\n"
@@ -101,9 +113,7 @@ mesh garden {
         text += group("leaves%d" % i, leaf, where, (hand.uniform(-.5, .3), -.5, .8),
                       (math.cos(turn), math.sin(turn), hand.uniform(-.3, .5)))
     text += "\n# Dew on the outer petals\n"
-    x, y, z = frame(up, right)
-    for i, (a, b, c, r) in enumerate(rose.dew(4, 34)):
-        p = add(pivot, add(add(mul(x, a), mul(y, b)), mul(z, c)))
+    for i, (*point, r) in enumerate(rose.dew(4, 34)):
         text += "sphere dew%d { center %s radius %s material water }\n" % (
-            i, vector(*p), number(r, 3))
+            i, vector(*placed_at(point, pivot, up, right)), number(r, 3))
     write("rose", text)

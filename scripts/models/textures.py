@@ -144,16 +144,43 @@ def checker(size, squares, light, dark):
 
 
 def glow(name, width, height, low, high, centre, reach):
-    """A backdrop: a soft light on a dark wall, dithered against banding."""
+    """A backdrop: a soft light on a dark wall. 16 bits: dark gradients would show steps in 8."""
 
     def pixel(x, y):
         u, v = (x + .5) / width, 1.0 - (y + .5) / height
         d = math.hypot((u - centre[0]) * width / height, v - centre[1]) / reach
-        k = math.exp(-d * d)
-        grain = (hashed(x, y, 17) + hashed(x, y, 18) - 1.0) / 255.0
-        return tuple(c + grain for c in mix(low, high, k))
+        return mix(low, high, math.exp(-d * d))
 
-    png.write(name, width, height, pixel)
+    png.write(name, width, height, pixel, 16)
+
+
+def dusk(width, height):
+    """The sky after sunset for the inside of a sphere: u is the longitude, v the latitude, the
+    sun below the horizon at u = .725."""
+
+    def pixel(x, y):
+        u, v = (x + .5) / width, 1.0 - (y + .5) / height
+        high = max(0.0, v - .5) * 180.0
+        side = abs((u - .725 + .5) % 1.0 - .5) * 360.0
+        near = math.exp(-(side / 38.0) ** 2)
+        colour = mix((.030, .058, .150), (.20, .17, .27), math.exp(-high / 22.0))
+        colour = mix(colour, (.66, .27, .12), math.exp(-high / 10.0) * (.30 + .70 * near))
+        return mix(colour, (1.0, .62, .27), math.exp(-(high / 7.0) ** 2) * near)
+
+    png.write("dusk", width, height, pixel, 16)
+
+
+def along(name, size, stops):
+    """Colours along v: stops are (v, colour), rising."""
+
+    def pixel(_, y):
+        v = 1.0 - (y + .5) / size
+        for (a, low), (b, high) in zip(stops, stops[1:]):
+            if v <= b:
+                return mix(low, high, smoothstep(a, b, v))
+        return stops[-1][1]
+
+    png.write(name, 4, size, pixel, 16)
 
 
 def build():
@@ -164,4 +191,9 @@ def build():
     garden(256, 256)
     petal(256)
     leaf(256)
-    glow("backdrop", 512, 288, (.02, .02, .03), (1.0, .9, .75), (.62, .55), .55)
+    glow("backdrop", 128, 72, (.02, .02, .03), (1.0, .9, .75), (.62, .55), .55)
+    dusk(384, 192)
+    along("wax", 128, [(0.0, (.10, .018, .006)), (.45, (.30, .075, .022)), (.80, (.72, .30, .09)),
+                       (1.0, (1.0, .62, .27))])
+    along("flame", 64, [(0.0, (.08, .10, .45)), (.16, (.65, .30, .10)), (.42, (1.0, .86, .52)),
+                        (.72, (1.0, .62, .20)), (1.0, (.85, .28, .04))])
