@@ -1,4 +1,4 @@
-"""Scenes with a chess board, written from a position: scenes/table.txt."""
+"""Scenes with a chess board, written from a position: scenes/default.txt and scenes/table.txt."""
 
 import math
 import os
@@ -88,34 +88,38 @@ material_texture frame { phong_info frame texture walnut scale_U 1 scale_V 1 }
 """
 
 
-def coloured_cube(where, size_note, spin):
+def coloured_cube(where, note, quarter, turns):
     """The spinning cube on one of its corners: seven meshes that share their key frames."""
     parts = [("body", "cube_black"), ("left", "cube_green"), ("right", "cube_blue"),
              ("front", "cube_red"), ("back", "cube_orange"), ("down", "cube_yellow"),
              ("up", "cube_white")]
-    out = ["# %s\n" % size_note]
+    out = ["# %s\n" % note]
     for part, material in parts:
         out.append("mesh cube_%s {\n    filename ../meshes/cube_%s.slo smooth_normals 1 "
-                   "material %s\n%s}\n" % (part, part, material, key_frames(where, spin)))
+                   "material %s\n%s}\n" % (part, part, material,
+                                         key_frames(where, quarter, turns)))
     return "".join(out)
 
 
-def key_frames(where, spin, frames=5):
-    """A turn about the vertical of a cube that stands on its corner, `spin` radians a second."""
-    out = []
+def key_frames(where, quarter, turns):
+    """Turns about the vertical of a cube that stands on its corner, `quarter` seconds for a
+    quarter of one: a key frame each, with the handles of a circle."""
     tilt = math.acos(1.0 / math.sqrt(3.0))
-    for i in range(frames):
-        time = i * .05 - .05
-        a = spin * time
+    handle = 4.0 / 3.0 * (math.sqrt(2.0) - 1.0)
+
+    def axis(i, k, along):
         # Body diagonal upright: x and z axes of the cube at equal angles about it.
-        axes = []
-        for k in (0, 2):
-            b = a + 2.0 * math.pi * k / 3.0
-            axes.append((math.sin(tilt) * math.cos(b), math.sin(tilt) * math.sin(b),
-                         math.cos(tilt)))
-        out.append("    addKframe { time %s key { pivot %s up %s right %s } }\n"
-                   % (number(time, 3), vector(*where), vector(*axes[1]), vector(*axes[0])))
-    return "".join(out)
+        b = math.pi / 2.0 * i + 2.0 * math.pi * k / 3.0
+        return vector(math.sin(tilt) * (math.cos(b) - along * handle * math.sin(b)),
+                      math.sin(tilt) * (math.sin(b) + along * handle * math.cos(b)),
+                      math.cos(tilt))
+
+    def state(i, along):
+        return "up %s right %s" % (axis(i, 2, along), axis(i, 0, along))
+
+    return "".join("    addKframe { time %s pre { %s } key { pivot %s %s } nex { %s } }\n" % (
+        number(i * quarter, 3), state(i, -1.0), vector(*where), state(i, 0.0), state(i, 1.0))
+        for i in range(4 * turns + 1))
 
 
 CUBE_COLOURS = """
@@ -153,13 +157,13 @@ settings quality {
 
 Camera main {
     fps 25
-    Film film { width 1280 height 720 prefix table output PNG_IMAGE encoding SRGB }
+    Film film { width 1280 height 720 prefix table_ output PNG_IMAGE encoding SRGB }
     CamSegment still {
         videoStart 0 videoEnd 4 sceneStart 0 sceneEnd 4
-        addPosition { -21 -60 14.5 } addPosition { -29 -57 14.5 }
-        addTarget { 6.2 -8 2.4 }
-        skyStart { 0 0 1 } fovStart .245
-        dofStart 47 lensRadiusStart .55 blurDuration .02
+        addPosition { -15 -66 17 } addPosition { -23 -64 17 }
+        addTarget { 13.2 -12 1.6 }
+        skyStart { 0 0 1 } fovStart .238
+        dofStart 50 lensRadiusStart .6 blurDuration .03
     }
 }
 
@@ -169,8 +173,8 @@ light_rectangle window { color { .24 .32 .46 } vertex0 { 90 -40 20 } vertex1 { 9
 light_rectangle rim { color { .60 .44 .27 } vertex0 { -15 95 45 } vertex1 { 55 95 45 } vertex2 { 55 95 75 } }
 """ + WOODS + CUBE_COLOURS + """
 phong_info frosted_glass {
-    ambient { .004 .008 .008 } diffuse { .035 .055 .052 } specular { .3 .3 .3 } shininess 50
-    reflectance .08 diffuse_reflection .02 refraction .72 diffuse_refraction .12 refraction_index 1.5
+    ambient { .003 .006 .006 } diffuse { .022 .038 .036 } specular { .3 .3 .3 } shininess 50
+    reflectance .20 diffuse_reflection .03 refraction .64 diffuse_refraction .10 refraction_index 1.5
 }
 phong_info chrome { diffuse { .08 .08 .09 } specular { .6 .6 .6 } shininess 120 reflectance .7 }
 phong_info carpet { ambient { .012 .004 .003 } diffuse { .34 .09 .05 } }
@@ -209,10 +213,76 @@ mesh wall { filename ../meshes/sheet.slo smooth_normals 0 material wall
     for n, x, y, z, r, c in lamps:
         text += lamp("lamp_%d" % n, x, y, z, r, c)
     text += "\n# The spinning cube\n" + coloured_cube(
-        (33.0, -24.0, -2.2 + 4.4 * math.sqrt(3.0) / 2.0), "4.4 cm, on its corner", 9.0)
+        (18.6, -33.0, -2.23 + (2.2 - .22) * math.sqrt(3.0) + .22),
+        "4.4 cm, on its rounded corner, two turns a second", .125, 8)
     text += "\n# 1-0\n" + position("r1bk3r/p2pBpNp/n4n2/1p1NP2P/6P1/3P4/P1P1K3/q5b1", True, 7)
     write("table", text)
 
 
+def falling(height=9.5, start=2.0, step=.002, end=97.0):
+    """(time, angle) of a piece that tips over its rim as a rod does, time 0 at 24 degrees."""
+    rows, t, angle, speed = [], 0.0, math.radians(start), 0.0
+    while angle < math.radians(end):
+        rows.append((t, angle))
+        speed += step * 1.5 * 981.0 / height * math.sin(angle)
+        angle += step * speed
+        t += step
+    rows.append((t, math.radians(end)))
+    zero = min(rows, key=lambda r: abs(r[1] - math.radians(24.0)))[0]
+    keys = rows[::15]
+    keys += [] if keys[-1] == rows[-1] else [rows[-1]]
+    return [(-.6, 0.0)] + [(t - zero, angle) for t, angle in keys]
+
+
+def default():
+    text = """# The scene inside the program. Mate by queen and knight: the black king falls, blurred by motion,
+# on a polished board in soft light. Frames -15 to 25 are the whole fall. Centimetres, z up.
+# Written by scripts/models/chess_scenes.py.
+
+settings quality {
+    imageSamples 48 imageMinSamples 12 noise .013 recursion 2 background { .004 .005 .006 }
+}
+
+Camera main {
+    fps 25
+    Film film { width 640 height 360 prefix default_ output PNG_IMAGE encoding SRGB }
+    CamSegment still {
+        videoStart -.6 videoEnd 1
+        addPosition { -20 50 10.5 } addTarget { 13.0 15.6 4.7 }
+        skyStart { 0 0 1 } fovStart .142
+        dofStart 46.5 lensRadiusStart .6 blurDuration .024
+    }
+}
+
+# A warm window before the board, a cool one behind it
+light_rectangle key { color { 1.08 .94 .74 } vertex0 { 25 72 50 } vertex1 { 47 50 50 } vertex2 { 37 40 72 } }
+light_rectangle rim { color { .44 .54 .70 } vertex0 { 30 -60 38 } vertex1 { 62 -28 38 } vertex2 { 62 -28 68 } }
+""" + WOODS + """
+phong_info table { diffuse { .020 .022 .026 } reflectance .16 diffuse_reflection .05 }
+material_phong table { phong_info table }
+texture backdrop { filename ../textures/backdrop.png }
+phong_info wall { ambient { .15 .22 .30 } }
+material_texture wall { phong_info wall texture backdrop scale_U 1 scale_V 1 }
+"""
+    text += BOARD + """
+mesh table { filename ../meshes/sheet.slo smooth_normals 0 material table
+    addKframe { time 0 key { pivot { 0 0 -2.2 } } } }
+mesh wall { filename ../meshes/backdrop.slo smooth_normals 0 material wall
+    addKframe { time 0 key { pivot { 245 -108 -95 } right { -.702 -.712 0 } } } }
+
+# The king tips over the rim of its foot, faster and faster
+mesh black_king {
+    filename ../meshes/king.slo smooth_normals 1 material ebony
+"""
+    x, y = centre(6, 7)
+    for t, a in falling():
+        c, s = math.cos(a), math.sin(a)
+        text += "    addKframe { time %s key { pivot %s up %s right %s } }\n" % (
+            number(t, 3), vector(x + 2.0 - 2.0 * c, y, 2.0 * s), vector(s, 0, c), vector(c, 0, -s))
+    text += "}\n# Qg7 mate\n" + position("8/5pQ1/8/7N/8/8/5PPP/6K1", False, 5)
+    write("default", text)
+
+
 def build():
+    default()
     table()

@@ -15,7 +15,22 @@ macro_rules! embedded {
 }
 
 /// Every file of the scene: another mesh or texture is one more line.
-pub(super) const FILES: &[(&str, &[u8])] = embedded!["scenes/default.txt"];
+pub(super) const FILES: &[(&str, &[u8])] = embedded![
+    "scenes/default.txt",
+    "meshes/backdrop.slo",
+    "meshes/board_dark.slo",
+    "meshes/board_frame.slo",
+    "meshes/board_inlay.slo",
+    "meshes/board_light.slo",
+    "meshes/king.slo",
+    "meshes/knight.slo",
+    "meshes/pawn.slo",
+    "meshes/queen.slo",
+    "meshes/sheet.slo",
+    "textures/backdrop.png",
+    "textures/boxwood.png",
+    "textures/walnut.png",
+];
 
 /// The text of the scene.
 pub(super) fn text() -> &'static [u8] {
