@@ -51,7 +51,7 @@ impl CurvedShape {
             }
             _ => p.dot(axis) / length,
         };
-        [(turns + 0.5) as f32, v as f32]
+        [(turns - turns.floor()) as f32, v as f32]
     }
 }
 

@@ -1,6 +1,8 @@
 //! Tests from outside: the library's public face and the program itself.
 
 mod analytic;
+mod determinism;
+mod oracle;
 mod program;
 mod scene_fuzz;
 mod scene_language;

@@ -16,8 +16,11 @@ fn error_of(text: &str) -> String {
     if error.line == 0 { error.message } else { error.to_string() }
 }
 
+/// Position, uv and normal.
+type Corner = ([f64; 3], Option<[f32; 2]>, Option<[f32; 3]>);
+
 /// The corners of every triangle with all that belongs to them, whatever their indices.
-fn corners(mesh: &Mesh) -> Vec<[([f64; 3], Option<[f32; 2]>, Option<[f32; 3]>); 3]> {
+fn corners(mesh: &Mesh) -> Vec<[Corner; 3]> {
     (0..mesh.faces.len())
         .map(|face| {
             [0, 1, 2].map(|corner| {

@@ -1,0 +1,142 @@
+//! A picture is the same file, byte for byte, whatever it is rendered with and in which pieces.
+
+use std::io::Cursor;
+
+use slo_rt::accel::{Accelerator, Isa};
+use slo_rt::film::Film;
+use slo_rt::output::{Picture, Recipe};
+use slo_rt::scene::{OutputFormat, SceneDescription, Settings};
+
+use crate::support::{Shot, describe, expose, material};
+
+const THREADS: [usize; 4] = [1, 2, 3, 8];
+
+/// Sections across and down: automatic, uneven, and one row each.
+const TILINGS: [[Option<u32>; 2]; 3] = [[None, None], [Some(3), Some(5)], [Some(1), Some(64)]];
+
+const ACCELERATORS: [Accelerator; 3] = [Accelerator::Bvh, Accelerator::KdTree, Accelerator::None];
+
+const SHAPES: &str = "
+    texture plank { filename files/plank.png }
+    material_texture wood { phong_info matt_info texture plank scale_U 3 scale_V 3 }
+    light_point lamp { color { .5 .5 .5 } position { 3 -6 5 } }
+    light_rectangle panel { color { 1 .9 .8 }
+        vertex0 { -3 -2 4 } vertex1 { -1 -2 4 } vertex2 { -1 0 4 } }
+    plane floor { material wood normal { 0 0 1 } position { 0 0 -1 } }
+    rectangle wall { material mirror vertex0 { -5 4 -1 } vertex1 { 5 4 -1 } vertex2 { 5 4 3 } }
+    triangle sail { material matt vertex0 { 2 1 -1 } vertex1 { 3 1 -1 } vertex2 { 2.5 1.5 1 } }
+    sphere pearl { material glass center { -1.5 -1 0 } radius 0.9 }
+    cylinder post { material brushed base { 1.4 -1 -1 } top { 1.5 -1 0.6 } radius 0.4 }
+    cone hat { material brushed base { 1.4 1 -1 } apex { 1.5 1 0.9 } radius 0.6 }
+    box crate { material matt vertex0 { -3 0 -1 } vertex1 { -2 0 -1 } vertex2 { -2 1 -1 } height 1 }
+    mesh ball { filename files/ball.obj smooth_normals 1 material mirror
+        addKframe { time 0 key { pivot { 0 1 0.6 } } }
+        addKframe { time 1 key { pivot { .5 1 1 } up { 0 1 3 } } } }
+    sphere comet { material brushed center { 0 0 0 } radius 0.3
+        addKframe { time 0 key { pivot { -1 -2 0.5 } } nex { pivot { 0 -3 3 } } }
+        addKframe { time 1 key { pivot { 1 -2 1 } } } }
+";
+
+/// A scene with everything in it: lens, motion of camera and objects, all shapes, images, area and
+/// point lights, glass, brushed metal.
+fn everything() -> SceneDescription {
+    let elements = [
+        material("matt", "ambient { .1 .1 .1 } diffuse { .5 .4 .3 }"),
+        material("mirror", "diffuse { .2 .2 .2 } reflectance .5"),
+        material("brushed", "specular { 1 1 1 } shininess 30 reflectance .6 diffuse_reflection .2"),
+        material(
+            "glass",
+            "refraction .8 reflectance .2 refraction_index 1.5 diffuse_refraction .1",
+        ),
+        SHAPES.to_owned(),
+    ];
+    let shot = Shot {
+        from: vec![[0.0, -8.0, 1.5], [0.5, -8.0, 2.0]],
+        lens: 0.1,
+        dof: 8.0,
+        blur: 1.0,
+        samples: 3,
+        settings: "softShadowSamples 2 diffuseReflectionSamples 2 background { .1 .2 .3 }".into(),
+        ..Shot::default()
+    };
+    let mut scene = describe(&shot.of(&elements.concat()));
+    // more than one tile each way, and none of them whole
+    (scene.camera.film.width, scene.camera.film.height) = (53, 37);
+    scene
+}
+
+/// The bytes of a PNG and an EXR file of a film.
+fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
+    [OutputFormat::Png8, OutputFormat::Exr].map(|format| {
+        let mut scene = scene.clone();
+        scene.camera.film.output = format;
+        let (image, encoding) = (&film.image(), scene.camera.film.encoding);
+        let recipe = &Recipe { scene: &scene, frame: 0 }.to_json();
+        let mut file = Cursor::new(Vec::new());
+        Picture { image, format, encoding, recipe }.write(&mut file).unwrap();
+        file.into_inner()
+    })
+}
+
+/// Renders a scene in every way, on every number of threads at once, and compares the files.
+#[track_caller]
+fn assert_one_file(scene: &SceneDescription) {
+    let reference = expose(scene, Isa::Portable);
+    let expected = files(scene, &reference);
+    for threads in THREADS {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        for [columns, rows] in TILINGS {
+            for isa in Isa::available() {
+                for accelerator in ACCELERATORS {
+                    let mut scene = scene.clone();
+                    scene.settings.sections_horizontal = columns;
+                    scene.settings.sections_vertical = rows;
+                    scene.settings.sections_per_thread = threads as u32;
+                    scene.settings.accelerator = accelerator;
+                    let found = pool.install(|| files(&scene, &expose(&scene, isa)));
+                    let what = format!("{threads} {columns:?} {rows:?} {isa:?} {accelerator:?}");
+                    assert!(found == expected, "{what}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn one_file_with_a_fixed_number_of_samples() {
+    assert_one_file(&everything());
+}
+
+/// Two to seven samples per pixel; the test would say little if all pixels took the same number.
+#[track_caller]
+fn assert_one_adaptive_file(change: impl Fn(&mut Settings), counts: &[u32]) {
+    let mut scene = everything();
+    scene.settings.image_min_samples = 2;
+    scene.settings.image_samples = 7;
+    change(&mut scene.settings);
+    let found = expose(&scene, Isa::Portable).sample_counts();
+    for count in counts {
+        assert!(found.contains(count), "no pixel of {count} samples");
+    }
+    assert_one_file(&scene);
+}
+
+#[test]
+fn one_file_with_a_contrast_limit() {
+    assert_one_adaptive_file(|settings| settings.image_contrast_limit = 0.1, &[2, 7]);
+}
+
+#[test]
+fn one_file_with_a_noise_level() {
+    assert_one_adaptive_file(|settings| settings.noise = Some(0.03), &[2, 4, 7]);
+}
+
+#[test]
+fn another_seed_is_another_file() {
+    let mut scene = everything();
+    let pictures = [0, 1].map(|seed| {
+        scene.settings.seed = seed;
+        expose(&scene, Isa::best()).image()
+    });
+    assert!(pictures[0] != pictures[1]);
+}

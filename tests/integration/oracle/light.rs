@@ -1,0 +1,303 @@
+//! The integral of one pixel, sample by sample and ray by ray, from docs/rendering.md.
+
+use glam::{DVec2, DVec3};
+
+use slo_rt::sampling::{PixelSeed, Purpose, Sampler};
+use slo_rt::scene::{
+    KeyFrame, Light, LightSampling, LightShape, Material, SceneDescription, ShadowMode,
+};
+
+use super::motion::{Shutter, camera_ray};
+use super::points::{lobe, next_path};
+use super::solid::{Meeting, Ray, Solid, light_solids, solids};
+
+/// What a ray leaves is met again at 0, up to the rounding of f64; nothing in the scenes is as near
+/// to anything else as this.
+const NEAR: f64 = 1e-7;
+
+/// A scene, ready to be looked at in the plainest way.
+pub(super) struct Oracle<'a> {
+    scene: &'a SceneDescription,
+    shutter: Shutter,
+    sampler: Sampler,
+    things: Vec<Thing<'a>>,
+}
+
+struct Thing<'a> {
+    solids: Vec<Solid>,
+    keys: &'a [KeyFrame],
+    look: Look,
+    /// It has no inside.
+    open: bool,
+}
+
+#[derive(Clone, Copy)]
+enum Look {
+    Material(usize),
+    Light(usize),
+}
+
+/// Which ray of a pixel this is.
+#[derive(Clone, Copy)]
+struct Branch {
+    seed: PixelSeed,
+    path: u32,
+    index: u32,
+    depth: u32,
+}
+
+/// What there is to shade.
+struct Hit<'a> {
+    point: DVec3,
+    /// Toward where the ray came from.
+    eye: DVec3,
+    time: f64,
+    n_geo: DVec3,
+    n_shade: DVec3,
+    from_outside: bool,
+    material: &'a Material,
+    tint: DVec3,
+}
+
+fn color(rgb: [f32; 3]) -> DVec3 {
+    DVec3::from_array(rgb.map(f64::from))
+}
+
+impl<'a> Oracle<'a> {
+    pub(super) fn new(scene: &'a SceneDescription, frame: i64) -> Self {
+        let objects = scene.objects.iter().map(|object| {
+            let (solids, open) = solids(&object.shape);
+            let look = Look::Material(object.material.0 as usize);
+            Thing { solids, keys: &object.key_frames, look, open }
+        });
+        let lights = scene.lights.iter().enumerate().map(|(i, light)| Thing {
+            solids: light_solids(&light.shape),
+            keys: &[],
+            look: Look::Light(i),
+            open: true,
+        });
+        Self {
+            scene,
+            shutter: Shutter::new(scene, frame),
+            sampler: Sampler::new(scene.settings.generator, scene.settings.seed, frame),
+            things: objects.chain(lights).collect(),
+        }
+    }
+
+    /// The colour of the pixel in column `x` and row `y`.
+    pub(super) fn pixel(&self, x: u32, y: u32) -> DVec3 {
+        let settings = &self.scene.settings;
+        let samples = settings.image_samples * settings.dof_samples;
+        let seed = self.sampler.pixel(x, y);
+        let radiance = |index| {
+            let sample = self.sampler.camera(seed, index);
+            let ray = camera_ray(self.scene, &self.shutter, [x, y], &sample);
+            self.radiance(&ray, Branch { seed, path: 0, index, depth: 0 })
+        };
+        (0..samples).map(radiance).sum::<DVec3>() / f64::from(samples)
+    }
+
+    fn radiance(&self, ray: &Ray, branch: Branch) -> DVec3 {
+        let Some((thing, meeting)) = self.nearest(ray, None) else {
+            return color(self.scene.settings.background);
+        };
+        match thing.look {
+            Look::Light(light) => color(self.scene.lights[light].color),
+            Look::Material(material) => {
+                let hit = self.hit(ray, &self.scene.materials[material], &meeting);
+                let ambient = color(hit.material.ambient) * hit.tint;
+                ambient + self.lights(&hit, branch) + self.bounces(&hit, branch)
+            }
+        }
+    }
+
+    /// The first thing on a ray, `but` that light's rectangle.
+    fn nearest(&self, ray: &Ray, but: Option<usize>) -> Option<(&Thing<'a>, Meeting)> {
+        let counts =
+            |thing: &&Thing<'_>| !matches!((thing.look, but), (Look::Light(a), Some(b)) if a == b);
+        let meet = |thing| self.meet(thing, ray).map(|meeting| (thing, meeting));
+        let by_t = |a: &(&Thing<'a>, Meeting), b: &(&Thing<'a>, Meeting)| a.1.t.total_cmp(&b.1.t);
+        self.things.iter().filter(counts).filter_map(meet).min_by(by_t)
+    }
+
+    fn meet(&self, thing: &Thing<'a>, ray: &Ray) -> Option<Meeting> {
+        let pose = self.shutter.pose(thing.keys, ray.time);
+        let local = pose.inverse(ray);
+        let meetings = thing.solids.iter().filter_map(|solid| solid.meet(&local, NEAR));
+        let meeting = meetings.min_by(|a, b| a.t.total_cmp(&b.t))?;
+        Some(Meeting {
+            outward: pose.rotation * meeting.outward,
+            smooth: meeting.smooth.map(|n| pose.rotation * n),
+            ..meeting
+        })
+    }
+
+    fn hit(&self, ray: &Ray, material: &'a Material, meeting: &Meeting) -> Hit<'a> {
+        let toward = |n: DVec3, side: DVec3| if n.dot(side) < 0.0 { -n } else { n };
+        let eye = -ray.direction;
+        let n_geo = toward(meeting.outward, eye);
+        Hit {
+            point: ray.at(meeting.t),
+            eye,
+            time: ray.time,
+            n_geo,
+            n_shade: meeting.smooth.map_or(n_geo, |n| toward(n.normalize(), n_geo)),
+            from_outside: meeting.outward.dot(eye) > 0.0,
+            material,
+            tint: self.tint(material, meeting.uv),
+        }
+    }
+
+    /// The image at uv: it repeats, v grows upward, and between the centres of texels it is linear.
+    fn tint(&self, material: &Material, uv: DVec2) -> DVec3 {
+        let Some(used) = material.texture else { return DVec3::ONE };
+        let image = &self.scene.textures[used.texture.0 as usize];
+        let size = DVec2::new(f64::from(image.width()), f64::from(image.height()));
+        let scale = DVec2::from_array(used.scale.map(f64::from));
+        let at = uv * scale * size - 0.5;
+        let texel = |x: f64, y: f64| {
+            let column = x.rem_euclid(size.x) as u32;
+            color(image.texel(column, image.height() - 1 - y.rem_euclid(size.y) as u32))
+        };
+        let (low, part) = (at.floor(), at - at.floor());
+        let row = |y| texel(low.x, y) * (1.0 - part.x) + texel(low.x + 1.0, y) * part.x;
+        row(low.y) * (1.0 - part.y) + row(low.y + 1.0) * part.y
+    }
+
+    fn lights(&self, hit: &Hit<'_>, branch: Branch) -> DVec3 {
+        let settings = &self.scene.settings;
+        let lights = &self.scene.lights;
+        let first = branch.depth == 0;
+        if settings.light_sampling == LightSampling::One {
+            let count = if first { settings.soft_shadow_samples } else { 1 };
+            let key = branch.seed.key(branch.path, Purpose::AnyLight);
+            let one = |i| {
+                let [u, v, choice] = self.sampler.point3(key, branch.index * count + i);
+                let number = (f64::from(choice) * lights.len() as f64) as usize;
+                self.light(hit, number, [u, v]) * lights.len() as f64
+            };
+            return (0..count).map(one).sum::<DVec3>() / f64::from(count);
+        }
+        let all = |(number, light): (usize, &Light)| {
+            let area = matches!(light.shape, LightShape::Rectangle { .. });
+            let count = if first && area { settings.soft_shadow_samples } else { 1 };
+            let key = branch.seed.key(branch.path, Purpose::Light(number as u32));
+            let sample = |i| {
+                let u = self.sampler.point2(key, branch.index * count + i);
+                self.light(hit, number, u)
+            };
+            (0..count).map(sample).sum::<DVec3>() / f64::from(count)
+        };
+        lights.iter().enumerate().map(all).sum()
+    }
+
+    /// What arrives from one point of a light and is sent to the eye: (2.15).
+    fn light(&self, hit: &Hit<'_>, number: usize, u: [f32; 2]) -> DVec3 {
+        let light = &self.scene.lights[number];
+        let target = match light.shape {
+            LightShape::Point { position } => position,
+            LightShape::Rectangle { vertices: [a, b, c] } => {
+                a + (b - a) * f64::from(u[0]) + (c - b) * f64::from(u[1])
+            }
+        };
+        let l = (target - hit.point).normalize();
+        let cos = hit.n_shade.dot(l);
+        if cos <= 0.0 || hit.n_geo.dot(l) <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let material = hit.material;
+        let mirrored = 2.0 * cos * hit.n_shade - l;
+        let highlight = libm::pow(hit.eye.dot(mirrored).max(0.0), f64::from(material.shininess));
+        let phong = color(material.diffuse) * hit.tint * cos + color(material.specular) * highlight;
+        let ray = Ray { origin: hit.point, direction: l, time: hit.time };
+        phong * color(light.color) * self.passed(ray, (target - hit.point).length(), number)
+    }
+
+    /// The share of light that comes through between a hit and a point of a light.
+    fn passed(&self, ray: Ray, distance: f64, light: usize) -> f64 {
+        let Some((thing, meeting)) = self.nearest(&ray, Some(light)) else { return 1.0 };
+        if meeting.t >= distance {
+            return 1.0;
+        }
+        let Look::Material(material) = thing.look else { return 0.0 };
+        let refraction = f64::from(self.scene.materials[material].refraction);
+        if self.scene.settings.shadow == ShadowMode::Opaque || refraction == 0.0 {
+            return 0.0;
+        }
+        let share = if thing.open { refraction } else { refraction.sqrt() };
+        let behind = Ray { origin: ray.at(meeting.t), ..ray };
+        share * self.passed(behind, distance - meeting.t, light)
+    }
+
+    fn bounces(&self, hit: &Hit<'_>, branch: Branch) -> DVec3 {
+        let settings = &self.scene.settings;
+        if branch.depth == settings.recursion {
+            return DVec3::ZERO;
+        }
+        let material = hit.material;
+        let [k_r, k_t] = [material.reflectance, material.refraction].map(f64::from);
+        let refracted = refracted(hit).filter(|_| k_t > 0.0);
+        let reflected = -hit.eye + 2.0 * hit.eye.dot(hit.n_shade) * hit.n_shade;
+        let mirror = Glossy {
+            axis: reflected,
+            side: hit.n_geo,
+            spread: material.diffuse_reflection,
+            samples: settings.diffuse_reflection_samples,
+            purpose: Purpose::Reflection,
+        };
+        let weight = if refracted.is_none() { k_r + k_t } else { k_r };
+        let mut sum = DVec3::ZERO;
+        if weight > 0.0 {
+            sum += self.glossy(hit, branch, &mirror) * weight;
+        }
+        if let Some(axis) = refracted {
+            let clear = Glossy {
+                axis,
+                side: -hit.n_geo,
+                spread: material.diffuse_refraction,
+                samples: settings.diffuse_refraction_samples,
+                purpose: Purpose::Refraction,
+            };
+            sum += self.glossy(hit, branch, &clear) * k_t;
+        }
+        sum
+    }
+
+    /// The mean of what comes from about a direction.
+    fn glossy(&self, hit: &Hit<'_>, branch: Branch, glossy: &Glossy) -> DVec3 {
+        let count = if branch.depth == 0 && glossy.spread > 0.0 { glossy.samples } else { 1 };
+        let key = branch.seed.key(branch.path, glossy.purpose);
+        let sample = |i| {
+            let index = branch.index * count + i;
+            let u = self.sampler.point2(key, index).map(f64::from);
+            let w = lobe(glossy.axis, f64::from(glossy.spread), u);
+            let below = w.dot(glossy.side).min(0.0);
+            let direction = w - 2.0 * below * glossy.side;
+            let ray = Ray { origin: hit.point, direction, time: hit.time };
+            let path = next_path(branch.path, glossy.purpose);
+            self.radiance(&ray, Branch { path, index, depth: branch.depth + 1, ..branch })
+        };
+        (0..count).map(sample).sum::<DVec3>() / f64::from(count)
+    }
+}
+
+/// A direction and a lobe about it.
+struct Glossy {
+    axis: DVec3,
+    /// Unit normal of the side that rays stay on.
+    side: DVec3,
+    spread: f32,
+    samples: u32,
+    purpose: Purpose,
+}
+
+/// Snell's law, (2.13) and (2.14); `None` under total internal reflection.
+fn refracted(hit: &Hit<'_>) -> Option<DVec3> {
+    let index = f64::from(hit.material.refraction_index);
+    let eta = if hit.from_outside { 1.0 / index } else { index };
+    // An interpolated normal that looks away from the ray can't bend it.
+    let n = if hit.n_shade.dot(hit.eye) > 0.0 { hit.n_shade } else { hit.n_geo };
+    let cos = n.dot(hit.eye);
+    let square = 1.0 - eta * eta * (1.0 - cos * cos);
+    (square >= 0.0).then(|| n * (eta * cos - square.sqrt()) - hit.eye * eta)
+}
