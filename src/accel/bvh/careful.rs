@@ -10,25 +10,24 @@ use crate::accel::Rays;
 use crate::accel::triangle::{self, POSITION_ERROR, ShearedRay};
 
 /// Traces one ray of a batch from the root; ends at the first hit if any will do.
-pub(super) fn trace(bvh: &Bvh, rays: &Rays, index: u32, any: bool) -> Ray {
-    let (origin, direction) = (rays.origin(index as usize), rays.direction(index as usize));
-    let mut ray = Ray::new(origin, direction, rays.t_max[index as usize]);
-    ray.index = index;
+#[cold]
+#[inline(never)]
+pub(super) fn trace(bvh: &Bvh, rays: &Rays, mut ray: Ray, any: bool) -> Ray {
+    let (origin, direction) = (rays.origin(ray.index as usize), rays.direction(ray.index as usize));
     let mut stack = vec![(0.0, Child::node(0))];
     while let Some((t, child)) = stack.pop() {
         if t > f64::from(ray.t) {
             continue;
         }
         if child.is_leaf() {
-            ray.current = child;
-            test_leaf(bvh, rays, &mut ray, any);
+            test_leaf(bvh, rays, child, &mut ray, any);
             if any && ray.is_hit {
                 break;
             }
         } else {
             let node = &bvh.nodes[child.index()];
             for word in node.order {
-                let place = (word >> (4 * ray.octant) & 7) as usize;
+                let place = (word >> ray.order_shift & 7) as usize;
                 if let Some(t) = enter(node, place, origin, direction, f64::from(ray.t)) {
                     stack.push((t, node.children[place]));
                 }
@@ -38,21 +37,19 @@ pub(super) fn trace(bvh: &Bvh, rays: &Rays, index: u32, any: bool) -> Ray {
     ray
 }
 
-fn test_leaf(bvh: &Bvh, rays: &Rays, ray: &mut Ray, any: bool) {
-    let first = ray.current.index();
-    let sheared =
-        ShearedRay::new(rays.origin(ray.index as usize), rays.direction(ray.index as usize));
-    match ray.current.triangle_count() {
-        Some(count) => {
-            for lane in 0..count {
-                let triangle = bvh.corners.triangle(first, count, lane);
-                let t_max = if any { ray.t } else { ray.t.next_up() };
-                if let Some(hit) = triangle::intersect(&sheared, &triangle, t_max) {
-                    ray.offer(hit.t, hit.u, hit.v, bvh.ids[first + lane]);
-                }
-            }
+fn test_leaf(bvh: &Bvh, rays: &Rays, child: Child, ray: &mut Ray, any: bool) {
+    if !child.is_block() {
+        return bvh.test_curved(rays, child, ray);
+    }
+    let index = ray.index as usize;
+    let sheared = ShearedRay::new(rays.origin(index), rays.direction(index));
+    let (first, count) = (child.index(), child.block_len());
+    for lane in 0..count {
+        let triangle = bvh.corners.triangle(first, count, lane);
+        let t_max = if any { ray.t } else { ray.t.next_up() };
+        if let Some(hit) = triangle::intersect(&sheared, &triangle, t_max) {
+            ray.offer(hit.t, hit.u, hit.v, bvh.ids[first + lane]);
         }
-        None => bvh.test_curved(rays, ray),
     }
 }
 

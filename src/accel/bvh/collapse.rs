@@ -205,8 +205,8 @@ fn write_block(rows: &mut [f32], block: &[u32], triangles: &[Triangle]) {
 
 fn places(nodes: &[Node], ids: &[u32], slots: usize) -> Vec<Place> {
     let mut places = vec![Place::default(); ids.len()];
-    for child in nodes.iter().flat_map(|node| node.children).filter(|child| child.is_leaf()) {
-        let Some(count) = child.triangle_count() else { continue };
+    for child in nodes.iter().flat_map(|node| node.children).filter(|child| child.is_block()) {
+        let count = child.block_len();
         for lane in 0..count {
             let id = ids[child.index() + lane];
             places[id as usize] = Place::new(child.index() as u32, count as u32, lane as u32);

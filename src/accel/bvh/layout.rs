@@ -97,17 +97,29 @@ impl Child {
         self.0 >= Self::LEAF
     }
 
+    /// Whether it is a block of triangles.
+    #[inline(always)]
+    pub(super) fn is_block(self) -> bool {
+        // All other leaves are above the blocks.
+        (self.0 as i32) < (Self::LEAF | Self::CURVED << Self::KIND_SHIFT) as i32
+    }
+
+    /// Whether it is a curved surface or the end.
+    #[inline(always)]
+    pub(super) fn is_other(self) -> bool {
+        self.0 >= Self::LEAF | Self::CURVED << Self::KIND_SHIFT
+    }
+
     /// Index of the node, first slot, or index of the curved surface.
     #[inline(always)]
     pub(super) fn index(self) -> usize {
         (self.0 & Self::INDEX) as usize
     }
 
-    /// How many triangles there are; `None` where it is a curved surface or the end.
+    /// How many triangles a block has, from 1.
     #[inline(always)]
-    pub(super) fn triangle_count(self) -> Option<usize> {
-        let kind = (self.0 >> Self::KIND_SHIFT) & 7;
-        (kind < Self::CURVED).then_some(kind as usize + 1)
+    pub(super) fn block_len(self) -> usize {
+        (self.0 >> Self::KIND_SHIFT & 3) as usize + 1
     }
 }
 

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use self::binary::{BinaryTree, Reference};
 use self::collapse::Wide;
-use self::layout::{Corners, Node, Place};
+use self::layout::{Child, Corners, Node, Place};
 use self::ray::Ray;
 use self::steps::Portable;
 use self::stream::Query;
@@ -50,7 +50,6 @@ pub struct Bvh {
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     stream: stream::Stream,
-    pending: Vec<u32>,
 }
 
 impl Bvh {
@@ -120,33 +119,21 @@ impl Bvh {
         if self.nodes.is_empty() {
             return;
         }
-        let Scratch { stream, pending } = scratch;
-        pending.clear();
-        for i in 0..rays.len() {
-            if rays.t_max[i].is_nan() || rays.t_max[i] <= 0.0 {
-                continue;
-            }
-            if self.is_tame && ray::is_tame(rays.origin(i), rays.direction(i)) {
-                pending.push(i as u32);
-            } else {
-                query.finish(&careful::trace(self, rays, i as u32, Q::ANY));
-            }
-        }
         // SAFETY: the set is one that the CPU has.
         unsafe {
             match self.isa {
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx512 => stream_avx512(self, rays, pending, query, stream),
+                Isa::Avx512 => stream_avx512(self, rays, query, &mut scratch.stream),
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx2 => stream_avx2(self, rays, pending, query, stream),
-                _ => stream::trace::<Portable, Q>(self, rays, pending, query, stream),
+                Isa::Avx2 => stream_avx2(self, rays, query, &mut scratch.stream),
+                _ => stream::trace::<Portable, Q>(self, rays, query, &mut scratch.stream),
             }
         }
     }
 
-    /// Tests the curved surface that a ray stands before.
-    fn test_curved(&self, rays: &Rays, ray: &mut Ray) {
-        let index = ray.current.index();
+    /// Tests a curved surface.
+    fn test_curved(&self, rays: &Rays, child: Child, ray: &mut Ray) {
+        let index = child.index();
         let i = ray.index as usize;
         let hit = self.curved[index].intersect(rays.origin(i), rays.direction(i), ray.t.next_up());
         if let Some((t, part)) = hit {
@@ -156,29 +143,27 @@ impl Bvh {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
 unsafe fn stream_avx512<Q: Query>(
     bvh: &Bvh,
     rays: &Rays,
-    pending: &[u32],
     query: &mut Q,
     stream: &mut stream::Stream,
 ) {
     // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx512, Q>(bvh, rays, pending, query, stream) }
+    unsafe { stream::trace::<x86::Avx512, Q>(bvh, rays, query, stream) }
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn stream_avx2<Q: Query>(
     bvh: &Bvh,
     rays: &Rays,
-    pending: &[u32],
     query: &mut Q,
     stream: &mut stream::Stream,
 ) {
     // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx2, Q>(bvh, rays, pending, query, stream) }
+    unsafe { stream::trace::<x86::Avx2, Q>(bvh, rays, query, stream) }
 }
 
 /// Boxes of everything that can be hit.

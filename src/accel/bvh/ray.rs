@@ -1,9 +1,7 @@
 //! Rays made ready for boxes and triangles.
 
-use glam::Vec3;
-
-use super::layout::{BOX_ERROR, Child};
-use crate::accel::triangle::ShearedRay;
+use super::layout::BOX_ERROR;
+use crate::accel::{LANES, Rays};
 
 /// Scenes whose coordinates, and rays whose origins, stay below this are tame: no distance to a
 /// plane overflows.
@@ -17,26 +15,128 @@ const TAME_DIRECTION: f32 = (1u64 << 30) as f32;
 /// widened; and the inverse stays finite.
 const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
 
+/// Sixteen neighbouring rays of a batch, made ready together, as structures of arrays.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Prepared {
+    /// Inverse of the direction, by axis.
+    pub(super) inverse: [[f32; LANES]; 3],
+    /// What to subtract from `plane * inverse` so that the result is at most the distance to a
+    /// plane where the ray enters.
+    pub(super) near: [[f32; LANES]; 3],
+    /// The same for planes where it leaves, the result being at least the distance.
+    pub(super) far: [[f32; LANES]; 3],
+    /// Origin in sheared axes.
+    pub(super) origin: [[f32; LANES]; 3],
+    /// The shear of [`ShearedRay`](crate::accel::triangle::ShearedRay).
+    pub(super) shear: [[f32; LANES]; 3],
+    /// End of the ray.
+    pub(super) t_max: [f32; LANES],
+    /// Which axis of space is z of the sheared ones; x and y follow it in cyclic order.
+    pub(super) z_axis: [u32; LANES],
+    /// Bit `axis` is set where the direction is negative.
+    pub(super) octant: [u32; LANES],
+    /// Whether the fast kernels may trace the ray: nothing in it overflows on the way to a box.
+    pub(super) is_tame: [bool; LANES],
+}
+
+impl Prepared {
+    pub(super) const EMPTY: Self = Self {
+        inverse: [[0.0; LANES]; 3],
+        near: [[0.0; LANES]; 3],
+        far: [[0.0; LANES]; 3],
+        origin: [[0.0; LANES]; 3],
+        shear: [[0.0; LANES]; 3],
+        t_max: [0.0; LANES],
+        z_axis: [0; LANES],
+        octant: [0; LANES],
+        is_tame: [false; LANES],
+    };
+
+    /// Makes the rays from `first` on ready, sixteen or as many as the arrays hold.
+    ///
+    /// Inlined, so that the lanes become those of the instruction set it is compiled for.
+    #[inline(always)]
+    pub(super) fn fill(&mut self, rays: &Rays, first: usize) {
+        let origin = lanes_of(&rays.origin, first);
+        let direction = lanes_of(&rays.direction, first);
+        self.t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
+        for lane in 0..LANES {
+            let [ox, oy, oz] = [origin[0][lane], origin[1][lane], origin[2][lane]];
+            let [dx, dy, dz] = [direction[0][lane], direction[1][lane], direction[2][lane]];
+            let [ax, ay, az] = [dx.abs(), dy.abs(), dz.abs()];
+            let x_is_largest = ax >= ay && ax >= az;
+            let y_is_largest = !x_is_largest && ay >= az;
+            let turn = |x: f32, y: f32, z: f32| {
+                if x_is_largest {
+                    [y, z, x]
+                } else if y_is_largest {
+                    [z, x, y]
+                } else {
+                    [x, y, z]
+                }
+            };
+            let [sx, sy, sz] = turn(dx, dy, dz);
+            let shear = [sx / sz, sy / sz, 1.0 / sz];
+            let turned = turn(ox, oy, oz);
+            let largest = sz.abs();
+            let reach = max(max(ox.abs(), oy.abs()), oz.abs());
+            for axis in 0..3 {
+                let (o, d) = ([ox, oy, oz][axis], [dx, dy, dz][axis]);
+                let inverse = 1.0 / max(d.abs(), largest * LEAST_COMPONENT).copysign(d);
+                let error = BOX_ERROR * reach * inverse.abs();
+                self.inverse[axis][lane] = inverse;
+                self.near[axis][lane] = o * inverse + error;
+                self.far[axis][lane] = o * inverse - error;
+                self.origin[axis][lane] = turned[axis];
+                self.shear[axis][lane] = shear[axis];
+            }
+            self.z_axis[lane] = if x_is_largest { 0 } else { 2 - u32::from(y_is_largest) };
+            self.octant[lane] =
+                dx.to_bits() >> 31 | dy.to_bits() >> 31 << 1 | dz.to_bits() >> 31 << 2;
+            self.is_tame[lane] = reach <= TAME_COORDINATE
+                && largest >= 1.0 / TAME_DIRECTION
+                && largest <= TAME_DIRECTION;
+        }
+    }
+}
+
+/// The larger; `b` where one is NaN. A single instruction, where `f32::max` is several.
+#[inline(always)]
+fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn lanes_of(arrays: &[Vec<f32>; 3], first: usize) -> [[f32; LANES]; 3] {
+    let mut lanes = [[0.0; LANES]; 3];
+    for axis in 0..3 {
+        lanes[axis].copy_from_slice(&arrays[axis][first..first + LANES]);
+    }
+    lanes
+}
+
 /// A ray that is being traced, with all that tests of boxes and triangles ask for.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Ray {
-    /// Inverse of the direction, by axis.
+    /// See [`Prepared`], as the following.
     pub(super) inverse: [f32; 3],
-    /// What to subtract from `plane * inverse` so that the result is at most the distance to a
-    /// plane where the ray enters.
     pub(super) near: [f32; 3],
-    /// The same for planes where it leaves, the result being at least the distance.
     pub(super) far: [f32; 3],
     /// Distance of the best hit, or the end of the ray.
     pub(super) t: f32,
-    /// Origin in sheared axes.
+    /// Four times the octant: by how much orders are shifted.
+    pub(super) order_shift: u32,
+    /// Byte offsets of the three planes where the ray enters, in a node; it leaves through those
+    /// 32 bytes on or back.
+    pub(super) entries: [u32; 3],
+    /// Where the distance of the next entry of its stack goes.
+    pub(super) top: *mut f32,
     pub(super) origin: [f32; 3],
     pub(super) shear: [f32; 3],
     /// Which axes of space the sheared ones are.
     pub(super) axes: [u32; 3],
-    /// Bit `axis` is set where the direction is negative.
-    pub(super) octant: u32,
     pub(super) u: f32,
     pub(super) v: f32,
     /// Id of the best hit; 0 before the first, so that nothing at the very end of the ray is taken
@@ -44,37 +144,32 @@ pub(super) struct Ray {
     pub(super) primitive: u32,
     /// Whether there is a hit.
     pub(super) is_hit: bool,
-    /// What it visits next.
-    pub(super) current: Child,
-    /// How many entries its stack has.
-    pub(super) top: u32,
     /// Its place in the batch.
     pub(super) index: u32,
 }
 
 impl Ray {
-    pub(super) fn new(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
-        let sheared = ShearedRay::new(origin, direction);
-        let largest = direction.abs().max_element();
-        let least = Vec3::splat(largest * LEAST_COMPONENT);
-        let inverse = direction.abs().max(least).copysign(direction).recip();
-        let error = BOX_ERROR * origin.abs().max_element() * inverse.abs();
+    /// One of sixteen rays, with an empty stack.
+    #[inline(always)]
+    pub(super) fn new(rays: &Prepared, lane: usize, index: u32, top: *mut f32) -> Self {
+        let octant = rays.octant[lane];
+        let z_axis = rays.z_axis[lane] as usize;
         Self {
-            inverse: inverse.to_array(),
-            near: (origin * inverse + error).to_array(),
-            far: (origin * inverse - error).to_array(),
-            t: t_max,
-            origin: sheared.axes.map(|axis| origin[axis]),
-            shear: sheared.shear,
-            axes: sheared.axes.map(|axis| axis as u32),
-            octant: direction.is_negative_bitmask(),
+            inverse: [rays.inverse[0][lane], rays.inverse[1][lane], rays.inverse[2][lane]],
+            near: [rays.near[0][lane], rays.near[1][lane], rays.near[2][lane]],
+            far: [rays.far[0][lane], rays.far[1][lane], rays.far[2][lane]],
+            t: rays.t_max[lane],
+            order_shift: 4 * octant,
+            entries: [(octant & 1) << 5, 64 | (octant & 2) << 4, 128 | (octant & 4) << 3],
+            top,
+            origin: [rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]],
+            shear: [rays.shear[0][lane], rays.shear[1][lane], rays.shear[2][lane]],
+            axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z_axis],
             u: 0.0,
             v: 0.0,
             primitive: 0,
             is_hit: false,
-            current: Child::node(0),
-            top: 0,
-            index: 0,
+            index,
         }
     }
 
@@ -86,19 +181,42 @@ impl Ray {
             self.is_hit = true;
         }
     }
-
-    /// Byte offsets of the three planes where the ray enters, in a node; it leaves through those
-    /// 32 bytes on or back.
-    #[inline(always)]
-    pub(super) fn entries(&self) -> [usize; 3] {
-        let octant = self.octant as usize;
-        [(octant & 1) << 5, 64 | (octant & 2) << 4, 128 | (octant & 4) << 3]
-    }
 }
 
-/// Whether the fast kernels may trace a ray: nothing in it overflows on the way to a box.
-pub(super) fn is_tame(origin: Vec3, direction: Vec3) -> bool {
-    let largest = direction.abs().max_element();
-    origin.abs().max_element() <= TAME_COORDINATE
-        && (1.0 / TAME_DIRECTION..=TAME_DIRECTION).contains(&largest)
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+
+    use super::*;
+    use crate::accel::triangle::ShearedRay;
+
+    #[test]
+    fn prepared_rays_are_sheared_like_the_tests_of_triangles_ask() {
+        let mut rng = StdRng::seed_from_u64(1);
+        let mut vector = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-9.0..9.0)));
+        let mut rays = Rays::default();
+        for i in 0..64 {
+            let (o, mut d) = (vector(), vector());
+            if i % 4 == 0 {
+                d = d.round();
+            }
+            rays.push(o, if d == Vec3::ZERO { Vec3::X } else { d }, 1.0);
+        }
+        let mut prepared = Prepared::EMPTY;
+        for i in 0..64 {
+            prepared.fill(&rays, i / LANES * LANES);
+            let ray = Ray::new(&prepared, i % LANES, i as u32, std::ptr::null_mut());
+            let expected = ShearedRay::new(rays.origin(i), rays.direction(i));
+            assert_eq!(ray.axes, expected.axes.map(|axis| axis as u32));
+            assert_eq!(ray.shear, expected.shear);
+            assert_eq!(ray.origin, expected.axes.map(|axis| expected.origin[axis]));
+            for axis in 0..3 {
+                let negative = rays.direction[axis][i].is_sign_negative();
+                assert_eq!(ray.order_shift >> (2 + axis) & 1 == 1, negative);
+                assert_eq!(ray.entries[axis], 64 * axis as u32 + 32 * u32::from(negative));
+                assert!(ray.far[axis] <= ray.near[axis] && ray.inverse[axis].is_finite());
+            }
+        }
+    }
 }

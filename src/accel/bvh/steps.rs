@@ -50,7 +50,7 @@ impl Steps for Portable {
         for (child, enter) in enters.iter_mut().enumerate() {
             let (mut near, mut far) = (0.0f32, ray.t);
             for axis in 0..3 {
-                let negative = (ray.octant >> axis & 1) as usize;
+                let negative = (ray.entries[axis] >> 5 & 1) as usize;
                 let entry = node.planes[2 * axis + negative][child];
                 let exit = node.planes[2 * axis + 1 - negative][child];
                 near = near.max(entry * ray.inverse[axis] - ray.near[axis]);
@@ -62,7 +62,7 @@ impl Steps for Portable {
         }
         let mut count = 0;
         for word in node.order {
-            let child = (word >> (4 * ray.octant) & 7) as usize;
+            let child = (word >> ray.order_shift & 7) as usize;
             if enters[child] < f32::INFINITY {
                 // SAFETY: at most eight entries are written.
                 unsafe {

@@ -22,7 +22,7 @@ unsafe fn slabs(node: &Node, ray: &Ray) -> (__m256, __m256) {
     let planes = node.planes.as_ptr().cast::<u8>();
     // SAFETY: the offsets lie within the planes, which are aligned to 32 bytes.
     unsafe {
-        let [x, y, z] = ray.entries();
+        let (x, y, z) = (ray.entries[0] as usize, ray.entries[1] as usize, ray.entries[2] as usize);
         let near = _mm256_max_ps(
             _mm256_max_ps(
                 slab(planes.add(x), &ray.inverse[0], &ray.near[0]),
@@ -69,7 +69,7 @@ unsafe fn order(node: &Node, ray: &Ray) -> __m256i {
     // SAFETY: the words are aligned to 32 bytes.
     unsafe {
         let words = _mm256_load_si256(node.order.as_ptr().cast());
-        _mm256_srl_epi32(words, _mm_cvtsi32_si128(4 * ray.octant as i32))
+        _mm256_srlv_epi32(words, _mm256_set1_epi32(ray.order_shift as i32))
     }
 }
 
@@ -79,14 +79,12 @@ impl Steps for Avx512 {
         // SAFETY: the caller's.
         unsafe {
             let (near, far) = slabs(node, ray);
-            let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, far);
-            let infinity = _mm256_set1_ps(f32::INFINITY);
-            let near = _mm256_mask_mov_ps(infinity, entered, near);
             let order = order(node, ray);
             let near = _mm256_permutevar8x32_ps(near, order);
+            let far = _mm256_permutevar8x32_ps(far, order);
             let names = _mm256_load_si256(node.children.as_ptr().cast());
             let names = _mm256_permutevar8x32_epi32(names, order);
-            let entered = _mm256_cmp_ps_mask::<_CMP_LT_OQ>(near, infinity);
+            let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, far);
             _mm256_storeu_ps(ts, _mm256_maskz_compress_ps(entered, near));
             _mm256_storeu_si256(children.cast(), _mm256_maskz_compress_epi32(entered, names));
             entered.count_ones() as usize
