@@ -12,6 +12,8 @@ mod isa;
 pub mod kdtree;
 mod primitives;
 mod rays;
+#[cfg(target_arch = "x86_64")]
+mod simd;
 pub mod triangle;
 
 pub use box_tree::BoxTree;

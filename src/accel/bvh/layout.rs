@@ -160,6 +160,16 @@ pub(super) fn block_triangle(rows: &[f32], count: usize, lane: usize) -> Triangl
     })
 }
 
+/// One triangle of the block of `count` that begins at `block`.
+///
+/// # Safety
+/// There is such a block.
+pub(super) unsafe fn triangle_at(block: *const f32, count: usize, lane: usize) -> Triangle {
+    // SAFETY: the caller's.
+    let rows = unsafe { std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE) };
+    block_triangle(rows, count, lane)
+}
+
 /// Where the triangle of an id is: slot of its block, triangles there, and its lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place(u32);

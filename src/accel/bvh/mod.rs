@@ -8,6 +8,7 @@ mod binary;
 mod careful;
 mod collapse;
 mod layout;
+mod packet;
 mod plan;
 mod ray;
 mod steps;
@@ -115,7 +116,13 @@ impl Bvh {
         self.run(rays, coherence, &mut Any { blocked }, scratch);
     }
 
-    fn run<Q: Query>(&self, rays: &Rays, _: Coherence, query: &mut Q, scratch: &mut Scratch) {
+    fn run<Q: Query>(
+        &self,
+        rays: &Rays,
+        coherence: Coherence,
+        query: &mut Q,
+        scratch: &mut Scratch,
+    ) {
         if self.nodes.is_empty() {
             return;
         }
@@ -123,10 +130,12 @@ impl Bvh {
         unsafe {
             match self.isa {
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx512 => stream_avx512(self, rays, query, &mut scratch.stream),
+                Isa::Avx512 => stream_avx512(self, rays, coherence, query, &mut scratch.stream),
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx2 => stream_avx2(self, rays, query, &mut scratch.stream),
-                _ => stream::trace::<Portable, Q>(self, rays, query, &mut scratch.stream),
+                Isa::Avx2 => stream_avx2(self, rays, coherence, query, &mut scratch.stream),
+                _ => {
+                    stream::trace::<Portable, Q>(self, rays, coherence, query, &mut scratch.stream)
+                }
             }
         }
     }
@@ -147,11 +156,12 @@ impl Bvh {
 unsafe fn stream_avx512<Q: Query>(
     bvh: &Bvh,
     rays: &Rays,
+    coherence: Coherence,
     query: &mut Q,
     stream: &mut stream::Stream,
 ) {
     // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx512, Q>(bvh, rays, query, stream) }
+    unsafe { stream::trace::<x86::Avx512, Q>(bvh, rays, coherence, query, stream) }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -159,11 +169,12 @@ unsafe fn stream_avx512<Q: Query>(
 unsafe fn stream_avx2<Q: Query>(
     bvh: &Bvh,
     rays: &Rays,
+    coherence: Coherence,
     query: &mut Q,
     stream: &mut stream::Stream,
 ) {
     // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx2, Q>(bvh, rays, query, stream) }
+    unsafe { stream::trace::<x86::Avx2, Q>(bvh, rays, coherence, query, stream) }
 }
 
 /// Boxes of everything that can be hit.
@@ -196,14 +207,11 @@ impl Query for Closest<'_> {
     const ANY: bool = false;
 
     #[inline(always)]
-    fn finish(&mut self, ray: &Ray) {
-        if ray.is_hit {
-            let i = ray.index as usize;
-            self.hits.t[i] = ray.t;
-            self.hits.u[i] = ray.u;
-            self.hits.v[i] = ray.v;
-            self.hits.primitive[i] = ray.primitive;
-        }
+    fn accept(&mut self, index: usize, [t, u, v]: [f32; 3], primitive: u32) {
+        self.hits.t[index] = t;
+        self.hits.u[index] = u;
+        self.hits.v[index] = v;
+        self.hits.primitive[index] = primitive;
     }
 }
 
@@ -216,7 +224,7 @@ impl Query for Any<'_> {
     const ANY: bool = true;
 
     #[inline(always)]
-    fn finish(&mut self, ray: &Ray) {
-        self.blocked[ray.index as usize] = ray.is_hit;
+    fn accept(&mut self, index: usize, _: [f32; 3], _: u32) {
+        self.blocked[index] = true;
     }
 }

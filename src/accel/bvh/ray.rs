@@ -1,6 +1,9 @@
 //! Rays made ready for boxes and triangles.
 
+use glam::Vec3;
+
 use super::layout::BOX_ERROR;
+use crate::accel::triangle::ShearedRay;
 use crate::accel::{LANES, Rays};
 
 /// Scenes whose coordinates, and rays whose origins, stay below this are tame: no distance to a
@@ -26,6 +29,10 @@ pub(super) struct Prepared {
     pub(super) near: [[f32; LANES]; 3],
     /// The same for planes where it leaves, the result being at least the distance.
     pub(super) far: [[f32; LANES]; 3],
+    /// Origins by axis, turned so that the ray goes toward larger coordinates, and moved by the
+    /// error of a test of a box: where the ray enters, and where it leaves.
+    pub(super) entering: [[f32; LANES]; 3],
+    pub(super) leaving: [[f32; LANES]; 3],
     /// Origin in sheared axes.
     pub(super) origin: [[f32; LANES]; 3],
     /// The shear of [`ShearedRay`](crate::accel::triangle::ShearedRay).
@@ -45,6 +52,8 @@ impl Prepared {
         inverse: [[0.0; LANES]; 3],
         near: [[0.0; LANES]; 3],
         far: [[0.0; LANES]; 3],
+        entering: [[0.0; LANES]; 3],
+        leaving: [[0.0; LANES]; 3],
         origin: [[0.0; LANES]; 3],
         shear: [[0.0; LANES]; 3],
         t_max: [0.0; LANES],
@@ -83,11 +92,14 @@ impl Prepared {
             let reach = max(max(ox.abs(), oy.abs()), oz.abs());
             for axis in 0..3 {
                 let (o, d) = ([ox, oy, oz][axis], [dx, dy, dz][axis]);
-                let inverse = 1.0 / max(d.abs(), largest * LEAST_COMPONENT).copysign(d);
-                let error = BOX_ERROR * reach * inverse.abs();
-                self.inverse[axis][lane] = inverse;
-                self.near[axis][lane] = o * inverse + error;
-                self.far[axis][lane] = o * inverse - error;
+                let size = 1.0 / max(d.abs(), largest * LEAST_COMPONENT);
+                let forward = f32::from_bits(o.to_bits() ^ d.to_bits() & 1 << 31);
+                let error = BOX_ERROR * reach;
+                self.entering[axis][lane] = forward + error;
+                self.leaving[axis][lane] = forward - error;
+                self.inverse[axis][lane] = size.copysign(d);
+                self.near[axis][lane] = (forward + error) * size;
+                self.far[axis][lane] = (forward - error) * size;
                 self.origin[axis][lane] = turned[axis];
                 self.shear[axis][lane] = shear[axis];
             }
@@ -149,9 +161,9 @@ pub(super) struct Ray {
 }
 
 impl Ray {
-    /// One of sixteen rays, with an empty stack.
+    /// One of sixteen rays, without a stack.
     #[inline(always)]
-    pub(super) fn new(rays: &Prepared, lane: usize, index: u32, top: *mut f32) -> Self {
+    pub(super) fn new(rays: &Prepared, lane: usize, index: u32) -> Self {
         let octant = rays.octant[lane];
         let z_axis = rays.z_axis[lane] as usize;
         Self {
@@ -160,8 +172,8 @@ impl Ray {
             far: [rays.far[0][lane], rays.far[1][lane], rays.far[2][lane]],
             t: rays.t_max[lane],
             order_shift: 4 * octant,
-            entries: [(octant & 1) << 5, 64 | (octant & 2) << 4, 128 | (octant & 4) << 3],
-            top,
+            entries: Self::entries(octant),
+            top: std::ptr::null_mut(),
             origin: [rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]],
             shear: [rays.shear[0][lane], rays.shear[1][lane], rays.shear[2][lane]],
             axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z_axis],
@@ -171,6 +183,21 @@ impl Ray {
             is_hit: false,
             index,
         }
+    }
+
+    /// See the field.
+    pub(super) fn entries(octant: u32) -> [u32; 3] {
+        [(octant & 1) << 5, 64 | (octant & 2) << 4, 128 | (octant & 4) << 3]
+    }
+
+    /// The ray as the test of triangles in plain Rust asks for it.
+    pub(super) fn sheared(&self) -> ShearedRay {
+        let axes = self.axes.map(|axis| axis as usize);
+        let mut origin = Vec3::ZERO;
+        for (place, axis) in axes.into_iter().enumerate() {
+            origin[axis] = self.origin[place];
+        }
+        ShearedRay { origin, axes, shear: self.shear }
     }
 
     /// Keeps a hit that is nearer than the best, or as near and of lower id.
@@ -185,11 +212,9 @@ impl Ray {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     use super::*;
-    use crate::accel::triangle::ShearedRay;
 
     #[test]
     fn prepared_rays_are_sheared_like_the_tests_of_triangles_ask() {
@@ -206,7 +231,7 @@ mod tests {
         let mut prepared = Prepared::EMPTY;
         for i in 0..64 {
             prepared.fill(&rays, i / LANES * LANES);
-            let ray = Ray::new(&prepared, i % LANES, i as u32, std::ptr::null_mut());
+            let ray = Ray::new(&prepared, i % LANES, i as u32);
             let expected = ShearedRay::new(rays.origin(i), rays.direction(i));
             assert_eq!(ray.axes, expected.axes.map(|axis| axis as u32));
             assert_eq!(ray.shear, expected.shear);

@@ -2,9 +2,10 @@
 
 use super::binary::BLOCK;
 use super::layout::{Child, Corners, Node, WIDTH, block_triangle};
-use super::ray::Ray;
-use crate::accel::triangle::{self, ShearedRay};
-use glam::Vec3;
+use super::packet::Surroundings;
+use super::ray::{Prepared, Ray};
+use super::stream::Query;
+use crate::accel::triangle;
 
 /// The steps that streams are made of, for one instruction set. All sets find the same hits; boxes
 /// may be entered by one and missed by another where no hit depends on it.
@@ -16,6 +17,26 @@ pub(super) trait Steps {
     /// # Safety
     /// The CPU has the instruction set; both arrays are writable for eight entries.
     unsafe fn children(node: &Node, ray: &Ray, ts: *mut f32, children: *mut Child) -> usize;
+
+    /// Drops those of the first `len` entries of a stack whose distance is more than `t`; returns
+    /// how many are left.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; both arrays have that many entries and eight more.
+    #[inline(always)]
+    unsafe fn cull(ts: *mut f32, children: *mut Child, len: usize, t: f32) -> usize {
+        let mut kept = 0;
+        for i in 0..len {
+            // SAFETY: both are entries.
+            unsafe {
+                let near = *ts.add(i);
+                *ts.add(kept) = near;
+                *children.add(kept) = *children.add(i);
+                kept += usize::from(near <= t);
+            }
+        }
+        kept
+    }
 
     /// Which triangles of a block the ray hits no farther than at `ray.t`, and where: bit `lane` of
     /// the result tells whether lane `lane` of `hits` counts.
@@ -30,6 +51,21 @@ pub(super) trait Steps {
     /// # Safety
     /// As [`triangles`](Self::triangles).
     unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool;
+
+    /// Traces those of sixteen rays that go the same way together; returns the others.
+    ///
+    /// # Safety
+    /// As [`stream::trace`](super::stream::trace).
+    #[inline(always)]
+    unsafe fn packets<Q: Query>(
+        _around: &mut Surroundings,
+        _prepared: &Prepared,
+        _first: usize,
+        pending: u32,
+        _query: &mut Q,
+    ) -> u32 {
+        pending
+    }
 }
 
 /// Where triangles of a block are hit.
@@ -79,7 +115,7 @@ impl Steps for Portable {
     unsafe fn triangles(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
         // SAFETY: the caller's.
         let block = unsafe { std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE) };
-        let sheared = sheared(ray);
+        let sheared = ray.sheared();
         let mut set = 0;
         for lane in 0..count {
             let triangle = block_triangle(block, count, lane);
@@ -95,18 +131,9 @@ impl Steps for Portable {
     unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool {
         // SAFETY: the caller's.
         let block = unsafe { std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE) };
-        let sheared = sheared(ray);
+        let sheared = ray.sheared();
         (0..count).any(|lane| {
             triangle::intersect(&sheared, &block_triangle(block, count, lane), ray.t).is_some()
         })
     }
-}
-
-fn sheared(ray: &Ray) -> ShearedRay {
-    let axes = ray.axes.map(|axis| axis as usize);
-    let mut origin = Vec3::ZERO;
-    for (place, axis) in axes.into_iter().enumerate() {
-        origin[axis] = ray.origin[place];
-    }
-    ShearedRay { origin, axes, shear: ray.shear }
 }

@@ -8,9 +8,10 @@
 use super::Bvh;
 use super::binary::BLOCK;
 use super::layout::{Child, Corners, Node, WIDTH};
+use super::packet::{self, Surroundings, UseOfLanes};
 use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, Steps};
-use crate::accel::{LANES, Rays};
+use crate::accel::{Coherence, LANES, Rays};
 
 /// Rays in flight.
 const IN_FLIGHT: usize = 32;
@@ -19,16 +20,26 @@ const IN_FLIGHT: usize = 32;
 pub(super) trait Query {
     /// Whether the first hit will do.
     const ANY: bool;
+    /// Takes the hit of a ray that is done: its place in the batch; t, u, v; and the id.
+    fn accept(&mut self, index: usize, hit: [f32; 3], primitive: u32);
     /// Takes a ray that is done.
-    fn finish(&mut self, ray: &Ray);
+    #[inline(always)]
+    fn finish(&mut self, ray: &Ray) {
+        if ray.is_hit {
+            self.accept(ray.index as usize, [ray.t, ray.u, ray.v], ray.primitive);
+        }
+    }
 }
 
 /// Working memory of [`trace`].
 #[derive(Debug)]
 pub(super) struct Stream {
     prepared: Prepared,
-    /// For each ray in flight itself, then its stack: distances, then what to visit.
-    flights: Vec<Line>,
+    packets: packet::Stack,
+    /// For each place the ray itself, then its stack: distances, then what to visit.
+    lines: Vec<Line>,
+    free: Vec<u32>,
+    parked: Vec<Stop>,
     lists: [[Stop; IN_FLIGHT]; 4],
 }
 
@@ -39,8 +50,8 @@ struct Line([u8; 64]);
 /// A ray in flight and what it stands before.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(8))]
-struct Stop {
-    /// Number of its first line.
+pub(super) struct Stop {
+    /// Where it is.
     place: u32,
     child: Child,
 }
@@ -48,7 +59,14 @@ struct Stop {
 impl Default for Stream {
     fn default() -> Self {
         let stop = Stop { place: 0, child: Child::DONE };
-        Self { prepared: Prepared::EMPTY, flights: vec![], lists: [[stop; IN_FLIGHT]; 4] }
+        Self {
+            prepared: Prepared::EMPTY,
+            packets: packet::Stack::default(),
+            lines: vec![],
+            free: vec![],
+            parked: vec![],
+            lists: [[stop; IN_FLIGHT]; 4],
+        }
     }
 }
 
@@ -58,35 +76,128 @@ pub(super) fn stack_size(depth: usize) -> usize {
     1 + depth * (WIDTH - 1) + WIDTH
 }
 
+/// The places for rays in flight, each with a stack behind it.
+pub(super) struct Flights<'a> {
+    first: *mut Line,
+    /// From one place to the next, in lines.
+    lines: usize,
+    memory: Memory,
+    free: &'a mut Vec<u32>,
+    /// Rays that left a packet and are not in a list yet.
+    parked: &'a mut Vec<Stop>,
+}
+
+impl Flights<'_> {
+    /// Puts a ray into a free place, with an empty stack.
+    ///
+    /// # Safety
+    /// A place is free.
+    #[inline(always)]
+    unsafe fn put(&mut self, ray: Ray) -> u32 {
+        // SAFETY: places lie within the lines, and have room for a ray and its stack.
+        unsafe {
+            let place = self.free.pop().unwrap_unchecked();
+            let home = self.ray(place);
+            *home = ray;
+            let first = home.add(1).cast::<f32>();
+            *first = f32::NEG_INFINITY;
+            *first.add(self.memory.stack).cast() = Child::DONE;
+            (*home).top = first.add(1);
+            place
+        }
+    }
+
+    /// Puts a ray into a free place, to go into flight before `child` when there is room.
+    ///
+    /// # Safety
+    /// A place is free.
+    #[inline(always)]
+    pub(super) unsafe fn park(&mut self, ray: Ray, child: Child) -> *mut Ray {
+        // SAFETY: the caller's.
+        unsafe {
+            let place = self.put(ray);
+            self.parked.push(Stop { place, child });
+            self.ray(place)
+        }
+    }
+
+    /// # Safety
+    /// `place` is one of the places.
+    #[inline(always)]
+    unsafe fn ray(&self, place: u32) -> *mut Ray {
+        // SAFETY: the caller's.
+        unsafe { self.first.add(place as usize * self.lines).cast() }
+    }
+}
+
 /// The rays of a batch that are still to be traced, made ready sixteen at a time.
 struct Pending<'a> {
-    rays: &'a Rays,
+    around: Surroundings<'a>,
     prepared: &'a mut Prepared,
+    /// Whether rays that go the same way are traced together.
+    packets: bool,
     next: usize,
+    /// Which of the sixteen are to go into flight.
+    left: u32,
 }
 
 impl Pending<'_> {
-    /// Puts the next ray into `flight`, its stack behind it; none is left if not.
+    /// Puts the next ray into flight, if any is left; where it stands.
+    ///
+    /// # Safety
+    /// As [`trace`]; fewer than [`IN_FLIGHT`] rays are in flight.
     #[inline(always)]
-    fn start<Q: Query>(&mut self, bvh: &Bvh, query: &mut Q, flight: &mut Ray) -> bool {
-        while self.next < self.rays.len() {
-            let (index, lane) = (self.next, self.next % LANES);
-            if lane == 0 {
-                self.prepared.fill(self.rays, index);
+    unsafe fn start<S: Steps, Q: Query>(&mut self, query: &mut Q) -> Option<Stop> {
+        loop {
+            if let Some(stop) = self.around.flights.parked.pop() {
+                return Some(stop);
             }
-            self.next += 1;
-            if !(self.prepared.t_max[lane] > 0.0) {
-                continue;
+            if self.left != 0 {
+                break;
             }
-            if bvh.is_tame && self.prepared.is_tame[lane] {
-                let stack = (&raw mut *flight).wrapping_add(1).cast::<f32>();
-                *flight = Ray::new(self.prepared, lane, index as u32, stack.wrapping_add(1));
-                return true;
+            if self.next >= self.around.rays.len() {
+                return None;
             }
-            let ray = Ray::new(self.prepared, lane, index as u32, std::ptr::null_mut());
-            query.finish(&super::careful::trace(bvh, self.rays, ray, Q::ANY));
+            // SAFETY: the caller's.
+            unsafe { self.prepare::<S, Q>(query) };
+            self.next += LANES;
         }
-        false
+        let lane = self.left.trailing_zeros() as usize;
+        self.left &= self.left - 1;
+        let index = (self.next - LANES + lane) as u32;
+        // SAFETY: no ray is parked, and there are more places than rays in flight.
+        let place = unsafe { self.around.flights.put(Ray::new(self.prepared, lane, index)) };
+        Some(Stop { place, child: Child::node(0) })
+    }
+
+    /// Makes sixteen rays ready, and traces those that can't go into flight, or go in packets.
+    ///
+    /// # Safety
+    /// As [`trace`].
+    #[inline(always)]
+    unsafe fn prepare<S: Steps, Q: Query>(&mut self, query: &mut Q) {
+        let Surroundings { bvh, rays, .. } = self.around;
+        self.prepared.fill(rays, self.next);
+        let count = (rays.len() - self.next).min(LANES);
+        let (mut tame, mut wild) = (0u32, 0u32);
+        for lane in 0..LANES {
+            let is_tame = bvh.is_tame && self.prepared.is_tame[lane];
+            let has_length = lane < count && self.prepared.t_max[lane] > 0.0;
+            tame |= u32::from(has_length && is_tame) << lane;
+            wild |= u32::from(has_length && !is_tame) << lane;
+        }
+        while wild != 0 {
+            let lane = wild.trailing_zeros() as usize;
+            wild &= wild - 1;
+            let ray = Ray::new(self.prepared, lane, (self.next + lane) as u32);
+            query.finish(&super::careful::trace(bvh, rays, ray, Q::ANY));
+        }
+        self.left = if self.packets && self.around.use_of_lanes.is_good() {
+            // SAFETY: the caller's.
+            unsafe { S::packets(&mut self.around, self.prepared, self.next, tame, query) }
+        } else {
+            tame
+        };
     }
 }
 
@@ -98,18 +209,27 @@ impl Pending<'_> {
 pub(super) unsafe fn trace<S: Steps, Q: Query>(
     bvh: &Bvh,
     rays: &Rays,
+    coherence: Coherence,
     query: &mut Q,
     stream: &mut Stream,
 ) {
     const { assert!(size_of::<Ray>() == 128) };
     // An odd number of lines, so that stacks do not compete for the same places of a cache.
     let lines = (2 + bvh.stack.div_ceil(8)) | 1;
-    let Stream { prepared, flights, lists } = stream;
-    flights.resize(flights.len().max(IN_FLIGHT * lines), Line([0; 64]));
-    let mut pending = Pending { rays, prepared, next: 0 };
+    let Stream { prepared, packets: stack, lines: room, free, parked, lists } = stream;
+    const PLACES: usize = IN_FLIGHT + LANES;
+    room.resize(room.len().max(PLACES * lines), Line([0; 64]));
+    free.clear();
+    free.extend((0..PLACES as u32).rev());
+    parked.clear();
+    stack.prepare(bvh.stack);
     let memory =
         Memory { nodes: bvh.nodes.as_ptr(), rows: bvh.corners.rows().as_ptr(), stack: bvh.stack };
-    let flights = flights.as_mut_ptr();
+    let flights = Flights { first: room.as_mut_ptr(), lines, memory, free, parked };
+    let packets = coherence == Coherence::Coherent;
+    let use_of_lanes = UseOfLanes::default();
+    let around = Surroundings { bvh, rays, memory, stack, flights, use_of_lanes };
+    let mut pending = Pending { around, prepared, packets, next: 0, left: 0 };
     let [first, second, leaves, others] = lists;
     let mut nodes = List::new(first);
     let mut stops =
@@ -119,20 +239,15 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     // Stacks: there is room for `bvh.stack` entries behind each ray.
     // Nodes and blocks: children of a node are numbers of nodes and blocks that exist.
     unsafe {
-        for i in 0..IN_FLIGHT {
-            let ray = flights.add(i * lines).cast::<Ray>();
-            if !pending.start(bvh, query, &mut *ray) {
-                break;
-            }
-            let stack = ray.add(1).cast::<f32>();
-            *stack = f32::NEG_INFINITY;
-            *stack.add(bvh.stack).cast() = Child::DONE;
-            nodes.push(Stop { place: (i * lines) as u32, child: Child::node(0) }, true);
+        for _ in 0..IN_FLIGHT {
+            let Some(stop) = pending.start::<S, Q>(query) else { break };
+            stops.push(stop.place, stop.child);
         }
+        std::mem::swap(&mut nodes, &mut stops.nodes);
         loop {
             for i in 0..nodes.len {
                 let Stop { place, child } = nodes.get(i);
-                let ray = &mut *flights.add(place as usize).cast::<Ray>();
+                let ray = &mut *pending.around.flights.ray(place);
                 let node = &*memory.nodes.add(child.0 as usize);
                 let count = S::children(node, ray, ray.top, ray.top.add(memory.stack).cast());
                 ray.top = ray.top.add(count);
@@ -140,27 +255,30 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
             }
             for i in 0..stops.leaves.take() {
                 let Stop { place, child } = stops.leaves.get(i);
-                let ray = &mut *flights.add(place as usize).cast::<Ray>();
-                let next = if test_leaf::<S, Q>(bvh, &memory, child, ray) {
-                    Child::DONE
-                } else {
-                    memory.pop(ray)
-                };
+                let ray = &mut *pending.around.flights.ray(place);
+                let t = ray.t;
+                let is_done = test_leaf::<S, Q>(bvh, &memory, child, ray);
+                if ray.t < t {
+                    memory.cull::<S>(ray);
+                }
+                let next = if is_done { Child::DONE } else { memory.pop(ray) };
                 stops.push(place, next);
             }
             for i in 0..stops.others.take() {
                 let Stop { place, child } = stops.others.get(i);
-                let ray = &mut *flights.add(place as usize).cast::<Ray>();
+                let ray = &mut *pending.around.flights.ray(place);
                 if child != Child::DONE {
                     bvh.test_curved(rays, child, ray);
+                    memory.cull::<S>(ray);
                     if !(Q::ANY && ray.is_hit) {
                         stops.push(place, memory.pop(ray));
                         continue;
                     }
                 }
                 query.finish(ray);
-                if pending.start(bvh, query, ray) {
-                    stops.push(place, Child::node(0));
+                pending.around.flights.free.push(place);
+                if let Some(stop) = pending.start::<S, Q>(query) {
+                    stops.push(stop.place, stop.child);
                 }
             }
             std::mem::swap(&mut nodes, &mut stops.nodes);
@@ -237,37 +355,62 @@ impl Stops {
 }
 
 /// The hierarchy as the inner loops see it.
-struct Memory {
-    nodes: *const Node,
-    rows: *const f32,
+#[derive(Clone, Copy)]
+pub(super) struct Memory {
+    pub(super) nodes: *const Node,
+    pub(super) rows: *const f32,
     /// From a distance on a stack to what to visit there, in entries.
     stack: usize,
 }
 
 impl Memory {
-    /// Takes entries from a ray's stack until one may hold a hit as near as the best, and asks for
-    /// the memory of that.
+    /// Puts an entry on a ray's stack.
     ///
     /// # Safety
-    /// The ray's stack holds its first entry, whose distance is minus infinity.
+    /// There is room for it.
+    #[inline(always)]
+    pub(super) unsafe fn push(&self, ray: &mut Ray, near: f32, child: Child) {
+        // SAFETY: the caller's.
+        unsafe {
+            *ray.top = near;
+            *ray.top.add(self.stack).cast() = child;
+            ray.top = ray.top.add(1);
+        }
+    }
+
+    /// Takes the last entry from a ray's stack, and asks for its memory.
+    ///
+    /// # Safety
+    /// The ray's stack holds its first entry at least.
     #[inline(always)]
     unsafe fn pop(&self, ray: &mut Ray) -> Child {
-        // SAFETY: the first entry ends the search.
+        // SAFETY: the caller's.
         let child = unsafe {
-            let mut top = ray.top.sub(1);
-            while *top > ray.t {
-                top = top.sub(1);
-            }
-            ray.top = top;
-            *top.add(self.stack).cast::<Child>()
+            ray.top = ray.top.sub(1);
+            *ray.top.add(self.stack).cast::<Child>()
         };
         self.prefetch(child);
         child
     }
 
+    /// Drops the entries of a ray's stack that begin behind its best hit: done at once when it is
+    /// found, so that taking an entry needs no loop whose end the CPU would have to guess.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; the ray's stack is the one behind it.
+    #[inline(always)]
+    unsafe fn cull<S: Steps>(&self, ray: &mut Ray) {
+        // SAFETY: the caller's; a step's eight entries fit behind the last.
+        unsafe {
+            let first = (&raw mut *ray).add(1).cast::<f32>();
+            let len = ray.top.offset_from_unsigned(first);
+            ray.top = first.add(S::cull(first, first.add(self.stack).cast(), len, ray.t));
+        }
+    }
+
     /// Asks for the memory of a node or a block.
     #[inline(always)]
-    fn prefetch(&self, child: Child) {
+    pub(super) fn prefetch(&self, child: Child) {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

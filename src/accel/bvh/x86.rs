@@ -2,10 +2,13 @@
 
 use std::arch::x86_64::*;
 
-use super::layout::{Child, Node};
-use super::ray::Ray;
+use super::layout::{Child, Node, WIDTH, triangle_at};
+use super::packet::{self, Beam, PacketSteps, Surroundings};
+use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, Steps};
-use crate::accel::triangle::MIN_DETERMINANT;
+use super::stream::Query;
+use crate::accel::simd::Lanes;
+use crate::accel::triangle::lanes::Tested;
 
 /// AVX2 with fused multiply-add.
 pub(super) struct Avx2;
@@ -65,21 +68,100 @@ unsafe fn slab(planes: *const u8, inverse: &f32, offset: &f32) -> __m256 {
 /// # Safety
 /// The CPU has AVX2.
 #[inline(always)]
-unsafe fn order(node: &Node, ray: &Ray) -> __m256i {
+unsafe fn shifted(node: &Node, shift: u32) -> __m256i {
     // SAFETY: the words are aligned to 32 bytes.
     unsafe {
         let words = _mm256_load_si256(node.order.as_ptr().cast());
-        _mm256_srlv_epi32(words, _mm256_set1_epi32(ray.order_shift as i32))
+        _mm256_srlv_epi32(words, _mm256_set1_epi32(shift as i32))
+    }
+}
+
+/// Which boxes some ray of a beam may enter before its end; a child's number is its lane.
+///
+/// # Safety
+/// The CPU has AVX2 and FMA.
+#[inline(always)]
+unsafe fn met_by(node: &Node, beam: &Beam) -> __m256 {
+    let planes = node.planes.as_ptr().cast::<u8>();
+    // SAFETY: the offsets lie within the planes, which are aligned to 32 bytes.
+    unsafe {
+        let mut near = _mm256_setzero_ps();
+        let mut far = _mm256_set1_ps(beam.t_max);
+        for axis in 0..3 {
+            let sign = _mm256_set1_ps(beam.signs[axis]);
+            let entry = beam.entries[axis] as usize;
+            let [least, most] =
+                [_mm256_set1_ps(beam.inverses[axis][0]), _mm256_set1_ps(beam.inverses[axis][1])];
+            let plane = _mm256_load_ps(planes.add(entry).cast());
+            let d = _mm256_fmsub_ps(plane, sign, _mm256_set1_ps(beam.entering[axis]));
+            let t = _mm256_min_ps(_mm256_mul_ps(d, least), _mm256_mul_ps(d, most));
+            near = _mm256_max_ps(near, t);
+            let plane = _mm256_load_ps(planes.add(entry ^ 32).cast());
+            let d = _mm256_fmsub_ps(plane, sign, _mm256_set1_ps(beam.leaving[axis]));
+            let t = _mm256_max_ps(_mm256_mul_ps(d, least), _mm256_mul_ps(d, most));
+            far = _mm256_min_ps(far, t);
+        }
+        _mm256_cmp_ps::<_CMP_LE_OQ>(near, far)
+    }
+}
+
+impl PacketSteps for Avx512 {
+    type Lanes = __m512;
+
+    #[inline(always)]
+    unsafe fn may_enter(node: &Node, beam: &Beam, places: &mut [u32; WIDTH]) -> usize {
+        // SAFETY: the caller's.
+        unsafe {
+            let met = met_by(node, beam);
+            let order = shifted(node, beam.order_shift);
+            let met =
+                _mm256_movepi32_mask(_mm256_castps_si256(_mm256_permutevar8x32_ps(met, order)));
+            let order = _mm256_and_si256(order, _mm256_set1_epi32(7));
+            let order = _mm256_maskz_compress_epi32(met, order);
+            _mm256_storeu_si256(places.as_mut_ptr().cast(), order);
+            met.count_ones() as usize
+        }
+    }
+}
+
+impl PacketSteps for Avx2 {
+    type Lanes = __m256;
+
+    #[inline(always)]
+    unsafe fn may_enter(node: &Node, beam: &Beam, places: &mut [u32; WIDTH]) -> usize {
+        // SAFETY: the caller's.
+        unsafe {
+            let met = met_by(node, beam);
+            let order = shifted(node, beam.order_shift);
+            let set = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as usize;
+            let lanes = _mm_loadl_epi64(LANES_OF[set & 255].as_ptr().cast());
+            let order = _mm256_permutevar8x32_epi32(order, _mm256_cvtepu8_epi32(lanes));
+            let order = _mm256_and_si256(order, _mm256_set1_epi32(7));
+            _mm256_storeu_si256(places.as_mut_ptr().cast(), order);
+            set.count_ones() as usize
+        }
     }
 }
 
 impl Steps for Avx512 {
     #[inline(always)]
+    unsafe fn packets<Q: Query>(
+        around: &mut Surroundings,
+        prepared: &Prepared,
+        first: usize,
+        pending: u32,
+        query: &mut Q,
+    ) -> u32 {
+        // SAFETY: the caller's.
+        unsafe { packet::trace::<Self, Q>(around, prepared, first, pending, query) }
+    }
+
+    #[inline(always)]
     unsafe fn children(node: &Node, ray: &Ray, ts: *mut f32, children: *mut Child) -> usize {
         // SAFETY: the caller's.
         unsafe {
             let (near, far) = slabs(node, ray);
-            let order = order(node, ray);
+            let order = shifted(node, ray.order_shift);
             let near = _mm256_permutevar8x32_ps(near, order);
             let far = _mm256_permutevar8x32_ps(far, order);
             let names = _mm256_load_si256(node.children.as_ptr().cast());
@@ -92,15 +174,35 @@ impl Steps for Avx512 {
     }
 
     #[inline(always)]
+    unsafe fn cull(ts: *mut f32, children: *mut Child, len: usize, t: f32) -> usize {
+        let mut kept = 0;
+        // SAFETY: what is read and written beyond the entries is among the eight behind them.
+        unsafe {
+            for i in (0..len).step_by(8) {
+                let near = _mm256_loadu_ps(ts.add(i));
+                let names = _mm256_loadu_si256(children.add(i).cast());
+                let present = (1u32 << (len - i).min(8)) - 1;
+                let t = _mm256_set1_ps(t);
+                let kept_here = _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(present as u8, near, t);
+                _mm256_storeu_ps(ts.add(kept), _mm256_maskz_compress_ps(kept_here, near));
+                let names = _mm256_maskz_compress_epi32(kept_here, names);
+                _mm256_storeu_si256(children.add(kept).cast(), names);
+                kept += kept_here.count_ones() as usize;
+            }
+        }
+        kept
+    }
+
+    #[inline(always)]
     unsafe fn triangles(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
         // SAFETY: the caller's.
-        unsafe { Block::test(block, count, ray).report(hits) }
+        unsafe { report(block, count, ray, hits) }
     }
 
     #[inline(always)]
     unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool {
         // SAFETY: the caller's.
-        unsafe { Block::test(block, count, ray).any_before(ray) }
+        unsafe { is_hit(block, count, ray) }
     }
 }
 
@@ -124,12 +226,24 @@ static LANES_OF: [[u8; 8]; 256] = {
 
 impl Steps for Avx2 {
     #[inline(always)]
+    unsafe fn packets<Q: Query>(
+        around: &mut Surroundings,
+        prepared: &Prepared,
+        first: usize,
+        pending: u32,
+        query: &mut Q,
+    ) -> u32 {
+        // SAFETY: the caller's.
+        unsafe { packet::trace::<Self, Q>(around, prepared, first, pending, query) }
+    }
+
+    #[inline(always)]
     unsafe fn children(node: &Node, ray: &Ray, ts: *mut f32, children: *mut Child) -> usize {
         // SAFETY: the caller's.
         unsafe {
             let (near, far) = slabs(node, ray);
             let entered = _mm256_cmp_ps::<_CMP_LE_OQ>(near, far);
-            let order = order(node, ray);
+            let order = shifted(node, ray.order_shift);
             let set = _mm256_movemask_ps(_mm256_permutevar8x32_ps(entered, order)) as usize;
             let lanes = _mm_loadl_epi64(LANES_OF[set & 255].as_ptr().cast());
             let order = _mm256_permutevar8x32_epi32(order, _mm256_cvtepu8_epi32(lanes));
@@ -143,161 +257,69 @@ impl Steps for Avx2 {
     #[inline(always)]
     unsafe fn triangles(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
         // SAFETY: the caller's.
-        unsafe { Block::test(block, count, ray).report(hits) }
+        unsafe { report(block, count, ray, hits) }
     }
 
     #[inline(always)]
     unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool {
         // SAFETY: the caller's.
-        unsafe { Block::test(block, count, ray).any_before(ray) }
+        unsafe { is_hit(block, count, ray) }
     }
 }
 
-/// The test of [`triangle`](crate::accel::triangle) for four triangles: the same operations in the
-/// same order.
-struct Block {
-    area_b: __m128,
-    area_c: __m128,
-    determinant: __m128,
-    t: __m128,
-    /// Triangles that are hit no farther than the best.
-    hits: u32,
-}
-
-impl Block {
-    /// # Safety
-    /// The CPU has AVX2 and FMA; otherwise as [`Steps::triangles`].
-    #[inline(always)]
-    unsafe fn test(block: *const f32, count: usize, ray: &Ray) -> Self {
-        // SAFETY: rows and what is read beyond the last are readable, as the caller promises.
-        unsafe {
-            let origin = load3(&ray.origin);
-            let shear = load3(&ray.shear);
-            let x = block.add(ray.axes[0] as usize * count);
-            let y = block.add(ray.axes[1] as usize * count);
-            let z = block.add(ray.axes[2] as usize * count);
-            let (second, third) = (3 * count, 6 * count);
-            let a = corner(x, y, z, &origin, &shear);
-            let b = corner(x.add(second), y.add(second), z.add(second), &origin, &shear);
-            let c = corner(x.add(third), y.add(third), z.add(third), &origin, &shear);
-            let area_a = difference_of_products(c[0], b[1], c[1], b[0]);
-            let area_b = difference_of_products(a[0], c[1], a[1], c[0]);
-            let area_c = difference_of_products(b[0], a[1], b[1], a[0]);
-            let determinant = _mm_add_ps(_mm_add_ps(area_a, area_b), area_c);
-            let z =
-                _mm_fmadd_ps(area_c, c[2], _mm_fmadd_ps(area_b, b[2], _mm_mul_ps(area_a, a[2])));
-            let t = _mm_mul_ps(_mm_div_ps(z, determinant), shear[2]);
-            let zero = _mm_setzero_ps();
-            let least = _mm_min_ps(_mm_min_ps(area_a, area_b), area_c);
-            let most = _mm_max_ps(_mm_max_ps(area_a, area_b), area_c);
-            let inside = _mm_or_ps(_mm_cmpge_ps(least, zero), _mm_cmple_ps(most, zero));
-            let size = _mm_andnot_ps(_mm_set1_ps(-0.0), determinant);
-            let solid = _mm_cmpge_ps(size, _mm_set1_ps(MIN_DETERMINANT));
-            let ahead =
-                _mm_and_ps(_mm_cmpgt_ps(t, zero), _mm_cmple_ps(t, _mm_broadcast_ss(&ray.t)));
-            let hits = _mm_movemask_ps(_mm_and_ps(_mm_and_ps(inside, solid), ahead)) as u32;
-            let mut hits = hits & ((1 << count) - 1);
-            if hits != 0 {
-                hits &= lie_ahead(block, count, ray, determinant);
-            }
-            Self { area_b, area_c, determinant, t, hits }
-        }
-    }
-
-    /// # Safety
-    /// The CPU has AVX2.
-    #[inline(always)]
-    unsafe fn report(&self, hits: &mut BlockHits) -> u32 {
-        if self.hits != 0 {
-            // SAFETY: the arrays have four elements.
-            unsafe {
-                _mm_storeu_ps(hits.t.as_mut_ptr(), self.t);
-                _mm_storeu_ps(hits.u.as_mut_ptr(), _mm_div_ps(self.area_b, self.determinant));
-                _mm_storeu_ps(hits.v.as_mut_ptr(), _mm_div_ps(self.area_c, self.determinant));
-            }
-        }
-        self.hits
-    }
-
-    /// # Safety
-    /// The CPU has AVX2.
-    #[inline(always)]
-    unsafe fn any_before(&self, ray: &Ray) -> bool {
-        // SAFETY: no memory beyond the ray is read.
-        let before = unsafe { _mm_movemask_ps(_mm_cmplt_ps(self.t, _mm_broadcast_ss(&ray.t))) };
-        self.hits & before as u32 != 0
-    }
-}
-
-/// Which of four triangles the ray starts before: the sign of the origin's distance from their
-/// planes, in f64, as in [`triangle`](crate::accel::triangle).
+/// The triangles of a block, one to a lane, against a ray.
 ///
 /// # Safety
-/// As [`Block::test`].
+/// The CPU has AVX2 and FMA; otherwise as [`Steps::triangles`].
 #[inline(always)]
-unsafe fn lie_ahead(block: *const f32, count: usize, ray: &Ray, determinant: __m128) -> u32 {
-    // SAFETY: the caller's.
+unsafe fn test(block: *const f32, count: usize, ray: &Ray) -> Tested<__m128> {
+    // SAFETY: rows and what is read beyond the last are readable, as the caller promises.
     unsafe {
-        let row = |corner: usize, axis: usize| {
-            let row = block.add((3 * corner + ray.axes[axis] as usize) * count);
-            _mm256_cvtps_pd(_mm_loadu_ps(row))
-        };
-        let edge = |corner: usize, axis: usize| _mm256_sub_pd(row(corner, axis), row(0, axis));
-        let [e, f] = [1, 2].map(|corner| [0, 1, 2].map(|axis| edge(corner, axis)));
-        let term = |axis: usize| {
-            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-            let minor =
-                _mm256_sub_pd(_mm256_mul_pd(e[next], f[last]), _mm256_mul_pd(e[last], f[next]));
-            let origin = _mm256_set1_pd(f64::from(ray.origin[axis]));
-            _mm256_mul_pd(minor, _mm256_sub_pd(row(0, axis), origin))
-        };
-        let volume = _mm256_add_pd(_mm256_add_pd(term(0), term(1)), term(2));
-        let nonzero = _mm256_cmp_pd::<_CMP_NEQ_UQ>(volume, _mm256_setzero_pd());
-        let flipped = if ray.shear[2] < 0.0 { 15 } else { 0 };
-        let ahead = _mm256_movemask_pd(volume) ^ _mm_movemask_ps(determinant) ^ flipped;
-        (ahead & _mm256_movemask_pd(nonzero)) as u32
+        let mut corners = [[_mm_setzero_ps(); 3]; 3];
+        for (c, corner) in corners.iter_mut().enumerate() {
+            for (k, row) in corner.iter_mut().enumerate() {
+                *row = _mm_loadu_ps(block.add((3 * c + ray.axes[k] as usize) * count));
+            }
+        }
+        let (origin, shear) = (splat3(&ray.origin), splat3(&ray.shear));
+        let lanes = (1 << count) - 1;
+        let tested = Tested::new(corners, origin, shear, _mm_set1_ps(ray.t), lanes);
+        tested.settle(|lane| (ray.sheared(), triangle_at(block, count, lane)))
     }
 }
 
 /// # Safety
-/// The CPU has AVX.
+/// The CPU has the instructions of `L`.
 #[inline(always)]
-unsafe fn load3(values: &[f32; 3]) -> [__m128; 3] {
+unsafe fn splat3<L: Lanes>(v: &[f32; 3]) -> [L; 3] {
     // SAFETY: the caller's.
-    unsafe {
-        [_mm_broadcast_ss(&values[0]), _mm_broadcast_ss(&values[1]), _mm_broadcast_ss(&values[2])]
-    }
+    unsafe { [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])] }
 }
 
-/// Four corners in sheared coordinates.
-///
 /// # Safety
-/// The CPU has FMA; four elements of each row are readable.
+/// As [`test`].
 #[inline(always)]
-unsafe fn corner(
-    x: *const f32,
-    y: *const f32,
-    z: *const f32,
-    origin: &[__m128; 3],
-    shear: &[__m128; 3],
-) -> [__m128; 3] {
-    // SAFETY: the caller's.
+unsafe fn report(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
+    // SAFETY: the arrays have four elements.
     unsafe {
-        let x = _mm_sub_ps(_mm_loadu_ps(x), origin[0]);
-        let y = _mm_sub_ps(_mm_loadu_ps(y), origin[1]);
-        let z = _mm_sub_ps(_mm_loadu_ps(z), origin[2]);
-        [_mm_fnmadd_ps(shear[0], z, x), _mm_fnmadd_ps(shear[1], z, y), z]
+        let tested = test(block, count, ray);
+        if tested.hits != 0 {
+            let [u, v] = tested.weights();
+            tested.t.store(hits.t.as_mut_ptr());
+            u.store(hits.u.as_mut_ptr());
+            v.store(hits.v.as_mut_ptr());
+        }
+        tested.hits
     }
 }
 
 /// # Safety
-/// The CPU has FMA.
+/// As [`test`].
 #[inline(always)]
-unsafe fn difference_of_products(a: __m128, b: __m128, c: __m128, d: __m128) -> __m128 {
+unsafe fn is_hit(block: *const f32, count: usize, ray: &Ray) -> bool {
     // SAFETY: the caller's.
     unsafe {
-        let cd = _mm_mul_ps(c, d);
-        let error = _mm_fnmadd_ps(c, d, cd);
-        _mm_add_ps(_mm_fmsub_ps(a, b, cd), error)
+        let tested = test(block, count, ray);
+        tested.hits & tested.t.lt(__m128::splat(ray.t)) != 0
     }
 }

@@ -13,6 +13,9 @@
 //! Every operation below is one correctly rounded operation of IEEE 754, fused multiply-add
 //! included; a kernel that makes the same operations in the same order gives the same bits.
 
+#[cfg(target_arch = "x86_64")]
+pub(super) mod lanes;
+
 use glam::{DVec3, Vec3};
 
 use super::Triangle;
@@ -28,6 +31,11 @@ pub const MIN_DETERMINANT: f32 = f32::from_bits((127 - 120) << 23);
 /// Counted in roundings: 5 of the sheared corner, 6 of the weights, 4 of t, 3 of t's use, and as
 /// many again for the traversal that relies on it.
 pub const POSITION_ERROR: f32 = 32.0 * crate::math::rounding::UNIT_ROUNDOFF;
+
+/// Where t is at least so much of the largest distance of a corner along the sheared axis, its
+/// sign is certain: weights are right to 2^-22 of the triangle's size over its height, and a
+/// triangle a thousand times as long as high still leaves two bits to spare.
+const SURE_OF_SIGN: f32 = 1.0 / 4096.0;
 
 /// A ray made ready for the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +96,12 @@ pub fn intersect(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<Tr
     }
     let z = fused(area_c, c[2], fused(area_b, b[2], area_a * a[2]));
     let t = (z / determinant) * ray.shear[2];
-    (t > 0.0 && t < t_max && lies_ahead(ray, triangle, determinant)).then(|| TriangleHit {
+    if !(t > 0.0 && t < t_max) {
+        return None;
+    }
+    let reach = a[2].abs().max(b[2].abs()).max(c[2].abs());
+    let doubtful = z.abs() <= determinant.abs() * reach * SURE_OF_SIGN;
+    (!doubtful || lies_ahead(ray, triangle, determinant < 0.0)).then(|| TriangleHit {
         t,
         u: area_b / determinant,
         v: area_c / determinant,
@@ -101,8 +114,10 @@ pub fn intersect(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<Tr
 /// for a large triangle that the ray grazes: a ray that leaves a floor of 1000 units from a
 /// millionth above it could hit that floor again. The sign of the origin's distance from the plane
 /// is right in f64, whose roundings are a billionth of those. It is taken from the edges, so that
-/// it is right for small triangles far away too.
-fn lies_ahead(ray: &ShearedRay, triangle: &Triangle, determinant: f32) -> bool {
+/// it is right for small triangles far away too. `negative` is the sign of the determinant.
+#[cold]
+#[inline(never)]
+pub(super) fn lies_ahead(ray: &ShearedRay, triangle: &Triangle, negative: bool) -> bool {
     let wide = |p: Vec3| ray.axes.map(|axis| f64::from(p[axis]));
     let difference = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
     let [a, b, c] = triangle.map(wide);
@@ -111,8 +126,7 @@ fn lies_ahead(ray: &ShearedRay, triangle: &Triangle, determinant: f32) -> bool {
     let y = (e[2] * f[0] - e[0] * f[2]) * p[1];
     let z = (e[0] * f[1] - e[1] * f[0]) * p[2];
     let volume = (x + y) + z;
-    let negative = [volume.is_sign_negative(), determinant < 0.0, ray.shear[2] < 0.0];
-    volume != 0.0 && negative[0] ^ negative[1] ^ negative[2]
+    volume != 0.0 && (volume < 0.0) ^ negative ^ (ray.shear[2] < 0.0)
 }
 
 /// Whether a triangle has no area (its corners, as they are in f32, lie on a line). Such triangles

@@ -1,0 +1,215 @@
+//! Vectors of 4, 8 and 16 numbers, so that a kernel is written once for all of them.
+//!
+//! Nothing here is reordered or approximated: a lane gives the bits that the same operations give
+//! in plain Rust.
+
+#![allow(clippy::undocumented_unsafe_blocks)] // the caller's promise, in each of them
+
+use std::arch::x86_64::*;
+
+/// A vector of `COUNT` numbers.
+///
+/// Functions are inlined into a kernel that is compiled for the CPU's instruction set.
+///
+/// # Safety
+/// That set must have the type's instructions: AVX2 and FMA for 4 and 8 lanes, AVX-512 F, DQ and VL
+/// for 16. Pointers must be valid for all lanes; they need no alignment.
+pub(super) trait Lanes: Copy {
+    const COUNT: usize;
+
+    unsafe fn splat(x: f32) -> Self;
+    unsafe fn load(from: *const f32) -> Self;
+    unsafe fn store(self, to: *mut f32);
+    unsafe fn add(self, other: Self) -> Self;
+    unsafe fn sub(self, other: Self) -> Self;
+    unsafe fn mul(self, other: Self) -> Self;
+    unsafe fn div(self, other: Self) -> Self;
+    /// `self * b + c`, rounded once.
+    unsafe fn mul_add(self, b: Self, c: Self) -> Self;
+    /// `self * b - c`, rounded once.
+    unsafe fn mul_sub(self, b: Self, c: Self) -> Self;
+    /// `c - self * b`, rounded once.
+    unsafe fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// The smaller; `other` where one is NaN.
+    unsafe fn min(self, other: Self) -> Self;
+    /// The larger; `other` where one is NaN.
+    unsafe fn max(self, other: Self) -> Self;
+    unsafe fn abs(self) -> Self;
+    /// Where `self <= other`: bit `i` for lane `i`. No bit where one is NaN, as in all of these.
+    unsafe fn le(self, other: Self) -> u32;
+    unsafe fn lt(self, other: Self) -> u32;
+    /// `other` in the lanes of `set`, `self` in the others.
+    unsafe fn replace(self, set: u32, other: Self) -> Self;
+}
+
+/// A function for each of a type's instructions.
+macro_rules! lanes {
+    ($type:ty, $count:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
+     $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident, $min:ident, $max:ident,
+     $and:ident, $compare:ident, $replace:ident) => {
+        impl Lanes for $type {
+            const COUNT: usize = $count;
+
+            #[inline(always)]
+            unsafe fn splat(x: f32) -> Self {
+                unsafe { $splat(x) }
+            }
+            #[inline(always)]
+            unsafe fn load(from: *const f32) -> Self {
+                unsafe { $load(from) }
+            }
+            #[inline(always)]
+            unsafe fn store(self, to: *mut f32) {
+                unsafe { $store(to, self) }
+            }
+            #[inline(always)]
+            unsafe fn add(self, other: Self) -> Self {
+                unsafe { $add(self, other) }
+            }
+            #[inline(always)]
+            unsafe fn sub(self, other: Self) -> Self {
+                unsafe { $sub(self, other) }
+            }
+            #[inline(always)]
+            unsafe fn mul(self, other: Self) -> Self {
+                unsafe { $mul(self, other) }
+            }
+            #[inline(always)]
+            unsafe fn div(self, other: Self) -> Self {
+                unsafe { $div(self, other) }
+            }
+            #[inline(always)]
+            unsafe fn mul_add(self, b: Self, c: Self) -> Self {
+                unsafe { $fmadd(self, b, c) }
+            }
+            #[inline(always)]
+            unsafe fn mul_sub(self, b: Self, c: Self) -> Self {
+                unsafe { $fmsub(self, b, c) }
+            }
+            #[inline(always)]
+            unsafe fn neg_mul_add(self, b: Self, c: Self) -> Self {
+                unsafe { $fnmadd(self, b, c) }
+            }
+            #[inline(always)]
+            unsafe fn min(self, other: Self) -> Self {
+                unsafe { $min(self, other) }
+            }
+            #[inline(always)]
+            unsafe fn max(self, other: Self) -> Self {
+                unsafe { $max(self, other) }
+            }
+            #[inline(always)]
+            unsafe fn abs(self) -> Self {
+                unsafe { $and(self, $splat(f32::from_bits(0x7fff_ffff))) }
+            }
+            #[inline(always)]
+            unsafe fn le(self, other: Self) -> u32 {
+                unsafe { $compare::<_CMP_LE_OQ>(self, other) }
+            }
+            #[inline(always)]
+            unsafe fn lt(self, other: Self) -> u32 {
+                unsafe { $compare::<_CMP_LT_OQ>(self, other) }
+            }
+            #[inline(always)]
+            unsafe fn replace(self, set: u32, other: Self) -> Self {
+                unsafe { $replace(self, set, other) }
+            }
+        }
+    };
+}
+
+lanes!(
+    __m128,
+    4,
+    _mm_set1_ps,
+    _mm_loadu_ps,
+    _mm_storeu_ps,
+    _mm_add_ps,
+    _mm_sub_ps,
+    _mm_mul_ps,
+    _mm_div_ps,
+    _mm_fmadd_ps,
+    _mm_fmsub_ps,
+    _mm_fnmadd_ps,
+    _mm_min_ps,
+    _mm_max_ps,
+    _mm_and_ps,
+    compare4,
+    replace4
+);
+lanes!(
+    __m256,
+    8,
+    _mm256_set1_ps,
+    _mm256_loadu_ps,
+    _mm256_storeu_ps,
+    _mm256_add_ps,
+    _mm256_sub_ps,
+    _mm256_mul_ps,
+    _mm256_div_ps,
+    _mm256_fmadd_ps,
+    _mm256_fmsub_ps,
+    _mm256_fnmadd_ps,
+    _mm256_min_ps,
+    _mm256_max_ps,
+    _mm256_and_ps,
+    compare8,
+    replace8
+);
+lanes!(
+    __m512,
+    16,
+    _mm512_set1_ps,
+    _mm512_loadu_ps,
+    _mm512_storeu_ps,
+    _mm512_add_ps,
+    _mm512_sub_ps,
+    _mm512_mul_ps,
+    _mm512_div_ps,
+    _mm512_fmadd_ps,
+    _mm512_fmsub_ps,
+    _mm512_fnmadd_ps,
+    _mm512_min_ps,
+    _mm512_max_ps,
+    _mm512_and_ps,
+    compare16,
+    replace16
+);
+
+#[inline(always)]
+unsafe fn compare4<const HOW: i32>(a: __m128, b: __m128) -> u32 {
+    unsafe { _mm_movemask_ps(_mm_cmp_ps::<HOW>(a, b)) as u32 }
+}
+
+#[inline(always)]
+unsafe fn compare8<const HOW: i32>(a: __m256, b: __m256) -> u32 {
+    unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<HOW>(a, b)) as u32 }
+}
+
+#[inline(always)]
+unsafe fn compare16<const HOW: i32>(a: __m512, b: __m512) -> u32 {
+    unsafe { u32::from(_mm512_cmp_ps_mask::<HOW>(a, b)) }
+}
+
+#[inline(always)]
+unsafe fn replace4(a: __m128, set: u32, b: __m128) -> __m128 {
+    unsafe {
+        let bits = _mm_setr_epi32(1, 2, 4, 8);
+        let set = _mm_and_si128(_mm_set1_epi32(set as i32), bits);
+        _mm_blendv_ps(a, b, _mm_castsi128_ps(_mm_cmpeq_epi32(set, bits)))
+    }
+}
+
+#[inline(always)]
+unsafe fn replace8(a: __m256, set: u32, b: __m256) -> __m256 {
+    unsafe {
+        let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+        let set = _mm256_and_si256(_mm256_set1_epi32(set as i32), bits);
+        _mm256_blendv_ps(a, b, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bits)))
+    }
+}
+
+#[inline(always)]
+unsafe fn replace16(a: __m512, set: u32, b: __m512) -> __m512 {
+    unsafe { _mm512_mask_mov_ps(a, set as u16, b) }
+}
