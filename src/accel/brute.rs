@@ -1,7 +1,7 @@
 //! Tests every primitive: the oracle that the structures are held against.
 
 use super::triangle::{self, ShearedRay};
-use super::{Hits, Primitives, Rays};
+use super::{Curved, Hits, Primitives, Rays};
 
 /// Primitives without a structure.
 #[derive(Debug)]
@@ -31,6 +31,39 @@ impl Brute {
     }
 
     pub(super) fn intersect(&self, rays: &Rays, hits: &mut Hits) {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("fma") {
+            // SAFETY: the CPU has the instructions.
+            return unsafe { self.intersect_by_fma(rays, hits) };
+        }
+        self.intersect_by(rays, hits);
+    }
+
+    pub(super) fn occluded(&self, rays: &Rays, blocked: &mut [bool]) {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("fma") {
+            // SAFETY: the CPU has the instructions.
+            return unsafe { self.occluded_by_fma(rays, blocked) };
+        }
+        self.occluded_by(rays, blocked);
+    }
+
+    /// The same bits as without the instruction, which then is a call of a library.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "fma")]
+    fn intersect_by_fma(&self, rays: &Rays, hits: &mut Hits) {
+        self.intersect_by(rays, hits);
+    }
+
+    /// As [`intersect_by_fma`](Self::intersect_by_fma).
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "fma")]
+    fn occluded_by_fma(&self, rays: &Rays, blocked: &mut [bool]) {
+        self.occluded_by(rays, blocked);
+    }
+
+    #[inline(always)]
+    fn intersect_by(&self, rays: &Rays, hits: &mut Hits) {
         for i in 0..rays.len() {
             hits.t[i] = rays.t_max[i];
             self.intersect_triangles(rays, i, hits);
@@ -41,22 +74,33 @@ impl Brute {
         }
     }
 
-    pub(super) fn occluded(&self, rays: &Rays, blocked: &mut [bool]) {
+    #[inline(always)]
+    fn occluded_by(&self, rays: &Rays, blocked: &mut [bool]) {
         for (i, blocked) in blocked.iter_mut().enumerate().take(rays.len()) {
-            let (origin, direction, t_max) = (rays.origin(i), rays.direction(i), rays.t_max[i]);
-            let sheared = ShearedRay::new(origin, direction);
-            let triangles = &self.primitives.triangles;
-            *blocked =
-                self.solid.iter().any(|&id| {
-                    triangle::intersect(&sheared, &triangles[id as usize], t_max).is_some()
-                }) || self
-                    .primitives
-                    .curved
-                    .iter()
-                    .any(|curved| curved.intersect(origin, direction, t_max).is_some());
+            *blocked = self.triangles_block(rays, i) || self.curved_block(rays, i);
         }
     }
 
+    #[inline(always)]
+    fn triangles_block(&self, rays: &Rays, i: usize) -> bool {
+        let ray = ShearedRay::new(rays.origin(i), rays.direction(i));
+        // A closure would not be compiled for the instruction set of its caller.
+        for &id in &self.solid {
+            let triangle = &self.primitives.triangles[id as usize];
+            if triangle::intersect(&ray, triangle, rays.t_max[i]).is_some() {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn curved_block(&self, rays: &Rays, i: usize) -> bool {
+        let (origin, direction) = (rays.origin(i), rays.direction(i));
+        let blocks = |c: &Curved| c.intersect(origin, direction, rays.t_max[i]).is_some();
+        self.primitives.curved.iter().any(blocks)
+    }
+
+    #[inline(always)]
     fn intersect_triangles(&self, rays: &Rays, i: usize, hits: &mut Hits) {
         let ray = ShearedRay::new(rays.origin(i), rays.direction(i));
         for &id in &self.solid {

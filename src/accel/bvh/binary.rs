@@ -181,6 +181,10 @@ impl Job {
 
     /// Sorts the primitives to both sides of the best split.
     fn split(&self, references: &mut [Reference]) -> (usize, [Job; 2]) {
+        if references.len() <= BLOCK {
+            let (middle, sides) = split_few(references);
+            return (middle, self.children(middle, sides, [Box4::EMPTY; 2]));
+        }
         if self.depth < SAH_DEPTH {
             let binning = Binning::new(&self.centers);
             if let Some(split) = best_split(&binning, references) {
@@ -204,6 +208,33 @@ impl Job {
             first_curved: self.first_curved,
         })
     }
+}
+
+/// The best of all ways to split 2 to [`BLOCK`] primitives, each of which is one block on each
+/// side: how many go left, and both boxes.
+fn split_few(references: &mut [Reference]) -> (usize, [Box4; 2]) {
+    let n = references.len();
+    let mut best = (f32::INFINITY, 1, [Box4::EMPTY; 2]);
+    // The last primitive stays right; the others go left by the bits of a number.
+    for ways in 1u32..1 << (n - 1) {
+        let mut sides = [Box4::EMPTY; 2];
+        for (i, r) in references.iter().enumerate() {
+            let side = usize::from(ways >> i & 1 == 0);
+            sides[side].grow(Box4 { min: r.min, max: r.max });
+        }
+        let cost = sides[0].half_area() + sides[1].half_area();
+        if cost < best.0 || ways == 1 {
+            best = (cost, ways, sides);
+        }
+    }
+    let mut middle = 0;
+    for i in 0..n {
+        if best.1 >> i & 1 == 1 {
+            references.swap(i, middle);
+            middle += 1;
+        }
+    }
+    (middle, best.2)
 }
 
 /// Boxes about primitives and about their centres.

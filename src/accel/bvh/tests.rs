@@ -67,6 +67,24 @@ impl Random {
         }
         rays
     }
+
+    /// Bundles of rays that go nearly the same way, as the samples of a pixel do, from one point or
+    /// from a lens; now and then one ends early, or goes elsewhere.
+    fn bundles(&mut self, n: usize, scale: f32) -> Rays {
+        let mut rays = Rays::with_capacity(n);
+        while rays.len() < n {
+            let (origin, target) = (self.vector(1.5 * scale), self.vector(0.7 * scale));
+            let spread = scale * [0.0, 1e-3, 0.1][rays.len() / 16 % 3];
+            let lens = scale * [0.0, 0.05][rays.len() / 48 % 2];
+            for i in 0..self.0.random_range(9..17) {
+                let from = origin + self.vector(lens);
+                let to = if i == 7 { self.vector(scale) } else { target + self.vector(spread) };
+                let t_max = if i % 5 == 3 { self.0.random_range(0.1..1.5) } else { f32::INFINITY };
+                rays.push(from, to - from, t_max);
+            }
+        }
+        rays
+    }
 }
 
 /// Bits of a hit, so that comparisons forgive nothing.
@@ -107,6 +125,18 @@ fn a_hundred_thousand_random_rays() {
     let (triangles, curved) = (random.triangles(100, 0.4), random.curved(9, 0.2));
     let rays = random.rays(100_000, 1.0);
     assert!(check(Primitives { triangles, curved }, &rays) > 30_000);
+}
+
+#[test]
+fn bundles_of_rays() {
+    let mut random = Random::new(8);
+    let (triangles, curved) = (random.triangles(3_000, 0.1), random.curved(20, 0.1));
+    let rays = random.bundles(8_000, 1.0);
+    assert!(check(Primitives { triangles, curved }, &rays) > 2_000);
+    let floor = [-9.0, 9.0]
+        .map(|x| [Vec3::new(x, x, 0.0), Vec3::new(9.0, -9.0, 0.0), Vec3::new(-9.0, 9.0, 0.0)]);
+    let triangles = [&floor[..], &random.triangles(200, 0.3)].concat();
+    assert!(check(of_triangles(triangles), &random.bundles(8_000, 1.0)) > 4_000);
 }
 
 #[test]

@@ -52,6 +52,7 @@ pub struct ShearedRay {
 
 impl ShearedRay {
     /// Makes a ray ready.
+    #[inline(always)]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         let z = largest_axis(direction);
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
@@ -60,8 +61,10 @@ impl ShearedRay {
     }
 
     /// A corner in sheared coordinates; z is not scaled.
+    #[inline(always)]
     fn corner(&self, p: Vec3) -> [f32; 3] {
-        let [x, y, z] = self.axes.map(|axis| p[axis] - self.origin[axis]);
+        let [x, y, z] = [self.axes[0], self.axes[1], self.axes[2]];
+        let [x, y, z] = [p[x] - self.origin[x], p[y] - self.origin[y], p[z] - self.origin[z]];
         [fused(-self.shear[0], z, x), fused(-self.shear[1], z, y), z]
     }
 }
@@ -80,8 +83,9 @@ pub struct TriangleHit {
 /// The hit with `0 < t < t_max`; edges and corners belong to the triangle, from both sides.
 ///
 /// Asks for a triangle that [is not degenerate](is_degenerate).
+#[inline(always)]
 pub fn intersect(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<TriangleHit> {
-    let [a, b, c] = triangle.map(|p| ray.corner(p));
+    let [a, b, c] = [ray.corner(triangle[0]), ray.corner(triangle[1]), ray.corner(triangle[2])];
     let area_a = difference_of_products(c[0], b[1], c[1], b[0]);
     let area_b = difference_of_products(a[0], c[1], a[1], c[0]);
     if (area_a > 0.0 && area_b < 0.0) || (area_a < 0.0 && area_b > 0.0) {
@@ -137,6 +141,7 @@ pub fn is_degenerate(triangle: &Triangle) -> bool {
     normal == DVec3::ZERO || !normal.is_finite()
 }
 
+#[inline(always)]
 fn largest_axis(direction: Vec3) -> usize {
     let d = direction.abs();
     if d.x >= d.y && d.x >= d.z {
@@ -149,6 +154,7 @@ fn largest_axis(direction: Vec3) -> usize {
 }
 
 /// `a b - c d` to 1.5 units in the last place: its sign is right.
+#[inline(always)]
 fn difference_of_products(a: f32, b: f32, c: f32, d: f32) -> f32 {
     let cd = c * d;
     let error = fused(-c, d, cd);
@@ -158,6 +164,7 @@ fn difference_of_products(a: f32, b: f32, c: f32, d: f32) -> f32 {
 /// `a b + c`, rounded once.
 // All paths fuse, the scalar one included: no path gives other bits.
 #[allow(clippy::disallowed_methods)]
+#[inline(always)]
 fn fused(a: f32, b: f32, c: f32) -> f32 {
     a.mul_add(b, c)
 }
