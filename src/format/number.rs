@@ -11,7 +11,7 @@ pub struct NumberError {
 
 /// Whether a word stands where a number is meant: no keyword starts like this.
 pub fn looks_like_number(word: &str) -> bool {
-    let unsigned = word.trim_start_matches(['+', '-', MINUS_SIGN]);
+    let unsigned = word.trim_start_matches(['+', '-']).trim_start_matches(DASHES);
     match unsigned.chars().next() {
         Some(c) => c.is_ascii_digit() || (c == '.' || c == ',') || is_special(unsigned),
         None => true,
@@ -32,8 +32,8 @@ pub fn parse_number(word: &str) -> Result<f64, NumberError> {
     }
 }
 
-/// U+2212, which word processors write for `-`.
-const MINUS_SIGN: char = '\u{2212}';
+/// What word processors write for `-`: a minus sign and dashes.
+const DASHES: [char; 3] = ['\u{2212}', '\u{2013}', '\u{2014}'];
 
 fn error(message: String, help: Option<String>) -> NumberError {
     NumberError { message, help }
@@ -54,8 +54,8 @@ fn explain(word: &str) -> NumberError {
     let (number, rest) = split_number(word);
     let help = if !number.is_empty() && rest == ";" {
         Some(format!("write `{number}`, without the semicolon"))
-    } else if word.contains(MINUS_SIGN) {
-        Some(format!("write `{}` with a plain minus", word.replace(MINUS_SIGN, "-")))
+    } else if word.contains(DASHES) {
+        Some(format!("write `{}` with a plain minus", word.replace(DASHES, "-")))
     } else if !number.is_empty() && (rest.starts_with('#') || rest.starts_with("/*")) {
         Some(format!("put white space in front of the comment: `{number} {rest}`"))
     } else if !number.is_empty() && rest.chars().all(|c| c.is_alphabetic() || c == '%') {
@@ -134,6 +134,7 @@ mod tests {
         assert_eq!(help("1,"), "write `1`, without the comma");
         assert_eq!(help("1,2,3"), "write `1 2 3`");
         assert_eq!(help("\u{2212}5"), "write `-5` with a plain minus");
+        assert_eq!(help("\u{2013}.5"), "write `-.5` with a plain minus");
         assert_eq!(help("32#samples"), "put white space in front of the comment: `32 #samples`");
         assert_eq!(help("1;"), "write `1`, without the semicolon");
         assert_eq!(help("5cm"), "a number has no unit, write `5`");

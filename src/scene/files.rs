@@ -123,12 +123,30 @@ fn open_on_disk(full: &Path, path: &str) -> Result<Box<dyn Read>, OpenError> {
 /// The path with its last part replaced by the most similar name in that folder.
 fn neighbour(full: &Path, path: &str) -> Option<String> {
     let entries = full.parent()?.read_dir().ok()?.take(1000);
-    let names = entries.filter_map(|e| e.ok()?.file_name().into_string().ok());
-    let mut names: Vec<String> = names.collect();
+    let files = entries.flatten().filter(|e| e.file_type().is_ok_and(|t| !t.is_dir()));
+    let mut names: Vec<String> = files.filter_map(|e| e.file_name().into_string().ok()).collect();
     names.sort_unstable();
-    let name = closest(full.file_name()?.to_str()?, names.iter().map(String::as_str))?;
+    let name = similar(full.file_name()?.to_str()?, &names)?;
     let folder = path.rfind('/').map_or("", |i| &path[..=i]);
     Some(format!("{folder}{name}"))
+}
+
+/// The name that differs in its extension alone, or else the most similar one of that extension.
+fn similar<'n>(name: &str, names: &'n [String]) -> Option<&'n str> {
+    let split = |name: &str| {
+        let name = name.to_lowercase();
+        let (stem, extension) = name.rsplit_once('.').unwrap_or((&name, ""));
+        (stem.to_owned(), extension.to_owned())
+    };
+    let (stem, extension) = split(name);
+    let parts: Vec<_> = names.iter().map(|name| split(name)).collect();
+    let same = parts.iter().position(|part| part.0 == stem);
+    let near = || {
+        let stems = parts.iter().filter(|part| part.1 == extension).map(|part| part.0.as_str());
+        let near = closest(&stem, stems)?;
+        parts.iter().position(|part| part.0 == near && part.1 == extension)
+    };
+    Some(&names[same.or_else(near)?])
 }
 
 fn open_built_in(table: Table, folder: &str, path: &str) -> Result<Box<dyn Read>, OpenError> {
@@ -270,6 +288,33 @@ mod tests {
         }
         let anywhere = Files::on_disk(&folder, &root.path().join("input"), true);
         assert_eq!(outcome(&anywhere, "../../outside.slo"), "outside it is");
+    }
+
+    #[test]
+    fn similar_names_are_those_that_may_be_meant() {
+        let names = ["cube.obj", "wood.png", "kinds.slo", "Rook.SLO"].map(str::to_owned);
+        let cases = [
+            ("cube.slo", Some("cube.obj")),
+            ("cube", Some("cube.obj")),
+            ("rook.slo", Some("Rook.SLO")),
+            ("kind.slo", Some("kinds.slo")),
+            ("food.png", Some("wood.png")),
+            ("king.png", None),
+            ("a.png", None),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(similar(name, &names), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn folders_are_not_suggested() {
+        let root = tempfile::tempdir().unwrap();
+        std::fs::create_dir(root.path().join("table.slo")).unwrap();
+        assert_eq!(
+            outcome(&Files::on_disk(root.path(), root.path(), false), "tabel.slo"),
+            "missing"
+        );
     }
 
     #[test]

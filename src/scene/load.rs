@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::SceneDescription;
 use super::files::{ContentHash, Files};
+use super::mesh::{self, BYTE_ORDER_MARK};
 use super::resolve::resolve;
 use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
 
@@ -28,7 +29,7 @@ fn load_bytes(text_name: &str, bytes: &[u8], files: &Files) -> Loaded {
     let mut diagnostics = Diagnostics::default();
     let text = decode(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
     let is_text = !text.contains('\0') && !is_utf_16(bytes);
-    let shown = if is_text { text.clone().into_owned() } else { String::new() };
+    let shown = if is_text { text.replace("\r\n", " \n") } else { String::new() };
     let source =
         diagnostics.add_source(Source { name: text_name.to_owned(), text: shown, first_line: 1 });
     if !is_text {
@@ -38,12 +39,20 @@ fn load_bytes(text_name: &str, bytes: &[u8], files: &Files) -> Loaded {
     if let Cow::Owned(_) = text {
         diagnostics.push(not_utf_8(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes), source));
     }
+    if let Some(kind) = mesh::kind(text.as_bytes()) {
+        diagnostics.push(not_a_scene(kind, source));
+        return Loaded { scene: None, diagnostics };
+    }
     let hash = ContentHash::new(bytes);
     let scene = resolve(&text, source, files, hash, &mut diagnostics);
     Loaded { scene: scene.filter(|_| !diagnostics.has_errors()), diagnostics }
 }
 
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+fn not_a_scene(kind: &str, source: SourceId) -> Diagnostic {
+    Diagnostic::error(format!("this is a .{kind} mesh, not a scene"))
+        .at(Span { source, start: 0, end: 3 }, "")
+        .help("a scene loads it with `mesh NAME { filename PATH material NAME }`")
+}
 
 /// The text, with U+FFFD where it is not UTF-8.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {

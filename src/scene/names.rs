@@ -30,9 +30,22 @@ fn distance(a: &str, b: &str, allowed: usize) -> usize {
     if difference > allowed { usize::MAX } else { strsim::osa_distance(a, b) }
 }
 
-/// Without capitals and underscores; a word too long to be a slip of the keys is cut.
+/// Without capitals, underscores, quotes and punctuation; a word too long to be a slip of the keys
+/// is cut.
 fn simplified(word: &str) -> String {
-    word.chars().take(100).filter(|c| *c != '_' && *c != '-').flat_map(char::to_lowercase).collect()
+    const SKIPPED: &str = "_-,;:=\"'`´‘’‚“”„«»";
+    let is_kept = |c: &char| !SKIPPED.contains(*c) && !is_invisible(*c);
+    word.chars().take(100).filter(is_kept).flat_map(char::to_lowercase).collect()
+}
+
+fn is_invisible(c: char) -> bool {
+    matches!(c, '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{2060}'..='\u{2064}' | '\u{feff}')
+}
+
+/// Why a word is not what it seems to be: a help for the error about it.
+pub(super) fn invisible(word: &str) -> Option<String> {
+    let c = word.chars().find(|c| is_invisible(*c))?;
+    Some(format!("the word holds an invisible character, U+{:04X}: type it anew", u32::from(c)))
 }
 
 /// The elements of one kind that can be referred to.
@@ -118,6 +131,9 @@ mod tests {
             ("camera", Some("Camera")),
             ("diffuseReflection", Some("diffuse_reflection")),
             ("speuclar", Some("specular")),
+            ("“diffuse”", Some("diffuse")),
+            ("specular,", Some("specular")),
+            ("amb\u{200b}ient", Some("ambient")),
             ("radius", None),
             ("p", None),
             ("CAMERA_", Some("Camera")),

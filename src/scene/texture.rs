@@ -142,7 +142,10 @@ fn check_size(width: u32, height: u32) -> Result<(), FileError> {
 /// What to say about a file that starts right but can't be decoded.
 fn damaged(format: ImageFormat, error: &ImageError) -> FileError {
     let name = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
-    FileError::whole_file(format!("the {name} image is damaged: {error}"))
+    let error = error.to_string();
+    let reason = error.lines().next().unwrap_or_default();
+    let reason = reason.trim_start_matches("Format error decoding Jpeg: ").trim_end();
+    FileError::whole_file(format!("the {name} image is damaged: {reason}"))
 }
 
 /// RGB at the precision that the image has.
@@ -152,4 +155,23 @@ fn from_image(image: DynamicImage) -> Option<Texture> {
         return Texture::from_rgb16(width, height, image.into_rgb16().into_raw());
     }
     Texture::from_rgb8(width, height, image.into_rgb8().into_raw())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a JPEG file everything up to its first scan, or less.
+    const START: &[u8] = b"\xff\xd8\xff\xe0\x00\x10JFIF\x00\x01\x01\x00\x00\x01\x00\x01\x00\x00\
+        \xff\xdb\x00\x43\x00\x08\x06\x06\x07\x06";
+
+    #[test]
+    fn a_cut_image_gives_one_line() {
+        for length in [4, 12, 20, 24, START.len()] {
+            let error = load("a.jpg", &mut &START[..length]).expect_err("it is cut");
+            let message = error.message;
+            assert!(message.starts_with("the JPEG image is damaged: "), "{message}");
+            assert!(!message.contains('\n') && message.trim_end() == message, "{message:?}");
+        }
+    }
 }

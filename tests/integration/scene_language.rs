@@ -93,6 +93,14 @@ fn byte_order_mark_and_carriage_returns() {
     assert!(loaded.scene.is_some());
 }
 
+#[test]
+fn carriage_returns_are_not_shown() {
+    let loaded = load("crlf.txt", "sphere s {\r\n    radius x\r\n}\r\n", &Files::built_in("", &[]));
+    let report = loaded.diagnostics.render(false);
+    assert!(report.contains("crlf.txt:2:12"), "{report}");
+    assert!(!report.contains(['\r', '\u{240d}']), "{report}");
+}
+
 /// Every file of `tests/scenes/errors`: what `--check` says about it.
 #[test]
 fn messages() {

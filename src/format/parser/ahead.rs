@@ -46,7 +46,7 @@ impl<'a> Parser<'a, '_> {
     }
 
     /// The tokens behind the next.
-    fn following(&self) -> impl Iterator<Item = Token> + use<'a> {
+    pub(super) fn following(&self) -> impl Iterator<Item = Token> + use<'a> {
         let mut lexer = self.lexer.clone();
         std::iter::repeat_with(move || lexer.next_token())
     }

@@ -14,7 +14,7 @@ impl<'a> Parser<'a, '_> {
     /// that closes the block is the same mistake.
     pub(super) fn take_bracket(&mut self) {
         let text = &self.text[self.next.range.clone()];
-        let pair = PAIRS.iter().find(|(open, _)| text.starts_with(*open));
+        let pair = PAIRS.iter().find(|(open, _)| text.starts_with(*open) && may_open(text));
         let (TokenKind::Word, Some((open, close))) = (self.next.kind, pair) else { return };
         self.cut_next(1, TokenKind::Open);
         self.closer = Some(*close);
@@ -45,11 +45,18 @@ impl<'a> Parser<'a, '_> {
             "]" => ']',
             _ => return false,
         };
-        if self.stack.is_empty() {
+        let depth = self.stack.len();
+        if depth == 0 {
             return false;
         }
-        self.report_bracket("}", found, word.span);
-        self.close(word.span);
+        let ahead = self.ahead(depth);
+        if ahead.closes == 0 && ahead.is_early(self, depth) {
+            let error = Diagnostic::error(format!("unexpected `{found}`"));
+            self.diagnostics.push(error.at(word.span, "one too many"));
+        } else {
+            self.report_bracket("}", found, word.span);
+            self.close(word.span);
+        }
         true
     }
 
@@ -98,13 +105,17 @@ impl<'a> Parser<'a, '_> {
     /// Makes two words of the one just read.
     fn cut_word(&mut self, word: Word<'a>, length: usize) -> Word<'a> {
         let end = word.span.start + length;
-        self.lexer.rewind(end);
-        self.next = self.lexer.next_token();
+        self.reread(end);
         Word { text: &word.text[..length], span: Span { end, ..word.span } }
     }
 }
 
 /// Where in a word there is a bracket behind something else.
 fn bracket_behind(word: &str) -> Option<usize> {
-    word.find(['(', '[', '<']).filter(|at| *at > 0)
+    word.find(['(', '[', '<']).filter(|at| *at > 0 && may_open(&word[*at..]))
+}
+
+/// Whether a bracket is no tag of HTML.
+fn may_open(text: &str) -> bool {
+    text.strip_prefix('<').is_none_or(|rest| rest.is_empty() || looks_like_number(rest))
 }

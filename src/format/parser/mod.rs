@@ -3,6 +3,7 @@
 mod ahead;
 mod braces;
 mod brackets;
+mod foreign;
 
 use std::ops::Range;
 
@@ -59,6 +60,8 @@ struct Frame<'a> {
     closer: Option<char>,
     /// The depth that it belongs at, if not here.
     home: Option<usize>,
+    /// What was wrong with the last word that is wrong by itself, without the word.
+    word_fault: Option<String>,
 }
 
 impl Frame<'_> {
@@ -163,6 +166,9 @@ impl<'a> Parser<'a, '_> {
     }
 
     fn word(&mut self, word: Word<'a>) {
+        if self.is_foreign(word) {
+            return;
+        }
         let is_name = self.next.kind == TokenKind::Open && !self.is_swapped_ahead();
         if looks_like_number(word.text) && !is_name {
             let word = self.cut_number(word);
@@ -175,6 +181,9 @@ impl<'a> Parser<'a, '_> {
         let word = self.cut_at_bracket(word);
         self.close_up_to_owner(word);
         let follows = self.follows(self.stack.len(), word.text);
+        if follows.is_some_and(|follows| follows != Follows::Element) {
+            self.skip_sign(word);
+        }
         if !matches!(follows, Some(Follows::Element | Follows::Name | Follows::Value)) {
             self.take_bracket();
         }
@@ -197,10 +206,20 @@ impl<'a> Parser<'a, '_> {
     fn number(&mut self, word: Word<'a>) -> Option<f64> {
         parse_number(word.text)
             .map_err(|e| {
-                let diagnostic = Diagnostic { help: e.help, ..Diagnostic::error(e.message) };
-                self.diagnostics.push(diagnostic.at(word.span, ""));
+                let fault = e.message.replacen(word.text, "", 1);
+                if !(fault.contains(": ") && self.repeats(&fault)) {
+                    let diagnostic = Diagnostic { help: e.help, ..Diagnostic::error(e.message) };
+                    self.diagnostics.push(diagnostic.at(word.span, ""));
+                }
             })
             .ok()
+    }
+
+    /// Whether the last word in this block that is wrong had the same fault: who writes commas writes
+    /// them throughout.
+    fn repeats(&mut self, fault: &str) -> bool {
+        let Some(frame) = self.stack.last_mut() else { return false };
+        frame.word_fault.replace(fault.to_owned()).is_some_and(|last| last == fault)
     }
 
     /// Whether what follows a word can't be meant as its value: something else that belongs here,
@@ -231,7 +250,11 @@ impl<'a> Parser<'a, '_> {
         let mut second = self.word_at(range);
         if follows == Some(Follows::Element) || self.stack.is_empty() {
             second = self.cut_name(second);
+            self.take_name(keyword, second);
             self.take_bracket();
+        }
+        if follows == Some(Follows::Name) {
+            second = self.take_quoted(second);
         }
         let head = Head { keyword, name: Some(second) };
         let is_value = matches!(follows, Some(Follows::Name | Follows::Value));
@@ -240,7 +263,9 @@ impl<'a> Parser<'a, '_> {
         } else if self.is_open_meant(keyword.text, follows) {
             self.open_swapped(head);
         } else if follows == Some(Follows::Element) {
-            self.open_without_brace(head);
+            if !self.element_without_block(keyword, second) {
+                self.open_without_brace(head);
+            }
         } else {
             self.push_item(keyword, Form::Value(second));
             if let Some(frame) = self.stack.last_mut() {
@@ -305,7 +330,9 @@ impl<'a> Parser<'a, '_> {
         let block = Block { open, close: open, entries: Vec::new(), damaged: false };
         let (closer, home) = (self.closer.take(), self.misplaced.take());
         let (has_items, doubled, unopened) = (false, 0, false);
-        self.stack.push(Frame { head, block, has_items, doubled, unopened, closer, home });
+        let word_fault = None;
+        let frame = Frame { head, block, has_items, doubled, unopened, closer, home, word_fault };
+        self.stack.push(frame);
         self.cut_closer();
     }
 
@@ -493,7 +520,36 @@ mod tests {
         check("sphere a [center [ 1 ]radius 1]", sphere, &[square, square]);
         check("sphere a { center <1> radius 1 }", sphere, &["expected `{`, found `<`"]);
         check("sphere a { center { 1) radius 1 )", sphere, &["expected `}`, found `)`"; 2]);
+        check("sphere a { center { 1 } ) radius 1 }", sphere, &["unexpected `)`"]);
         check("sphere a { center { 1 } radius 1] ", sphere, &["expected `}`, found `]`"]);
+    }
+
+    #[test]
+    fn other_languages() {
+        let sphere = "sphere:a{center{1} radius=1}";
+        let comment = "a comment begins with `#`, not with `//`";
+        let text = "// a } b\nsphere a { center { 1 // {\n} radius 1 //\n}";
+        check(text, sphere, &[comment; 3]);
+        check(
+            "sphere a { center { 1 } ; radius 1 ; }; sphere b { center { 1 , 2 , 3 } }",
+            "sphere:a{center{1} radius=1} sphere:b{center{1 2 3}}",
+            &["unexpected `;`", "unexpected `;`", "unexpected `,`"],
+        );
+        check("sphere a { material \"b c\" radius 1 }", "sphere:a{material=\"b c\" radius=1}", &[]);
+        let sign = "`radius` is followed by its value, without `=`";
+        check("sphere a { radius = 1 }", "sphere:a{radius=1}", &[sign]);
+        let sign = "`center` is followed by its value, without `:`";
+        check("sphere a { center : { 1 } }", "sphere:a{center{1}}", &[sign]);
+        let sign = "`a` is followed by `{`, without `=`";
+        check("sphere a = { radius 1 }", "sphere:a{radius=1}", &[sign]);
+        check("sphere a { material = radius 1 }", "sphere:a{material== radius=1}", &[]);
+        check("sphere a b c { radius 1 }", "sphere:a{radius=1}", &["a name is one word"]);
+        check(
+            "sphere a\nsphere b { }",
+            "sphere:a{}! sphere:b{}",
+            &["expected `{` after `sphere a`"],
+        );
+        check("camera c { film 1 }", "camera:c{film:1{}!}", &["expected `{` after `film 1`"]);
     }
 
     #[test]
@@ -506,8 +562,8 @@ mod tests {
     #[test]
     fn numbers_that_are_none_keep_their_place() {
         check(
-            "center { 1 0,5 nan }",
-            "center{1 ? ?}",
+            "center { 1 0,5 0,7 nan }",
+            "center{1 ? ? ?}",
             &["`0,5` is not a number: the decimal sign is a point", "`nan` is not a finite number"],
         );
     }

@@ -62,11 +62,12 @@ fn drop_degenerate(mesh: &mut Mesh) -> Result<Option<String>, FileError> {
     if mesh.faces.is_empty() {
         return Err(no_area(before));
     }
-    let (is, its) =
-        if dropped == 1 { ("triangle has", "it was") } else { ("triangles have", "they were") };
-    Ok(Some(format!(
-        "{dropped} of {before} {is} no area and {its} dropped (the first is face {first})"
-    )))
+    Ok(Some(match dropped {
+        1 => format!("1 of {before} triangles has no area and was dropped (face {first})"),
+        _ => format!(
+            "{dropped} of {before} triangles have no area and were dropped (the first is face {first})"
+        ),
+    }))
 }
 
 /// A mesh of degenerate triangles only.

@@ -17,6 +17,9 @@ const DEFAULT_PREFIX: &str = "frame_";
 /// Sine between the view and the sky below which the camera has no right-hand side.
 const LEAST_SINE: f64 = 1e-9;
 
+/// Half-height of view, at distance 1, past which an angle was probably meant: 169 degrees.
+const WIDEST_VIEW: f64 = 10.0;
+
 const OUTPUTS: [(&str, OutputFormat); 3] = [
     ("PNG_IMAGE", OutputFormat::Png8),
     ("PNG16_IMAGE", OutputFormat::Png16),
@@ -79,6 +82,9 @@ fn segment(fields: &mut Fields<'_, '_, '_>) -> Option<CamSegment> {
     let sky = sky(fields);
     check_view(fields, &positions, &targets, sky);
     let fov = from_to(fields, |f, name| f.number(name, Bound::Positive), ["fovStart", "fovEnd"]);
+    let mut ends = fov.into_iter().flatten().collect::<Vec<_>>();
+    ends.dedup();
+    ends.into_iter().for_each(|fov| warn_of_wide_view(fields, fov));
     let (dof, lens_radius) = lens(fields);
     let blur_duration = fields.number("blurDuration", Bound::NotNegative);
     Some(CamSegment {
@@ -137,6 +143,24 @@ fn sky(fields: &mut Fields<'_, '_, '_>) -> [DVec3; 2] {
         return [DVec3::Z, end];
     }
     sky.map_or([DVec3::Z; 2], |sky| sky.map(|f| f.value))
+}
+
+/// Warns of a view so wide that an angle was probably meant.
+fn warn_of_wide_view(fields: &mut Fields<'_, '_, '_>, fov: Found<f64>) {
+    if fov.value <= WIDEST_VIEW {
+        return;
+    }
+    let degrees = 2.0 * libm::atan(fov.value).to_degrees();
+    let mut warning =
+        Diagnostic::warning(format!("this is a view of {degrees:.1} degrees")).at(fov.span, "");
+    if fov.value < 180.0 {
+        let half = libm::tan(fov.value.to_radians() / 2.0);
+        warning = warning.help(format!(
+            "the number is half the height of the view at distance 1; for {} degrees write {half:.3}",
+            fov.value
+        ));
+    }
+    fields.diagnostics.push(warning);
 }
 
 /// Sharp distance and lens radius; the sharp plane must lie in front of an open lens.

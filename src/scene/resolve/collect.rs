@@ -5,7 +5,7 @@ use super::schema::{ELEMENTS, owners};
 use super::{AllNames, quoted_list};
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::format::syntax::{Entry, Form, Item, Tree, Word};
-use crate::scene::names::{Names, closest};
+use crate::scene::names::{Names, closest, invisible};
 
 /// Elements that can be seen, in the order of messages.
 const OBJECTS: [&str; 8] =
@@ -30,9 +30,14 @@ impl<'t, 'a> Scene<'t, 'a> {
         let is_truncated = tree.truncated;
         let mut scene = Self { elements: Vec::new(), unknown: Vec::new(), is_truncated };
         let mut in_numbers = false;
+        // Of words in a row that mean nothing only the first is reported.
+        let mut in_strangers = false;
         for entry in &tree.entries {
             match entry {
-                Entry::Item(item) => in_numbers = !scene.item(item, diagnostics),
+                Entry::Item(item) => {
+                    in_numbers = !scene.item(item, in_strangers, diagnostics);
+                    in_strangers = in_numbers && owners(item.keyword.text).is_empty();
+                }
                 Entry::Number(number) if !in_numbers && number.value.is_some() => {
                     in_numbers = true;
                     let error = Diagnostic::error("expected an element, found a number");
@@ -45,7 +50,12 @@ impl<'t, 'a> Scene<'t, 'a> {
     }
 
     /// Whether the item is an element; if not, this was reported.
-    fn item(&mut self, item: &'t Item<'a>, diagnostics: &mut Diagnostics) -> bool {
+    fn item(
+        &mut self,
+        item: &'t Item<'a>,
+        in_strangers: bool,
+        diagnostics: &mut Diagnostics,
+    ) -> bool {
         let keyword = item.keyword;
         let schema = ELEMENTS.iter().find(|s| s.keyword == keyword.text);
         let (name, block) = match &item.form {
@@ -55,7 +65,9 @@ impl<'t, 'a> Scene<'t, 'a> {
                 (Word { text: "", span: keyword.span }, block)
             }
             _ => {
-                diagnostics.push(not_an_element(item));
+                if !in_strangers || !owners(keyword.text).is_empty() {
+                    diagnostics.push(not_an_element(item));
+                }
                 return false;
             }
         };
@@ -73,6 +85,11 @@ impl<'t, 'a> Scene<'t, 'a> {
             None => self.unknown.push(name),
         }
         true
+    }
+
+    /// Whether the scene has no elements at all.
+    pub(super) fn is_empty(&self) -> bool {
+        self.elements.is_empty()
     }
 
     /// All elements of some types.
@@ -174,7 +191,8 @@ fn unknown_type(keyword: Word<'_>) -> Diagnostic {
     let types = ELEMENTS.iter().map(|s| s.keyword);
     if let Some(near) = closest(word, types.clone()) {
         let message = format!("unknown element `{word}`, did you mean `{near}`?");
-        return Diagnostic::error(message).at(keyword.span, "");
+        let help = invisible(word);
+        return Diagnostic { help, ..Diagnostic::error(message).at(keyword.span, "") };
     }
     let diagnostic = Diagnostic::error(format!("unknown element `{word}`"));
     match owners(word).as_slice() {

@@ -4,7 +4,7 @@ use super::ELEMENTS;
 use super::schema::{Attribute, Kind, Schema, owners};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::format::syntax::{Block, Entry, Form, Item, Number, Word};
-use crate::scene::names::closest;
+use crate::scene::names::{closest, invisible};
 
 /// An element, or a block of an element, as it was written.
 #[derive(Clone, Copy, Debug)]
@@ -158,13 +158,14 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         let near = closest(word.text, schema.attributes.iter().map(|a| a.name));
         let attribute = near.and_then(|name| schema.attribute(name));
         let diagnostic = if let Some(attribute) = attribute {
+            let help = invisible(word.text);
             // What was misspelt is not missing.
             self.found.push(Field { attribute, keyword: word, value: Value::Broken });
-            Diagnostic::error(format!(
+            let error = Diagnostic::error(format!(
                 "unknown attribute `{}` in `{}`, did you mean `{}`?",
                 word.text, schema.keyword, attribute.name
-            ))
-            .at(word.span, "")
+            ));
+            Diagnostic { help, ..error.at(word.span, "") }
         } else {
             if self.element.damaged && !owners(word.text).is_empty() {
                 return;
@@ -206,11 +207,8 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         numbers: &[&Number<'a>],
     ) -> Value<'t, 'a> {
         match (attribute.kind, &item.form) {
-            (_, Form::Value(Word { text: sign @ ("=" | ":"), span })) => {
-                let message =
-                    format!("`{}` is followed by its value, without `{sign}`", item.keyword.text);
-                let error = Diagnostic::error(message).at(*span, "");
-                self.diagnostics.push(error.help(format!("write {}", attribute.usage())));
+            (_, Form::Value(sign @ Word { text: "=" | ":", .. })) => {
+                self.sign(attribute, *sign);
                 Value::Broken
             }
             (Kind::Word(_), Form::Value(word)) if word.text.contains('"') => {
@@ -246,10 +244,19 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         }
     }
 
+    fn sign(&mut self, attribute: &Attribute, sign: Word<'_>) {
+        let (name, sign, span) = (attribute.name, sign.text, sign.span);
+        let message = format!("`{name}` is followed by its value, without `{sign}`");
+        let error = Diagnostic::error(message).at(span, "");
+        self.diagnostics.push(error.help(format!("write {}", attribute.usage())));
+    }
+
     fn quoted(&mut self, word: Word<'_>) {
         let error = Diagnostic::error("a word is written without quotes").at(word.span, "");
         self.diagnostics.push(match word.text.trim_matches('"') {
-            plain if word.text.len() == plain.len() + 2 => error.help(format!("write `{plain}`")),
+            plain if word.text.len() == plain.len() + 2 && !plain.contains(char::is_whitespace) => {
+                error.help(format!("write `{plain}`"))
+            }
             _ => error.help("a name or path can't contain white space"),
         });
     }
@@ -291,8 +298,8 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         let attributes = self.element.schema.attributes.iter();
         let missing: Vec<_> =
             attributes.filter(|a| a.required && self.get(a.name).is_none()).collect();
-        // One that is missing and one that is not known are most probably the same.
-        if missing.is_empty() || (missing.len() == 1 && self.strangers == 1) {
+        // What is missing and what is not known are most probably the same.
+        if missing.len() <= self.strangers {
             return;
         }
         let names: Vec<_> = missing.iter().map(|a| format!("`{}`", a.name)).collect();

@@ -19,7 +19,7 @@ use self::collect::Scene;
 use self::fields::{Element, Fields, Value, quoted_list};
 use self::schema::{ELEMENTS, SceneGrammar};
 use super::files::{ContentHash, Files};
-use super::names::Names;
+use super::names::{Names, invisible};
 use super::{
     Camera, Light, Material, MaterialId, Object, SceneDescription, Settings, Shape, Texture,
     TextureId, TextureUse,
@@ -156,9 +156,12 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
 
     fn camera(&mut self) -> Option<Camera> {
         let Some(element) = self.scene.only("Camera", self.diagnostics) else {
-            if !self.scene.is_truncated {
+            // Where nothing is an element, what is there has been reported.
+            let is_known = self.scene.is_empty() && self.diagnostics.has_errors();
+            if !self.scene.is_truncated && !is_known {
+                let what = if self.scene.is_empty() { "is empty" } else { "has no `Camera`" };
                 self.diagnostics.push(
-                    Diagnostic::error("the scene has no `Camera`")
+                    Diagnostic::error(format!("the scene {what}"))
                         .help("write `Camera NAME { fps NUMBER  Film NAME { ... }  CamSegment NAME { ... } }`"),
                 );
             }
@@ -314,7 +317,8 @@ fn dangling(
         return Diagnostic::error(message).at(word.span, label);
     }
     if let Some(near) = names.closest(word.text) {
-        return Diagnostic::error(format!("{message}, did you mean `{near}`?")).at(word.span, "");
+        let error = Diagnostic::error(format!("{message}, did you mean `{near}`?"));
+        return Diagnostic { help: invisible(word.text), ..error.at(word.span, "") };
     }
     let diagnostic = Diagnostic::error(message);
     let known: Vec<_> = names.all().filter(|n| !n.is_empty()).collect();

@@ -224,6 +224,10 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
             }
         }
         let Ok(numbers) = <[Option<f64>; N]>::try_from(numbers.as_slice()) else {
+            // What is no number may have been meant as several.
+            if numbers.contains(&None) {
+                return None;
+            }
             let message = format!("`{}` takes {}", keyword.text, numbers_in_words(N));
             let label = format!("found {}", numbers.len());
             self.diagnostics.push(Diagnostic::error(message).at(block.open.to(block.close), label));
