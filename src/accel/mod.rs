@@ -8,6 +8,7 @@ mod box_tree;
 mod brute;
 pub mod bvh;
 pub mod curved;
+mod cwbvh;
 mod isa;
 pub mod kdtree;
 mod primitives;
@@ -37,6 +38,27 @@ pub enum Accelerator {
     None,
 }
 
+impl Accelerator {
+    /// All, by their names in scenes and on the command line.
+    pub const NAMES: [(&'static str, Self); 4] = [
+        ("KDTREE", Self::KdTree),
+        ("BVH", Self::Bvh),
+        ("CWBVH", Self::Cwbvh),
+        ("NONE", Self::None),
+    ];
+
+    /// The structure of a name, in any case.
+    ///
+    /// # Errors
+    /// A name that is none of [`NAMES`](Self::NAMES).
+    pub fn by_name(name: &str) -> Result<Self, String> {
+        let found = Self::NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        found.map(|&(_, accelerator)| accelerator).ok_or_else(|| {
+            format!("unknown accelerator `{name}`, expected KDTREE, BVH, CWBVH or NONE")
+        })
+    }
+}
+
 /// Primitives of one space, with whatever finds them fast.
 #[derive(Debug)]
 pub enum Structure {
@@ -44,6 +66,8 @@ pub enum Structure {
     KdTree(kdtree::KdTree),
     /// 8-wide bounding volume hierarchy.
     Bvh(bvh::Bvh),
+    /// obvhs's compressed wide hierarchy.
+    Cwbvh(cwbvh::Cwbvh),
     /// Every primitive is tested: the oracle of the others.
     Brute(brute::Brute),
 }
@@ -61,7 +85,8 @@ impl Structure {
         match accelerator {
             Accelerator::None => Self::Brute(brute::Brute::new(primitives)),
             Accelerator::Bvh => Self::Bvh(bvh::Bvh::build(primitives, isa)),
-            _ => Self::KdTree(kdtree::KdTree::build(primitives, isa)),
+            Accelerator::Cwbvh => Self::Cwbvh(cwbvh::Cwbvh::build(primitives, isa)),
+            Accelerator::KdTree => Self::KdTree(kdtree::KdTree::build(primitives, isa)),
         }
     }
 
@@ -70,6 +95,7 @@ impl Structure {
         match self {
             Self::KdTree(tree) => tree.primitives().triangles.len(),
             Self::Bvh(bvh) => bvh.triangle_count(),
+            Self::Cwbvh(cwbvh) => cwbvh.primitives().triangles.len(),
             Self::Brute(brute) => brute.primitives().triangles.len(),
         }
     }
@@ -79,6 +105,7 @@ impl Structure {
         match self {
             Self::KdTree(tree) => tree.primitives().triangles[id as usize],
             Self::Bvh(bvh) => bvh.triangle(id),
+            Self::Cwbvh(cwbvh) => cwbvh.primitives().triangles[id as usize],
             Self::Brute(brute) => brute.primitives().triangles[id as usize],
         }
     }
@@ -89,6 +116,7 @@ impl Structure {
         match self {
             Self::KdTree(tree) => &tree.primitives().curved,
             Self::Bvh(bvh) => bvh.curved(),
+            Self::Cwbvh(cwbvh) => &cwbvh.primitives().curved,
             Self::Brute(brute) => &brute.primitives().curved,
         }
     }
@@ -98,6 +126,7 @@ impl Structure {
         match self {
             Self::KdTree(tree) => tree.primitives().memory() + tree.memory(),
             Self::Bvh(bvh) => bvh.memory(),
+            Self::Cwbvh(cwbvh) => cwbvh.primitives().memory() + cwbvh.memory(),
             Self::Brute(brute) => brute.primitives().memory() + brute.memory(),
         }
     }
@@ -107,6 +136,7 @@ impl Structure {
         match self {
             Self::KdTree(tree) => tree.primitives().all_bounds(),
             Self::Bvh(bvh) => bvh.bounds(),
+            Self::Cwbvh(cwbvh) => cwbvh.primitives().all_bounds(),
             Self::Brute(brute) => brute.primitives().all_bounds(),
         }
     }
@@ -123,6 +153,7 @@ impl Structure {
         match self {
             Self::KdTree(tree) => tree.intersect(rays, coherence, hits, scratch),
             Self::Bvh(bvh) => bvh.intersect(rays, coherence, hits, &mut scratch.bvh),
+            Self::Cwbvh(cwbvh) => cwbvh.intersect(rays, hits),
             Self::Brute(brute) => brute.intersect(rays, hits),
         }
     }
@@ -140,6 +171,7 @@ impl Structure {
         match self {
             Self::KdTree(tree) => tree.occluded(rays, coherence, blocked, scratch),
             Self::Bvh(bvh) => bvh.occluded(rays, coherence, blocked, &mut scratch.bvh),
+            Self::Cwbvh(cwbvh) => cwbvh.occluded(rays, blocked),
             Self::Brute(brute) => brute.occluded(rays, blocked),
         }
     }

@@ -181,9 +181,9 @@ pub(super) unsafe fn trace<S: PacketSteps, Q: Query>(
     pending: u32,
     query: &mut Q,
 ) -> u32 {
-    let mut ways = [0u32; LANES];
-    for lane in 0..LANES {
-        ways[lane] = prepared.octant[lane] << 2 | prepared.z_axis[lane];
+    let mut ways = prepared.octant;
+    for (way, z_axis) in ways.iter_mut().zip(&prepared.z_axis) {
+        *way = *way << 2 | z_axis;
     }
     let mut left = 0;
     let lanes = S::Lanes::COUNT;
@@ -192,8 +192,8 @@ pub(super) unsafe fn trace<S: PacketSteps, Q: Query>(
         while part != 0 {
             let way = ways[part.trailing_zeros() as usize];
             let mut alike = 0;
-            for lane in 0..LANES {
-                alike |= u32::from(ways[lane] == way) << lane;
+            for (lane, &other) in ways.iter().enumerate() {
+                alike |= u32::from(other == way) << lane;
             }
             let set = part & alike;
             part &= !set;

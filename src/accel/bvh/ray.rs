@@ -107,8 +107,7 @@ impl Prepared {
             self.octant[lane] =
                 dx.to_bits() >> 31 | dy.to_bits() >> 31 << 1 | dz.to_bits() >> 31 << 2;
             self.is_tame[lane] = reach <= TAME_COORDINATE
-                && largest >= 1.0 / TAME_DIRECTION
-                && largest <= TAME_DIRECTION;
+                && (1.0 / TAME_DIRECTION..=TAME_DIRECTION).contains(&largest);
         }
     }
 }

@@ -22,12 +22,6 @@ const CONTRASTS: [(&str, Contrast); 3] = [
     ("WEBER", Contrast::Weber),
     ("MICHELSON", Contrast::Michelson),
 ];
-const ACCELERATORS: [(&str, Accelerator); 4] = [
-    ("KDTREE", Accelerator::KdTree),
-    ("BVH", Accelerator::Bvh),
-    ("CWBVH", Accelerator::Cwbvh),
-    ("NONE", Accelerator::None),
-];
 const SHADOWS: [(&str, ShadowMode); 2] =
     [("OPAQUE", ShadowMode::Opaque), ("TRANSPARENT", ShadowMode::Transparent)];
 
@@ -55,7 +49,7 @@ fn choices(fields: &mut Fields<'_, '_, '_>, settings: &mut Settings) {
     set(&mut settings.generator, fields.choice("generatorType", &GENERATORS));
     set(&mut settings.light_sampling, fields.choice("lightSamplingType", &LIGHT_SAMPLINGS));
     set(&mut settings.contrast, fields.choice("contrastType", &CONTRASTS));
-    set(&mut settings.accelerator, fields.choice("accelerator", &ACCELERATORS));
+    set(&mut settings.accelerator, fields.choice("accelerator", &Accelerator::NAMES));
     set(&mut settings.shadow, fields.choice("shadow", &SHADOWS));
 }
 
