@@ -168,8 +168,8 @@ Camera main {
 }
 
 # Key from the upper left, a cool window on the right, a warm rim from behind.
-light_rectangle key { color { 1.0 .90 .74 } vertex0 { -75 -10 70 } vertex1 { -45 -10 95 } vertex2 { -45 35 95 } }
-light_rectangle window { color { .24 .32 .46 } vertex0 { 90 -40 20 } vertex1 { 90 30 20 } vertex2 { 90 30 80 } }
+light_rectangle key { color { 1.12 1.0 .82 } vertex0 { -75 -10 70 } vertex1 { -45 -10 95 } vertex2 { -45 35 95 } }
+light_rectangle window { color { .34 .42 .56 } vertex0 { 90 -40 20 } vertex1 { 90 30 20 } vertex2 { 90 30 80 } }
 light_rectangle rim { color { .60 .44 .27 } vertex0 { -15 95 45 } vertex1 { 55 95 45 } vertex2 { 55 95 75 } }
 """ + WOODS + CUBE_COLOURS + """
 phong_info frosted_glass {

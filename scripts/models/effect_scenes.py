@@ -148,7 +148,7 @@ def glossy_refraction():
                      "# what is farther behind a pane blurs more.")
     text += """settings quality {
     imageSamples 256 diffuseRefractionSamples 2 recursion 4 shadow TRANSPARENT
-    background { .62 .61 .59 }
+    background { .72 .71 .68 }
 }
 
 Camera main {
@@ -298,8 +298,8 @@ Camera main {
     Film film { width 1280 height 720 prefix motion_blur_ output PNG_IMAGE encoding SRGB }
     CamSegment still {
         videoStart 0 videoEnd 2 sceneStart .088 sceneEnd 2.088
-        addPosition { -13 -52 10.8 } addTarget { -1.4 0 9.5 }
-        skyStart { 0 0 1 } fovStart .245 blurDuration .04
+        addPosition { -13 -52 10.8 } addTarget { -.9 0 9.5 }
+        skyStart { 0 0 1 } fovStart .25 blurDuration .04
     }
     CamSegment follow {
         # half speed; the camera passes along the cradle with the ball that flies out
