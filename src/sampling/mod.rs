@@ -62,8 +62,8 @@ impl Sampler {
         // The lens and the time blur more than a pixel's area does: they get the dimensions whose
         // low-dimensional projections are best.
         let [lens_u, lens_v, time, x, y] = match self.generator {
-            Generator::Quasi => std::array::from_fn(|d| sobol::owen(index, d, key)),
-            Generator::Pseudo => std::array::from_fn(|d| pseudo(key, index, d)),
+            Generator::Quasi => [0, 1, 2, 3, 4].map(|d| sobol::owen(index, d, key)),
+            Generator::Pseudo => [0, 1, 2, 3, 4].map(|d| pseudo(key, index, d)),
             Generator::ZeroTwo => {
                 let lens = sobol::zero_two(index, mix(key ^ 1));
                 let pixel = sobol::zero_two(index, mix(key ^ 2));
@@ -80,9 +80,9 @@ impl Sampler {
         match self.generator {
             Generator::Quasi => {
                 let index = sobol::shuffle(index, key);
-                std::array::from_fn(|d| sobol::owen(index, d, key))
+                [0, 1, 2].map(|d| sobol::owen(index, d, key))
             }
-            Generator::Pseudo => std::array::from_fn(|d| pseudo(key, index, d)),
+            Generator::Pseudo => [0, 1, 2].map(|d| pseudo(key, index, d)),
             Generator::ZeroTwo => {
                 let [u, v] = sobol::zero_two(index, key);
                 [u, v, sobol::zero_two(index, mix(key ^ 3))[0]]
@@ -97,9 +97,9 @@ impl Sampler {
         match self.generator {
             Generator::Quasi => {
                 let index = sobol::shuffle(index, key);
-                std::array::from_fn(|d| sobol::owen(index, d, key))
+                [0, 1].map(|d| sobol::owen(index, d, key))
             }
-            Generator::Pseudo => std::array::from_fn(|d| pseudo(key, index, d)),
+            Generator::Pseudo => [0, 1].map(|d| pseudo(key, index, d)),
             Generator::ZeroTwo => sobol::zero_two(index, key),
         }
     }

@@ -52,28 +52,64 @@ const fn sobol_directions(degree: usize, a: u32, m: [u32; 3]) -> [u32; 32] {
     v
 }
 
+/// What each byte of the index adds to the digits of a dimension, digits in reverse order.
+const BYTES: [[[u32; 256]; 4]; DIMENSIONS - 2] =
+    [bytes_of(&DIRECTIONS[2]), bytes_of(&DIRECTIONS[3]), bytes_of(&DIRECTIONS[4])];
+
+const fn bytes_of(directions: &[u32; 32]) -> [[u32; 256]; 4] {
+    let mut table = [[0; 256]; 4];
+    let mut place = 0;
+    while place < 4 {
+        let mut value = 1;
+        while value < 256usize {
+            // What the value without its lowest bit adds is known already.
+            let bit = value.trailing_zeros() as usize;
+            let rest = table[place][value & (value - 1)];
+            table[place][value] = rest ^ directions[8 * place + bit].reverse_bits();
+            value += 1;
+        }
+        place += 1;
+    }
+    table
+}
+
+/// Sobol point `index` in dimension `dimension`, as 32 binary digits, the most significant last.
+#[inline(always)]
+fn reversed_sobol(index: u32, dimension: usize) -> u32 {
+    match dimension {
+        0 => index,
+        // The matrix of binomial coefficients modulo 2 is a product of five sparse ones.
+        1 => {
+            let mut x = index;
+            x ^= (x & 0xaaaa_aaaa) >> 1;
+            x ^= (x & 0xcccc_cccc) >> 2;
+            x ^= (x & 0xf0f0_f0f0) >> 4;
+            x ^= (x & 0xff00_ff00) >> 8;
+            x ^ (x >> 16)
+        }
+        _ => {
+            let table = &BYTES[dimension - 2];
+            let byte = |place: usize| table[place][(index >> (8 * place)) as usize & 255];
+            byte(0) ^ byte(1) ^ byte(2) ^ byte(3)
+        }
+    }
+}
+
 /// Sobol point `index` in dimension `dimension`, as 32 binary digits.
 #[inline(always)]
 fn sobol(index: u32, dimension: usize) -> u32 {
-    if dimension == 0 {
-        return index.reverse_bits();
-    }
-    // Without branches, so that 16 indices go through it at a time.
-    let mut digits = 0;
-    for (bit, direction) in DIRECTIONS[dimension].iter().enumerate() {
-        digits ^= direction & 0u32.wrapping_sub((index >> bit) & 1);
-    }
-    digits
+    reversed_sobol(index, dimension).reverse_bits()
 }
 
-/// A nested uniform scramble of binary digits: which digits flip depends only on the digits above
-/// them, so that every elementary interval keeps its number of points.
+/// A nested uniform scramble of binary digits, given the most significant last: which digits flip
+/// depends only on the digits above them, so that every elementary interval keeps its number of
+/// points.
 ///
 /// Source: B. Burley, "Practical Hash-based Owen Scrambling" (JCGT 2020), after S. Laine and
 /// T. Karras (2011); the rounds are N. Vegdahl's (2021), which avalanche better.
 #[inline(always)]
-fn scramble(digits: u32, seed: u32) -> u32 {
-    let mut x = digits.reverse_bits();
+fn scramble(reversed: u32, seed: u32) -> u32 {
+    let mut x = reversed;
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
@@ -86,7 +122,7 @@ fn scramble(digits: u32, seed: u32) -> u32 {
 #[inline(always)]
 pub(super) fn owen(index: u32, dimension: usize, key: u32) -> f32 {
     unit(scramble(
-        sobol(index, dimension),
+        reversed_sobol(index, dimension),
         mix(key.wrapping_add((dimension as u32).wrapping_mul(0x68bc_21eb))),
     ))
 }
@@ -95,7 +131,7 @@ pub(super) fn owen(index: u32, dimension: usize, key: u32) -> f32 {
 /// aligned blocks: sets whose points have the same order would be correlated.
 #[inline(always)]
 pub(super) fn shuffle(index: u32, key: u32) -> u32 {
-    scramble(index, mix(key ^ 0x02e5_be93))
+    scramble(index.reverse_bits(), mix(key ^ 0x02e5_be93))
 }
 
 /// Point `index` of the (0,2)-sequence of the set `key`: van der Corput and Sobol's second
@@ -132,6 +168,18 @@ mod tests {
         for (i, point) in (1u32..).zip(expected) {
             let index = i ^ (i >> 1);
             assert_eq!(std::array::from_fn(|d| unit(sobol(index, d))), point, "point {i}");
+        }
+    }
+
+    #[test]
+    fn digits_are_those_of_the_matrices() {
+        for i in 0..10_000u32 {
+            let index = i.wrapping_mul(0x9e37_79b1);
+            for (dimension, directions) in DIRECTIONS.iter().enumerate() {
+                let digits = (0..32).filter(|bit| index >> bit & 1 == 1);
+                let digits = digits.fold(0, |digits, bit| digits ^ directions[bit]);
+                assert_eq!(sobol(index, dimension), digits, "point {index}, dimension {dimension}");
+            }
         }
     }
 
