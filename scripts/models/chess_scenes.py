@@ -240,7 +240,7 @@ def default():
 # Written by scripts/models/chess_scenes.py.
 
 settings quality {
-    imageSamples 48 imageMinSamples 12 noise .013 recursion 2 background { .004 .005 .006 }
+    imageSamples 48 imageMinSamples 12 noise .0105 recursion 2 background { .004 .005 .006 }
 }
 
 Camera main {

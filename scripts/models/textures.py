@@ -156,12 +156,12 @@ def glow(name, width, height, low, high, centre, reach):
 
 def dusk(width, height):
     """The sky after sunset for the inside of a sphere: u is the longitude, v the latitude, the
-    sun below the horizon at u = .725."""
+    sun below the horizon at u = .225."""
 
     def pixel(x, y):
         u, v = (x + .5) / width, 1.0 - (y + .5) / height
         high = max(0.0, v - .5) * 180.0
-        side = abs((u - .725 + .5) % 1.0 - .5) * 360.0
+        side = abs((u - .225 + .5) % 1.0 - .5) * 360.0
         near = math.exp(-(side / 38.0) ** 2)
         colour = mix((.030, .058, .150), (.20, .17, .27), math.exp(-high / 22.0))
         colour = mix(colour, (.66, .27, .12), math.exp(-high / 10.0) * (.30 + .70 * near))
