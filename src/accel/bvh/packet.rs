@@ -25,8 +25,8 @@ const FEW: u32 = 2;
 /// Rays that go the same way make a packet if there are so many of them.
 const ENOUGH: u32 = 4;
 
-/// Packets go on being made while so many lanes are in use on average.
-const LANES_IN_USE: u32 = 8;
+/// Packets go on being made while at least one lane in so many is in use on average.
+const LANES_PER_USE: u32 = 2;
 
 /// Working memory of [`trace`].
 #[derive(Debug, Default)]
@@ -156,16 +156,54 @@ pub(super) struct Surroundings<'a> {
 /// How many of the lanes had something to do, so far in this batch.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct UseOfLanes {
-    steps: u32,
-    lanes: u32,
+    all: u32,
+    used: u32,
 }
 
 impl UseOfLanes {
     /// Whether packets are worth their while: rays that are in many packets with few lanes in use
     /// are faster by themselves.
     pub(super) fn is_good(self) -> bool {
-        self.lanes >= LANES_IN_USE * self.steps
+        LANES_PER_USE * self.used >= self.all
     }
+}
+
+/// Orders the rays of a batch by the way they go, so that packets are full: those that go one way
+/// keep their order, which is that of neighbours. The number of rays is made whole by repeating the
+/// last one; rays that are in order already get none.
+pub(super) fn order_by_way(rays: &Rays, order: &mut Vec<u32>, ways: &mut Vec<u8>) {
+    const WAYS: usize = 32;
+    let n = rays.len();
+    ways.clear();
+    let [x, y, z] = &rays.direction;
+    ways.extend(x[..n].iter().zip(&y[..n]).zip(&z[..n]).map(|((&x, &y), &z)| way(x, y, z)));
+    order.clear();
+    if ways.is_sorted() {
+        return;
+    }
+    let mut places = [0u32; WAYS];
+    for &way in &*ways {
+        places[usize::from(way)] += 1;
+    }
+    let mut place = 0;
+    for count in &mut places {
+        place += std::mem::replace(count, place);
+    }
+    order.resize(n.next_multiple_of(LANES), n.saturating_sub(1) as u32);
+    for (i, &way) in ways.iter().enumerate() {
+        let place = &mut places[usize::from(way)];
+        order[*place as usize] = i as u32;
+        *place += 1;
+    }
+}
+
+/// Signs of a direction and its largest axis; nothing depends on how equals are told apart.
+#[inline(always)]
+fn way(x: f32, y: f32, z: f32) -> u8 {
+    let negative = |v: f32| (v.to_bits() >> 31) as u8;
+    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+    let largest = if ax >= ay && ax >= az { 0 } else { 1 + u8::from(ay < az) };
+    negative(x) | negative(y) << 1 | negative(z) << 2 | largest << 3
 }
 
 /// Traces the packets that sixteen rays make; returns the rays that are left, which go other ways
@@ -177,7 +215,6 @@ impl UseOfLanes {
 pub(super) unsafe fn trace<S: PacketSteps, Q: Query>(
     around: &mut Surroundings,
     prepared: &Prepared,
-    first: usize,
     pending: u32,
     query: &mut Q,
 ) -> u32 {
@@ -202,7 +239,7 @@ pub(super) unsafe fn trace<S: PacketSteps, Q: Query>(
                 continue;
             }
             // SAFETY: the caller's.
-            unsafe { Packet::<S>::new(prepared, base, set).trace(around, query, first) };
+            unsafe { Packet::<S>::new(prepared, base, set).trace(around, query) };
         }
     }
     left
@@ -265,7 +302,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
     /// # Safety
     /// As [`trace`].
     #[inline(always)]
-    unsafe fn trace<Q: Query>(mut self, around: &mut Surroundings, query: &mut Q, first: usize) {
+    unsafe fn trace<Q: Query>(mut self, around: &mut Surroundings, query: &mut Q) {
         // SAFETY: on each level the stack grows by at most `WIDTH - 1`, which the hierarchy's
         // stack size allows for.
         unsafe {
@@ -280,8 +317,8 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 if lanes == 0 {
                     continue;
                 }
-                around.use_of_lanes.steps += 1;
-                around.use_of_lanes.lanes += lanes.count_ones();
+                around.use_of_lanes.all += S::Lanes::COUNT as u32;
+                around.use_of_lanes.used += lanes.count_ones();
                 let child = *children.add(top);
                 if child.is_block() {
                     self.test_leaf::<Q>(around, child, lanes);
@@ -289,7 +326,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                         break;
                     }
                 } else if child.is_leaf() || lanes.count_ones() <= FEW {
-                    self.part(around, child, lanes, top, first);
+                    self.part(around, child, lanes, top);
                 } else {
                     let node = &*around.memory.nodes.add(child.index());
                     let mut places = [0; WIDTH];
@@ -304,7 +341,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                     around.memory.prefetch(*children.add(top.saturating_sub(1)));
                 }
             }
-            self.finish(query, first);
+            self.finish(query);
         }
     }
 
@@ -352,7 +389,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                     continue;
                 }
                 let tested = tested.settle(|lane| {
-                    let ray = Ray::new(self.prepared, self.base + lane, 0);
+                    let ray = Ray::new(self.prepared, self.base + lane);
                     (ray.sheared(), triangle_at(block, count, k))
                 });
                 let nearer = tested.hits & tested.t.lt(self.t);
@@ -419,14 +456,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
     /// # Safety
     /// As [`trace`]; the lanes stand before `child`, with `top` entries on the stack.
     #[inline(always)]
-    unsafe fn part(
-        &mut self,
-        around: &mut Surroundings,
-        child: Child,
-        lanes: u32,
-        top: usize,
-        first: usize,
-    ) {
+    unsafe fn part(&mut self, around: &mut Surroundings, child: Child, lanes: u32, top: usize) {
         let mut state = [[0.0; LANES]; 4];
         // SAFETY: there are as many values as lanes, or more; a ray has no more entries than its
         // packet, and there is a free place for each of sixteen rays.
@@ -436,8 +466,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
             self.v.store(state[2].as_mut_ptr());
             self.ids.store(state[3].as_mut_ptr());
             for lane in lanes_of(lanes) {
-                let index = (first + self.base + lane) as u32;
-                let mut ray = Ray::new(self.prepared, self.base + lane, index);
+                let mut ray = Ray::new(self.prepared, self.base + lane);
                 [ray.t, ray.u, ray.v] = [state[0][lane], state[1][lane], state[2][lane]];
                 ray.primitive = state[3][lane].to_bits();
                 ray.is_hit = self.found >> lane & 1 == 1;
@@ -459,7 +488,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
     /// # Safety
     /// The CPU has the instruction set.
     #[inline(always)]
-    unsafe fn finish<Q: Query>(&self, query: &mut Q, first: usize) {
+    unsafe fn finish<Q: Query>(&self, query: &mut Q) {
         let mut state = [[0.0; LANES]; 3];
         // SAFETY: there are as many values as lanes, or more.
         let ids = unsafe {
@@ -470,7 +499,8 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
         };
         for lane in lanes_of(self.found & self.set) {
             let hit = [state[0][lane], state[1][lane], state[2][lane]];
-            query.accept(first + self.base + lane, hit, ids[lane]);
+            let index = self.prepared.index[self.base + lane] as usize;
+            query.accept(index, hit, ids[lane]);
         }
     }
 }

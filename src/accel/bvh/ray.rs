@@ -45,6 +45,8 @@ pub(super) struct Prepared {
     pub(super) octant: [u32; LANES],
     /// Whether the fast kernels may trace the ray: nothing in it overflows on the way to a box.
     pub(super) is_tame: [bool; LANES],
+    /// Its place in the batch.
+    pub(super) index: [u32; LANES],
 }
 
 impl Prepared {
@@ -60,16 +62,39 @@ impl Prepared {
         z_axis: [0; LANES],
         octant: [0; LANES],
         is_tame: [false; LANES],
+        index: [0; LANES],
     };
 
     /// Makes the rays from `first` on ready, sixteen or as many as the arrays hold.
-    ///
-    /// Inlined, so that the lanes become those of the instruction set it is compiled for.
     #[inline(always)]
     pub(super) fn fill(&mut self, rays: &Rays, first: usize) {
-        let origin = lanes_of(&rays.origin, first);
-        let direction = lanes_of(&rays.direction, first);
+        for (lane, index) in self.index.iter_mut().enumerate() {
+            *index = (first + lane) as u32;
+        }
         self.t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
+        self.derive(lanes_of(&rays.origin, first), lanes_of(&rays.direction, first));
+    }
+
+    /// Makes sixteen rays of a batch ready.
+    #[inline(always)]
+    pub(super) fn fill_from(&mut self, rays: &Rays, indices: &[u32; LANES]) {
+        let mut origin = [[0.0; LANES]; 3];
+        let mut direction = [[0.0; LANES]; 3];
+        for (lane, &index) in indices.iter().enumerate() {
+            let i = index as usize;
+            for axis in 0..3 {
+                origin[axis][lane] = rays.origin[axis][i];
+                direction[axis][lane] = rays.direction[axis][i];
+            }
+            self.t_max[lane] = rays.t_max[i];
+        }
+        self.index = *indices;
+        self.derive(origin, direction);
+    }
+
+    /// Inlined, so that the lanes become those of the instruction set it is compiled for.
+    #[inline(always)]
+    fn derive(&mut self, origin: [[f32; LANES]; 3], direction: [[f32; LANES]; 3]) {
         for lane in 0..LANES {
             let [ox, oy, oz] = [origin[0][lane], origin[1][lane], origin[2][lane]];
             let [dx, dy, dz] = [direction[0][lane], direction[1][lane], direction[2][lane]];
@@ -162,7 +187,7 @@ pub(super) struct Ray {
 impl Ray {
     /// One of sixteen rays, without a stack.
     #[inline(always)]
-    pub(super) fn new(rays: &Prepared, lane: usize, index: u32) -> Self {
+    pub(super) fn new(rays: &Prepared, lane: usize) -> Self {
         let octant = rays.octant[lane];
         let z_axis = rays.z_axis[lane] as usize;
         Self {
@@ -180,7 +205,7 @@ impl Ray {
             v: 0.0,
             primitive: 0,
             is_hit: false,
-            index,
+            index: rays.index[lane],
         }
     }
 
@@ -230,7 +255,8 @@ mod tests {
         let mut prepared = Prepared::EMPTY;
         for i in 0..64 {
             prepared.fill(&rays, i / LANES * LANES);
-            let ray = Ray::new(&prepared, i % LANES, i as u32);
+            let ray = Ray::new(&prepared, i % LANES);
+            assert_eq!(ray.index, i as u32);
             let expected = ShearedRay::new(rays.origin(i), rays.direction(i));
             assert_eq!(ray.axes, expected.axes.map(|axis| axis as u32));
             assert_eq!(ray.shear, expected.shear);

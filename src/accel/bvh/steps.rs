@@ -60,7 +60,6 @@ pub(super) trait Steps {
     unsafe fn packets<Q: Query>(
         _around: &mut Surroundings,
         _prepared: &Prepared,
-        _first: usize,
         pending: u32,
         _query: &mut Q,
     ) -> u32 {

@@ -36,6 +36,8 @@ pub(super) trait Query {
 pub(super) struct Stream {
     prepared: Prepared,
     packets: packet::Stack,
+    order: Vec<u32>,
+    ways: Vec<u8>,
     /// For each place the ray itself, then its stack: distances, then what to visit.
     lines: Vec<Line>,
     free: Vec<u32>,
@@ -62,6 +64,8 @@ impl Default for Stream {
         Self {
             prepared: Prepared::EMPTY,
             packets: packet::Stack::default(),
+            order: vec![],
+            ways: vec![],
             lines: vec![],
             free: vec![],
             parked: vec![],
@@ -134,8 +138,10 @@ impl Flights<'_> {
 struct Pending<'a> {
     around: Surroundings<'a>,
     prepared: &'a mut Prepared,
-    /// Whether rays that go the same way are traced together.
+    /// Whether rays that go the same way are traced together; then the order in which they are
+    /// taken, otherwise empty.
     packets: bool,
+    order: &'a [u32],
     next: usize,
     /// Which of the sixteen are to go into flight.
     left: u32,
@@ -164,9 +170,8 @@ impl Pending<'_> {
         }
         let lane = self.left.trailing_zeros() as usize;
         self.left &= self.left - 1;
-        let index = (self.next - LANES + lane) as u32;
         // SAFETY: no ray is parked, and there are more places than rays in flight.
-        let place = unsafe { self.around.flights.put(Ray::new(self.prepared, lane, index)) };
+        let place = unsafe { self.around.flights.put(Ray::new(self.prepared, lane)) };
         Some(Stop { place, child: Child::node(0) })
     }
 
@@ -177,7 +182,12 @@ impl Pending<'_> {
     #[inline(always)]
     unsafe fn prepare<S: Steps, Q: Query>(&mut self, query: &mut Q) {
         let Surroundings { bvh, rays, .. } = self.around;
-        self.prepared.fill(rays, self.next);
+        match self.order.get(self.next..self.next + LANES) {
+            Some(indices) => {
+                self.prepared.fill_from(rays, indices.try_into().expect("as many as lanes"));
+            }
+            None => self.prepared.fill(rays, self.next),
+        }
         let count = (rays.len() - self.next).min(LANES);
         let (mut tame, mut wild) = (0u32, 0u32);
         for lane in 0..LANES {
@@ -189,12 +199,12 @@ impl Pending<'_> {
         while wild != 0 {
             let lane = wild.trailing_zeros() as usize;
             wild &= wild - 1;
-            let ray = Ray::new(self.prepared, lane, (self.next + lane) as u32);
+            let ray = Ray::new(self.prepared, lane);
             query.finish(&super::careful::trace(bvh, rays, ray, Q::ANY));
         }
         self.left = if self.packets && self.around.use_of_lanes.is_good() {
             // SAFETY: the caller's.
-            unsafe { S::packets(&mut self.around, self.prepared, self.next, tame, query) }
+            unsafe { S::packets(&mut self.around, self.prepared, tame, query) }
         } else {
             tame
         };
@@ -216,7 +226,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     const { assert!(size_of::<Ray>() == 128) };
     // An odd number of lines, so that stacks do not compete for the same places of a cache.
     let lines = (2 + bvh.stack.div_ceil(8)) | 1;
-    let Stream { prepared, packets: stack, lines: room, free, parked, lists } = stream;
+    let Stream { prepared, packets: stack, order, ways, lines: room, free, parked, lists } = stream;
     const PLACES: usize = IN_FLIGHT + LANES;
     room.resize(room.len().max(PLACES * lines), Line([0; 64]));
     free.clear();
@@ -227,9 +237,13 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
         Memory { nodes: bvh.nodes.as_ptr(), rows: bvh.corners.rows().as_ptr(), stack: bvh.stack };
     let flights = Flights { first: room.as_mut_ptr(), lines, memory, free, parked };
     let packets = coherence == Coherence::Coherent;
+    order.clear();
+    if packets {
+        packet::order_by_way(rays, order, ways);
+    }
     let use_of_lanes = UseOfLanes::default();
     let around = Surroundings { bvh, rays, memory, stack, flights, use_of_lanes };
-    let mut pending = Pending { around, prepared, packets, next: 0, left: 0 };
+    let mut pending = Pending { around, prepared, packets, order, next: 0, left: 0 };
     let [first, second, leaves, others] = lists;
     let mut nodes = List::new(first);
     let mut stops =

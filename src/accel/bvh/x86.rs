@@ -148,12 +148,11 @@ impl Steps for Avx512 {
     unsafe fn packets<Q: Query>(
         around: &mut Surroundings,
         prepared: &Prepared,
-        first: usize,
         pending: u32,
         query: &mut Q,
     ) -> u32 {
         // SAFETY: the caller's.
-        unsafe { packet::trace::<Self, Q>(around, prepared, first, pending, query) }
+        unsafe { packet::trace::<Self, Q>(around, prepared, pending, query) }
     }
 
     #[inline(always)]
@@ -229,12 +228,11 @@ impl Steps for Avx2 {
     unsafe fn packets<Q: Query>(
         around: &mut Surroundings,
         prepared: &Prepared,
-        first: usize,
         pending: u32,
         query: &mut Q,
     ) -> u32 {
         // SAFETY: the caller's.
-        unsafe { packet::trace::<Self, Q>(around, prepared, first, pending, query) }
+        unsafe { packet::trace::<Self, Q>(around, prepared, pending, query) }
     }
 
     #[inline(always)]
