@@ -40,13 +40,17 @@ pub(super) trait Lanes: Copy {
     unsafe fn lt(self, other: Self) -> u32;
     /// `other` in the lanes of `set`, `self` in the others.
     unsafe fn replace(self, set: u32, other: Self) -> Self;
+    /// The smallest of all lanes, none of which is NaN.
+    unsafe fn least(self) -> f32;
+    /// The largest of all lanes, none of which is NaN.
+    unsafe fn largest(self) -> f32;
 }
 
 /// A function for each of a type's instructions.
 macro_rules! lanes {
     ($type:ty, $count:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
      $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident, $min:ident, $max:ident,
-     $and:ident, $compare:ident, $replace:ident) => {
+     $and:ident, $compare:ident, $replace:ident, $halves:ident) => {
         impl Lanes for $type {
             const COUNT: usize = $count;
 
@@ -114,6 +118,20 @@ macro_rules! lanes {
             unsafe fn replace(self, set: u32, other: Self) -> Self {
                 unsafe { $replace(self, set, other) }
             }
+            #[inline(always)]
+            unsafe fn least(self) -> f32 {
+                unsafe {
+                    let [a, b] = $halves(self);
+                    fold4::<false>(_mm_min_ps(a[0], b[0]), _mm_min_ps(a[1], b[1]))
+                }
+            }
+            #[inline(always)]
+            unsafe fn largest(self) -> f32 {
+                unsafe {
+                    let [a, b] = $halves(self);
+                    fold4::<true>(_mm_max_ps(a[0], b[0]), _mm_max_ps(a[1], b[1]))
+                }
+            }
         }
     };
 }
@@ -135,7 +153,8 @@ lanes!(
     _mm_max_ps,
     _mm_and_ps,
     compare4,
-    replace4
+    replace4,
+    quarters4
 );
 lanes!(
     __m256,
@@ -154,7 +173,8 @@ lanes!(
     _mm256_max_ps,
     _mm256_and_ps,
     compare8,
-    replace8
+    replace8,
+    quarters8
 );
 lanes!(
     __m512,
@@ -173,7 +193,8 @@ lanes!(
     _mm512_max_ps,
     _mm512_and_ps,
     compare16,
-    replace16
+    replace16,
+    quarters16
 );
 
 #[inline(always)]
@@ -212,4 +233,41 @@ unsafe fn replace8(a: __m256, set: u32, b: __m256) -> __m256 {
 #[inline(always)]
 unsafe fn replace16(a: __m512, set: u32, b: __m512) -> __m512 {
     unsafe { _mm512_mask_mov_ps(a, set as u16, b) }
+}
+
+/// Four vectors of four lanes that hold all lanes, some of them more than once.
+#[inline(always)]
+unsafe fn quarters4(a: __m128) -> [[__m128; 2]; 2] {
+    [[a; 2]; 2]
+}
+
+#[inline(always)]
+unsafe fn quarters8(a: __m256) -> [[__m128; 2]; 2] {
+    unsafe { [[_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a)]; 2] }
+}
+
+#[inline(always)]
+unsafe fn quarters16(a: __m512) -> [[__m128; 2]; 2] {
+    unsafe {
+        let (low, high) = (_mm512_castps512_ps256(a), _mm512_extractf32x8_ps::<1>(a));
+        [
+            [_mm256_castps256_ps128(low), _mm256_extractf128_ps::<1>(low)],
+            [_mm256_castps256_ps128(high), _mm256_extractf128_ps::<1>(high)],
+        ]
+    }
+}
+
+/// The smallest, or largest, of eight lanes.
+#[inline(always)]
+unsafe fn fold4<const LARGEST: bool>(a: __m128, b: __m128) -> f32 {
+    unsafe {
+        let four = pick::<LARGEST>(a, b);
+        let two = pick::<LARGEST>(four, _mm_movehl_ps(four, four));
+        _mm_cvtss_f32(pick::<LARGEST>(two, _mm_shuffle_ps::<1>(two, two)))
+    }
+}
+
+#[inline(always)]
+unsafe fn pick<const LARGEST: bool>(a: __m128, b: __m128) -> __m128 {
+    unsafe { if LARGEST { _mm_max_ps(a, b) } else { _mm_min_ps(a, b) } }
 }

@@ -79,58 +79,38 @@ pub(super) struct Beam {
 }
 
 impl Beam {
+    /// Holds the rays of a set, whose first lane is lane `base` of those made ready.
+    ///
+    /// # Safety
+    /// The CPU has the instructions of `L`; `base` leaves enough lanes.
     #[inline(always)]
-    fn new(rays: &Prepared, set: u32) -> Self {
-        let octant = rays.octant[set.trailing_zeros() as usize];
-        let of_set = |values: &[f32; LANES], other: f32| {
-            let mut chosen = [other; LANES];
-            for lane in 0..LANES {
-                chosen[lane] = if set >> lane & 1 == 1 { values[lane] } else { other };
+    unsafe fn new<L: Lanes>(rays: &Prepared, base: usize, set: u32) -> Self {
+        let octant = rays.octant[base + set.trailing_zeros() as usize];
+        // SAFETY: the caller's.
+        unsafe {
+            let of_set = |values: &[f32; LANES], other: f32| {
+                L::load(values.as_ptr().add(base)).replace(!set, L::splat(other))
+            };
+            let mut beam = Self {
+                signs: [0.0; 3],
+                entering: [0.0; 3],
+                leaving: [0.0; 3],
+                inverses: [[0.0; 2]; 3],
+                t_max: of_set(&rays.t_max, 0.0).largest(),
+                order_shift: 4 * octant,
+                entries: Ray::entries(octant),
+            };
+            for axis in 0..3 {
+                let sizes = &rays.size[axis];
+                beam.signs[axis] = if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
+                beam.entering[axis] = of_set(&rays.entering[axis], f32::NEG_INFINITY).largest();
+                beam.leaving[axis] = of_set(&rays.leaving[axis], f32::INFINITY).least();
+                let least = of_set(sizes, f32::INFINITY).least();
+                beam.inverses[axis] = [least, of_set(sizes, 0.0).largest()];
             }
-            chosen
-        };
-        let mut beam = Self {
-            signs: [0.0; 3],
-            entering: [0.0; 3],
-            leaving: [0.0; 3],
-            inverses: [[0.0; 2]; 3],
-            t_max: largest(of_set(&rays.t_max, 0.0)),
-            order_shift: 4 * octant,
-            entries: Ray::entries(octant),
-        };
-        for axis in 0..3 {
-            let sizes = rays.inverse[axis].map(f32::abs);
-            beam.signs[axis] = if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
-            beam.entering[axis] = largest(of_set(&rays.entering[axis], f32::NEG_INFINITY));
-            beam.leaving[axis] = least(of_set(&rays.leaving[axis], f32::INFINITY));
-            beam.inverses[axis] =
-                [least(of_set(&sizes, f32::INFINITY)), largest(of_set(&sizes, 0.0))];
+            beam
         }
-        beam
     }
-}
-
-#[inline(always)]
-fn least(values: [f32; LANES]) -> f32 {
-    fold(values, |a, b| if a < b { a } else { b })
-}
-
-#[inline(always)]
-fn largest(values: [f32; LANES]) -> f32 {
-    fold(values, |a, b| if a > b { a } else { b })
-}
-
-/// Folds halves onto each other, as vectors do.
-#[inline(always)]
-fn fold(mut values: [f32; LANES], f: impl Fn(f32, f32) -> f32) -> f32 {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for i in 0..half {
-            values[i] = f(values[i], values[i + half]);
-        }
-        half /= 2;
-    }
-    values[0]
 }
 
 /// The lanes of a set, lowest first.
@@ -272,7 +252,6 @@ struct Packet<'a, S: PacketSteps> {
 impl<'a, S: PacketSteps> Packet<'a, S> {
     #[inline(always)]
     unsafe fn new(prepared: &'a Prepared, base: usize, set: u32) -> Self {
-        let beam = Beam::new(prepared, set);
         let z_axis = prepared.z_axis[set.trailing_zeros() as usize] as usize;
         let set = set >> base;
         // SAFETY: the arrays have `LANES` elements, `base` leaves enough for the packet.
@@ -280,7 +259,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
             let nothing = S::Lanes::splat(0.0);
             let t = S::Lanes::load(prepared.t_max.as_ptr().add(base));
             Self {
-                beam,
+                beam: Beam::new::<S::Lanes>(prepared, base, set),
                 inverse: load3(&prepared.inverse, base),
                 near: load3(&prepared.near, base),
                 far: load3(&prepared.far, base),
@@ -444,10 +423,8 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
     /// The CPU has the instruction set.
     #[inline(always)]
     unsafe fn farthest(&self) -> f32 {
-        let mut values = [f32::NEG_INFINITY; LANES];
-        // SAFETY: there are as many values as lanes, or more.
-        unsafe { self.t.store(values.as_mut_ptr()) };
-        largest(values)
+        // SAFETY: the caller's.
+        unsafe { self.t.largest() }
     }
 
     /// Puts some lanes into flight by themselves, each with its part of the stack; they leave the

@@ -24,6 +24,8 @@ const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
 pub(super) struct Prepared {
     /// Inverse of the direction, by axis.
     pub(super) inverse: [[f32; LANES]; 3],
+    /// Its absolute value.
+    pub(super) size: [[f32; LANES]; 3],
     /// What to subtract from `plane * inverse` so that the result is at most the distance to a
     /// plane where the ray enters.
     pub(super) near: [[f32; LANES]; 3],
@@ -52,6 +54,7 @@ pub(super) struct Prepared {
 impl Prepared {
     pub(super) const EMPTY: Self = Self {
         inverse: [[0.0; LANES]; 3],
+        size: [[0.0; LANES]; 3],
         near: [[0.0; LANES]; 3],
         far: [[0.0; LANES]; 3],
         entering: [[0.0; LANES]; 3],
@@ -122,6 +125,7 @@ impl Prepared {
                 let error = BOX_ERROR * reach;
                 self.entering[axis][lane] = forward + error;
                 self.leaving[axis][lane] = forward - error;
+                self.size[axis][lane] = size;
                 self.inverse[axis][lane] = size.copysign(d);
                 self.near[axis][lane] = (forward + error) * size;
                 self.far[axis][lane] = (forward - error) * size;
