@@ -42,18 +42,9 @@ pub fn write_atomically(
 }
 
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    builder.prefix(".slo-rt-").suffix(".part");
-    // The default of temporary files is 0600; a picture gets what any new file gets.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder(path)).map_err(|error| io::Error::new(error.kind(), plain(&error)))
-}
-
-/// The system's words, without the name of the temporary file around them.
-fn plain(error: &io::Error) -> String {
-    let source = error.get_ref().and_then(std::error::Error::source);
-    source.map_or_else(|| error.to_string(), ToString::to_string)
+    // `tempfile_in` would make a file for its owner only, and put its name into every error.
+    let create = |path: &Path| File::create_new(path);
+    Builder::new().prefix(".slo-rt-").suffix(".part").make_in(folder(path), create)
 }
 
 fn folder(path: &Path) -> &Path {
@@ -123,6 +114,14 @@ mod tests {
         let long = "x".repeat(300);
         assert!(check_writable(&folder.path().join(long)).is_err());
         assert!(write_atomically(&folder.path().join("none/a.png"), |_| Ok(())).is_err());
+    }
+
+    #[test]
+    fn errors_are_the_words_of_the_system() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("none/a.png");
+        let error = write_atomically(&missing, |_| Ok(())).unwrap_err();
+        assert!(error.raw_os_error().is_some(), "{error}");
     }
 
     #[cfg(unix)]
