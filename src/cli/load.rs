@@ -14,12 +14,15 @@ use crate::frame::{FrameError, FrameScene};
 use crate::output::check_prefix;
 use crate::scene::{Files, Loaded, SceneDescription, load};
 
-/// More threads than this are taken as this many.
-const MOST_THREADS: usize = 4096;
+/// More threads than this for each processor are taken as this many: they would do nothing but look
+/// for work in each other's queues, which takes ever longer.
+const MOST_THREADS_PER_PROCESSOR: usize = 16;
 
 /// Threads for a job: as many as asked for, or as the machine has.
 pub(super) fn threads(asked: Option<usize>) -> Result<ThreadPool, Problem> {
-    let threads = asked.map_or(0, |threads| threads.min(MOST_THREADS));
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let most = processors.saturating_mul(MOST_THREADS_PER_PROCESSOR);
+    let threads = asked.map_or(0, |threads| threads.min(most));
     ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
@@ -67,4 +70,17 @@ pub(super) fn frame(job: &Job, scene: &SceneDescription) -> Result<FrameScene, P
 /// A frame that the camera does not have.
 pub(super) fn no_segment(error: &NoSegment) -> Problem {
     Problem::new(Exit::Usage, error).with_help("`--frame` names the frame")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_are_as_many_as_asked_for_but_never_a_crowd() {
+        let count = |asked| threads(asked).unwrap().current_num_threads();
+        assert_eq!(count(Some(3)), 3);
+        let processors = std::thread::available_parallelism().map_or(1, usize::from);
+        assert_eq!(count(Some(65536)), MOST_THREADS_PER_PROCESSOR * processors);
+    }
 }
