@@ -69,7 +69,7 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "FILE", help_heading = WHAT)]
     pub(super) scene: Option<PathBuf>,
 
-    /// Number of the frame; may be negative (0)
+    /// Number of the frame; may be negative [0]
     #[arg(short, long, value_name = "N", help_heading = WHAT, allow_negative_numbers = true)]
     pub(super) frame: Option<i64>,
 
@@ -116,19 +116,21 @@ pub(super) struct Args {
     /// 1, and imageMinSamples becomes N where it is more. Samples of shadows and
     /// of glossy surfaces stay.
     #[arg(long, value_name = "N", help_heading = DRAFT, verbatim_doc_comment)]
+    #[arg(allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=65535))]
     pub(super) samples: Option<u32>,
 
     /// Seed of the noise
-    #[arg(long, value_name = "N", help_heading = DRAFT)]
+    #[arg(long, value_name = "N", help_heading = DRAFT, allow_negative_numbers = true)]
     pub(super) seed: Option<u64>,
 
     /// Structure for the rays: kdtree, bvh, cwbvh or none
     #[arg(long, value_name = "NAME", help_heading = DRAFT, hide_possible_values = true)]
+    #[arg(ignore_case = true)]
     pub(super) accelerator: Option<AcceleratorName>,
 
     /// Threads [parallelThreads of the scene, or all]
-    #[arg(long, value_name = "N", help_heading = HOW)]
+    #[arg(long, value_name = "N", help_heading = HOW, allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(super) threads: Option<u32>,
 
@@ -275,6 +277,25 @@ mod tests {
             "--frame= ",
         ] {
             assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn numbers_below_their_range_are_told_the_range() {
+        for (typed, said) in [("--samples -3", "1..=65535"), ("--threads -1", "1..=4096")] {
+            let error = parse(typed).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+        assert!(parse("--seed -1").unwrap_err().to_string().contains("'--seed <N>'"));
+    }
+
+    #[test]
+    fn accelerators_may_be_spelt_as_in_scenes() {
+        for (name, accelerator) in Accelerator::NAMES {
+            for name in [name.to_owned(), name.to_lowercase()] {
+                let parsed = parse(&format!("--accelerator {name}")).unwrap().accelerator;
+                assert_eq!(parsed.map(Accelerator::from), Some(accelerator), "{name}");
+            }
         }
     }
 
