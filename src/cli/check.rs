@@ -5,6 +5,7 @@ use super::options::Job;
 use super::problem::Problem;
 use super::terminal::Terminal;
 use crate::animation::Clock;
+use crate::output::{encoding_keyword, output_keyword};
 use crate::scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape, Texture};
 
 /// Reports on the job's scene; renders nothing.
@@ -30,9 +31,9 @@ fn report(scene: &SceneDescription) -> Vec<String> {
 
 fn picture(camera: &Camera) -> String {
     let film = &camera.film;
-    let (format, encoding) = (film.output, film.encoding);
+    let (format, encoding) = (output_keyword(film.output), encoding_keyword(film.encoding));
     format!(
-        "picture: {} x {} pixels, {format:?}, {encoding:?}, {} frames per second",
+        "picture: {} x {} pixels, {format}, {encoding}, {} frames per second",
         film.width, film.height, camera.fps
     )
 }

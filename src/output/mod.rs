@@ -15,7 +15,7 @@ use std::path::Path;
 
 pub use file::{check_writable, write_atomically};
 pub use name::{Info, check_prefix, file_name};
-pub use recipe::{KEYWORD, Recipe, RecipeError, read_recipe};
+pub use recipe::{KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe};
 
 use crate::film::Image;
 use crate::scene::{Encoding, OutputFormat};

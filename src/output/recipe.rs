@@ -123,7 +123,8 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
 }
 
-fn output_keyword(format: OutputFormat) -> &'static str {
+/// The word of the scene language for it.
+pub fn output_keyword(format: OutputFormat) -> &'static str {
     match format {
         OutputFormat::Png8 => "PNG_IMAGE",
         OutputFormat::Png16 => "PNG16_IMAGE",
@@ -131,7 +132,8 @@ fn output_keyword(format: OutputFormat) -> &'static str {
     }
 }
 
-fn encoding_keyword(encoding: Encoding) -> &'static str {
+/// The word of the scene language for it.
+pub fn encoding_keyword(encoding: Encoding) -> &'static str {
     match encoding {
         Encoding::Raw => "RAW",
         Encoding::Srgb => "SRGB",

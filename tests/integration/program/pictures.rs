@@ -98,6 +98,7 @@ fn check_renders_nothing() {
     let run = folder.run("--check -s scene.txt -od out");
     assert_eq!((run.exit, &*run.printed), (0, ""), "{}", run.said);
     assert!(run.said.contains("frames 0 to 25"), "{}", run.said);
+    assert!(run.said.contains("16 x 9 pixels, PNG_IMAGE, RAW"), "{}", run.said);
     assert!(folder.names().is_empty());
 }
 
