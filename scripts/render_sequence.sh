@@ -4,8 +4,8 @@
 usage='usage: render_sequence.sh [-k] SCENE FIRST LAST [options of slo-rt]
 
 Renders the frames FIRST to LAST of SCENE. Further options go to slo-rt as they are:
-  render_sequence.sh table.txt 0 799 -od output/table
-  render_sequence.sh table.txt 0 799 -od output/table --skip-existing    (goes on where it ended)
+  render_sequence.sh table.txt 0 100 -od output/table
+  render_sequence.sh table.txt 0 100 -od output/table --skip-existing    (goes on where it ended)
 
   -k, --keep-going   goes on after a frame that fails, and lists those at the end
 
