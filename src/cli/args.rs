@@ -69,7 +69,7 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "FILE", help_heading = WHAT)]
     pub(super) scene: Option<PathBuf>,
 
-    /// Number of the frame; may be negative [0]
+    /// Number of the frame; may be negative (0)
     #[arg(short, long, value_name = "N", help_heading = WHAT, allow_negative_numbers = true)]
     pub(super) frame: Option<i64>,
 
