@@ -37,7 +37,7 @@ pub(super) struct Prepared {
     pub(super) leaving: [[f32; LANES]; 3],
     /// Origin in sheared axes.
     pub(super) origin: [[f32; LANES]; 3],
-    /// The shear of [`ShearedRay`](crate::accel::triangle::ShearedRay).
+    /// The shear of [`ShearedRay`].
     pub(super) shear: [[f32; LANES]; 3],
     /// End of the ray.
     pub(super) t_max: [f32; LANES],

@@ -295,7 +295,7 @@ unsafe fn splat3<L: Lanes>(v: &[f32; 3]) -> [L; 3] {
 }
 
 /// # Safety
-/// As [`test`].
+/// As [`test()`].
 #[inline(always)]
 unsafe fn report(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
     // SAFETY: the arrays have four elements.
@@ -312,7 +312,7 @@ unsafe fn report(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHit
 }
 
 /// # Safety
-/// As [`test`].
+/// As [`test()`].
 #[inline(always)]
 unsafe fn is_hit(block: *const f32, count: usize, ray: &Ray) -> bool {
     // SAFETY: the caller's.

@@ -16,13 +16,13 @@ pub(in crate::accel) struct Tested<L> {
     /// Lanes where the line of the ray meets the triangle at `0 < t <= t_max`, bit by bit; in lanes
     /// of `doubtful` the sign of t is not certain.
     pub(in crate::accel) hits: u32,
-    /// Hits that count only if [`lies_ahead`](super::lies_ahead) says so.
+    /// Hits that count only if [`lies_ahead`] says so.
     doubtful: u32,
 }
 
 impl<L: Lanes> Tested<L> {
     /// Tests the lanes of a set: corners (x, y, and z in sheared axes, see
-    /// [`ShearedRay`](super::ShearedRay)), origin in sheared axes, shear, and end of the rays.
+    /// [`ShearedRay`]), origin in sheared axes, shear, and end of the rays.
     ///
     /// # Safety
     /// The CPU has the instructions of `L`.
