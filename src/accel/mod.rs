@@ -76,6 +76,7 @@ pub enum Structure {
 #[derive(Debug, Default)]
 pub struct Scratch {
     bvh: bvh::Scratch,
+    kdtree: kdtree::Scratch,
 }
 
 impl Structure {
@@ -151,7 +152,7 @@ impl Structure {
     ) {
         hits.reset(rays.len());
         match self {
-            Self::KdTree(tree) => tree.intersect(rays, coherence, hits, scratch),
+            Self::KdTree(tree) => tree.intersect(rays, coherence, hits, &mut scratch.kdtree),
             Self::Bvh(bvh) => bvh.intersect(rays, coherence, hits, &mut scratch.bvh),
             Self::Cwbvh(cwbvh) => cwbvh.intersect(rays, hits),
             Self::Brute(brute) => brute.intersect(rays, hits),
@@ -169,7 +170,7 @@ impl Structure {
         blocked.clear();
         blocked.resize(rays.len().next_multiple_of(LANES), false);
         match self {
-            Self::KdTree(tree) => tree.occluded(rays, coherence, blocked, scratch),
+            Self::KdTree(tree) => tree.occluded(rays, coherence, blocked, &mut scratch.kdtree),
             Self::Bvh(bvh) => bvh.occluded(rays, coherence, blocked, &mut scratch.bvh),
             Self::Cwbvh(cwbvh) => cwbvh.occluded(rays, blocked),
             Self::Brute(brute) => brute.occluded(rays, blocked),

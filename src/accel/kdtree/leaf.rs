@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::node::{Chunk, Node};
 use crate::accel::triangle::{self, ShearedRay, TriangleHit};
-use crate::accel::{LANES, Primitives};
+use crate::accel::{LANES, Primitives, Triangle};
 
 /// The contents of all leaves, one after the other, in words.
 #[derive(Debug, Default)]
@@ -55,7 +55,7 @@ impl Arena {
 
     /// Makes loads of whole registers safe to the last leaf.
     pub(super) fn finish(&mut self) {
-        self.words.extend([0; 2 * LANES]);
+        self.words.extend([0; 4 * LANES]);
         self.words.shrink_to_fit();
     }
 }
@@ -115,10 +115,10 @@ pub(super) struct Best {
 }
 
 impl Best {
-    /// Nothing so far, of a ray that ends before `t_max`.
+    /// Nothing so far, of a ray whose hits up to `t` count.
     #[inline(always)]
-    pub(super) fn before(t_max: f32) -> Self {
-        Self { t: t_max.next_down(), u: 0.0, v: 0.0, primitive: super::NO_HIT }
+    pub(super) fn up_to(t: f32) -> Self {
+        Self { t, u: 0.0, v: 0.0, primitive: super::NO_HIT }
     }
 
     /// Takes a hit that is nearer, or as near with a lower id.
@@ -135,17 +135,26 @@ impl Best {
     }
 }
 
+/// Corner `k` of triangle `i` of a chunk: the place of its vertex.
+#[inline(always)]
+pub(super) fn corners_of(words: &[u32], chunk: Chunk, i: usize) -> [usize; 3] {
+    let corners = words[chunk.corners_at() + i / 2] >> (16 * (i % 2));
+    [0, 1, 2].map(|k| (corners >> (5 * k) & 31) as usize)
+}
+
+/// Triangle `i` of a chunk.
+#[inline(always)]
+pub(super) fn triangle_at(words: &[u32], chunk: Chunk, i: usize) -> Triangle {
+    let vertices = chunk.vertices();
+    let x = |at: usize| f32::from_bits(words[at]);
+    corners_of(words, chunk, i).map(|v| Vec3::new(x(v), x(vertices + v), x(2 * vertices + v)))
+}
+
 /// Tests a chunk's triangles one after the other.
 pub(super) fn test_triangles(words: &[u32], chunk: Chunk, ray: &ShearedRay, best: &mut Best) {
-    let vertices = chunk.vertices();
-    let vertex = |i: usize| {
-        Vec3::from_array(std::array::from_fn(|axis| f32::from_bits(words[axis * vertices + i])))
-    };
     for i in 0..chunk.triangles() {
-        let corners = words[chunk.corners_at() + i / 2] >> (16 * (i % 2));
-        let corner = |k: u32| vertex((corners >> (5 * k) & 31) as usize);
-        let t_end = best.t.next_up();
-        if let Some(hit) = triangle::intersect(ray, &[corner(0), corner(1), corner(2)], t_end) {
+        if let Some(hit) = triangle::intersect(ray, &triangle_at(words, chunk, i), best.t.next_up())
+        {
             best.offer(hit, words[chunk.ids_at() + i]);
         }
     }

@@ -1,48 +1,195 @@
-//! A ray made ready to walk through the tree.
-
-use glam::Vec3;
+//! Rays made ready to walk through the tree, sixteen at a time.
 
 use crate::accel::triangle::{POSITION_ERROR, ShearedRay};
+use crate::accel::{LANES, Rays};
 use crate::math::Bounds;
+use crate::math::rounding::UNIT_ROUNDOFF;
 
-/// What the walk needs of a ray.
+/// Components of a direction are taken to be at least this part of the largest: a ray drifts by
+/// less than the [`POSITION_ERROR`] for that.
+const SMALLEST_SLOPE: f32 = 1.0 / (1u32 << 30) as f32;
+
+/// Rays as structures of arrays.
 ///
 /// A hit's t may differ from that of the point it stands for, and the point may lie beside the
-/// ray, both by rounding. `slack` is how much later or earlier than computed a ray may cross a
-/// plane for all that; a child is skipped only if the ray is clear of it by more.
+/// ray, both by rounding. Times at which planes are crossed are therefore told as spans, and a child
+/// is skipped only if the ray is clear of it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct WalkRay {
-    pub(super) sheared: ShearedRay,
-    pub(super) direction: Vec3,
-    /// 1 / direction, never infinite.
-    pub(super) inverse: Vec3,
-    pub(super) slack: Vec3,
+#[repr(C, align(64))]
+pub(super) struct Prepared<const N: usize> {
+    /// 1 / direction, by axis, never infinite; negative where the upper child is the nearer.
+    pub(super) inverse: [[f32; N]; 3],
+    /// `position * inverse` less this is the earliest time of crossing.
+    pub(super) early: [[f32; N]; 3],
+    /// `position * inverse` less this is the latest time of crossing.
+    pub(super) late: [[f32; N]; 3],
+    /// Origin in sheared axes.
+    pub(super) origin: [[f32; N]; 3],
+    /// See [`ShearedRay`].
+    pub(super) shear: [[f32; N]; 3],
+    /// The part of the ray in which it may meet what is in the tree; near > far if none.
+    pub(super) near: [f32; N],
+    pub(super) far: [f32; N],
+    /// The largest t that still counts.
+    pub(super) t: [f32; N],
+    /// Which axis of space is z of the sheared ones; x and y follow it in cyclic order.
+    pub(super) z_axis: [u32; N],
+    /// Bit `axis` is set where the inverse is negative.
+    pub(super) octant: [u32; N],
+    /// Their places in the batch.
+    pub(super) index: [u32; N],
 }
 
-impl WalkRay {
-    pub(super) fn new(origin: Vec3, direction: Vec3, bounds: &Bounds) -> Self {
-        let reach = (bounds.min - origin).abs().max((bounds.max - origin).abs());
-        let error = POSITION_ERROR * reach.max_element();
-        let inverse = direction.map(|d| d.recip().abs().min(f32::MAX).copysign(d));
-        let slack = (error * inverse.abs()).min(Vec3::MAX);
-        Self { sheared: ShearedRay::new(origin, direction), direction, inverse, slack }
-    }
+impl<const N: usize> Prepared<N> {
+    pub(super) const EMPTY: Self = Self {
+        inverse: [[0.0; N]; 3],
+        early: [[0.0; N]; 3],
+        late: [[0.0; N]; 3],
+        origin: [[0.0; N]; 3],
+        shear: [[0.0; N]; 3],
+        near: [f32::INFINITY; N],
+        far: [f32::NEG_INFINITY; N],
+        t: [0.0; N],
+        z_axis: [0; N],
+        octant: [0; N],
+        index: [0; N],
+    };
 
-    /// When the ray crosses a plane.
+    /// How many arrays there are, all of them of 4 bytes a ray.
+    pub(super) const ROWS: usize = size_of::<Self>() / (4 * N);
+
+    /// Makes sixteen rays from `first` on ready, in the first places; those that the batch does
+    /// not have miss the tree.
+    ///
+    /// Inlined, so that the lanes become those of the instruction set it is compiled for.
     #[inline(always)]
-    pub(super) fn crossing(&self, axis: usize, position: f32) -> f32 {
-        (position - self.sheared.origin[axis]) * self.inverse[axis]
+    pub(super) fn fill(&mut self, rays: &Rays, first: usize, bounds: &Bounds) {
+        let origin = lanes_of(&rays.origin, first);
+        let direction = lanes_of(&rays.direction, first);
+        let mut t_max = [0.0f32; LANES];
+        t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
+        let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
+        for lane in 0..LANES {
+            let [ox, oy, oz] = [origin[0][lane], origin[1][lane], origin[2][lane]];
+            let [dx, dy, dz] = [direction[0][lane], direction[1][lane], direction[2][lane]];
+            let [ax, ay, az] = [dx.abs(), dy.abs(), dz.abs()];
+            let x_is_largest = ax >= ay && ax >= az;
+            let y_is_largest = !x_is_largest && ay >= az;
+            let turn = |x: f32, y: f32, z: f32| {
+                if x_is_largest {
+                    [y, z, x]
+                } else if y_is_largest {
+                    [z, x, y]
+                } else {
+                    [x, y, z]
+                }
+            };
+            let [sx, sy, sz] = turn(dx, dy, dz);
+            let shear = [sx / sz, sy / sz, 1.0 / sz];
+            let turned = turn(ox, oy, oz);
+            let mut reach = 0.0f32;
+            for axis in 0..3 {
+                let o = [ox, oy, oz][axis];
+                reach = larger((min[axis] - o).abs(), larger((max[axis] - o).abs(), reach));
+            }
+            let least = SMALLEST_SLOPE * sz.abs();
+            let t = f32::from_bits(t_max[lane].to_bits().wrapping_sub(1));
+            let (mut near, mut far) = (0.0f32, t);
+            let mut octant = 0;
+            for axis in 0..3 {
+                let (o, d) = ([ox, oy, oz][axis], [dx, dy, dz][axis]);
+                let size = 1.0 / larger(d.abs(), least);
+                let inverse = size.copysign(d);
+                // Rounding of products with positions and of their differences from `start`.
+                let coordinate = o.abs() + larger(min[axis].abs(), max[axis].abs());
+                let rounding = 4.0 * UNIT_ROUNDOFF * coordinate;
+                let slack = (POSITION_ERROR * reach + rounding) * size;
+                let start = o * inverse;
+                let (early, late) = (start + slack, start - slack);
+                let falls = d.is_sign_negative();
+                let entry = if falls { max[axis] } else { min[axis] };
+                let exit = if falls { min[axis] } else { max[axis] };
+                near = larger(entry * inverse - early, near);
+                far = smaller(exit * inverse - late, far);
+                octant |= u32::from(falls) << axis;
+                self.inverse[axis][lane] = inverse;
+                self.early[axis][lane] = early;
+                self.late[axis][lane] = late;
+                self.origin[axis][lane] = turned[axis];
+                self.shear[axis][lane] = shear[axis];
+            }
+            self.near[lane] = near;
+            self.far[lane] = far;
+            self.t[lane] = t;
+            self.z_axis[lane] = if x_is_largest { 0 } else { 2 - u32::from(y_is_largest) };
+            self.octant[lane] = octant;
+            self.index[lane] = (first + lane) as u32;
+        }
+        for lane in rays.len().saturating_sub(first).min(LANES)..LANES {
+            (self.near[lane], self.far[lane]) = (f32::INFINITY, f32::NEG_INFINITY);
+        }
     }
 
-    /// The part of `0..=t_max` in which the ray may meet what is in the bounds.
-    pub(super) fn span(&self, bounds: &Bounds, t_max: f32) -> Option<[f32; 2]> {
-        let (mut near, mut far) = (0.0f32, t_max);
-        for axis in 0..3 {
-            let a = self.crossing(axis, bounds.min[axis]);
-            let b = self.crossing(axis, bounds.max[axis]);
-            near = near.max(a.min(b) - self.slack[axis]);
-            far = far.min(a.max(b) + self.slack[axis]);
+    /// Which of the first sixteen rays may meet what is in the tree.
+    #[inline(always)]
+    pub(super) fn entering(&self) -> u32 {
+        let mut set = 0;
+        for lane in 0..LANES {
+            set |= u32::from(self.near[lane] <= self.far[lane]) << lane;
         }
-        (near <= far).then_some([near, far])
+        set
+    }
+
+    /// One of the rays.
+    #[inline(always)]
+    pub(super) fn line(&self, lane: usize) -> Line {
+        let z_axis = self.z_axis[lane] as usize;
+        Line {
+            origin: [self.origin[0][lane], self.origin[1][lane], self.origin[2][lane]],
+            shear: [self.shear[0][lane], self.shear[1][lane], self.shear[2][lane]],
+            axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z_axis],
+        }
+    }
+}
+
+/// The larger; `b` where one is NaN. A single instruction, where `f32::max` is several.
+#[inline(always)]
+pub(super) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller; `b` where one is NaN.
+#[inline(always)]
+pub(super) fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn lanes_of(arrays: &[Vec<f32>; 3], first: usize) -> [[f32; LANES]; 3] {
+    let mut lanes = [[0.0; LANES]; 3];
+    for axis in 0..3 {
+        lanes[axis].copy_from_slice(&arrays[axis][first..first + LANES]);
+    }
+    lanes
+}
+
+/// What the test of triangles needs of a ray, in sheared axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub(super) origin: [f32; 3],
+    pub(super) shear: [f32; 3],
+    /// Which axes of space the sheared ones are.
+    pub(super) axes: [usize; 3],
+}
+
+impl Line {
+    /// The ray as the test in plain Rust asks for it.
+    #[inline(always)]
+    pub(super) fn sheared(&self) -> ShearedRay {
+        let mut origin = glam::Vec3::ZERO;
+        for (place, axis) in self.axes.into_iter().enumerate() {
+            origin[axis] = self.origin[place];
+        }
+        ShearedRay { origin, axes: self.axes, shear: self.shear }
     }
 }

@@ -88,6 +88,24 @@ fn rays_about(primitives: &Primitives, count: usize, seed: u64) -> Rays {
     rays
 }
 
+/// Runs of rays that go nearly the same way, as packets are made of; some of each go another way.
+fn bundles(count: usize, seed: u64) -> Rays {
+    let rng = &mut StdRng::seed_from_u64(seed);
+    let mut rays = Rays::with_capacity(count);
+    while rays.len() < count {
+        let (origin, target) = (1.5 * point(rng), 0.7 * point(rng));
+        let spread = [0.0, 1e-3, 0.1][rays.len() / 16 % 3];
+        let lens = [0.0, 0.05][rays.len() / 48 % 2];
+        for i in 0..rng.random_range(9..17) {
+            let from = origin + lens * point(rng);
+            let to = if i == 7 { point(rng) } else { target + spread * point(rng) };
+            let t_max = if i % 5 == 3 { rng.random_range(0.1..1.5) } else { f32::INFINITY };
+            rays.push(from, to - from, t_max);
+        }
+    }
+    rays
+}
+
 fn check_about(name: &str, triangles: Vec<Triangle>, curved: Vec<Curved>, count: usize) {
     let primitives = Primitives { triangles, curved };
     let rays = rays_about(&primitives, count, 1);
@@ -173,6 +191,36 @@ fn random_triangles() {
 }
 
 #[test]
+fn bundles_of_rays() {
+    let triangles = [soup(3000, 0.1, 13), soup(20, 2.0, 14)].concat();
+    check("bundles", Primitives { triangles, curved: shapes(20, 15) }, &bundles(20_000, 16));
+    let floor = [-9.0, 9.0]
+        .map(|x| [Vec3::new(x, x, 0.0), Vec3::new(9.0, -9.0, 0.0), Vec3::new(-9.0, 9.0, 0.0)]);
+    let triangles = [&floor[..], &ball(12), &soup(200, 0.3, 17)].concat();
+    check("bundles over a floor", Primitives { triangles, curved: vec![] }, &bundles(20_000, 18));
+    for scale in [1e-15, 1e-40, 1e15] {
+        let triangles = moved(&ball(6), scale, Vec3::ZERO);
+        let mut rays = bundles(5_000, 19);
+        for axis in 0..3 {
+            rays.origin[axis].iter_mut().for_each(|x| *x *= scale);
+        }
+        check("bundles of all sizes", Primitives { triangles, curved: vec![] }, &rays);
+    }
+}
+
+/// What has one ray for each length of a batch: no lane is traced that holds none.
+#[test]
+fn batches_of_any_length() {
+    let primitives = Primitives { triangles: ball(8), curved: vec![] };
+    let all = bundles(70, 20);
+    for count in 0..70 {
+        let mut rays = Rays::with_capacity(count);
+        (0..count).for_each(|i| rays.push(all.origin(i), all.direction(i), all.t_max[i]));
+        check("batch", primitives.clone(), &rays);
+    }
+}
+
+#[test]
 fn meshes() {
     check_about("ball", ball(8), vec![], 100_000);
     check_about("grid", grid(10), vec![], 100_000);
@@ -241,6 +289,6 @@ fn depth(tree: &KdTree, node: usize) -> usize {
     if tree.nodes[node].is_leaf() {
         return 0;
     }
-    let lower = tree.nodes[node].lower_child() as usize;
+    let lower = tree.nodes[node].lower_child();
     1 + depth(tree, lower).max(depth(tree, lower + 1))
 }

@@ -7,6 +7,7 @@ use crate::accel::Triangle;
 use crate::accel::simd::Lanes;
 
 /// What a lane's test found so far.
+#[derive(Clone, Copy)]
 pub(in crate::accel) struct Tested<L> {
     area_b: L,
     area_c: L,
@@ -35,6 +36,37 @@ impl<L: Lanes> Tested<L> {
         lanes: u32,
     ) -> Self {
         // SAFETY: the caller's.
+        unsafe { Self::test::<true>(corners, origin, shear, t_max, lanes) }
+    }
+
+    /// As [`new`](Self::new), without a branch: for callers that make many tests before they look
+    /// at the first.
+    ///
+    /// # Safety
+    /// The CPU has the instructions of `L`.
+    #[inline(always)]
+    pub(in crate::accel) unsafe fn without_branch(
+        corners: [[L; 3]; 3],
+        origin: [L; 3],
+        shear: [L; 3],
+        t_max: L,
+        lanes: u32,
+    ) -> Self {
+        // SAFETY: the caller's.
+        unsafe { Self::test::<false>(corners, origin, shear, t_max, lanes) }
+    }
+
+    /// # Safety
+    /// The CPU has the instructions of `L`.
+    #[inline(always)]
+    unsafe fn test<const BRANCH: bool>(
+        corners: [[L; 3]; 3],
+        origin: [L; 3],
+        shear: [L; 3],
+        t_max: L,
+        lanes: u32,
+    ) -> Self {
+        // SAFETY: the caller's.
         unsafe {
             let a = sheared(corners[0], origin, shear);
             let b = sheared(corners[1], origin, shear);
@@ -52,7 +84,7 @@ impl<L: Lanes> Tested<L> {
             let inside = zero.le(least) | most.le(zero);
             let hits =
                 lanes & inside & L::splat(MIN_DETERMINANT).le(size) & zero.lt(t) & t.le(t_max);
-            let doubtful = if hits == 0 {
+            let doubtful = if BRANCH && hits == 0 {
                 0
             } else {
                 let reach = a[2].abs().max(b[2].abs()).max(c[2].abs());

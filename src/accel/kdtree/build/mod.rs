@@ -13,14 +13,23 @@ use split::Cell;
 use sweep::{Costs, Plane, best_plane};
 
 use super::leaf::Arena;
-use super::node::Node;
+use super::node::{Chunk, Node};
 use crate::accel::{Primitives, triangle};
 use crate::math::Bounds;
 
 /// No tree is deeper, so that stacks of this many entries never overflow.
 pub(super) const MAX_DEPTH: usize = 60;
 
-const COSTS: Costs = Costs { leaf: 4.0, primitive: 0.6, empty_bonus: 0.8 };
+/// What the sweep expects leaves to cost, before it knows how their primitives fill registers.
+const COSTS: Costs = Costs { leaf: 6.0, primitive: 0.6, empty_bonus: 0.9 };
+
+/// Cost of a register of triangles, in steps of a ray from node to node.
+const REGISTER_COST: f64 = 10.0;
+
+/// Expected cost of a leaf of `n` primitives.
+fn leaf_cost(n: usize) -> f64 {
+    REGISTER_COST * n.div_ceil(Chunk::MAX_TRIANGLES) as f64
+}
 
 /// Cells with at least so many primitives are built in parallel.
 const PARALLEL_SIZE: usize = 4096;
@@ -46,8 +55,8 @@ pub(super) fn build(primitives: &Primitives) -> Built {
     let bounds = cell.bounds;
     let depth = (8 + 2 * n.max(1).ilog2() as usize).min(MAX_DEPTH);
     let builder = Builder { primitives };
-    let mut part = Part { nodes: vec![Node::EMPTY], arena: Arena::default() };
-    builder.grow(&mut part, 0, cell, Limits { depth, duplicates: 4 * n });
+    let mut part = Part::new();
+    builder.grow(&mut part, Node::ROOT, cell, Limits { depth, duplicates: 4 * n });
     part.arena.finish();
     part.nodes.shrink_to_fit();
     Built { bounds, nodes: part.nodes, arena: part.arena }
@@ -74,58 +83,87 @@ impl Limits {
 
 /// Nodes and leaves of a subtree, and of those before it.
 struct Part {
+    /// The root, its unused neighbour, and pairs of siblings.
     nodes: Vec<Node>,
     arena: Arena,
 }
+
+impl Part {
+    fn new() -> Self {
+        Self { nodes: vec![Node::EMPTY; 2], arena: Arena::default() }
+    }
+
+    /// Takes over a subtree grown apart, as node `at`.
+    fn graft(&mut self, at: usize, grown: Self) {
+        // Its first pair, the root's, stays behind.
+        let (pairs, words) = (self.nodes.len() as u32 / 2 - 1, self.arena.words.len() as u32);
+        self.nodes[at] = grown.nodes[Node::ROOT].moved(pairs, words);
+        self.nodes.extend(grown.nodes[2..].iter().map(|node| node.moved(pairs, words)));
+        self.arena.append(grown.arena);
+    }
+}
+
+/// Subtrees of up to so many primitives become leaves if that turns out to be no more expensive.
+const PRUNED_SIZE: usize = 64;
 
 struct Builder<'a> {
     primitives: &'a Primitives,
 }
 
 impl Builder<'_> {
-    /// Makes node `at` of `part` the root of a cell's tree.
-    fn grow(&self, part: &mut Part, at: usize, cell: Cell, limits: Limits) {
-        let Some(plane) = self.plane(&cell, limits) else {
-            if !cell.ids.is_empty() {
-                part.nodes[at] = part.arena.push_leaf(self.primitives, &cell.ids);
-            }
-            return;
-        };
+    /// Makes node `at` of `part` the root of a cell's tree; its expected cost.
+    fn grow(&self, part: &mut Part, at: usize, cell: Cell, limits: Limits) -> f64 {
         let n = cell.ids.len();
-        let [below, above] = cell.split(self.primitives, &plane);
-        let limits = limits.of_children(n, [below.ids.len(), above.ids.len()]);
-        let child = part.nodes.len();
-        part.nodes[at] = Node::inner(plane.axis, plane.position, child as u32);
+        let Some(plane) = self.plane(&cell, limits) else {
+            return self.leaf(part, at, &cell.ids);
+        };
+        let before = (part.nodes.len(), part.arena.words.len());
+        let ids = (n <= PRUNED_SIZE).then(|| cell.ids.clone());
+        let area = cell.area();
+        let children = cell.split(self.primitives, &plane);
+        let chances = [children[0].area() / area, children[1].area() / area];
+        let limits = limits.of_children(n, [children[0].ids.len(), children[1].ids.len()]);
         part.nodes.extend([Node::EMPTY; 2]);
-        if n < PARALLEL_SIZE {
-            self.grow(part, child, below, limits[0]);
-            self.grow(part, child + 1, above, limits[1]);
-        } else {
-            self.grow_both(part, child, [below, above], limits);
+        let costs = self.grow_both(part, before.0, children, limits, n >= PARALLEL_SIZE);
+        let cost = 1.0 + chances[0] * costs[0] + chances[1] * costs[1];
+        if let Some(ids) = ids.filter(|_| leaf_cost(n) <= cost) {
+            part.nodes.truncate(before.0);
+            part.arena.words.truncate(before.1);
+            return self.leaf(part, at, &ids);
         }
+        let empty = [0, 1].map(|side| part.nodes[before.0 + side] == Node::EMPTY);
+        part.nodes[at] = Node::inner(plane.axis, plane.position, before.0 / 2, empty);
+        cost
     }
 
-    /// Grows two siblings at once, each in a part of its own.
+    fn leaf(&self, part: &mut Part, at: usize, ids: &[u32]) -> f64 {
+        if !ids.is_empty() {
+            part.nodes[at] = part.arena.push_leaf(self.primitives, ids);
+        }
+        leaf_cost(ids.len())
+    }
+
+    /// Grows two siblings, in parallel each in a part of its own.
     fn grow_both(
         &self,
         part: &mut Part,
-        child: usize,
+        at: usize,
         [below, above]: [Cell; 2],
         limits: [Limits; 2],
-    ) {
-        let grow = |cell, limits| {
-            let mut part = Part { nodes: vec![Node::EMPTY], arena: Arena::default() };
-            self.grow(&mut part, 0, cell, limits);
-            part
-        };
-        let grown = rayon::join(|| grow(below, limits[0]), || grow(above, limits[1]));
-        for (at, grown) in [(child, grown.0), (child + 1, grown.1)] {
-            // Its root goes to `at`, the rest to the end.
-            let (nodes, words) = (part.nodes.len() as u32 - 1, part.arena.words.len() as u32);
-            part.nodes[at] = grown.nodes[0].moved(nodes, words);
-            part.nodes.extend(grown.nodes[1..].iter().map(|node| node.moved(nodes, words)));
-            part.arena.append(grown.arena);
+        parallel: bool,
+    ) -> [f64; 2] {
+        if !parallel {
+            let below = self.grow(part, at, below, limits[0]);
+            return [below, self.grow(part, at + 1, above, limits[1])];
         }
+        let grow = |cell, limits| {
+            let mut part = Part::new();
+            (self.grow(&mut part, Node::ROOT, cell, limits), part)
+        };
+        let (below, above) = rayon::join(|| grow(below, limits[0]), || grow(above, limits[1]));
+        part.graft(at, below.1);
+        part.graft(at + 1, above.1);
+        [below.0, above.0]
     }
 
     /// The plane to split by; none if a leaf is expected to be cheaper, or a limit is reached.

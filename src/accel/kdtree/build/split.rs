@@ -35,6 +35,12 @@ impl Cell {
         Self { bounds, ids, events: [x, y, z] }
     }
 
+    /// Half of the surface area.
+    pub(super) fn area(&self) -> f64 {
+        let d = self.bounds.max.as_dvec3() - self.bounds.min.as_dvec3();
+        d.x * d.y + d.y * d.z + d.z * d.x
+    }
+
     /// The parts below and above a plane.
     pub(super) fn split(self, primitives: &Primitives, plane: &Plane) -> [Self; 2] {
         let mut bounds = [self.bounds; 2];
