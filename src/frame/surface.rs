@@ -58,17 +58,25 @@ impl Surface {
         let side = if direction.dot(self.n_geo) < 0.0 { -self.n_geo } else { self.n_geo };
         let moved = self.point + side * self.offset;
         // The sum is rounded too: away from the surface.
-        let away = |p: f32, n: f32| {
-            if n > 0.0 {
-                p.next_up()
-            } else if n < 0.0 {
-                p.next_down()
-            } else {
-                p
-            }
-        };
         Vec3::new(away(moved.x, side.x), away(moved.y, side.y), away(moved.z, side.z))
     }
+}
+
+/// The next number after `p` on the side that `n` points to; `p` where `n` is 0.
+#[inline(always)]
+fn away(p: f32, n: f32) -> f32 {
+    if p == 0.0 || !p.is_finite() || n == 0.0 {
+        return if n > 0.0 {
+            p.next_up()
+        } else if n < 0.0 {
+            p.next_down()
+        } else {
+            p
+        };
+    }
+    // Without branches: the number's bits count up as its size does.
+    let grows = (p > 0.0) == (n > 0.0);
+    f32::from_bits(if grows { p.to_bits() + 1 } else { p.to_bits() - 1 })
 }
 
 /// A point of a primitive, in one space.
@@ -244,4 +252,19 @@ fn interpolated_uv(mesh: &Mesh, face: u32, [u, v]: [f32; 2]) -> [f32; 2] {
     let Some(corners) = mesh.face_uvs.get(face as usize) else { return [0.0; 2] };
     let [a, b, c] = corners.map(|i| mesh.uvs[i as usize]);
     [0, 1].map(|k| a[k] * (1.0 - u - v) + b[k] * u + c[k] * v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::away;
+
+    #[test]
+    fn away_is_the_next_number_on_that_side() {
+        let numbers = [0.0, -0.0, 1.0, -1.0, 1e-45, -1e-45, f32::MAX, f32::MIN, f32::MIN_POSITIVE];
+        for p in numbers.into_iter().chain((1..1000).map(|i| (i as f32 - 500.5) * 0.37)) {
+            assert_eq!(away(p, 0.3).to_bits(), p.next_up().to_bits(), "{p}");
+            assert_eq!(away(p, -1e-9).to_bits(), p.next_down().to_bits(), "{p}");
+            assert_eq!(away(p, 0.0).to_bits(), p.to_bits(), "{p}");
+        }
+    }
 }

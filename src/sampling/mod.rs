@@ -59,11 +59,13 @@ impl Sampler {
     #[inline(always)]
     pub fn camera(&self, pixel: PixelSeed, index: u32) -> CameraSample {
         let key = pixel.camera().0;
+        let pseudo = |d| pseudo(key, index, d);
+        let owen = |d| sobol::owen(index, d, key);
         // The lens and the time blur more than a pixel's area does: they get the dimensions whose
         // low-dimensional projections are best.
         let [lens_u, lens_v, time, x, y] = match self.generator {
-            Generator::Quasi => [0, 1, 2, 3, 4].map(|d| sobol::owen(index, d, key)),
-            Generator::Pseudo => [0, 1, 2, 3, 4].map(|d| pseudo(key, index, d)),
+            Generator::Quasi => [owen(0), owen(1), owen(2), owen(3), owen(4)],
+            Generator::Pseudo => [pseudo(0), pseudo(1), pseudo(2), pseudo(3), pseudo(4)],
             Generator::ZeroTwo => {
                 let lens = sobol::zero_two(index, mix(key ^ 1));
                 let pixel = sobol::zero_two(index, mix(key ^ 2));
@@ -77,12 +79,14 @@ impl Sampler {
     #[inline(always)]
     pub fn point3(&self, key: Key, index: u32) -> [f32; 3] {
         let key = key.0;
+        let pseudo = |d| pseudo(key, index, d);
         match self.generator {
             Generator::Quasi => {
                 let index = sobol::shuffle(index, key);
-                [0, 1, 2].map(|d| sobol::owen(index, d, key))
+                let owen = |d| sobol::owen(index, d, key);
+                [owen(0), owen(1), owen(2)]
             }
-            Generator::Pseudo => [0, 1, 2].map(|d| pseudo(key, index, d)),
+            Generator::Pseudo => [pseudo(0), pseudo(1), pseudo(2)],
             Generator::ZeroTwo => {
                 let [u, v] = sobol::zero_two(index, key);
                 [u, v, sobol::zero_two(index, mix(key ^ 3))[0]]
@@ -94,12 +98,14 @@ impl Sampler {
     #[inline(always)]
     pub fn point2(&self, key: Key, index: u32) -> [f32; 2] {
         let key = key.0;
+        let pseudo = |d| pseudo(key, index, d);
         match self.generator {
             Generator::Quasi => {
                 let index = sobol::shuffle(index, key);
-                [0, 1].map(|d| sobol::owen(index, d, key))
+                let owen = |d| sobol::owen(index, d, key);
+                [owen(0), owen(1)]
             }
-            Generator::Pseudo => [0, 1].map(|d| pseudo(key, index, d)),
+            Generator::Pseudo => [pseudo(0), pseudo(1)],
             Generator::ZeroTwo => sobol::zero_two(index, key),
         }
     }

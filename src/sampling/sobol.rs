@@ -142,7 +142,8 @@ pub(super) fn shuffle(index: u32, key: u32) -> u32 {
 #[inline(always)]
 pub(super) fn zero_two(index: u32, key: u32) -> [f32; 2] {
     let index = shuffle(index, key);
-    [0, 1].map(|d| unit(sobol(index, d) ^ mix(key.wrapping_add(d as u32))))
+    let number = |d| unit(sobol(index, d) ^ mix(key.wrapping_add(d as u32)));
+    [number(0), number(1)]
 }
 
 #[cfg(test)]
