@@ -11,6 +11,16 @@ pub enum Isa {
     Avx512,
 }
 
+impl std::fmt::Display for Isa {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "AVX2",
+            Self::Avx512 => "AVX-512",
+        })
+    }
+}
+
 impl Isa {
     /// The best set that this CPU has, or what `SLO_RT_ISA` asks for (`avx512`, `avx2`,
     /// `portable`).

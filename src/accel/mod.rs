@@ -59,6 +59,13 @@ impl Accelerator {
     }
 }
 
+impl std::fmt::Display for Accelerator {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = Self::NAMES.iter().find(|(_, of)| of == self).map_or("", |(name, _)| name);
+        f.write_str(name)
+    }
+}
+
 /// Primitives of one space, with whatever finds them fast.
 #[derive(Debug)]
 pub enum Structure {
@@ -175,5 +182,19 @@ impl Structure {
             Self::Cwbvh(cwbvh) => cwbvh.occluded(rays, blocked),
             Self::Brute(brute) => brute.occluded(rays, blocked),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Accelerator;
+
+    #[test]
+    fn accelerators_are_found_by_the_names_that_they_show() {
+        for (name, accelerator) in Accelerator::NAMES {
+            assert_eq!(accelerator.to_string(), name);
+            assert_eq!(Accelerator::by_name(&name.to_lowercase()), Ok(accelerator));
+        }
+        assert!(Accelerator::by_name("OCTREE").is_err());
     }
 }

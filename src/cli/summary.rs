@@ -62,7 +62,7 @@ impl Summary<'_> {
                 camera_rays as f64 / pixels.max(1.0)
             ),
             format!(
-                "{} threads, {:?} instructions, {:?} structure",
+                "{} threads, {} instructions, {} structure",
                 rayon::current_num_threads(),
                 self.isa,
                 scene.settings.accelerator
