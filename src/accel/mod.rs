@@ -13,7 +13,7 @@ mod isa;
 pub mod kdtree;
 mod primitives;
 mod rays;
-#[cfg(target_arch = "x86_64")]
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod simd;
 pub mod triangle;
 

@@ -8,6 +8,7 @@ mod binary;
 mod careful;
 mod collapse;
 mod layout;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod packet;
 mod plan;
 mod ray;

@@ -15,7 +15,7 @@ use super::layout::{Child, Corners, Node, WIDTH, triangle_at};
 use super::ray::{Prepared, Ray};
 use super::steps::Steps;
 use super::stream::{Flights, Memory, Query};
-use crate::accel::simd::Lanes;
+use crate::accel::simd::{Lanes, lanes_of, load3};
 use crate::accel::triangle::lanes::Tested;
 use crate::accel::{LANES, Rays};
 
@@ -111,16 +111,6 @@ impl Beam {
             beam
         }
     }
-}
-
-/// The lanes of a set, lowest first.
-#[inline(always)]
-fn lanes_of(mut set: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = set.trailing_zeros() as usize;
-        set &= set.wrapping_sub(1);
-        (lane < LANES).then_some(lane)
-    })
 }
 
 /// What packets need of their surroundings.
@@ -490,18 +480,4 @@ unsafe fn bits_of<L: Lanes>(lanes: L) -> [u32; LANES] {
     // SAFETY: there are as many values as lanes, or more.
     unsafe { lanes.store(values.as_mut_ptr()) };
     values.map(f32::to_bits)
-}
-
-/// # Safety
-/// The CPU has the instructions of `L`, and `base` leaves enough lanes.
-#[inline(always)]
-unsafe fn load3<L: Lanes>(rows: &[[f32; LANES]; 3], base: usize) -> [L; 3] {
-    // SAFETY: the caller's.
-    unsafe {
-        [
-            L::load(rows[0].as_ptr().add(base)),
-            L::load(rows[1].as_ptr().add(base)),
-            L::load(rows[2].as_ptr().add(base)),
-        ]
-    }
 }

@@ -14,7 +14,7 @@ use super::node::{Chunk, Node};
 use super::ray::{Prepared, larger, smaller};
 use super::single::{self, Kernel, Visit};
 use super::{KdTree, MAX_DEPTH};
-use crate::accel::simd::Lanes;
+use crate::accel::simd::{Lanes, lanes_of, load3};
 use crate::accel::triangle::lanes::Tested;
 use crate::accel::{LANES, Rays};
 
@@ -176,30 +176,6 @@ fn extent(values: &[f32; LANES], set: u32) -> [f32; 2] {
         extent[1] = larger(if is { x } else { f32::NEG_INFINITY }, extent[1]);
     }
     extent
-}
-
-/// # Safety
-/// The CPU has the instructions of `L`, and `base` leaves enough lanes.
-#[inline(always)]
-unsafe fn load3<L: Lanes>(rows: &[[f32; LANES]; 3], base: usize) -> [L; 3] {
-    // SAFETY: the caller's.
-    unsafe {
-        [
-            L::load(rows[0].as_ptr().add(base)),
-            L::load(rows[1].as_ptr().add(base)),
-            L::load(rows[2].as_ptr().add(base)),
-        ]
-    }
-}
-
-/// The lanes of a set, lowest first.
-#[inline(always)]
-fn lanes_of(mut set: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = set.trailing_zeros() as usize;
-        set &= set.wrapping_sub(1);
-        (lane < LANES).then_some(lane)
-    })
 }
 
 /// The best hit of a lane.

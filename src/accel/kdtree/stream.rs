@@ -14,6 +14,7 @@ use super::node::Node;
 use super::ray::{Prepared, smaller};
 use super::x86::{self, Avx512};
 use super::{KdTree, MAX_DEPTH, NO_HIT};
+use crate::accel::simd::lanes_of;
 use crate::accel::triangle::lanes::Tested;
 use crate::accel::{LANES, Rays};
 
@@ -351,7 +352,7 @@ impl Group {
             _mm512_storeu_si512(nodes.as_mut_ptr().cast(), node);
             _mm512_storeu_ps(nears.as_mut_ptr(), near);
         }
-        for lane in bits(lanes) {
+        for lane in lanes_of(lanes) {
             let top = self.top[lane] as usize % ROWS;
             self.stack[top][lane] =
                 Entry { node: nodes[lane], near: nears[lane], far: self.rays.far[lane], _pad: 0 };
@@ -365,7 +366,7 @@ impl Group {
     /// As [`trace`].
     #[inline(always)]
     unsafe fn prefetch_leaves(&self, tree: &KdTree) {
-        for lane in bits(self.in_leaves) {
+        for lane in lanes_of(self.in_leaves) {
             let words = tree.arena.words.as_ptr().wrapping_add(self.leaf[0][lane] as usize);
             for line in 0..5 {
                 // SAFETY: a prefetch reads nothing.
@@ -389,7 +390,7 @@ impl Group {
     ) {
         // All tests first, so that none waits for the outcome of another.
         let mut tests = [MaybeUninit::<Tested<__m512>>::uninit(); LANES];
-        for (lane, to) in bits(self.in_leaves).zip(&mut tests) {
+        for (lane, to) in lanes_of(self.in_leaves).zip(&mut tests) {
             let chunk = Node::of_words([self.leaf[0][lane], self.leaf[1][lane]]).chunk();
             let line = self.rays.line(lane);
             // SAFETY: the leaf's first chunk is in the arena.
@@ -399,7 +400,7 @@ impl Group {
                 to.write(x86::test(corners, 0, chunk, &line, self.rays.t[lane]));
             }
         }
-        for (lane, tested) in bits(self.in_leaves).zip(&tests) {
+        for (lane, tested) in lanes_of(self.in_leaves).zip(&tests) {
             let leaf = Node::of_words([self.leaf[0][lane], self.leaf[1][lane]]);
             let chunk = leaf.chunk();
             // SAFETY: as many were written.
@@ -442,7 +443,7 @@ impl Group {
     #[inline(always)]
     fn pop(&mut self, done: &mut impl FnMut(usize, &Best)) {
         let mut under_way = 0;
-        for lane in bits(self.stopped) {
+        for lane in lanes_of(self.stopped) {
             let t = self.rays.t[lane];
             let mut top = self.top[lane] as usize % ROWS;
             // At the bottom is an entry that is always taken.
@@ -460,7 +461,7 @@ impl Group {
             self.rays.far[lane] = smaller(entry.far, t);
             under_way |= u32::from(entry.node != DONE) << lane;
         }
-        for lane in bits(self.stopped & !under_way) {
+        for lane in lanes_of(self.stopped & !under_way) {
             if self.primitive[lane] != NO_HIT {
                 let (u, v) = (self.hit[0][lane], self.hit[1][lane]);
                 let best = Best { t: self.rays.t[lane], u, v, primitive: self.primitive[lane] };
@@ -470,14 +471,4 @@ impl Group {
         self.stepping |= under_way;
         self.stopped = 0;
     }
-}
-
-/// The places of the bits of a set, lowest first.
-#[inline(always)]
-fn bits(mut set: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = set.trailing_zeros() as usize;
-        set &= set.wrapping_sub(1);
-        (bit < LANES).then_some(bit)
-    })
 }

@@ -13,7 +13,7 @@
 //! Every operation below is one correctly rounded operation of IEEE 754, fused multiply-add
 //! included; a kernel that makes the same operations in the same order gives the same bits.
 
-#[cfg(target_arch = "x86_64")]
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 pub(super) mod lanes;
 
 use glam::{DVec3, Vec3};

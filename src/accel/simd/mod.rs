@@ -1,0 +1,74 @@
+//! Vectors of 4, 8 and 16 numbers, so that a kernel is written once for all of them.
+//!
+//! Nothing here is reordered or approximated: a lane gives the bits that the same operations give
+//! in plain Rust.
+
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use super::LANES;
+
+/// A vector of `COUNT` numbers.
+///
+/// Functions are inlined into a kernel that is compiled for the CPU's instruction set.
+///
+/// # Safety
+/// That set must have the type's instructions: AVX2 and FMA for 4 and 8 lanes, AVX-512 F, DQ and VL
+/// for 16. Pointers must be valid for all lanes; they need no alignment.
+pub(in crate::accel) trait Lanes: Copy {
+    const COUNT: usize;
+
+    unsafe fn splat(x: f32) -> Self;
+    unsafe fn load(from: *const f32) -> Self;
+    unsafe fn store(self, to: *mut f32);
+    unsafe fn add(self, other: Self) -> Self;
+    unsafe fn sub(self, other: Self) -> Self;
+    unsafe fn mul(self, other: Self) -> Self;
+    unsafe fn div(self, other: Self) -> Self;
+    /// `self * b + c`, rounded once.
+    unsafe fn mul_add(self, b: Self, c: Self) -> Self;
+    /// `self * b - c`, rounded once.
+    unsafe fn mul_sub(self, b: Self, c: Self) -> Self;
+    /// `c - self * b`, rounded once.
+    unsafe fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// The smaller; `other` where one is NaN.
+    unsafe fn min(self, other: Self) -> Self;
+    /// The larger; `other` where one is NaN.
+    unsafe fn max(self, other: Self) -> Self;
+    unsafe fn abs(self) -> Self;
+    /// Where `self <= other`: bit `i` for lane `i`. No bit where one is NaN, as in all of these.
+    unsafe fn le(self, other: Self) -> u32;
+    unsafe fn lt(self, other: Self) -> u32;
+    /// `other` in the lanes of `set`, `self` in the others.
+    unsafe fn replace(self, set: u32, other: Self) -> Self;
+    /// The smallest of all lanes, none of which is NaN.
+    unsafe fn least(self) -> f32;
+    /// The largest of all lanes, none of which is NaN.
+    unsafe fn largest(self) -> f32;
+}
+
+/// The lanes of a set, lowest first.
+#[inline(always)]
+pub(in crate::accel) fn lanes_of(mut set: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
+}
+
+/// Three rows, from lane `base` on.
+///
+/// # Safety
+/// The CPU has the instructions of `L`, and `base` leaves enough lanes.
+#[inline(always)]
+pub(in crate::accel) unsafe fn load3<L: Lanes>(rows: &[[f32; LANES]; 3], base: usize) -> [L; 3] {
+    // SAFETY: the caller's.
+    unsafe {
+        [
+            L::load(rows[0].as_ptr().add(base)),
+            L::load(rows[1].as_ptr().add(base)),
+            L::load(rows[2].as_ptr().add(base)),
+        ]
+    }
+}
