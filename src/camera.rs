@@ -2,6 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::math::columns::{Column, Vec3s, lanes};
+use crate::sampling::batch::CameraSamples;
 use crate::sampling::{CameraSample, warp};
 
 /// What the camera is at one time, in scene space, before rays can be made from it.
@@ -107,14 +109,43 @@ impl Camera {
     /// needs none.
     #[inline(always)]
     pub fn ray(&self, x: u32, y: u32, sample: &CameraSample) -> (Vec3, Vec3) {
+        self.ray_of(&self.pose_at(sample.time), x, y, sample)
+    }
+
+    /// [`ray`](Self::ray) for the samples of a batch whose pixels are given.
+    #[inline(always)]
+    pub(crate) fn rays(
+        &self,
+        [x, y]: [&Column<u32>; 2],
+        samples: &CameraSamples,
+        [origins, directions]: [&mut Vec3s; 2],
+        len: usize,
+    ) {
+        // Twice the same loop: what is constant in the first one stays in registers.
+        if let [pose] = *self.poses {
+            for i in lanes(len) {
+                let (origin, direction) = self.ray_of(&pose, x[i], y[i], &samples.get(i));
+                origins.set(i, origin);
+                directions.set(i, direction);
+            }
+        } else {
+            for i in lanes(len) {
+                let (origin, direction) = self.ray(x[i], y[i], &samples.get(i));
+                origins.set(i, origin);
+                directions.set(i, direction);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn ray_of(&self, pose: &Pose, x: u32, y: u32, sample: &CameraSample) -> (Vec3, Vec3) {
         let film_x = 2.0 * (x as f32 + sample.pixel[0]) / self.width as f32 - 1.0;
         let film_y = 1.0 - 2.0 * (y as f32 + sample.pixel[1]) / self.height as f32;
-        let pose = self.pose_at(sample.time);
         let [u, v] = warp::concentric_disc(sample.lens);
         let offset = pose.lens_right * u + pose.lens_up * v;
         let through = pose.forward + pose.half_right * film_x + pose.half_up * film_y;
         let direction = through - offset * pose.inverse_dof;
-        (pose.position + offset, direction.normalize())
+        (pose.position + offset, direction * (1.0 / direction.length()))
     }
 
     #[inline(always)]

@@ -5,10 +5,53 @@
 pub enum Isa {
     /// Plain Rust; the reference of the others.
     Portable,
-    /// AVX2 and FMA: 8 lanes.
+    /// AVX2, FMA, and BMI: 8 lanes.
     Avx2,
     /// AVX-512 F, BW, DQ, VL, with AVX2 and FMA: 16 lanes.
     Avx512,
+}
+
+/// Work over whole columns of numbers, written in plain Rust: [`Isa::run`] compiles it once for each
+/// instruction set, and the compiler makes vector code of its loops.
+///
+/// It must be `#[inline(always)]`, and so must be what it calls: what is not inlined is compiled
+/// without the set's instructions. Rust neither reorders nor fuses operations, so that every set
+/// gives the same bits.
+pub(crate) trait Lanewise {
+    /// What comes back.
+    type Output;
+
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
+impl Isa {
+    /// Does lanewise work with this set's instructions, which the CPU must have.
+    #[inline]
+    pub(crate) fn run<W: Lanewise>(self, work: W) -> W::Output {
+        debug_assert!(self.is_available());
+        match self {
+            // SAFETY: a set is chosen only where the CPU has it.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => unsafe { run_avx512(work) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => unsafe { run_avx2(work) },
+            _ => work.run(),
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn run_avx512<W: Lanewise>(work: W) -> W::Output {
+    work.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn run_avx2<W: Lanewise>(work: W) -> W::Output {
+    work.run()
 }
 
 impl std::fmt::Display for Isa {
@@ -78,7 +121,14 @@ impl Isa {
         match self {
             Self::Portable => true,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            Self::Avx2 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("fma")
+                    && is_x86_feature_detected!("bmi1")
+                    && is_x86_feature_detected!("bmi2")
+                    && is_x86_feature_detected!("lzcnt")
+                    && is_x86_feature_detected!("popcnt")
+            }
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
                 Self::Avx2.is_available()

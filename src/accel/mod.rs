@@ -19,6 +19,7 @@ pub mod triangle;
 
 pub use box_tree::BoxTree;
 pub use isa::Isa;
+pub(crate) use isa::Lanewise;
 pub use primitives::{Curved, Primitives, Triangle};
 pub use rays::{Coherence, Hits, LANES, NO_HIT, Rays};
 
@@ -99,6 +100,7 @@ impl Structure {
     }
 
     /// How many triangles there are: ids below it are triangles.
+    #[inline]
     pub fn triangle_count(&self) -> usize {
         match self {
             Self::KdTree(tree) => tree.primitives().triangles.len(),
@@ -109,6 +111,7 @@ impl Structure {
     }
 
     /// The triangle of an id, as it was given.
+    #[inline]
     pub fn triangle(&self, id: u32) -> Triangle {
         match self {
             Self::KdTree(tree) => tree.primitives().triangles[id as usize],

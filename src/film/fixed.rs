@@ -17,17 +17,28 @@ impl Fixed {
     /// Largest magnitude of one contribution. 2^22 of them, of one sign, fit into a sum.
     pub const LIMIT: f32 = (1 << 17) as f32;
 
-    /// The nearest multiple of 2^-24; `None` for what is not finite or beyond [`LIMIT`](Self::LIMIT).
-    #[inline(always)]
+    /// 0
+    pub const ZERO: Self = Self(0);
+
+    /// The nearest multiple of 2^-24; `None` for what it does not [hold](Self::holds).
     pub fn new(x: f32) -> Option<Self> {
+        Self::holds(x).then(|| Self::or_zero(x))
+    }
+
+    /// Whether a number is finite and not beyond [`LIMIT`](Self::LIMIT).
+    #[inline(always)]
+    pub fn holds(x: f32) -> bool {
+        x.abs() <= Self::LIMIT
+    }
+
+    /// The nearest multiple of 2^-24; 0 for what it does not [hold](Self::holds).
+    #[inline(always)]
+    pub fn or_zero(x: f32) -> Self {
         // Adding 1.5 * 2^52 rounds to a whole number, ties to even, and leaves it in the low bits.
         const MAGIC: f64 = 1.5 * (1u64 << 52) as f64;
-        if x.abs() <= Self::LIMIT {
-            let shifted = f64::from(x) * ONE + MAGIC;
-            Some(Self((shifted.to_bits() as i64).wrapping_sub(MAGIC.to_bits() as i64)))
-        } else {
-            None
-        }
+        let x = if Self::holds(x) { x } else { 0.0 };
+        let shifted = f64::from(x) * ONE + MAGIC;
+        Self((shifted.to_bits() as i64).wrapping_sub(MAGIC.to_bits() as i64))
     }
 
     /// The exact square, in units of 2^-48.

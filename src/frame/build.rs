@@ -84,9 +84,9 @@ impl FrameScene {
         for object in &scene.objects {
             parts.add(object, scene, &seen, isa)?;
         }
-        for light in &scene.lights {
+        for (number, light) in scene.lights.iter().enumerate() {
             if let LightShape::Rectangle { vertices } = light.shape {
-                let look = Look::Light(light.color.into());
+                let look = Look::Light(number as u32);
                 parts.add_still(look, light_rectangle(vertices), &DRigid::IDENTITY, &seen);
             }
         }
@@ -100,6 +100,8 @@ impl FrameScene {
             lights: scene.lights.iter().map(|light| Light::new(light, origin)).collect(),
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
             settings: scene.settings.clone(),
+            isa,
+            clever: true,
             textures: scene.textures.clone(),
             objects: parts.objects,
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
@@ -162,6 +164,7 @@ impl Parts {
         });
         self.objects.push(FrameObject {
             look,
+            normals: vertex_normals(&geometry, &DRigid::IDENTITY),
             geometry,
             place: Rigid::IDENTITY,
             first_triangle: 0,
@@ -176,8 +179,9 @@ impl Parts {
         add_primitives(&mut self.still, &geometry, &placed);
         self.triangle_objects.resize(self.still.triangles.len(), number);
         self.curved_objects.resize(self.still.curved.len(), number);
+        let normals = vertex_normals(&geometry, place);
         let place = place.relative_to(seen.origin);
-        self.objects.push(FrameObject { look, geometry, place, first_triangle });
+        self.objects.push(FrameObject { look, geometry, place, first_triangle, normals });
     }
 }
 
@@ -201,6 +205,17 @@ fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DRig
                 Curved::Cone { base: point(base), apex: point(apex), radius: radius as f32 }
             }
         }),
+    }
+}
+
+/// The normals of a smooth mesh's vertices, turned; none of what is not smooth.
+fn vertex_normals(geometry: &Geometry, place: &DRigid) -> Vec<Vec3> {
+    let rotation = place.rotation.as_mat3();
+    match geometry {
+        Geometry::Mesh(mesh, true) => {
+            mesh.normals.iter().map(|&n| rotation * Vec3::from(n)).collect()
+        }
+        _ => Vec::new(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! What one shutter sees: everything a frame needs, immutable, shared by all threads.
 
 mod build;
-mod surface;
+mod surfaces;
 mod tessellate;
 mod world;
 
@@ -9,15 +9,15 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::accel::Structure;
+use crate::accel::{Isa, Structure};
 use crate::camera::Camera;
 use crate::math::Rigid;
 use crate::sampling::Sampler;
-use crate::scene::{Settings, Texture};
+use crate::scene::{Settings, ShadowMode, Texture};
 use crate::shading::{Light, Material};
 
 pub use build::FrameError;
-pub(crate) use surface::{Hit, Surface};
+pub(crate) use surfaces::{SurfaceScratch, Surfaces};
 use tessellate::Geometry;
 pub(crate) use world::{World, WorldHits, WorldScratch};
 
@@ -32,6 +32,10 @@ pub struct FrameScene {
     pub(crate) lights: Vec<Light>,
     pub(crate) sampler: Sampler,
     pub(crate) settings: Settings,
+    /// Instruction set of everything that is done in bulk.
+    pub(crate) isa: Isa,
+    /// Whether variance is reduced by more than good sample points; see [`plain`](Self::plain).
+    pub(crate) clever: bool,
     textures: Vec<Arc<Texture>>,
     objects: Vec<FrameObject>,
     /// For each primitive of the still structure its index in `objects`.
@@ -45,8 +49,11 @@ struct FrameObject {
     geometry: Geometry,
     /// `render_from_object` while it is still.
     place: Rigid,
-    /// Id of its first triangle in the still structure.
+    /// Id of its first triangle in its structure.
     first_triangle: u32,
+    /// Unit normals of the vertices, turned as the object is while it is still; empty where it is
+    /// not smooth.
+    normals: Vec<Vec3>,
 }
 
 /// What a surface shows.
@@ -54,11 +61,26 @@ struct FrameObject {
 pub(crate) enum Look {
     /// Index of a material.
     Material(u32),
-    /// The surface of a light: its radiance, from both sides.
-    Light(Vec3),
+    /// The surface of the light of that index, from both sides.
+    Light(u32),
 }
 
 impl FrameScene {
+    /// The same frame with every estimator in its plainest form: lamps in glossy surfaces are found
+    /// by the lobe's rays only, and no ray is left out for its small weight. The expected picture
+    /// is the same, its noise is not.
+    #[must_use]
+    pub fn plain(self) -> Self {
+        Self { clever: false, ..self }
+    }
+
+    /// Whether light that glossy lobes receive from lamps is sought by rays to the lamps too.
+    ///
+    /// Rays to lights pass through transparent objects straight where rays of lobes do not.
+    pub(crate) fn combines(&self) -> bool {
+        self.clever && self.settings.shadow == ShadowMode::Opaque
+    }
+
     /// Bytes of the structures and tables of this frame, meshes and textures not counted.
     pub fn memory(&self) -> usize {
         self.world.memory() + self.still_objects.len() * size_of::<u32>()

@@ -5,8 +5,12 @@
 //! the rays that it sends out into queues, which are worked off a batch at a time, until none is
 //! left. Whatever the order, the exact sums come out the same.
 
+mod bounces;
+mod camera_rays;
+mod lights;
+mod points;
 mod queue;
-mod shade;
+mod sums;
 mod wave;
 
 use crate::film::Fixed;
@@ -26,7 +30,7 @@ pub struct Work {
     pub count: u32,
 }
 
-/// Radiance of one camera sample.
+/// Sum of the radiances of camera samples.
 pub type SampleSum = [Fixed; 3];
 
 /// What was traced: counts for the log, never part of a picture.

@@ -1,126 +1,153 @@
-//! Weighted rays that wait to be traced.
-
-use glam::Vec3;
+//! Weighted rays that wait to be traced, and the batches that they are traced in.
 
 use crate::accel::Rays;
+use crate::math::columns::{BATCH, Chosen, Column, Vec3s};
 
-/// Rays answered by one call of a structure.
-pub(super) const BATCH: usize = 1024;
-
-/// Rays and what their hits are worth.
-#[derive(Debug, Default)]
-pub(super) struct RayQueue {
-    pub(super) rays: Rays,
+/// What goes with a ray besides its geometry.
+#[derive(Debug)]
+pub(super) struct Labels {
     /// Time in the shutter, `[0, 1]`.
-    pub(super) time: Vec<f32>,
-    /// What radiance that arrives along the ray is multiplied with.
-    pub(super) weight: Vec<Vec3>,
-    /// Camera sample that the radiance is added to.
-    pub(super) slot: Vec<u32>,
+    pub(super) time: Column<f32>,
+    /// Sum that what the ray brings is added to.
+    pub(super) slot: Column<u32>,
     /// Code of the branches that led here.
-    pub(super) path: Vec<u32>,
+    pub(super) path: Column<u32>,
     /// Number of the ray among those of the same path in the pixel's samples.
-    pub(super) index: Vec<u32>,
+    pub(super) index: Column<u32>,
 }
 
-/// One ray of a queue.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct QueuedRay {
-    pub(super) origin: Vec3,
-    pub(super) direction: Vec3,
-    pub(super) time: f32,
-    pub(super) weight: Vec3,
-    pub(super) slot: u32,
-    pub(super) path: u32,
-    pub(super) index: u32,
+impl Default for Labels {
+    fn default() -> Self {
+        Self { time: [0.0; BATCH], slot: [0; BATCH], path: [0; BATCH], index: [0; BATCH] }
+    }
+}
+
+/// Rays in columns, and what radiance that arrives along each is worth.
+#[derive(Debug)]
+pub(super) struct Batch {
+    /// With room for [`BATCH`].
+    pub(super) rays: Rays,
+    pub(super) weight: Vec3s,
+    /// See [`Sent::density`].
+    pub(super) density: Column<f32>,
+    pub(super) labels: Labels,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self {
+            rays: Rays::with_capacity(BATCH),
+            weight: Vec3s::default(),
+            density: [0.0; BATCH],
+            labels: Labels::default(),
+        }
+    }
+}
+
+/// Rays that a batch of hits sends out: entry `i` is that of hit `i`.
+#[derive(Debug)]
+pub(super) struct Sent {
+    pub(super) origin: Vec3s,
+    /// Unit for bounces; from hit to light for rays to lights.
+    pub(super) direction: Vec3s,
+    pub(super) t_max: Column<f32>,
+    /// What radiance that arrives is multiplied with, or the light that comes if nothing blocks.
+    pub(super) weight: Vec3s,
+    /// How many rays of the lobe there are per solid angle, where rays to lamps look for the same
+    /// light; 0: none do.
+    pub(super) density: Column<f32>,
+}
+
+impl Default for Sent {
+    fn default() -> Self {
+        Self {
+            origin: Vec3s::default(),
+            direction: Vec3s::default(),
+            t_max: [0.0; BATCH],
+            weight: Vec3s::default(),
+            density: [0.0; BATCH],
+        }
+    }
+}
+
+impl Sent {
+    /// Whether ray `i` is one: coordinates beyond all bounds leave none.
+    #[inline(always)]
+    pub(super) fn is_ray(&self, i: usize) -> bool {
+        let (o, d) = (self.origin.get(i), self.direction.get(i));
+        let size = d.length_squared();
+        let sum = (o.x + o.y + o.z) + size;
+        sum.abs() < f32::INFINITY && size > 0.0
+    }
+}
+
+/// Where rays to lights come from: neighbours of the first kind are alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ShadowKind {
+    /// Hits of camera rays.
+    FromPrimary,
+    /// Hits of bounces.
+    FromDeeper,
+}
+
+/// Rays that wait.
+#[derive(Debug, Default)]
+pub(super) struct RayQueue {
+    rays: Rays,
+    weight: [Vec<f32>; 3],
+    density: Vec<f32>,
+    time: Vec<f32>,
+    slot: Vec<u32>,
+    path: Vec<u32>,
+    index: Vec<u32>,
 }
 
 impl RayQueue {
     pub(super) fn len(&self) -> usize {
-        self.time.len()
+        self.rays.len()
     }
 
-    pub(super) fn push(&mut self, ray: QueuedRay) {
-        self.rays.push(ray.origin, ray.direction, f32::INFINITY);
-        self.time.push(ray.time);
-        self.weight.push(ray.weight);
-        self.slot.push(ray.slot);
-        self.path.push(ray.path);
-        self.index.push(ray.index);
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.rays.set_len(0);
-        self.time.clear();
-        self.weight.clear();
-        self.slot.clear();
-        self.path.clear();
-        self.index.clear();
-    }
-
-    /// Moves the last rays, a batch at most, to `batch`, their order kept.
-    pub(super) fn take_batch(&mut self, batch: &mut Self) {
-        let start = self.len().saturating_sub(BATCH);
-        batch.clear();
-        self.rays.split_off_into(start, &mut batch.rays);
-        batch.time.extend(self.time.drain(start..));
-        batch.weight.extend(self.weight.drain(start..));
-        batch.slot.extend(self.slot.drain(start..));
-        batch.path.extend(self.path.drain(start..));
-        batch.index.extend(self.index.drain(start..));
-    }
-}
-
-/// Rays toward lights, each with the light that it brings if nothing blocks it.
-#[derive(Debug, Default)]
-pub(super) struct ShadowQueue {
-    /// From hit to light: `t` = 1 is the light.
-    pub(super) rays: Rays,
-    /// Time in the shutter, `[0, 1]`.
-    pub(super) time: Vec<f32>,
-    /// What is added to the slot.
-    pub(super) light: Vec<Vec3>,
-    /// Camera sample that the light is added to.
-    pub(super) slot: Vec<u32>,
-}
-
-/// One ray of a queue.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ShadowRay {
-    pub(super) origin: Vec3,
-    pub(super) direction: Vec3,
-    pub(super) t_max: f32,
-    pub(super) time: f32,
-    pub(super) light: Vec3,
-    pub(super) slot: u32,
-}
-
-impl ShadowQueue {
-    pub(super) fn len(&self) -> usize {
-        self.time.len()
-    }
-
-    pub(super) fn push(&mut self, ray: ShadowRay) {
-        self.rays.push(ray.origin, ray.direction, ray.t_max);
-        self.time.push(ray.time);
-        self.light.push(ray.light);
-        self.slot.push(ray.slot);
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.rays.set_len(0);
-        self.time.clear();
-        self.light.clear();
-        self.slot.clear();
+    /// Adds the chosen ones of the rays that were sent.
+    pub(super) fn append(&mut self, sent: &Sent, labels: &Labels, chosen: &Chosen) {
+        let start = self.rays.len();
+        self.rays.set_len(start + chosen.len());
+        let new = start..start + chosen.len();
+        for (axis, (origin, direction)) in
+            sent.origin.columns().into_iter().zip(sent.direction.columns()).enumerate()
+        {
+            chosen.copy(origin, &mut self.rays.origin[axis][new.clone()]);
+            chosen.copy(direction, &mut self.rays.direction[axis][new.clone()]);
+        }
+        chosen.copy(&sent.t_max, &mut self.rays.t_max[new]);
+        for (to, from) in self.weight.iter_mut().zip(sent.weight.columns()) {
+            chosen.append(from, to);
+        }
+        chosen.append(&sent.density, &mut self.density);
+        chosen.append(&labels.time, &mut self.time);
+        chosen.append(&labels.slot, &mut self.slot);
+        chosen.append(&labels.path, &mut self.path);
+        chosen.append(&labels.index, &mut self.index);
     }
 
     /// Moves the last rays, a batch at most, to `batch`, their order kept.
-    pub(super) fn take_batch(&mut self, batch: &mut Self) {
+    pub(super) fn take_batch(&mut self, batch: &mut Batch) {
         let start = self.len().saturating_sub(BATCH);
-        batch.clear();
         self.rays.split_off_into(start, &mut batch.rays);
-        batch.time.extend(self.time.drain(start..));
-        batch.light.extend(self.light.drain(start..));
-        batch.slot.extend(self.slot.drain(start..));
+        let Batch { weight, density, labels, .. } = batch;
+        for (from, to) in self.weight.iter_mut().zip([&mut weight.x, &mut weight.y, &mut weight.z])
+        {
+            move_to(from, start, to);
+        }
+        move_to(&mut self.density, start, density);
+        move_to(&mut self.time, start, &mut labels.time);
+        move_to(&mut self.slot, start, &mut labels.slot);
+        move_to(&mut self.path, start, &mut labels.path);
+        move_to(&mut self.index, start, &mut labels.index);
     }
+}
+
+/// Moves what is from `start` on to the front of a column.
+fn move_to<T: Copy>(from: &mut Vec<T>, start: usize, to: &mut Column<T>) {
+    to[..from.len() - start].copy_from_slice(&from[start..]);
+    from.truncate(start);
 }

@@ -2,75 +2,69 @@
 
 use glam::Vec3;
 
-use super::queue::{BATCH, QueuedRay, RayQueue, ShadowQueue, ShadowRay};
-use super::shade::HitPoint;
+use super::bounces::Lobes;
+use super::camera_rays::{CameraRays, Place};
+use super::lights::tries;
+use super::points::Points;
+use super::queue::{Batch, Labels, RayQueue, Sent, ShadowKind};
+use super::sums::Sums;
 use super::{SampleSum, Statistics, Work};
 use crate::accel::{Coherence, NO_HIT};
-use crate::film::Fixed;
-use crate::frame::{FrameScene, Hit, Look, WorldHits, WorldScratch};
+use crate::frame::{FrameScene, Look, SurfaceScratch, Surfaces, WorldHits, WorldScratch};
+use crate::math::columns::{BATCH, Chosen, Vec3s};
 use crate::sampling::PixelSeed;
+use crate::sampling::batch::SetPoints;
 use crate::scene::ShadowMode;
+use crate::shading::Light;
 
 /// Working memory of one thread: allocated once, used for tile after tile.
 #[derive(Debug, Default)]
 pub struct Wave {
-    /// Rays by the number of bounces behind them.
-    bounces: Vec<RayQueue>,
-    /// Rays to lights: from primary hits, whose neighbours are alike, and from all others.
-    pub(super) shadows: [ShadowQueue; 2],
-    /// Seed of the pixel of each camera sample.
-    pub(super) seeds: Vec<PixelSeed>,
-    pub(super) counts: Statistics,
-    sums: Vec<SampleSum>,
-    batch: RayQueue,
-    shadow_batch: ShadowQueue,
+    /// Rays by the number of bounces behind them; none wait at the first place, which is the
+    /// camera's.
+    pub(super) bounces: Vec<RayQueue>,
+    /// Rays to lights, by [`ShadowKind`].
+    pub(super) shadows: [RayQueue; 2],
+    /// Seed of the pixel of each entry of the work.
+    seeds: Vec<PixelSeed>,
+    counts: Statistics,
+    sums: Box<Sums>,
+    camera_rays: Box<CameraRays>,
+    batch: Box<Batch>,
+    /// What each ray of a batch brings by itself.
+    brought: Box<Vec3s>,
     found: WorldHits,
     blocked: Vec<bool>,
-    pub(super) points: Vec<HitPoint>,
     scratch: WorldScratch,
+    surface_scratch: Box<SurfaceScratch>,
+    pub(super) points: Box<Points>,
+    pub(super) lobes: Box<Lobes>,
+    pub(super) set: Box<SetPoints>,
+    pub(super) sent: Box<Sent>,
+    pub(super) next: Box<Labels>,
+    pub(super) chosen: Chosen,
 }
 
 impl Wave {
-    /// Traces camera samples to the end: `sums` has one entry per sample, in the order of `work`.
+    /// Traces camera samples to the end: one exact sum for each entry of `work`, in its order.
     pub fn trace(&mut self, frame: &FrameScene, work: &[Work]) -> (&[SampleSum], Statistics) {
         self.counts = Statistics::default();
-        self.sums.clear();
+        self.sums.reset(work.len());
         self.seeds.clear();
-        self.bounces.resize_with(self.bounces.len().max(1), RayQueue::default);
-        let mut samples =
-            work.iter().flat_map(|w| (w.first..w.first + w.count).map(move |i| (w, i)));
-        while self.add_camera_rays(frame, &mut samples) {
+        self.seeds.extend(work.iter().map(|w| frame.sampler.pixel(w.x, w.y)));
+        let mut place = Place::default();
+        loop {
+            let Self { camera_rays, seeds, batch, .. } = self;
+            camera_rays.fill(frame, work, seeds, &mut place, batch);
+            if self.batch.rays.is_empty() {
+                break;
+            }
+            self.counts.camera_rays += self.batch.rays.len() as u64;
+            self.trace_batch(frame, 0);
             self.work_off(frame, BATCH);
         }
         self.work_off(frame, 1);
-        (&self.sums, self.counts)
-    }
-
-    /// Queues the next camera samples, a batch at most. False where none is left.
-    fn add_camera_rays<'a>(
-        &mut self,
-        frame: &FrameScene,
-        samples: &mut impl Iterator<Item = (&'a Work, u32)>,
-    ) -> bool {
-        let before = self.sums.len();
-        for (work, index) in samples.take(BATCH) {
-            let seed = frame.sampler.pixel(work.x, work.y);
-            let sample = frame.sampler.camera(seed, index);
-            let (origin, direction) = frame.camera.ray(work.x, work.y, &sample);
-            self.bounces[0].push(QueuedRay {
-                origin,
-                direction,
-                time: sample.time,
-                weight: Vec3::ONE,
-                slot: self.sums.len() as u32,
-                path: 0,
-                index,
-            });
-            self.seeds.push(seed);
-            self.sums.push(SampleSum::default());
-        }
-        self.counts.camera_rays += (self.sums.len() - before) as u64;
-        self.sums.len() > before
+        (self.sums.get(), self.counts)
     }
 
     /// Traces batches until no queue holds `least` rays or more.
@@ -78,15 +72,19 @@ impl Wave {
     /// While more rays are to come the deepest full queue goes first, which bounds what waits; at
     /// the end, where all are below a batch, the shallowest goes first, since it fills the others.
     fn work_off(&mut self, frame: &FrameScene, least: usize) {
+        use ShadowKind::{FromDeeper, FromPrimary};
         loop {
-            let full = |queue: &RayQueue| queue.len() >= BATCH;
-            let waiting = |queue: &RayQueue| queue.len() >= least;
-            let depth = self.bounces.iter().rposition(full);
-            if let Some(kind) = self.shadows.iter().position(|queue| queue.len() >= BATCH) {
+            let shadows =
+                |least| [FromPrimary, FromDeeper].into_iter().find(|&k| self.waiting(k) >= least);
+            let deepest = self.bounces.iter().rposition(|queue| queue.len() >= BATCH);
+            let shallowest = || self.bounces.iter().position(|queue| queue.len() >= least);
+            if let Some(kind) = shadows(BATCH) {
                 self.trace_shadows(frame, kind);
-            } else if let Some(depth) = depth.or_else(|| self.bounces.iter().position(waiting)) {
-                self.trace_bounces(frame, depth);
-            } else if let Some(kind) = self.shadows.iter().position(|q| q.len() >= least) {
+            } else if let Some(depth) = deepest.or_else(shallowest) {
+                self.bounces[depth].take_batch(&mut self.batch);
+                self.counts.bounce_rays += self.batch.rays.len() as u64;
+                self.trace_batch(frame, depth as u32);
+            } else if let Some(kind) = shadows(least) {
                 self.trace_shadows(frame, kind);
             } else {
                 return;
@@ -94,129 +92,146 @@ impl Wave {
         }
     }
 
-    fn trace_bounces(&mut self, frame: &FrameScene, depth: usize) {
-        let mut batch = std::mem::take(&mut self.batch);
-        self.bounces[depth].take_batch(&mut batch);
-        if depth > 0 {
-            self.counts.bounce_rays += batch.len() as u64;
-        }
+    fn waiting(&self, kind: ShadowKind) -> usize {
+        self.shadows[kind as usize].len()
+    }
+
+    /// Traces the batch, adds what its rays bring, and queues the rays that its hits send out.
+    fn trace_batch(&mut self, frame: &FrameScene, depth: u32) {
+        let Self { batch, found, scratch, .. } = self;
         let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Incoherent };
-        frame.world.intersect(
-            &batch.rays,
-            &batch.time,
-            coherence,
-            &mut self.found,
-            &mut self.scratch,
-        );
-        self.points.clear();
-        for i in 0..batch.len() {
-            self.add_hit(frame, &batch, i);
-        }
-        self.batch = batch;
-        self.shade(frame, depth as u32);
-    }
-
-    /// Adds what ray `i` brings by itself, and notes its hit for shading.
-    fn add_hit(&mut self, frame: &FrameScene, batch: &RayQueue, i: usize) {
-        let (slot, weight) = (batch.slot[i], batch.weight[i]);
-        if self.found.hits.primitive[i] == NO_HIT {
-            self.add(slot, weight * Vec3::from(frame.settings.background));
-            return;
-        }
-        let hit = self.hit(&batch.rays, &batch.time, i);
-        match frame.look(&hit) {
-            Look::Light(color) => self.add(slot, weight * color),
-            Look::Material(material) => self.points.push(HitPoint {
-                surface: frame.surface(&hit),
-                material,
-                direction: hit.direction,
-                time: hit.time,
-                weight,
-                slot,
-                path: batch.path[i],
-                index: batch.index[i],
-            }),
+        frame.world.intersect(&batch.rays, &batch.labels.time, coherence, found, scratch);
+        self.sort_hits(frame, depth);
+        self.find_points(frame);
+        let Self { sums, batch, brought, .. } = self;
+        self.counts.refused_contributions +=
+            sums.add(frame.isa, brought, &batch.labels.slot, batch.rays.len());
+        let glossy = self.find_lobes(frame, depth);
+        self.ask_lights(frame, glossy, depth);
+        if glossy {
+            self.bounce(frame, depth);
         }
     }
 
-    fn hit(&self, rays: &crate::accel::Rays, time: &[f32], i: usize) -> Hit {
-        Hit {
-            origin: rays.origin(i),
-            direction: rays.direction(i),
-            time: time[i],
-            t: self.found.hits.t[i],
-            uv: [self.found.hits.u[i], self.found.hits.v[i]],
-            primitive: self.found.hits.primitive[i],
-            instance: self.found.instance[i],
-        }
-    }
-
-    fn trace_shadows(&mut self, frame: &FrameScene, kind: usize) {
-        let mut batch = std::mem::take(&mut self.shadow_batch);
-        self.shadows[kind].take_batch(&mut batch);
-        self.counts.shadow_rays += batch.len() as u64;
-        match frame.settings.shadow {
-            ShadowMode::Opaque => self.trace_opaque_shadows(frame, &batch, kind),
-            ShadowMode::Transparent => self.trace_transparent_shadows(frame, &batch, kind),
-        }
-        self.shadow_batch = batch;
-    }
-
-    fn trace_opaque_shadows(&mut self, frame: &FrameScene, batch: &ShadowQueue, kind: usize) {
-        let coherence = if kind == 0 { Coherence::Coherent } else { Coherence::Incoherent };
-        let (blocked, scratch) = (&mut self.blocked, &mut self.scratch);
-        frame.world.occluded(&batch.rays, &batch.time, coherence, blocked, scratch);
-        for i in 0..batch.len() {
-            if !self.blocked[i] {
-                self.add(batch.slot[i], batch.light[i]);
-            }
-        }
-    }
-
-    /// A ray that meets a refractive object goes on behind it, weaker.
-    fn trace_transparent_shadows(&mut self, frame: &FrameScene, batch: &ShadowQueue, kind: usize) {
-        let coherence = if kind == 0 { Coherence::Coherent } else { Coherence::Incoherent };
-        let (found, scratch) = (&mut self.found, &mut self.scratch);
-        frame.world.intersect(&batch.rays, &batch.time, coherence, found, scratch);
-        for i in 0..batch.len() {
-            let (slot, light) = (batch.slot[i], batch.light[i]);
-            if self.found.hits.primitive[i] == NO_HIT {
-                self.add(slot, light);
+    /// Notes what rays bring that need no shading, and the hits that do.
+    fn sort_hits(&mut self, frame: &FrameScene, depth: u32) {
+        let background = Vec3::from(frame.settings.background);
+        let Self { batch, found, brought, points, .. } = self;
+        points.surfaces.len = 0;
+        for i in 0..batch.rays.len().min(BATCH) {
+            let primitive = found.hits.primitive[i];
+            if primitive == NO_HIT {
+                brought.set(i, batch.weight.get(i) * background);
                 continue;
             }
-            let hit = self.hit(&batch.rays, &batch.time, i);
-            let Some(passed) = frame.light_passed(&hit) else { continue };
-            let origin = frame.surface(&hit).leave(hit.direction);
-            // The rest of the way ends where it ended before.
-            let target = hit.origin + hit.direction * batch.rays.t_max[i];
-            self.shadows[kind].push(ShadowRay {
-                origin,
-                direction: target - origin,
-                t_max: 1.0,
-                time: hit.time,
-                light: light * passed,
-                slot,
-            });
+            match frame.look(primitive, found.instance[i]) {
+                Look::Material(material) => points.surfaces.push(i, material),
+                Look::Light(light) => {
+                    let light = &frame.lights[light as usize];
+                    let way = batch.rays.direction(i) * found.hits.t[i];
+                    let share = lobe_share(frame, light, way, batch.density[i], depth);
+                    brought.set(i, batch.weight.get(i) * light.color * share);
+                }
+            }
         }
     }
 
-    /// The queue of rays with `depth` bounces behind them.
-    pub(super) fn bounces_at(&mut self, depth: usize) -> &mut RayQueue {
+    /// Finds everything about the hits that are to be shaded, and what they bring from everywhere.
+    fn find_points(&mut self, frame: &FrameScene) {
+        let Self { batch, found, brought, points, surface_scratch, seeds, .. } = self;
+        let (rays, time) = (&batch.rays, &batch.labels.time);
+        frame.find_surfaces(rays, time, found, &mut points.surfaces, surface_scratch);
+        points.gather(frame, batch, seeds);
+        let surfaces = &points.surfaces;
+        for i in 0..surfaces.len.min(BATCH) {
+            let ambient = frame.materials[surfaces.material[i] as usize].ambient;
+            let brings = points.weight.get(i) * ambient * surfaces.tint.get(i);
+            brought.set(surfaces.ray[i] as usize, brings);
+        }
+    }
+
+    fn trace_shadows(&mut self, frame: &FrameScene, kind: ShadowKind) {
+        self.shadows[kind as usize].take_batch(&mut self.batch);
+        self.counts.shadow_rays += self.batch.rays.len() as u64;
+        let coherence = match kind {
+            ShadowKind::FromPrimary => Coherence::Coherent,
+            ShadowKind::FromDeeper => Coherence::Incoherent,
+        };
+        match frame.settings.shadow {
+            ShadowMode::Opaque => self.trace_opaque_shadows(frame, coherence),
+            ShadowMode::Transparent => self.trace_transparent_shadows(frame, coherence, kind),
+        }
+        let Self { sums, batch, .. } = self;
+        self.counts.refused_contributions +=
+            sums.add(frame.isa, &batch.weight, &batch.labels.slot, batch.rays.len());
+    }
+
+    /// Leaves nothing of the light of blocked rays.
+    fn trace_opaque_shadows(&mut self, frame: &FrameScene, coherence: Coherence) {
+        let Self { batch, blocked, scratch, .. } = self;
+        frame.world.occluded(&batch.rays, &batch.labels.time, coherence, blocked, scratch);
+        for (i, &blocked) in blocked.iter().enumerate().take(batch.rays.len().min(BATCH)) {
+            let light = batch.weight.get(i);
+            batch.weight.set(i, if blocked { Vec3::ZERO } else { light });
+        }
+    }
+
+    /// Leaves nothing of the light of rays that hit; one that meets a refractive object goes on
+    /// behind it, weaker.
+    fn trace_transparent_shadows(
+        &mut self,
+        frame: &FrameScene,
+        coherence: Coherence,
+        kind: ShadowKind,
+    ) {
+        let Self { batch, found, scratch, points, surface_scratch, sent, next, chosen, .. } = self;
+        frame.world.intersect(&batch.rays, &batch.labels.time, coherence, found, scratch);
+        let surfaces: &mut Surfaces = &mut points.surfaces;
+        surfaces.len = 0;
+        for i in 0..batch.rays.len().min(BATCH) {
+            let primitive = found.hits.primitive[i];
+            if primitive == NO_HIT {
+                continue;
+            }
+            let light = batch.weight.get(i);
+            batch.weight.set(i, Vec3::ZERO);
+            if let Some(passed) = frame.light_passed(primitive, found.instance[i]) {
+                sent.weight.set(surfaces.len, light * passed);
+                surfaces.push(i, 0);
+            }
+        }
+        let (rays, time) = (&batch.rays, &batch.labels.time);
+        frame.find_surfaces(rays, time, found, surfaces, surface_scratch);
+        for i in 0..surfaces.len.min(BATCH) {
+            let ray = surfaces.ray[i] as usize;
+            let (origin, direction) = (rays.origin(ray), rays.direction(ray));
+            let from = surfaces.leave(i, direction);
+            // The rest of the way ends where it ended before.
+            sent.origin.set(i, from);
+            sent.direction.set(i, origin + direction * rays.t_max[ray] - from);
+            sent.t_max[i] = 1.0;
+            next.time[i] = time[ray];
+            next.slot[i] = batch.labels.slot[ray];
+        }
+        chosen.set(surfaces.len, |_| true);
+        self.shadows[kind as usize].append(sent, next, chosen);
+    }
+
+    /// Makes sure that there is a queue for rays with `depth` bounces behind them.
+    pub(super) fn queue_at(&mut self, depth: usize) {
         if self.bounces.len() <= depth {
             self.bounces.resize_with(depth + 1, RayQueue::default);
         }
-        &mut self.bounces[depth]
     }
+}
 
-    /// Adds radiance to a camera sample.
-    #[inline]
-    pub(super) fn add(&mut self, slot: u32, radiance: Vec3) {
-        let sum = &mut self.sums[slot as usize];
-        for (channel, value) in sum.iter_mut().zip(radiance.to_array()) {
-            match Fixed::new(value) {
-                Some(value) => *channel += value,
-                None => self.counts.refused_contributions += 1,
-            }
-        }
+/// What a ray of a lobe counts that finds a lamp at the end of `way`, `depth` bounces behind the
+/// camera, where rays to the lamp look for the same light; see [`Lobe::share_of_light`].
+///
+/// [`Lobe::share_of_light`]: super::bounces::Lobe
+fn lobe_share(frame: &FrameScene, light: &Light, way: Vec3, density: f32, depth: u32) -> f32 {
+    if density == 0.0 {
+        return 1.0;
     }
+    density / (density + tries(frame, light, depth - 1) * light.density(way))
 }

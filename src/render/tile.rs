@@ -52,17 +52,19 @@ impl TileRenderer {
             let mut from = first;
             while from < end {
                 let count = (end - from).min(SAMPLES_AT_ONCE);
+                // Who looks at spreads needs every sample by itself.
+                let entry = if self.spreads.is_empty() { count } else { 1 };
                 self.work.clear();
-                self.work.extend(pixels.iter().map(|i| Work {
-                    x: area.x0 + i % area.width(),
-                    y: area.y0 + i / area.width(),
-                    first: from,
-                    count,
+                self.work.extend(pixels.iter().flat_map(|i| {
+                    let (x, y) = (area.x0 + i % area.width(), area.y0 + i / area.width());
+                    let firsts = (from..from + count).step_by(entry as usize);
+                    firsts.map(move |first| Work { x, y, first, count: entry })
                 }));
                 let (sums, statistics) = self.wave.trace(frame, &self.work);
                 self.statistics += statistics;
-                for (&i, sums) in pixels.iter().zip(sums.chunks_exact(count as usize)) {
-                    add_samples(&mut self.pixels[i as usize], sums);
+                let entries = (count / entry) as usize;
+                for (&i, sums) in pixels.iter().zip(sums.chunks_exact(entries)) {
+                    add_samples(&mut self.pixels[i as usize], sums, count);
                     if let Some(spread) = self.spreads.get_mut(i as usize) {
                         spread.add(sums);
                     }
@@ -73,8 +75,8 @@ impl TileRenderer {
     }
 }
 
-fn add_samples(pixel: &mut Pixel, sums: &[SampleSum]) {
-    pixel.samples += sums.len() as u32;
+fn add_samples(pixel: &mut Pixel, sums: &[SampleSum], samples: u32) {
+    pixel.samples += samples;
     for sum in sums {
         for (channel, &value) in pixel.sum.iter_mut().zip(sum) {
             *channel += value;

@@ -41,15 +41,18 @@ pub enum Purpose {
     Refraction,
 }
 
-impl Purpose {
-    #[inline(always)]
-    fn word(self) -> u32 {
-        match self {
-            Self::AnyLight => 1,
-            Self::Reflection => 2,
-            Self::Refraction => 3,
-            Self::Light(number) => number.wrapping_add(4),
-        }
+/// A [`Purpose`] as a word, so that loops over many hits need not ask which it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Use(u32);
+
+impl From<Purpose> for Use {
+    fn from(purpose: Purpose) -> Self {
+        Self(match purpose {
+            Purpose::AnyLight => 1,
+            Purpose::Reflection => 2,
+            Purpose::Refraction => 3,
+            Purpose::Light(number) => number.wrapping_add(4),
+        })
     }
 }
 
@@ -72,14 +75,19 @@ impl PixelSeed {
     /// The set for one purpose at one hit: `path` is the code of the branches that led there.
     #[inline(always)]
     pub fn key(self, path: u32, purpose: Purpose) -> Key {
-        Key(hash2(hash2(self.0, path), purpose.word()))
+        self.key_of(path, purpose.into())
+    }
+
+    #[inline(always)]
+    pub(super) fn key_of(self, path: u32, Use(word): Use) -> Key {
+        Key(hash2(hash2(self.0, path), word))
     }
 }
 
 /// The code of the path that goes on from `path` by reflection or refraction.
 #[inline(always)]
-pub(crate) fn next_path(path: u32, branch: Purpose) -> u32 {
-    hash2(path, branch.word())
+pub(crate) fn next_path(path: u32, Use(branch): Use) -> u32 {
+    hash2(path, branch)
 }
 
 #[cfg(test)]

@@ -5,12 +5,13 @@
 //! hit of one path), and `index` numbers the points of the set. The points of one set fill the unit
 //! cube evenly; different sets are independent of each other.
 
+pub(crate) mod batch;
 mod hash;
 mod sobol;
 pub mod warp;
 
-pub(crate) use hash::next_path;
 pub use hash::{Key, PixelSeed, Purpose};
+pub(crate) use hash::{Use, next_path};
 use hash::{hash2, mix};
 
 /// Which points the integral is sampled at.

@@ -75,7 +75,7 @@ const fn bytes_of(directions: &[u32; 32]) -> [[u32; 256]; 4] {
 
 /// Sobol point `index` in dimension `dimension`, as 32 binary digits, the most significant last.
 #[inline(always)]
-fn reversed_sobol(index: u32, dimension: usize) -> u32 {
+pub(super) fn reversed_sobol(index: u32, dimension: usize) -> u32 {
     match dimension {
         0 => index,
         // The matrix of binomial coefficients modulo 2 is a product of five sparse ones.
@@ -108,7 +108,7 @@ fn sobol(index: u32, dimension: usize) -> u32 {
 /// Source: B. Burley, "Practical Hash-based Owen Scrambling" (JCGT 2020), after S. Laine and
 /// T. Karras (2011); the rounds are N. Vegdahl's (2021), which avalanche better.
 #[inline(always)]
-fn scramble(reversed: u32, seed: u32) -> u32 {
+pub(super) fn scramble(reversed: u32, seed: u32) -> u32 {
     let mut x = reversed;
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -121,10 +121,13 @@ fn scramble(reversed: u32, seed: u32) -> u32 {
 /// Owen-scrambled Sobol point `index` of the set `key` in dimension `dimension`, in `[0, 1)`.
 #[inline(always)]
 pub(super) fn owen(index: u32, dimension: usize, key: u32) -> f32 {
-    unit(scramble(
-        reversed_sobol(index, dimension),
-        mix(key.wrapping_add((dimension as u32).wrapping_mul(0x68bc_21eb))),
-    ))
+    unit(scramble(reversed_sobol(index, dimension), dimension_key(key, dimension)))
+}
+
+/// Seed of the scramble of one dimension of the set `key`.
+#[inline(always)]
+pub(super) fn dimension_key(key: u32, dimension: usize) -> u32 {
+    mix(key.wrapping_add((dimension as u32).wrapping_mul(0x68bc_21eb)))
 }
 
 /// A permutation of the indices, other for every key, that maps aligned blocks of 2^k indices to

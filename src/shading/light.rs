@@ -20,6 +20,8 @@ pub struct Light {
     sensitivity: Vec3,
     /// Coordinates that the points of the light are computed from, at most.
     magnitude: Vec3,
+    /// Of the rectangle; 0 for a point light.
+    area: f32,
 }
 
 impl Light {
@@ -34,6 +36,7 @@ impl Light {
                 normal: Vec3::Z,
                 sensitivity: Vec3::ZERO,
                 magnitude: Vec3::ZERO,
+                area: 0.0,
             },
             LightShape::Rectangle { vertices: [v0, v1, v2] } => {
                 let sides = [v1 - v0, v2 - v1];
@@ -46,12 +49,14 @@ impl Light {
                     normal,
                     sensitivity: normal.abs() * gamma(32),
                     magnitude: far.as_vec3(),
+                    area: sides[0].cross(sides[1]).length() as f32,
                 }
             }
         }
     }
 
     /// Whether the light has an area to be sampled.
+    #[inline(always)]
     pub fn is_area(&self) -> bool {
         self.sides[0] != Vec3::ZERO
     }
@@ -60,6 +65,14 @@ impl Light {
     #[inline(always)]
     pub fn point(&self, u: [f32; 2]) -> Vec3 {
         self.corner + self.sides[0] * u[0] + self.sides[1] * u[1]
+    }
+
+    /// `pdf_solid_angle`, as seen from a hit, of the point of the light that lies `way` from it,
+    /// when points are uniform by area; infinite for a point light.
+    #[inline(always)]
+    pub fn density(&self, way: Vec3) -> f32 {
+        let square = way.length_squared();
+        square * square.sqrt() / (way.dot(self.normal).abs() * self.area)
     }
 
     /// Direction of a shadow ray from `from` to a `point` of the light, and the t at which it ends:
@@ -73,16 +86,14 @@ impl Light {
     #[inline(always)]
     pub fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32) {
         let direction = point - from;
-        if !self.is_area() {
-            return (direction, 1.0);
-        }
         let far = (self.corner - from).abs() + self.sides[0].abs() + self.sides[1].abs();
         let along = direction.abs();
         // The shear moves a corner as far as the ray goes on its way to that depth.
         let sheared = along * (far.max_element() / along.max_element());
         let error = self.sensitivity.dot(self.magnitude + far + sheared);
         // A ray in the rectangle's plane is kept as long as half its way.
-        (direction, (1.0 - error / direction.dot(self.normal).abs()).max(0.5))
+        let before = (1.0 - error / direction.dot(self.normal).abs()).max(0.5);
+        (direction, if self.is_area() { before } else { 1.0 })
     }
 }
 

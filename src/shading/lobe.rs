@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::math::elementary::power;
 use crate::sampling::warp::cosine_power_lobe;
 
 /// The mirrored direction of travel `d` at a surface of unit normal `n`. Source: thesis 2.10.
@@ -11,30 +12,52 @@ pub fn reflect(d: Vec3, n: Vec3) -> Vec3 {
 }
 
 /// The refracted direction of travel, unit, of the unit direction `d` at unit normal `n` that faces
-/// it (`d.n <= 0`); `eta` is the index of refraction before the surface over that behind it.
-/// `None`: total internal reflection.
+/// it (`d.n <= 0`), and whether there is one: false for total internal reflection. `eta` is the
+/// index of refraction before the surface over that behind it.
 ///
 /// Source: thesis 2.13 and 2.14.
 #[inline(always)]
-pub fn refract(d: Vec3, n: Vec3, eta: f32) -> Option<Vec3> {
+pub fn refract(d: Vec3, n: Vec3, eta: f32) -> (Vec3, bool) {
     let cos = -d.dot(n);
     let sin2_t = eta * eta * (1.0 - cos * cos).max(0.0);
-    if sin2_t > 1.0 {
-        return None;
-    }
-    Some((d * eta + n * (eta * cos - (1.0 - sin2_t).sqrt())).normalize())
+    let cos_t = (1.0 - sin2_t).max(0.0).sqrt();
+    let t = d * eta + n * (eta * cos - cos_t);
+    (t * (1.0 / t.length()), sin2_t <= 1.0)
 }
 
 /// A direction of the lobe cos^n about unit `axis`, by a point of the unit square; `inverse` is
 /// `1 / (n + 1)`, 0 for `axis` itself. Its density is that of the lobe: no weight remains.
 #[inline(always)]
 pub fn about(axis: Vec3, inverse: f32, u: [f32; 2]) -> Vec3 {
-    if inverse == 0.0 {
-        return axis;
-    }
     let local = cosine_power_lobe(u, inverse);
-    let (x, y) = axis.any_orthonormal_pair();
-    x * local.x + y * local.y + axis * local.z
+    let (x, y) = pair(axis);
+    let w = x * local.x + y * local.y + axis * local.z;
+    if inverse == 0.0 { axis } else { w }
+}
+
+/// `pdf_solid_angle` of unit `w`, on the side of unit normal `side`, among the directions that
+/// [`about`] gives and [`to_side`] leaves or brings there; 0 for a perfect lobe.
+#[inline(always)]
+pub fn density(axis: Vec3, inverse: f32, side: Vec3, w: Vec3) -> f32 {
+    let n = 1.0 / inverse - 1.0;
+    let mirrored = w - 2.0 * w.dot(side) * side;
+    let [here, there] = [axis.dot(w), axis.dot(mirrored)];
+    let sum = power(here.max(0.0), n) + power(there.max(0.0), n);
+    if inverse > 0.0 { sum * (std::f32::consts::FRAC_1_PI * 0.5) / inverse } else { 0.0 }
+}
+
+/// Two unit vectors across unit `z` and each other.
+///
+/// Source: T. Duff et al., "Building an Orthonormal Basis, Revisited" (JCGT 2017).
+#[inline(always)]
+fn pair(z: Vec3) -> (Vec3, Vec3) {
+    let sign = if z.z < 0.0 { -1.0 } else { 1.0 };
+    let a = -1.0 / (sign + z.z);
+    let b = z.x * z.y * a;
+    (
+        Vec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x),
+        Vec3::new(b, sign + z.y * z.y * a, -z.y),
+    )
 }
 
 /// `w` where it is on the side of unit normal `n`, otherwise its mirror image there, so that no
@@ -52,7 +75,8 @@ mod tests {
     #[test]
     fn refraction_bends_toward_the_normal_in_the_denser_medium() {
         let d = Vec3::new(0.6, 0.0, -0.8);
-        let t = refract(d, Vec3::Z, 1.0 / 1.5).unwrap();
+        let (t, passes) = refract(d, Vec3::Z, 1.0 / 1.5);
+        assert!(passes);
         // Snell: sin t = 0.6 / 1.5 = 0.4.
         assert!((t - Vec3::new(0.4, 0.0, -(0.84f32.sqrt()))).length() < 1e-6, "{t}");
     }
@@ -61,8 +85,24 @@ mod tests {
     fn beyond_the_critical_angle_everything_is_reflected() {
         // sin critical = 1 / 1.5
         let at = |sin: f32| refract(Vec3::new(sin, 0.0, -(1.0 - sin * sin).sqrt()), Vec3::Z, 1.5);
-        assert!(at(0.666).is_some());
-        assert!(at(0.667).is_none());
+        assert!(at(0.666).1);
+        assert!(!at(0.667).1);
+    }
+
+    /// The mean of 1 over the density, over the lobe's own directions, is the half sphere's angle.
+    #[test]
+    fn densities_are_those_of_the_directions() {
+        for (axis, inverse) in [(Vec3::Z, 0.5), (Vec3::new(0.8, 0.0, 0.6), 0.3)] {
+            let n = 512;
+            let one = |i: u32| {
+                let u = [(i / n) as f32 + 0.5, (i % n) as f32 + 0.5].map(|u| u / n as f32);
+                let w = to_side(about(axis, inverse, u), Vec3::Z);
+                1.0 / f64::from(density(axis, inverse, Vec3::Z, w))
+            };
+            let mean = (0..n * n).map(one).sum::<f64>() / f64::from(n * n);
+            assert!((mean / std::f64::consts::TAU - 1.0).abs() < 0.02, "{axis} {inverse}: {mean}");
+        }
+        assert_eq!(density(Vec3::Z, 0.0, Vec3::Z, Vec3::Z), 0.0);
     }
 
     #[test]

@@ -75,6 +75,7 @@ impl Bvh {
         self.ids.len()
     }
 
+    #[inline]
     pub(super) fn triangle(&self, id: u32) -> Triangle {
         let place = self.places[id as usize];
         self.corners.triangle(place.slot(), place.count(), place.lane())

@@ -44,7 +44,14 @@ struct Branch {
     path: u32,
     index: u32,
     depth: u32,
+    /// Rays of the lobe per solid angle, where rays to lamps look for the same light; 0: none do.
+    density: f64,
+    /// What its radiance counts in the picture.
+    weight: f64,
 }
+
+/// Rays that count less are left out at random.
+const LEAST_WEIGHT: f64 = 1.0 / 32.0;
 
 /// What there is to shade.
 struct Hit<'a> {
@@ -92,7 +99,10 @@ impl<'a> Oracle<'a> {
         let radiance = |index| {
             let sample = self.sampler.camera(seed, index);
             let ray = camera_ray(self.scene, &self.shutter, [x, y], &sample);
-            self.radiance(&ray, Branch { seed, path: 0, index, depth: 0 })
+            self.radiance(
+                &ray,
+                Branch { seed, path: 0, index, depth: 0, density: 0.0, weight: 1.0 },
+            )
         };
         (0..samples).map(radiance).sum::<DVec3>() / f64::from(samples)
     }
@@ -102,11 +112,16 @@ impl<'a> Oracle<'a> {
             return color(self.scene.settings.background);
         };
         match thing.look {
-            Look::Light(light) => color(self.scene.lights[light].color),
+            Look::Light(light) => {
+                let way = ray.direction * meeting.t;
+                color(self.scene.lights[light].color) * self.lobe_share(light, way, branch)
+            }
             Look::Material(material) => {
                 let hit = self.hit(ray, &self.scene.materials[material], &meeting);
                 let ambient = color(hit.material.ambient) * hit.tint;
-                ambient + self.lights(&hit, branch) + self.bounces(&hit, branch)
+                let lobes = self.lobes(&hit, branch.depth);
+                let bounces = lobes.iter().map(|lobe| self.glossy(&hit, branch, lobe));
+                ambient + self.lights(&hit, branch, &lobes) + bounces.sum::<DVec3>()
             }
         }
     }
@@ -164,35 +179,51 @@ impl<'a> Oracle<'a> {
         row(low.y) * (1.0 - part.y) + row(low.y + 1.0) * part.y
     }
 
-    fn lights(&self, hit: &Hit<'_>, branch: Branch) -> DVec3 {
+    /// How many rays a hit sends to a light, and in the mean.
+    fn tries(&self, number: usize, depth: u32) -> (u32, f64) {
         let settings = &self.scene.settings;
+        let one = settings.light_sampling == LightSampling::One;
+        let area = matches!(self.scene.lights[number].shape, LightShape::Rectangle { .. });
+        let many = depth == 0 && (one || area);
+        let count = if many { settings.soft_shadow_samples } else { 1 };
+        let among = if one { self.scene.lights.len() } else { 1 };
+        (count, f64::from(count) / among as f64)
+    }
+
+    fn lights(&self, hit: &Hit<'_>, branch: Branch, lobes: &[Glossy]) -> DVec3 {
         let lights = &self.scene.lights;
-        let first = branch.depth == 0;
-        if settings.light_sampling == LightSampling::One {
-            let count = if first { settings.soft_shadow_samples } else { 1 };
+        if self.scene.settings.light_sampling == LightSampling::One {
+            let (count, tries) = self.tries(0, branch.depth);
             let key = branch.seed.key(branch.path, Purpose::AnyLight);
             let one = |i| {
                 let [u, v, choice] = self.sampler.point3(key, branch.index * count + i);
                 let number = (f64::from(choice) * lights.len() as f64) as usize;
-                self.light(hit, number, [u, v]) * lights.len() as f64
+                self.light(hit, number, [u, v], tries, lobes)
             };
-            return (0..count).map(one).sum::<DVec3>() / f64::from(count);
+            return (0..count).map(one).sum();
         }
-        let all = |(number, light): (usize, &Light)| {
-            let area = matches!(light.shape, LightShape::Rectangle { .. });
-            let count = if first && area { settings.soft_shadow_samples } else { 1 };
+        let all = |number: usize| {
+            let (count, tries) = self.tries(number, branch.depth);
             let key = branch.seed.key(branch.path, Purpose::Light(number as u32));
             let sample = |i| {
                 let u = self.sampler.point2(key, branch.index * count + i);
-                self.light(hit, number, u)
+                self.light(hit, number, u, tries, lobes)
             };
-            (0..count).map(sample).sum::<DVec3>() / f64::from(count)
+            (0..count).map(sample).sum::<DVec3>()
         };
-        lights.iter().enumerate().map(all).sum()
+        (0..lights.len()).map(all).sum()
     }
 
-    /// What arrives from one point of a light and is sent to the eye: (2.15).
-    fn light(&self, hit: &Hit<'_>, number: usize, u: [f32; 2]) -> DVec3 {
+    /// One of `tries` estimates of what arrives from a light and is sent to the eye: (2.15), and
+    /// its part of what glossy lobes receive.
+    fn light(
+        &self,
+        hit: &Hit<'_>,
+        number: usize,
+        u: [f32; 2],
+        tries: f64,
+        lobes: &[Glossy],
+    ) -> DVec3 {
         let light = &self.scene.lights[number];
         let target = match light.shape {
             LightShape::Point { position } => position,
@@ -200,17 +231,37 @@ impl<'a> Oracle<'a> {
                 a + (b - a) * f64::from(u[0]) + (c - b) * f64::from(u[1])
             }
         };
-        let l = (target - hit.point).normalize();
-        let cos = hit.n_shade.dot(l);
-        if cos <= 0.0 || hit.n_geo.dot(l) <= 0.0 {
+        let way = target - hit.point;
+        let l = way.normalize();
+        let by_light = tries * density_of_light(light, way);
+        let glossy = |lobe: &Glossy| {
+            let density = lobe.density(l);
+            let combined = self.combines() && density > 0.0 && by_light < f64::INFINITY;
+            let rays = f64::from(lobe.samples);
+            if combined { lobe.weight * density / (by_light + rays * density) } else { 0.0 }
+        };
+        let lobes = DVec3::splat(lobes.iter().map(glossy).sum());
+        let sent = phong(hit, l) / tries + lobes;
+        if sent == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        let material = hit.material;
-        let mirrored = 2.0 * cos * hit.n_shade - l;
-        let highlight = libm::pow(hit.eye.dot(mirrored).max(0.0), f64::from(material.shininess));
-        let phong = color(material.diffuse) * hit.tint * cos + color(material.specular) * highlight;
         let ray = Ray { origin: hit.point, direction: l, time: hit.time };
-        phong * color(light.color) * self.passed(ray, (target - hit.point).length(), number)
+        sent * color(light.color) * self.passed(ray, way.length(), number)
+    }
+
+    /// Rays to lamps look for what lobes receive too, where they end at the same things.
+    fn combines(&self) -> bool {
+        self.scene.settings.shadow == ShadowMode::Opaque
+    }
+
+    /// What a ray of a lobe counts that finds a lamp.
+    fn lobe_share(&self, light: usize, way: DVec3, branch: Branch) -> f64 {
+        if branch.density == 0.0 || !self.combines() {
+            return 1.0;
+        }
+        let (_, tries) = self.tries(light, branch.depth - 1);
+        let by_light = tries * density_of_light(&self.scene.lights[light], way);
+        branch.density / (branch.density + by_light)
     }
 
     /// The share of light that comes through between a hit and a point of a light.
@@ -229,56 +280,82 @@ impl<'a> Oracle<'a> {
         share * self.passed(behind, distance - meeting.t, light)
     }
 
-    fn bounces(&self, hit: &Hit<'_>, branch: Branch) -> DVec3 {
+    /// What a hit reflects and refracts.
+    fn lobes(&self, hit: &Hit<'_>, depth: u32) -> Vec<Glossy> {
         let settings = &self.scene.settings;
-        if branch.depth == settings.recursion {
-            return DVec3::ZERO;
+        if depth == settings.recursion {
+            return Vec::new();
         }
         let material = hit.material;
         let [k_r, k_t] = [material.reflectance, material.refraction].map(f64::from);
         let refracted = refracted(hit).filter(|_| k_t > 0.0);
-        let reflected = -hit.eye + 2.0 * hit.eye.dot(hit.n_shade) * hit.n_shade;
+        let samples =
+            |spread: f32, samples: u32| if depth == 0 && spread > 0.0 { samples } else { 1 };
+        let spread = material.diffuse_reflection;
         let mirror = Glossy {
-            axis: reflected,
+            axis: -hit.eye + 2.0 * hit.eye.dot(hit.n_shade) * hit.n_shade,
             side: hit.n_geo,
-            spread: material.diffuse_reflection,
-            samples: settings.diffuse_reflection_samples,
+            spread,
+            weight: if refracted.is_none() { k_r + k_t } else { k_r },
+            samples: samples(spread, settings.diffuse_reflection_samples),
             purpose: Purpose::Reflection,
         };
-        let weight = if refracted.is_none() { k_r + k_t } else { k_r };
-        let mut sum = DVec3::ZERO;
-        if weight > 0.0 {
-            sum += self.glossy(hit, branch, &mirror) * weight;
-        }
-        if let Some(axis) = refracted {
-            let clear = Glossy {
-                axis,
-                side: -hit.n_geo,
-                spread: material.diffuse_refraction,
-                samples: settings.diffuse_refraction_samples,
-                purpose: Purpose::Refraction,
-            };
-            sum += self.glossy(hit, branch, &clear) * k_t;
-        }
-        sum
+        let spread = material.diffuse_refraction;
+        let clear = refracted.map(|axis| Glossy {
+            axis,
+            side: -hit.n_geo,
+            spread,
+            weight: k_t,
+            samples: samples(spread, settings.diffuse_refraction_samples),
+            purpose: Purpose::Refraction,
+        });
+        [Some(mirror), clear].into_iter().flatten().filter(|lobe| lobe.weight > 0.0).collect()
     }
 
-    /// The mean of what comes from about a direction.
+    /// What comes from about a direction, weighted.
     fn glossy(&self, hit: &Hit<'_>, branch: Branch, glossy: &Glossy) -> DVec3 {
-        let count = if branch.depth == 0 && glossy.spread > 0.0 { glossy.samples } else { 1 };
+        let count = glossy.samples;
         let key = branch.seed.key(branch.path, glossy.purpose);
         let sample = |i| {
             let index = branch.index * count + i;
-            let u = self.sampler.point2(key, index).map(f64::from);
-            let w = lobe(glossy.axis, f64::from(glossy.spread), u);
+            let [u, v, chosen] = self.sampler.point3(key, index).map(f64::from);
+            let weight = branch.weight * glossy.weight / f64::from(count);
+            let chance = (weight / LEAST_WEIGHT).min(1.0);
+            if chance < 1.0 && chosen >= chance {
+                return DVec3::ZERO;
+            }
+            let w = lobe(glossy.axis, f64::from(glossy.spread), [u, v]);
             let below = w.dot(glossy.side).min(0.0);
             let direction = w - 2.0 * below * glossy.side;
             let ray = Ray { origin: hit.point, direction, time: hit.time };
             let path = next_path(branch.path, glossy.purpose);
-            self.radiance(&ray, Branch { path, index, depth: branch.depth + 1, ..branch })
+            let density = f64::from(count) * glossy.density(direction);
+            let depth = branch.depth + 1;
+            let weight = weight / chance;
+            self.radiance(&ray, Branch { path, index, depth, density, weight, ..branch }) / chance
         };
-        (0..count).map(sample).sum::<DVec3>() / f64::from(count)
+        (0..count).map(sample).sum::<DVec3>() * (glossy.weight / f64::from(count))
     }
+}
+
+/// The local light: (2.15).
+fn phong(hit: &Hit<'_>, l: DVec3) -> DVec3 {
+    let cos = hit.n_shade.dot(l);
+    if cos <= 0.0 || hit.n_geo.dot(l) <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let material = hit.material;
+    let mirrored = 2.0 * cos * hit.n_shade - l;
+    let highlight = libm::pow(hit.eye.dot(mirrored).max(0.0), f64::from(material.shininess));
+    color(material.diffuse) * hit.tint * cos + color(material.specular) * highlight
+}
+
+/// Density by solid angle of the point of a light that is `way` from a hit, uniform by area.
+fn density_of_light(light: &Light, way: DVec3) -> f64 {
+    let LightShape::Rectangle { vertices: [a, b, c] } = light.shape else { return f64::INFINITY };
+    // Twice the area of the triangle: the rectangle, along its normal.
+    let normal = (b - a).cross(c - b);
+    way.length_squared() * way.length() / way.dot(normal).abs()
 }
 
 /// A direction and a lobe about it.
@@ -287,8 +364,24 @@ struct Glossy {
     /// Unit normal of the side that rays stay on.
     side: DVec3,
     spread: f32,
+    /// What arrives is multiplied with it.
+    weight: f64,
     samples: u32,
     purpose: Purpose,
+}
+
+impl Glossy {
+    /// Density by solid angle of its rays: of the lobe, and of what is mirrored to its side.
+    fn density(&self, w: DVec3) -> f64 {
+        let below = w.dot(self.side);
+        if self.spread == 0.0 || below <= 0.0 {
+            return 0.0;
+        }
+        let n = 1.0 / f64::from(self.spread * self.spread);
+        let power = |w: DVec3| libm::pow(self.axis.dot(w).max(0.0), n);
+        let sum = power(w) + power(w - 2.0 * below * self.side);
+        sum * (n + 1.0) / std::f64::consts::TAU
+    }
 }
 
 /// Snell's law, (2.13) and (2.14); `None` under total internal reflection.

@@ -1,0 +1,112 @@
+//! The hits of one batch that are to be shaded, with everything that shading reads.
+
+use super::queue::{Batch, Labels};
+use crate::accel::Lanewise;
+use crate::frame::{FrameScene, Surfaces};
+use crate::math::columns::{BATCH, Column, Vec3s, lanes};
+use crate::sampling::PixelSeed;
+
+/// Hits in columns; `surfaces.len` of them.
+#[derive(Debug)]
+pub(super) struct Points {
+    pub(super) surfaces: Surfaces,
+    /// Unit directions of the rays that came here.
+    pub(super) direction: Vec3s,
+    /// What light that leaves toward where the ray came from is worth.
+    pub(super) weight: Vec3s,
+    pub(super) labels: Labels,
+    /// Words of the seeds of the pixels.
+    pub(super) seed: Column<u32>,
+    /// k_d of the material, tinted and weighted.
+    pub(super) diffuse: Vec3s,
+    /// k_s of the material, weighted.
+    pub(super) specular: Vec3s,
+    pub(super) shininess: Column<f32>,
+    /// Whether any material has a highlight.
+    pub(super) shines: bool,
+}
+
+impl Default for Points {
+    fn default() -> Self {
+        Self {
+            surfaces: Surfaces::default(),
+            direction: Vec3s::default(),
+            weight: Vec3s::default(),
+            labels: Labels::default(),
+            seed: [0; BATCH],
+            diffuse: Vec3s::default(),
+            specular: Vec3s::default(),
+            shininess: [0.0; BATCH],
+            shines: false,
+        }
+    }
+}
+
+impl Points {
+    /// Fills in what goes with the surfaces: from the batch whose rays hit them, and from tables.
+    pub(super) fn gather(&mut self, frame: &FrameScene, batch: &Batch, seeds: &[PixelSeed]) {
+        frame.isa.run(FromRays { batch, to: self });
+        self.shines = false;
+        for i in 0..self.surfaces.len.min(BATCH) {
+            self.seed[i] = seeds[self.labels.slot[i] as usize].word();
+            let material = &frame.materials[self.surfaces.material[i] as usize];
+            self.diffuse.set(i, material.diffuse);
+            self.specular.set(i, material.specular);
+            self.shininess[i] = material.shininess;
+            self.shines |= material.shines;
+        }
+        frame.isa.run(Weighted(self));
+    }
+}
+
+/// Fetches what goes with the rays.
+struct FromRays<'a> {
+    batch: &'a Batch,
+    to: &'a mut Points,
+}
+
+impl Lanewise for FromRays<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { batch, to } = self;
+        let len = to.surfaces.len;
+        let [x, y, z] = batch.rays.direction.each_ref();
+        fetch(x, &to.surfaces.ray, len, &mut to.direction.x);
+        fetch(y, &to.surfaces.ray, len, &mut to.direction.y);
+        fetch(z, &to.surfaces.ray, len, &mut to.direction.z);
+        fetch(&batch.weight.x, &to.surfaces.ray, len, &mut to.weight.x);
+        fetch(&batch.weight.y, &to.surfaces.ray, len, &mut to.weight.y);
+        fetch(&batch.weight.z, &to.surfaces.ray, len, &mut to.weight.z);
+        fetch(&batch.labels.time, &to.surfaces.ray, len, &mut to.labels.time);
+        fetch(&batch.labels.slot, &to.surfaces.ray, len, &mut to.labels.slot);
+        fetch(&batch.labels.path, &to.surfaces.ray, len, &mut to.labels.path);
+        fetch(&batch.labels.index, &to.surfaces.ray, len, &mut to.labels.index);
+    }
+}
+
+#[inline(always)]
+fn fetch<T: Copy>(from: &[T], ray: &Column<u32>, len: usize, to: &mut Column<T>) {
+    let Some(from) = from.first_chunk::<BATCH>() else { return };
+    for i in lanes(len) {
+        to[i] = from[ray[i] as usize % BATCH];
+    }
+}
+
+/// Multiplies materials with weights and tints.
+struct Weighted<'a>(&'a mut Points);
+
+impl Lanewise for Weighted<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let points = self.0;
+        for i in lanes(points.surfaces.len) {
+            let weight = points.weight.get(i);
+            points.diffuse.set(i, points.diffuse.get(i) * points.surfaces.tint.get(i) * weight);
+            points.specular.set(i, points.specular.get(i) * weight);
+        }
+    }
+}
