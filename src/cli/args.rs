@@ -5,22 +5,25 @@ use std::path::PathBuf;
 use clap::builder::Styles;
 use clap::{Parser, ValueEnum};
 
+use super::progress::ProgressForm;
+use super::sequence::{Frames, Order};
 use crate::scene::Accelerator;
 
-const ABOUT: &str = "Renders one frame of a scene file: motion blur, depth of field, soft shadows, \
+const ABOUT: &str = "Renders frames of a scene file: motion blur, depth of field, soft shadows, \
                      glossy surfaces.";
 
 const LONG_ABOUT: &str = "\
-slo-rt renders one frame of a scene file to a picture: motion blur, depth of field, soft shadows,
+slo-rt renders frames of a scene file to pictures: motion blur, depth of field, soft shadows,
 glossy reflection and refraction.
 
 Without arguments it renders frame 0 of the scene that it carries inside, and prints the path of
-the picture. A sequence is one run per frame; scripts/render_sequence.sh does it.";
+the picture. The same command again renders of a sequence what is missing, damaged or stale.";
 
 const EXAMPLES: &str = "\
 Examples:
   slo-rt                                the scene inside, to see that all works
   slo-rt -s table.txt -f 15             frame 15 of a scene
+  slo-rt -s table.txt -f 0-100 -od out  a sequence; again: what is missing of it
   slo-rt -s table.txt --check           find mistakes, render nothing
   slo-rt -s table.txt --size 320x180 --samples 4
                                         a quick draft
@@ -28,12 +31,13 @@ Examples:
                                         folders for what comes in and what goes out
   slo-rt --recipe default_00000.png     how a picture was made
 
-The picture's path goes to standard output, all else to standard error.";
+The pictures' paths go to standard output, all else to standard error.";
 
 const EXIT_CODES: &str = "\
 Exit codes:
     0  done
-    1  rendering failed, or a file could not be read or written
+    1  rendering failed, or a file could not be read or written; of a sequence
+       some frames failed, the others are there
     2  the command line is wrong, or the scene has no such frame
    65  the scene, a mesh or a texture has errors
    66  an input file is missing or can't be read
@@ -59,7 +63,7 @@ const INSTEAD: &str = "Instead of rendering";
     long_about = LONG_ABOUT,
     after_help = EXAMPLES,
     after_long_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"),
-    override_usage = "slo-rt [--scene FILE] [--frame N] [options]",
+    override_usage = "slo-rt [--scene FILE] [--frame FRAMES] [options]",
     disable_help_flag = true,
     disable_version_flag = true,
     styles = Styles::styled(),
@@ -69,9 +73,19 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "FILE", help_heading = WHAT)]
     pub(super) scene: Option<PathBuf>,
 
-    /// Number of the frame; may be negative (0)
-    #[arg(short, long, value_name = "N", help_heading = WHAT, allow_negative_numbers = true)]
-    pub(super) frame: Option<i64>,
+    /// Frames, such as 15, 1-100, 1-100x5 or 3,-5--1 (0)
+    ///
+    /// 1-100x5 is every fifth, 1-100y5 all but those, 1-100:5 every fifth and
+    /// then the ones in between, ever denser. Of a range or a list, frames that
+    /// are finished stay as they are.
+    #[arg(short, long, value_name = "FRAMES", help_heading = WHAT, value_parser = Frames::parse)]
+    #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
+    pub(super) frame: Option<Frames>,
+
+    /// Order of the frames: forward, reverse, or coarse (every 16th first)
+    #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
+    #[arg(value_enum, default_value_t = Order::Forward, hide_default_value = true)]
+    pub(super) order: Order,
 
     /// Folder that holds the scene file (short: -id)
     ///
@@ -98,13 +112,17 @@ pub(super) struct Args {
     #[arg(short, long, help_heading = WHERE)]
     pub(super) info: bool,
 
-    /// Render nothing where the picture is there already
+    /// Leave a picture that is there already, as in sequences
     ///
-    /// A picture is taken for the one that this run would make when it holds the
-    /// same recipe: scene, frame, settings and version.
-    #[arg(long, help_heading = WHERE, conflicts_with_all = ["info", "check"])]
+    /// A picture is taken for the one that this run would make when it is whole
+    /// and holds the same recipe: scene, frame, settings and version.
+    #[arg(long, help_heading = WHERE, conflicts_with_all = ["check", "overwrite"])]
     #[arg(verbatim_doc_comment)]
     pub(super) skip_existing: bool,
+
+    /// Render again what is there already, in sequences too
+    #[arg(long, help_heading = WHERE, conflicts_with = "check")]
+    pub(super) overwrite: bool,
 
     /// Size of the picture in pixels, such as 320x180
     #[arg(long, value_name = "WxH", help_heading = DRAFT, value_parser = size)]
@@ -142,6 +160,11 @@ pub(super) struct Args {
     #[arg(short, long, help_heading = HOW, conflicts_with = "quiet")]
     pub(super) verbose: bool,
 
+    /// Progress: auto, plain, json, openjd, none
+    #[arg(long, value_name = "FORM", help_heading = HOW, hide_possible_values = true)]
+    #[arg(value_enum, default_value_t = ProgressForm::Auto, hide_default_value = true)]
+    pub(super) progress: ProgressForm,
+
     /// Colour of messages: auto, always, never
     #[arg(long, value_name = "WHEN", help_heading = HOW, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = When::Auto, hide_default_value = true)]
@@ -150,6 +173,10 @@ pub(super) struct Args {
     /// Read the scene and all its files, report, render nothing
     #[arg(long, help_heading = INSTEAD)]
     pub(super) check: bool,
+
+    /// Say what would be rendered, frame by frame, and why
+    #[arg(long, help_heading = INSTEAD, conflicts_with = "check")]
+    pub(super) dry_run: bool,
 
     /// Print how a picture was made
     ///
@@ -234,9 +261,13 @@ mod tests {
     #[test]
     fn frames_may_be_negative() {
         for typed in ["-f -5", "-f=-5", "-f-5", "--frame -5", "--frame=-5"] {
-            assert_eq!(parse(typed).unwrap().frame, Some(-5), "{typed}");
+            assert_eq!(parse(typed).unwrap().frame, Some(Frames::single(-5)), "{typed}");
         }
-        assert_eq!(parse("-f 15").unwrap().frame, Some(15));
+        for typed in ["-f -5--1,3", "--frame=-5--1,3", "-f-5--1,3"] {
+            let frames = parse(typed).unwrap().frame.unwrap();
+            assert_eq!(frames.numbers, [-5, -4, -3, -2, -1, 3], "{typed}");
+        }
+        assert_eq!(parse("-f 15").unwrap().frame, Some(Frames::single(15)));
         assert_eq!(parse("").unwrap().frame, None);
     }
 
@@ -262,6 +293,10 @@ mod tests {
             "-f 1.5",
             "-f 99999999999999999999",
             "-f",
+            "-f --quiet",
+            "-f 1-5 --order random",
+            "--progress loud",
+            "--overwrite --skip-existing",
             "--threads 0",
             "--samples 0",
             "--samples 65536",

@@ -13,6 +13,7 @@ mod progress;
 mod recipe;
 mod render;
 mod scene_file;
+mod sequence;
 mod short_forms;
 mod summary;
 mod terminal;
@@ -32,7 +33,7 @@ use terminal::Terminal;
 pub enum Exit {
     /// Everything asked for was done.
     Done = 0,
-    /// Rendering failed, or a file could not be read or written.
+    /// Rendering failed, or a file could not be read or written; frames of a sequence failed.
     Failed = 1,
     /// The command line is wrong, or names a frame that the scene does not have.
     Usage = 2,
@@ -54,7 +55,7 @@ impl From<Exit> for ExitCode {
 
 /// Runs the program with its arguments, the program's name first.
 ///
-/// Writes the picture's path to standard output and all else to standard error. Listens to
+/// Writes the pictures' paths to standard output and all else to standard error. Listens to
 /// Ctrl-C and catches panics: it is meant to be called once, by `main`.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
     let args: Vec<OsString> = args.into_iter().collect();
@@ -69,7 +70,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
 
 fn execute(Options { task, terminal }: Options) -> Exit {
     let done = task.and_then(|task| match task {
-        Task::Render(job) => render::run(&job, terminal),
+        Task::Render(job) => sequence::run(&job, terminal),
         Task::Check(job) => check::run(&job, terminal),
         Task::Recipe(picture) => recipe::run(&picture),
     });

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use super::Exit;
 use super::args::{Args, Size};
 use super::problem::Problem;
+use super::progress::ProgressForm;
+use super::sequence::{Frames, Order};
 use super::terminal::{Terminal, Verbosity};
 use crate::accel::{Accelerator, Isa};
 use crate::output::check_prefix;
@@ -21,7 +23,7 @@ pub(super) struct Options {
 /// What the program is to do.
 #[derive(Debug)]
 pub(super) enum Task {
-    /// Render a frame.
+    /// Render frames.
     Render(Job),
     /// Read a scene and report.
     Check(Job),
@@ -29,7 +31,7 @@ pub(super) enum Task {
     Recipe(PathBuf),
 }
 
-/// A frame of a scene.
+/// Frames of a scene.
 #[derive(Debug)]
 pub(super) struct Job {
     /// The scene file; `None`: the one inside the program.
@@ -38,17 +40,30 @@ pub(super) struct Job {
     pub(super) indir: Option<PathBuf>,
     /// Whether the paths of the scene may lead anywhere.
     pub(super) allow_outside: bool,
-    /// The frame asked for; `None`: 0.
-    pub(super) frame: Option<i64>,
-    /// Folder of the picture; empty: the current one.
+    /// The frames asked for; `None`: 0.
+    pub(super) frames: Option<Frames>,
+    pub(super) order: Order,
+    /// Folder of the pictures; empty: the current one.
     pub(super) outdir: PathBuf,
-    /// Whether settings and time go into the picture's name.
+    /// Whether settings and time go into the pictures' names.
     pub(super) info: bool,
-    /// Whether a picture that is there with the same recipe is left as it is.
-    pub(super) skip_existing: bool,
+    pub(super) existing: Existing,
+    /// Whether to say what would be rendered instead of doing it.
+    pub(super) dry_run: bool,
+    pub(super) progress: ProgressForm,
     pub(super) overrides: Overrides,
     pub(super) threads: Option<usize>,
     pub(super) isa: Isa,
+}
+
+/// What becomes of a picture that is there, whole and with the same recipe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Existing {
+    /// It stays in a sequence, and is overwritten where one frame was asked for.
+    #[default]
+    Auto,
+    Skip,
+    Overwrite,
 }
 
 /// What the command line says over the scene.
@@ -62,9 +77,18 @@ pub(super) struct Overrides {
 }
 
 impl Job {
-    /// Number of the frame.
-    pub(super) fn frame(&self) -> i64 {
-        self.frame.unwrap_or(0)
+    /// The frames to render.
+    pub(super) fn frames(&self) -> Frames {
+        self.frames.clone().unwrap_or(Frames::single(0))
+    }
+
+    /// Whether frames that are finished already are left alone.
+    pub(super) fn skips_finished(&self) -> bool {
+        match self.existing {
+            Existing::Auto => self.frames.as_ref().is_some_and(|frames| frames.is_sequence),
+            Existing::Skip => true,
+            Existing::Overwrite => false,
+        }
     }
 }
 
@@ -94,10 +118,17 @@ fn job(args: Args) -> Result<Job, Problem> {
         scene: args.scene,
         indir: args.indir,
         allow_outside: args.allow_outside,
-        frame: args.frame,
+        frames: args.frame,
+        order: args.order,
         outdir: args.outdir.unwrap_or_default(),
         info: args.info,
-        skip_existing: args.skip_existing,
+        existing: match (args.skip_existing, args.overwrite) {
+            (true, _) => Existing::Skip,
+            (_, true) => Existing::Overwrite,
+            _ => Existing::Auto,
+        },
+        dry_run: args.dry_run,
+        progress: args.progress,
         overrides: Overrides {
             prefix: args.prefix,
             size: args.size,
@@ -190,9 +221,22 @@ mod tests {
 
     #[test]
     fn tasks() {
-        assert!(matches!(task("").unwrap(), Task::Render(Job { frame: None, .. })));
-        assert!(matches!(task("--check -f 3").unwrap(), Task::Check(Job { frame: Some(3), .. })));
+        assert!(matches!(task("").unwrap(), Task::Render(Job { frames: None, .. })));
+        assert!(matches!(task("--check -f 3").unwrap(), Task::Check(Job { frames: Some(_), .. })));
         assert!(matches!(task("--recipe x.png").unwrap(), Task::Recipe(_)));
+    }
+
+    #[test]
+    fn sequences_skip_what_is_finished() {
+        let check = |typed: &str, expected: bool| {
+            let Task::Render(job) = task(typed).unwrap() else { panic!("{typed}") };
+            assert_eq!(job.skips_finished(), expected, "{typed}");
+        };
+        check("", false);
+        check("-f 5", false);
+        check("-f 5 --skip-existing", true);
+        check("-f 5-5", true);
+        check("-f 5,6 --overwrite", false);
     }
 
     #[test]

@@ -60,6 +60,7 @@ fn with_tip(mut error: Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::sequence::Frames;
 
     fn arguments(typed: &str) -> Vec<OsString> {
         format!("slo-rt {typed}").trim().split(' ').map(OsString::from).collect()
@@ -69,7 +70,7 @@ mod tests {
     fn the_command_lines_of_the_thesis() {
         let check = |typed: &str| try_parse(&arguments(typed)).unwrap();
         assert!(check("").scene.is_none());
-        assert_eq!(check("--frame 5").frame, Some(5));
+        assert_eq!(check("--frame 5").frame, Some(Frames::single(5)));
         assert_eq!(check("--scene animace.txt").scene, Some("animace.txt".into()));
         assert!(check("-f 15 -s animace.txt --info").info);
         let last = check("-f 15 -s animace.txt -id input/scenes -od output/animace -pre x");

@@ -7,89 +7,81 @@ use super::interrupt::Guard;
 use super::options::Job;
 use super::problem::Problem;
 use super::progress::Progress;
-use super::summary::Summary;
-use super::terminal::{Terminal, print};
+use super::summary::{Size, Times};
+use super::terminal::Terminal;
 use super::{Exit, load};
 use crate::film::{Film, TooLarge};
 use crate::frame::FrameScene;
-use crate::output::{Info, Picture, Recipe, check_writable, file_name, read_recipe};
+use crate::output::{Info, Picture, Recipe, check_writable, file_name};
 use crate::render::{Statistics, Unfinished, render};
 use crate::scene::SceneDescription;
 
-/// Renders the job's frame, prints the path of its picture, and says how it went.
-pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
-    let start = Instant::now();
-    let threads = load::threads(job.threads)?;
-    let scene = threads.install(|| load::scene(job, terminal))?;
-    let loading = start.elapsed();
-    let run = Run { job, scene: &scene, terminal };
-    match (job.threads, scene.settings.parallel_threads) {
-        (None, Some(asked)) => load::threads(Some(asked as usize))?.install(|| run.go(loading)),
-        _ => threads.install(|| run.go(loading)),
-    }
+/// What rendering any frame of a job looks at.
+#[derive(Clone, Copy)]
+pub(super) struct Studio<'a> {
+    pub(super) job: &'a Job,
+    pub(super) scene: &'a SceneDescription,
+    pub(super) terminal: Terminal,
 }
 
-/// What all steps of a rendering look at.
-struct Run<'a> {
-    job: &'a Job,
-    scene: &'a SceneDescription,
-    terminal: Terminal,
+/// A frame whose picture is in place.
+#[derive(Debug)]
+pub(super) struct Done {
+    pub(super) path: PathBuf,
+    pub(super) times: Times,
+    pub(super) statistics: Statistics,
+    pub(super) size: Size,
 }
 
-impl Run<'_> {
-    fn go(&self, loading: Duration) -> Result<(), Problem> {
-        let recipe = Recipe { scene: self.scene, frame: self.job.frame() }.to_json();
-        let expected = self.target(Duration::ZERO);
-        if self.job.skip_existing && has_recipe(&expected, &recipe) {
-            self.terminal.note(format_args!("`{}` is there already", expected.display()));
-            return print_path(&expected);
-        }
-        find_out_if_writable(&expected)?;
+impl Studio<'_> {
+    /// Builds, renders and saves a frame; `expected` is where its picture goes.
+    pub(super) fn render(
+        &self,
+        frame: i64,
+        expected: &Path,
+        progress: &Progress,
+    ) -> Result<Done, Problem> {
+        find_out_if_writable(expected)?;
         let start = Instant::now();
-        let frame = load::frame(self.job, self.scene)?;
+        let built = load::frame(self.job, self.scene, frame)?;
         let building = start.elapsed();
         let start = Instant::now();
-        let (film, statistics) = self.sample(&frame)?;
+        let (film, statistics) = self.sample(frame, &built, expected, progress)?;
         let rendering = start.elapsed();
         let start = Instant::now();
-        let path = self.target(rendering);
-        self.save(&film, &recipe, &path)?;
-        print_path(&path)?;
-        let writing = start.elapsed();
-        Summary {
-            loading,
-            building,
-            rendering,
-            writing,
-            statistics,
-            frame: &frame,
-            isa: self.job.isa,
-        }
-        .tell(self.scene, self.terminal);
-        Ok(())
+        let path = self.target(frame, rendering);
+        self.save(frame, &film, &path)?;
+        let times =
+            Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
+        Ok(Done { path, times, statistics, size: Size::of(&built) })
     }
 
-    /// Where the picture goes, had its rendering taken `time`.
-    fn target(&self, time: Duration) -> PathBuf {
+    /// Where a picture goes, had its rendering taken `time`.
+    fn target(&self, frame: i64, time: Duration) -> PathBuf {
         let info = self.job.info.then_some(Info { settings: &self.scene.settings, time });
-        self.job.outdir.join(file_name(&self.scene.camera.film, self.job.frame(), info))
+        self.job.outdir.join(file_name(&self.scene.camera.film, frame, info))
     }
 
-    fn sample(&self, frame: &FrameScene) -> Result<(Film, Statistics), Problem> {
+    fn sample(
+        &self,
+        number: i64,
+        frame: &FrameScene,
+        path: &Path,
+        progress: &Progress,
+    ) -> Result<(Film, Statistics), Problem> {
         let _guard = Guard::new();
         let film = &self.scene.camera.film;
         let pixels = u64::from(film.width) * u64::from(film.height);
-        let title = format!("frame {}", self.job.frame());
-        let progress = Progress::new(pixels, &title, self.terminal);
-        render(frame, &progress).map_err(unfinished)
+        render(frame, &progress.frame(number, path, pixels)).map_err(unfinished)
     }
 
-    fn save(&self, film: &Film, recipe: &str, path: &Path) -> Result<(), Problem> {
+    fn save(&self, frame: i64, film: &Film, path: &Path) -> Result<(), Problem> {
         let _guard = Guard::new();
         let image = film.image();
         let settings = &self.scene.camera.film;
         let (format, encoding) = (settings.output, settings.encoding);
-        let picture = Picture { image: &image, format, encoding, recipe };
+        let recipe = Recipe { scene: self.scene, frame }.to_json();
+        let picture = Picture { image: &image, format, encoding, recipe: &recipe };
         let black = picture.not_finite();
         if black > 0 {
             self.terminal.warn(format_args!("{black} pixels are no numbers and were left black"));
@@ -98,10 +90,6 @@ impl Run<'_> {
             Problem::new(Exit::Failed, format!("can't write `{}`: {error}", path.display()))
         })
     }
-}
-
-fn has_recipe(path: &Path, recipe: &str) -> bool {
-    read_recipe(path).is_ok_and(|found| found == recipe)
 }
 
 fn find_out_if_writable(path: &Path) -> Result<(), Problem> {
@@ -121,10 +109,4 @@ fn unfinished(why: Unfinished) -> Problem {
             Problem::new(Exit::Failed, message).with_help("`--size` makes it smaller")
         }
     }
-}
-
-fn print_path(path: &Path) -> Result<(), Problem> {
-    print(path.as_os_str().as_encoded_bytes()).map_err(|error| {
-        Problem::new(Exit::Failed, format!("can't print the picture's path: {error}"))
-    })
 }

@@ -5,6 +5,7 @@
 
 mod exr;
 mod file;
+mod finished;
 mod name;
 mod png;
 mod recipe;
@@ -14,6 +15,7 @@ use std::io::{self, Seek, Write};
 use std::path::Path;
 
 pub use file::{check_writable, write_atomically};
+pub use finished::{Found, find_picture};
 pub use name::{Info, check_prefix, file_name};
 pub use recipe::{KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe};
 

@@ -3,6 +3,7 @@
 mod bytes;
 mod documentation;
 mod exit_codes;
+mod frames;
 mod pictures;
 #[cfg(unix)]
 mod sequence;
