@@ -8,6 +8,7 @@ mod binary;
 mod careful;
 mod collapse;
 mod layout;
+mod order;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod packet;
 mod plan;
@@ -24,9 +25,10 @@ use rayon::prelude::*;
 use self::binary::{BinaryTree, Reference};
 use self::collapse::Wide;
 use self::layout::{Child, Corners, Node, Place};
-use self::ray::Ray;
+use self::ray::{Prepared, Ray};
 use self::steps::Portable;
 use self::stream::Query;
+use super::simd::{SetLanes, lanes_of};
 use super::{Coherence, Curved, Hits, Isa, Primitives, Rays, Triangle, triangle};
 use crate::math::Bounds;
 
@@ -214,6 +216,29 @@ impl Query for Closest<'_> {
         self.hits.v[index] = v;
         self.hits.primitive[index] = primitive;
     }
+
+    #[inline(always)]
+    unsafe fn accept_lanes<L: SetLanes>(
+        &mut self,
+        rays: &Prepared,
+        base: usize,
+        set: u32,
+        [t, u, v, ids]: [L; 4],
+    ) {
+        let Hits { t: ts, u: us, v: vs, primitive } = &mut *self.hits;
+        let arrays =
+            [ts.as_mut_ptr(), us.as_mut_ptr(), vs.as_mut_ptr(), primitive.as_mut_ptr().cast()];
+        for (array, lanes) in arrays.into_iter().zip([t, u, v, ids]) {
+            // SAFETY: there is a hit for each ray of the batch.
+            unsafe {
+                if rays.are_neighbours {
+                    lanes.store_set(array.wrapping_add(rays.index[base] as usize), set);
+                } else {
+                    lanes.scatter_set(array, rays.index.as_ptr().add(base), set);
+                }
+            }
+        }
+    }
 }
 
 /// Whether each ray is blocked.
@@ -227,5 +252,18 @@ impl Query for Any<'_> {
     #[inline(always)]
     fn accept(&mut self, index: usize, _: [f32; 3], _: u32) {
         self.blocked[index] = true;
+    }
+
+    #[inline(always)]
+    unsafe fn accept_lanes<L: SetLanes>(
+        &mut self,
+        rays: &Prepared,
+        base: usize,
+        set: u32,
+        _: [L; 4],
+    ) {
+        for lane in lanes_of(set) {
+            self.blocked[rays.index[base + lane] as usize] = true;
+        }
     }
 }
