@@ -1,19 +1,25 @@
 //! The order in which the rays of a batch are made ready, so that sixteen of them go the same way.
 
+use super::steps::Steps;
 use crate::accel::{LANES, Rays};
 
 /// Sixteens of a batch's rays.
 #[derive(Debug, Default)]
 pub(super) struct Order {
-    /// First rays of sixteen neighbours that are taken as they are.
-    whole: Vec<u32>,
-    /// The other rays, sorted by the way they go; a multiple of sixteen.
-    mixed: Vec<u32>,
-    /// How many of them are not there to fill up.
-    mixed_len: usize,
+    sixteens: Vec<Place>,
     ways: Vec<u8>,
-    /// First rays of neighbours that go different ways.
-    split: Vec<u32>,
+    /// Rays that do not go the way of their neighbours, by the way they go: for each way as much
+    /// room as the batch has rays, and [`LANES`] more.
+    bins: Vec<u32>,
+}
+
+/// Up to sixteen rays of a batch.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    /// The first of neighbours, or where they begin in the bins.
+    start: u32,
+    count: u8,
+    are_neighbours: bool,
 }
 
 /// Up to sixteen rays of a batch.
@@ -30,60 +36,84 @@ const WAYS: usize = 32;
 impl Order {
     /// Takes the rays of a batch as they come.
     pub(super) fn keep(&mut self, rays: &Rays) {
-        self.whole.clear();
-        self.whole.extend((0..rays.len() as u32).step_by(LANES));
-        self.mixed_len = 0;
+        let n = rays.len();
+        let place = |start: usize| Place {
+            start: start as u32,
+            count: (n - start).min(LANES) as u8,
+            are_neighbours: true,
+        };
+        self.sixteens.clear();
+        self.sixteens.extend((0..n).step_by(LANES).map(place));
     }
 
-    /// Orders the rays of a batch so that sixteen go the same way where that can be: neighbours
-    /// stay together if they do, and all others are sorted, those of one way in the order of
-    /// neighbours.
+    /// Orders the rays of a batch so that sixteen go the same way: neighbours stay together if
+    /// they do, and the others are gathered by the way they go, in the order of neighbours.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set of `S`.
     #[inline(always)]
-    pub(super) fn sort(&mut self, rays: &Rays) {
-        let n = rays.len();
-        let Self { whole, mixed, mixed_len, ways, split } = self;
+    pub(super) unsafe fn sort<S: Steps>(&mut self, rays: &Rays) {
+        self.keep(rays);
+        let Self { sixteens, ways, bins } = self;
+        let n = sixteens.len() * LANES;
         let [x, y, z] = &rays.direction;
         ways.clear();
         ways.extend(x[..n].iter().zip(&y[..n]).zip(&z[..n]).map(|((&x, &y), &z)| way(x, y, z)));
-        whole.clear();
-        split.clear();
-        let mut places = [0u32; WAYS];
-        for (sixteen, first) in ways.chunks(LANES).zip((0..).step_by(LANES)) {
-            if *sixteen == [sixteen[0]; LANES] {
-                whole.push(first);
-            } else {
-                split.push(first);
-                sixteen.iter().for_each(|&way| places[usize::from(way) % WAYS] += 1);
+        let room = n + LANES;
+        if bins.len() < WAYS * room {
+            bins.resize(WAYS * room, 0);
+        }
+        let mut lens = [0; WAYS];
+        let mut whole = 0;
+        for i in 0..sixteens.len() {
+            let place = sixteens[i];
+            let ways: &[u8; LANES] = ways[i * LANES..][..LANES].try_into().expect("sixteen");
+            let all = u32::MAX >> (32 - u32::from(place.count));
+            let mut left = all;
+            // SAFETY: each bin has room for all rays, and for sixteen more behind the last.
+            unsafe {
+                let alike = S::lanes_with(ways, ways[0]) & all;
+                if alike == all {
+                    sixteens[whole] = place;
+                    whole += 1;
+                    continue;
+                }
+                while left != 0 {
+                    let way = ways[left.trailing_zeros() as usize % LANES];
+                    let alike = S::lanes_with(ways, way) & left;
+                    left &= !alike;
+                    let len = &mut lens[usize::from(way) % WAYS];
+                    let bin = bins.as_mut_ptr().add(usize::from(way) % WAYS * room + *len);
+                    S::compress(place.start, alike, bin);
+                    *len += alike.count_ones() as usize;
+                }
             }
         }
-        let mut len = 0;
-        for place in &mut places {
-            len += std::mem::replace(place, len);
-        }
-        *mixed_len = len as usize;
-        mixed.clear();
-        mixed.resize(mixed_len.next_multiple_of(LANES), split.last().copied().unwrap_or(0));
-        for &first in &*split {
-            let last = n.min(first as usize + LANES) as u32;
-            for (&way, i) in ways[first as usize..last as usize].iter().zip(first..last) {
-                let place = &mut places[usize::from(way) % WAYS];
-                mixed[*place as usize] = i;
-                *place += 1;
-            }
+        sixteens.truncate(whole);
+        for (way, &len) in lens.iter().enumerate().filter(|&(_, &len)| len > 0) {
+            let bin = way * room;
+            let last = bins[bin + len - 1];
+            bins[bin + len..bin + len.next_multiple_of(LANES)].fill(last);
+            let place = |start: usize| Place {
+                start: (bin + start) as u32,
+                count: (len - start).min(LANES) as u8,
+                are_neighbours: false,
+            };
+            sixteens.extend((0..len).step_by(LANES).map(place));
         }
     }
 
     /// The n-th sixteen, and how many of them are rays to be traced; `None` behind the last.
     #[inline(always)]
-    pub(super) fn get(&self, n: usize, rays: &Rays) -> Option<(Sixteen<'_>, usize)> {
-        if let Some(&first) = self.whole.get(n) {
-            let first = first as usize;
-            return Some((Sixteen::Neighbours(first), (rays.len() - first).min(LANES)));
-        }
-        let start = (n - self.whole.len()) * LANES;
-        let left = self.mixed_len.checked_sub(start).filter(|&left| left > 0)?;
-        let chosen = self.mixed[start..start + LANES].try_into().expect("as many as lanes");
-        Some((Sixteen::Chosen(chosen), left.min(LANES)))
+    pub(super) fn get(&self, n: usize) -> Option<(Sixteen<'_>, usize)> {
+        let &Place { start, count, are_neighbours } = self.sixteens.get(n)?;
+        let start = start as usize;
+        let sixteen = if are_neighbours {
+            Sixteen::Neighbours(start)
+        } else {
+            Sixteen::Chosen(self.bins[start..start + LANES].try_into().expect("as many as lanes"))
+        };
+        Some((sixteen, usize::from(count)))
     }
 }
 
@@ -102,6 +132,7 @@ mod tests {
     use glam::Vec3;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
+    use super::super::steps::Portable;
     use super::*;
 
     #[test]
@@ -116,10 +147,11 @@ mod tests {
                 let direction = if i % 64 < 32 { Vec3::new(0.5, -0.5, 2.0) } else { any };
                 rays.push(Vec3::ZERO, direction, 1.0);
             }
-            order.sort(&rays);
+            // SAFETY: plain Rust runs everywhere.
+            unsafe { order.sort::<Portable>(&rays) };
             let (mut taken, mut alike) = (vec![], 0);
             for i in 0.. {
-                let Some((sixteen, len)) = order.get(i, &rays) else { break };
+                let Some((sixteen, len)) = order.get(i) else { break };
                 match sixteen {
                     Sixteen::Neighbours(first) => taken.extend(first..first + len),
                     Sixteen::Chosen(chosen) => {
@@ -131,8 +163,8 @@ mod tests {
                     way(d.x, d.y, d.z)
                 };
                 let ways: Vec<_> = taken[taken.len() - len..].iter().map(way_of).collect();
-                assert!(ways.is_sorted());
-                alike += usize::from(ways == [ways[0]; LANES]);
+                assert!(ways.iter().all(|&way| way == ways[0]));
+                alike += usize::from(len == LANES);
             }
             taken.sort_unstable();
             assert_eq!(taken, (0..n).collect::<Vec<_>>());

@@ -198,33 +198,13 @@ pub(super) unsafe fn trace<S: PacketSteps, Q: Query>(
     pending: u32,
     query: &mut Q,
 ) -> u32 {
-    let mut ways = [0; LANES];
-    if !prepared.are_neighbours {
-        ways = prepared.octant;
-        for (way, z_axis) in ways.iter_mut().zip(&prepared.z_axis) {
-            *way = *way << 2 | z_axis;
-        }
-    }
     let mut left = 0;
     let lanes = S::Lanes::COUNT;
     for base in (0..LANES).step_by(lanes) {
-        let mut part = pending & ((1 << lanes) - 1) << base;
-        while part != 0 {
-            let way = ways[part.trailing_zeros() as usize];
-            let mut alike = 0;
-            if prepared.are_neighbours {
-                alike = u32::MAX;
-            } else {
-                for (lane, &other) in ways.iter().enumerate() {
-                    alike |= u32::from(other == way) << lane;
-                }
-            }
-            let set = part & alike;
-            part &= !set;
-            if set.count_ones() < ENOUGH {
-                left |= set;
-                continue;
-            }
+        let set = pending & ((1 << lanes) - 1) << base;
+        if set.count_ones() < ENOUGH {
+            left |= set;
+        } else {
             // SAFETY: the caller's.
             unsafe { Packet::<S>::new(prepared, base, set).trace(around, query) };
         }

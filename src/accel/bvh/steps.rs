@@ -5,6 +5,7 @@ use super::layout::{Child, Corners, Node, WIDTH, block_triangle};
 use super::packet::Surroundings;
 use super::ray::{Prepared, Ray};
 use super::stream::Query;
+use crate::accel::simd::lanes_of;
 use crate::accel::{LANES, triangle};
 
 /// The steps that streams are made of, for one instruction set. All sets find the same hits; boxes
@@ -70,6 +71,31 @@ pub(super) trait Steps {
             *value = unsafe { *array.add(index as usize) };
         }
         values
+    }
+
+    /// Which of sixteen values equal one.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set.
+    #[inline(always)]
+    unsafe fn lanes_with(values: &[u8; LANES], value: u8) -> u32 {
+        let mut set = 0;
+        for (lane, &other) in values.iter().enumerate() {
+            set |= u32::from(other == value) << lane;
+        }
+        set
+    }
+
+    /// Writes `first + lane` for each lane of a set, in order.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; `to` is writable for sixteen values.
+    #[inline(always)]
+    unsafe fn compress(first: u32, set: u32, to: *mut u32) {
+        for (i, lane) in lanes_of(set).enumerate() {
+            // SAFETY: a set has at most sixteen lanes.
+            unsafe { *to.add(i) = first + lane as u32 };
+        }
     }
 
     /// Traces those of sixteen rays that go the same way together; returns the others.

@@ -173,7 +173,7 @@ impl Pending<'_> {
             if self.left != 0 {
                 break;
             }
-            let (sixteen, count) = self.order.get(self.next, self.around.rays)?;
+            let (sixteen, count) = self.order.get(self.next)?;
             self.next += 1;
             // SAFETY: the caller's.
             unsafe { self.prepare::<S, Q>(sixteen, count, query) };
@@ -252,7 +252,8 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     let flights = Flights { first: room.as_mut_ptr(), lines, memory, free, parked };
     let packets = coherence == Coherence::Coherent;
     if packets {
-        order.sort(rays)
+        // SAFETY: the caller's.
+        unsafe { order.sort::<S>(rays) }
     } else {
         order.keep(rays)
     }
