@@ -5,8 +5,11 @@
 //! the only copy, found again by id through a table.
 
 mod binary;
+mod bins;
+mod boxes;
 mod careful;
 mod collapse;
+mod few;
 mod layout;
 mod order;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
@@ -22,7 +25,8 @@ mod x86;
 
 use rayon::prelude::*;
 
-use self::binary::{BinaryTree, Reference};
+use self::binary::{BinaryTree, extent};
+use self::boxes::{Box8, Reference};
 use self::collapse::Wide;
 use self::layout::{Child, Corners, Node, Place};
 use self::ray::{Prepared, Ray};
@@ -60,12 +64,13 @@ impl Bvh {
     /// Builds the hierarchy, on all threads of the current rayon pool; it is the same for any
     /// number of them.
     pub fn build(primitives: Primitives, isa: Isa) -> Self {
-        let bounds = primitives.all_bounds();
-        let references = references(&primitives);
         let triangle_count = primitives.triangles.len();
-        let left_out = left_out(&references, triangle_count);
-        let tree = BinaryTree::build(references, triangle_count as u32);
-        let wide = collapse::collapse(tree, &primitives.triangles, &left_out);
+        let (references, left_out, extent) = references(&primitives);
+        let bounds =
+            left_out.iter().fold(extent[0].bounds(), |all, &id| all.union(primitives.bounds(id)));
+        let left_out = &left_out[..left_out.partition_point(|&id| (id as usize) < triangle_count)];
+        let tree = BinaryTree::build(references, extent, triangle_count as u32, isa);
+        let wide = collapse::collapse(tree, &primitives.triangles, left_out);
         let Wide { nodes, corners, ids, places, depth } = wide;
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let is_tame = largest <= ray::TAME_COORDINATE;
@@ -180,25 +185,33 @@ unsafe fn stream_avx2<Q: Query>(
     unsafe { stream::trace::<x86::Avx2, Q>(bvh, rays, coherence, query, stream) }
 }
 
-/// Boxes of everything that can be hit.
-fn references(primitives: &Primitives) -> Vec<Reference> {
-    let is_solid = |id: u32| match primitives.triangles.get(id as usize) {
-        Some(corners) => !triangle::is_degenerate(corners),
-        None => true,
-    };
-    (0..primitives.len() as u32)
-        .into_par_iter()
-        .filter(|&id| is_solid(id))
-        .map(|id| (id, primitives.bounds(id)))
-        .filter(|(_, bounds)| !bounds.is_empty())
-        .map(|(id, bounds)| Reference::new(bounds, id))
-        .collect()
-}
+/// Primitives that one task makes references to.
+const TASK: usize = 1 << 13;
 
-/// Triangles that nothing refers to.
-fn left_out(references: &[Reference], triangle_count: usize) -> Vec<u32> {
-    let mut kept = references.iter().map(Reference::id).peekable();
-    (0..triangle_count as u32).filter(|&id| kept.next_if_eq(&id).is_none()).collect()
+/// Boxes of everything that can be hit, the ids of what can not, and the [`extent`].
+fn references(primitives: &Primitives) -> (Vec<Reference>, Vec<u32>, [Box8; 2]) {
+    let is_hollow = |id: u32, bounds: &Bounds| {
+        let triangle = primitives.triangles.get(id as usize);
+        triangle.is_some_and(triangle::is_degenerate) || bounds.is_empty()
+    };
+    let mut references: Vec<Reference> = (0..primitives.len() as u32)
+        .into_par_iter()
+        .map(|id| (id, primitives.bounds(id)))
+        .map(|(id, bounds)| match is_hollow(id, &bounds) {
+            true => Reference::NONE,
+            false => Reference::new(bounds, id),
+        })
+        .collect();
+    let hollow = |(id, r): (usize, &Reference)| r.is_none().then_some(id as u32);
+    let left_out: Vec<u32> = references.par_iter().enumerate().filter_map(hollow).collect();
+    if !left_out.is_empty() {
+        references.retain(|r| !r.is_none());
+    }
+    let extents: Vec<_> = references.par_chunks(TASK).map(extent).collect();
+    let extent = extents.iter().fold([Box8::EMPTY; 2], |[all, centers], part| {
+        [all.union(&part[0]), centers.union(&part[1])]
+    });
+    (references, left_out, extent)
 }
 
 /// The first hit of each ray.
