@@ -42,7 +42,9 @@ Exit codes:
    65  the scene, a mesh or a texture has errors
    66  an input file is missing or can't be read
    73  the picture can't be created (found before rendering starts)
-  130  interrupted (Ctrl-C)
+   74  the picture can't be written
+   75  stopped by Ctrl-C or a signal; the same command goes on from there
+  130  ended at once, by a second Ctrl-C
 
 Environment:
   NO_COLOR, CLICOLOR_FORCE, TERM=dumb   as usual; --color decides over them
@@ -123,6 +125,21 @@ pub(super) struct Args {
     /// Render again what is there already, in sequences too
     #[arg(long, help_heading = WHERE, conflicts_with = "check")]
     pub(super) overwrite: bool,
+
+    /// Seconds between checkpoints of a frame; 0 for none (60)
+    ///
+    /// A frame that was stopped, or killed, goes on from its last checkpoint. The
+    /// file lies beside the picture, and is gone when the picture is there.
+    #[arg(long, value_name = "S", help_heading = WHERE, default_value_t = 60)]
+    #[arg(hide_default_value = true, allow_negative_numbers = true, verbatim_doc_comment)]
+    pub(super) checkpoint: u32,
+
+    /// Keep what is needed to add samples to a picture later
+    ///
+    /// In a file beside the picture, its name and .state. A run that asks for
+    /// more samples, or less noise, goes on from there.
+    #[arg(long, help_heading = WHERE, verbatim_doc_comment)]
+    pub(super) keep_state: bool,
 
     /// Size of the picture in pixels, such as 320x180
     #[arg(long, value_name = "WxH", help_heading = DRAFT, value_parser = size)]
@@ -297,6 +314,7 @@ mod tests {
             "-f 1-5 --order random",
             "--progress loud",
             "--overwrite --skip-existing",
+            "--checkpoint -1",
             "--threads 0",
             "--samples 0",
             "--samples 65536",

@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod checkpoint;
 mod crash;
 mod default_scene;
 mod interrupt;
@@ -43,7 +44,11 @@ pub enum Exit {
     NoInput = 66,
     /// The output can't be created; found before rendering starts.
     CantCreate = 73,
-    /// Interrupted.
+    /// Writing failed.
+    CantWrite = 74,
+    /// Stopped on purpose; the same command goes on from there.
+    Stopped = 75,
+    /// Ended at once by a second signal.
     Interrupted = 130,
 }
 

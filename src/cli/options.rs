@@ -1,6 +1,7 @@
 //! Validated options: what the commands work with.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use super::Exit;
 use super::args::{Args, Size};
@@ -48,6 +49,10 @@ pub(super) struct Job {
     /// Whether settings and time go into the pictures' names.
     pub(super) info: bool,
     pub(super) existing: Existing,
+    /// Time between two checkpoints; `None`: only where a frame is stopped.
+    pub(super) checkpoint: Option<Duration>,
+    /// Whether finished frames can get more samples later.
+    pub(super) keep_state: bool,
     /// Whether to say what would be rendered instead of doing it.
     pub(super) dry_run: bool,
     pub(super) progress: ProgressForm,
@@ -127,6 +132,8 @@ fn job(args: Args) -> Result<Job, Problem> {
             (_, true) => Existing::Overwrite,
             _ => Existing::Auto,
         },
+        checkpoint: Some(Duration::from_secs(args.checkpoint.into())).filter(|d| !d.is_zero()),
+        keep_state: args.keep_state,
         dry_run: args.dry_run,
         progress: args.progress,
         overrides: Overrides {

@@ -1,19 +1,19 @@
 //! Rendering one frame to a file.
 
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::interrupt::Guard;
+use super::checkpoint::Checkpoint;
 use super::options::Job;
 use super::problem::Problem;
-use super::progress::Progress;
+use super::progress::{FrameProgress, Progress};
 use super::summary::{Size, Times};
 use super::terminal::Terminal;
-use super::{Exit, load};
-use crate::film::{Film, TooLarge};
-use crate::frame::FrameScene;
+use super::{Exit, interrupt, load};
+use crate::film::{Area, Film, Subject, TooLarge};
 use crate::output::{Info, Picture, Recipe, check_writable, file_name};
-use crate::render::{Statistics, Unfinished, render};
+use crate::render::{Observer, Plan, Statistics, render};
 use crate::scene::SceneDescription;
 
 /// What rendering any frame of a job looks at.
@@ -42,18 +42,44 @@ impl Studio<'_> {
         progress: &Progress,
     ) -> Result<Done, Problem> {
         find_out_if_writable(expected)?;
+        let watch =
+            Watch { progress: progress.frame(frame, expected), checkpoint: self.checkpoint(frame) };
+        let film = watch.checkpoint.film().map_err(too_large)?;
         let start = Instant::now();
         let built = load::frame(self.job, self.scene, frame)?;
         let building = start.elapsed();
         let start = Instant::now();
-        let (film, statistics) = self.sample(frame, &built, expected, progress)?;
+        let exposed = render(&built, &Plan::new(self.scene), film, &watch);
         let rendering = start.elapsed();
+        let checkpoint = watch.checkpoint;
+        if !exposed.is_complete {
+            return Err(stopped(frame, &checkpoint, exposed.film));
+        }
         let start = Instant::now();
         let path = self.target(frame, rendering);
-        self.save(frame, &film, &path)?;
+        self.save(frame, &exposed.film, &path, &checkpoint)?;
+        if self.job.keep_state {
+            checkpoint.keep_finished(exposed.film).map_err(|error| cant_write(&path, &error))?;
+        }
+        checkpoint.remove();
         let times =
             Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
-        Ok(Done { path, times, statistics, size: Size::of(&built) })
+        Ok(Done { path, times, statistics: exposed.statistics, size: Size::of(&built) })
+    }
+
+    fn checkpoint(&self, frame: i64) -> Checkpoint {
+        let film = &self.scene.camera.film;
+        let area = Area::whole(film.width, film.height);
+        let plan = Plan::new(self.scene);
+        let subject = Subject {
+            recipe: Recipe { scene: self.scene, frame }.to_json(),
+            area,
+            region: area,
+            samples: plan.samples(),
+            with_spreads: plan.needs_spreads(),
+        };
+        let path = self.job.outdir.join(file_name(film, frame, None));
+        Checkpoint::new(&path, subject, self.job.checkpoint, self.terminal)
     }
 
     /// Where a picture goes, had its rendering taken `time`.
@@ -62,21 +88,14 @@ impl Studio<'_> {
         self.job.outdir.join(file_name(&self.scene.camera.film, frame, info))
     }
 
-    fn sample(
+    /// Saves the picture; where that fails, what is known of it.
+    fn save(
         &self,
-        number: i64,
-        frame: &FrameScene,
+        frame: i64,
+        film: &Film,
         path: &Path,
-        progress: &Progress,
-    ) -> Result<(Film, Statistics), Problem> {
-        let _guard = Guard::new();
-        let film = &self.scene.camera.film;
-        let pixels = u64::from(film.width) * u64::from(film.height);
-        render(frame, &progress.frame(number, path, pixels)).map_err(unfinished)
-    }
-
-    fn save(&self, frame: i64, film: &Film, path: &Path) -> Result<(), Problem> {
-        let _guard = Guard::new();
+        checkpoint: &Checkpoint,
+    ) -> Result<(), Problem> {
         let image = film.image();
         let settings = &self.scene.camera.film;
         let (format, encoding) = (settings.output, settings.encoding);
@@ -87,9 +106,56 @@ impl Studio<'_> {
             self.terminal.warn(format_args!("{black} pixels are no numbers and were left black"));
         }
         picture.save(path).map_err(|error| {
-            Problem::new(Exit::Failed, format!("can't write `{}`: {error}", path.display()))
+            let problem = cant_write(path, &error);
+            match checkpoint.save(film.clone(), true) {
+                Ok(()) => problem.with_help("its samples are kept: run the same command again"),
+                Err(_) => problem,
+            }
         })
     }
+}
+
+/// Watches a frame for the progress and the checkpoint.
+struct Watch<'a> {
+    progress: FrameProgress<'a>,
+    checkpoint: Checkpoint,
+}
+
+impl Observer for Watch<'_> {
+    fn advanced(&self, share: f64) {
+        self.progress.advanced(share);
+    }
+
+    fn resumed(&self, share: f64) {
+        self.progress.resumed(share);
+    }
+
+    fn should_stop(&self) -> bool {
+        interrupt::requested()
+    }
+
+    fn wants_film(&self) -> bool {
+        self.checkpoint.is_due()
+    }
+
+    fn keep(&self, film: Film) {
+        self.checkpoint.keep(film);
+    }
+}
+
+fn stopped(frame: i64, checkpoint: &Checkpoint, film: Film) -> Problem {
+    match checkpoint.save(film, false) {
+        Ok(()) => Problem::new(Exit::Stopped, format!("interrupted in frame {frame}"))
+            .with_help("what is done of it is kept: the same command goes on from there"),
+        Err(error) => {
+            let message = format!("interrupted in frame {frame}, which can't be kept: {error}");
+            Problem::new(Exit::Stopped, message)
+        }
+    }
+}
+
+fn cant_write(path: &Path, error: &io::Error) -> Problem {
+    Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
 }
 
 fn find_out_if_writable(path: &Path) -> Result<(), Problem> {
@@ -99,14 +165,7 @@ fn find_out_if_writable(path: &Path) -> Result<(), Problem> {
     })
 }
 
-fn unfinished(why: Unfinished) -> Problem {
-    match why {
-        Unfinished::Stopped => {
-            Problem::new(Exit::Interrupted, "interrupted; no picture was written")
-        }
-        Unfinished::TooLarge(TooLarge { bytes }) => {
-            let message = format!("the picture needs {:.1} GB of memory", bytes as f64 / 1e9);
-            Problem::new(Exit::Failed, message).with_help("`--size` makes it smaller")
-        }
-    }
+fn too_large(TooLarge { bytes }: TooLarge) -> Problem {
+    let message = format!("the picture needs {:.1} GB of memory", bytes as f64 / 1e9);
+    Problem::new(Exit::Failed, message).with_help("`--size` makes it smaller")
 }

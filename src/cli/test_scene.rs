@@ -39,6 +39,8 @@ pub(super) fn job() -> Job {
         outdir: PathBuf::new(),
         info: false,
         existing: Existing::default(),
+        checkpoint: None,
+        keep_state: false,
         dry_run: false,
         progress: ProgressForm::default(),
         overrides: Overrides::default(),

@@ -3,21 +3,25 @@
 //! The bytes of a file depend on the picture and its recipe only: no clock, no host, no thread
 //! count, no order of a hash map.
 
+mod continuation;
 mod exr;
 mod file;
 mod finished;
 mod name;
 mod png;
 mod recipe;
+mod state_file;
 mod values;
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
+pub use continuation::continues;
 pub use file::{check_writable, write_atomically};
 pub use finished::{Found, find_picture};
 pub use name::{Info, check_prefix, file_name};
 pub use recipe::{KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe};
+pub use state_file::{read_state, write_state};
 
 use crate::film::Image;
 use crate::scene::{Encoding, OutputFormat};

@@ -6,17 +6,14 @@ mod pace;
 mod programs;
 
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard};
 use std::time::Duration;
 
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::interrupt;
 use super::problem::Problem;
 use super::terminal::{Terminal, Verbosity, say};
-use crate::render::Observer;
 use estimate::{Estimate, Moment};
 pub(super) use human::human;
 use human::whole;
@@ -42,7 +39,7 @@ pub(super) enum ProgressForm {
 /// Tells how far a run is; takes itself off the screen when dropped.
 pub(super) struct Progress {
     view: View,
-    estimate: Estimate,
+    estimate: Mutex<Estimate>,
     frames: usize,
     /// Frames that are done.
     done: usize,
@@ -80,7 +77,7 @@ impl Progress {
             View::Programs(_) => Pace::programs(),
             _ => Pace::people(),
         };
-        let (estimate, pace) = (Estimate::new(to_render), Mutex::new(pace));
+        let (estimate, pace) = (Mutex::new(Estimate::new(to_render)), Mutex::new(pace));
         let progress = Self { view, estimate, frames: to_render, done: 0, pace };
         progress.tell(Event::Sequence { frames, to_render });
         progress
@@ -90,13 +87,13 @@ impl Progress {
     pub(super) fn found(&mut self, frame: i64, path: &Path, counted: bool) {
         if counted {
             self.done += 1;
-            self.estimate.add_free(1.0);
+            lock(&self.estimate).add_free(1.0);
         }
         self.tell(Event::Found { frame, path });
     }
 
-    /// Watches the rendering of a frame, a picture of `pixels`.
-    pub(super) fn frame(&self, frame: i64, path: &Path, pixels: u64) -> FrameProgress<'_> {
+    /// Watches the rendering of a frame.
+    pub(super) fn frame(&self, frame: i64, path: &Path) -> FrameProgress<'_> {
         self.tell(Event::Started { frame, path, index: self.done + 1 });
         if let View::Bar(bar) = &self.view {
             bar.set_prefix(match self.frames {
@@ -104,13 +101,13 @@ impl Progress {
                 frames => format!("frame {frame}, {} of {frames}", self.done + 1),
             });
         }
-        FrameProgress { run: self, frame, pixels, sampled: AtomicU64::new(0) }
+        FrameProgress { run: self, frame, done: Mutex::new(0.0) }
     }
 
     /// A frame is in place after `time`.
     pub(super) fn finished(&mut self, frame: i64, path: &Path, time: Duration) {
         self.done += 1;
-        let run = self.estimate.at(self.done as f64);
+        let run = lock(&self.estimate).at(self.done as f64);
         self.tell(Event::Finished { frame, path, time, run });
         self.show(frame, 0.0);
         if matches!(self.view, View::Lines) && self.frames > 1 {
@@ -154,14 +151,14 @@ impl Progress {
         match &self.view {
             View::Nothing => {}
             View::Bar(bar) => {
-                let moment = self.estimate.at(done);
+                let moment = lock(&self.estimate).at(done);
                 bar.set_position((moment.fraction * STEPS as f64) as u64);
                 bar.set_message(left(&moment));
             }
             // A thread that finds another one talking has nothing to add.
             View::Lines | View::Programs(_) => {
                 if let Ok(mut pace) = self.pace.try_lock() {
-                    let moment = self.estimate.at(done);
+                    let moment = lock(&self.estimate).at(done);
                     if pace.is_due(moment.fraction, moment.elapsed) {
                         self.line(frame, fraction, moment);
                     }
@@ -195,19 +192,30 @@ fn left(moment: &Moment) -> String {
 pub(super) struct FrameProgress<'a> {
     run: &'a Progress,
     frame: i64,
-    pixels: u64,
-    sampled: AtomicU64,
+    /// Of 1.
+    done: Mutex<f64>,
 }
 
-impl Observer for FrameProgress<'_> {
-    fn advanced(&self, pixels: u64, _samples: u64) {
-        let sampled = self.sampled.fetch_add(pixels, Ordering::Relaxed) + pixels;
-        self.run.show(self.frame, sampled as f64 / self.pixels.max(1) as f64);
+impl FrameProgress<'_> {
+    /// So much more of the frame is done.
+    pub(super) fn advanced(&self, share: f64) {
+        let done = {
+            let mut done = lock(&self.done);
+            *done += share;
+            *done
+        };
+        self.run.show(self.frame, done.min(1.0));
     }
 
-    fn should_stop(&self) -> bool {
-        interrupt::requested()
+    /// So much of the frame was done by another run.
+    pub(super) fn resumed(&self, share: f64) {
+        lock(&self.run.estimate).add_free(share);
+        self.advanced(share);
     }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
 fn bar(color: bool) -> ProgressBar {

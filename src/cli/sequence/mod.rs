@@ -8,6 +8,7 @@ mod plan;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use super::interrupt::Guard;
 use super::options::Job;
 use super::problem::Problem;
 use super::progress::Progress;
@@ -23,6 +24,7 @@ use plan::{State, Step};
 /// Renders the job's frames, prints the paths of their pictures, and says how it went.
 pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
     let start = Instant::now();
+    let _guard = Guard::new();
     let threads = load::threads(job.threads)?;
     let scene = threads.install(|| load::scene(job, terminal))?;
     let loading = start.elapsed();
@@ -103,7 +105,8 @@ impl Run<'_> {
 
     fn render(&mut self, frame: i64, path: &Path) -> Result<(), Problem> {
         if interrupt::requested() {
-            return Err(Problem::new(Exit::Interrupted, "interrupted"));
+            return Err(Problem::new(Exit::Stopped, format!("interrupted before frame {frame}"))
+                .with_help("the same command goes on from there"));
         }
         match self.studio.render(frame, path, &self.progress) {
             Ok(done) => {
@@ -111,7 +114,7 @@ impl Run<'_> {
                 self.progress.finished(frame, &done.path, done.times.total());
                 self.print(&done.path)
             }
-            Err(problem) if problem.exit == Exit::Interrupted => Err(problem),
+            Err(problem) if problem.exit == Exit::Stopped => Err(problem),
             Err(problem) => {
                 self.fail(frame, problem, true);
                 Ok(())
