@@ -1,12 +1,14 @@
 //! The command line as typed.
 
+use std::fmt;
 use std::path::PathBuf;
 
 use clap::builder::Styles;
-use clap::{Parser, ValueEnum};
+use clap::{Parser, Subcommand, ValueEnum};
 
 use super::progress::ProgressForm;
 use super::sequence::{Frames, Order};
+use crate::render::Part;
 use crate::scene::Accelerator;
 
 const ABOUT: &str = "Renders frames of a scene file: motion blur, depth of field, soft shadows, \
@@ -29,6 +31,8 @@ Examples:
                                         a quick draft
   slo-rt -f 15 -s table.txt -id input/scenes -od output/table
                                         folders for what comes in and what goes out
+  slo-rt -s table.txt --part 3/10       the third of ten parts, for the third machine
+  slo-rt merge *.part                   and the pictures of all of them
   slo-rt --recipe default_00000.png     how a picture was made
 
 The pictures' paths go to standard output, all else to standard error.";
@@ -50,6 +54,7 @@ Environment:
   NO_COLOR, CLICOLOR_FORCE, TERM=dumb   as usual; --color decides over them
   SLO_RT_ISA=avx512|avx2|portable       instruction set; the picture is the same";
 
+const COMMANDS: &str = "Commands, beside rendering";
 const WHAT: &str = "What to render";
 const WHERE: &str = "Where it goes";
 const DRAFT: &str = "Instead of the scene's settings";
@@ -69,8 +74,14 @@ const INSTEAD: &str = "Instead of rendering";
     disable_help_flag = true,
     disable_version_flag = true,
     styles = Styles::styled(),
+    args_conflicts_with_subcommands = true,
+    disable_help_subcommand = true,
+    subcommand_help_heading = COMMANDS,
 )]
 pub(super) struct Args {
+    #[command(subcommand)]
+    pub(super) command: Option<Command>,
+
     /// Scene file [the scene inside the program]
     #[arg(short, long, value_name = "FILE", help_heading = WHAT)]
     pub(super) scene: Option<PathBuf>,
@@ -88,6 +99,28 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = Order::Forward, hide_default_value = true)]
     pub(super) order: Order,
+
+    /// A region of the picture, such as 320x180+0+90
+    ///
+    /// Columns and rows from the upper left corner. Its pixels are those of the
+    /// whole picture.
+    #[arg(long, value_name = "WxH+X+Y", help_heading = WHAT, value_parser = region)]
+    #[arg(verbatim_doc_comment)]
+    pub(super) region: Option<Region>,
+
+    /// A part of each picture, such as 3/10: the third of ten
+    ///
+    /// Instead of a picture there is a file of samples. `slo-rt merge` makes the
+    /// picture of all parts, byte for byte the one of a single run.
+    #[arg(long, value_name = "K/N", help_heading = WHAT, value_parser = part)]
+    #[arg(conflicts_with_all = ["info", "keep_state"], verbatim_doc_comment)]
+    pub(super) part: Option<Part>,
+
+    /// What is shared out in parts: pixels or samples
+    #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
+    #[arg(value_enum, default_value_t = PartBy::Pixels, hide_default_value = true)]
+    #[arg(requires = "part")]
+    pub(super) part_by: PartBy,
 
     /// Folder that holds the scene file (short: -id)
     ///
@@ -212,6 +245,83 @@ pub(super) struct Args {
     version: (),
 }
 
+/// What else the program does.
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Put parts of pictures together
+    Merge(MergeArgs),
+}
+
+/// `merge`
+#[derive(Debug, clap::Args)]
+pub(super) struct MergeArgs {
+    /// Files that `--part` made, of one frame or of several
+    #[arg(value_name = "FILES", required = true)]
+    pub(super) files: Vec<PathBuf>,
+
+    /// Folder for the pictures, made where missing (short: -od) [the current one]
+    #[arg(long, value_name = "DIR", alias = "outdit")]
+    pub(super) outdir: Option<PathBuf>,
+
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// `--region`, in pixels from the upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Region {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) x: u32,
+    pub(super) y: u32,
+}
+
+impl fmt::Display for Region {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}+{}+{}", self.width, self.height, self.x, self.y)
+    }
+}
+
+/// `--part-by`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum PartBy {
+    #[default]
+    Pixels,
+    Samples,
+}
+
+impl PartBy {
+    /// As in names of files.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Pixels => "pixels",
+            Self::Samples => "samples",
+        }
+    }
+}
+
+/// Parses `WxH+X+Y`.
+fn region(text: &str) -> Result<Region, String> {
+    let expected = || "expected width x height + column + row, such as 320x180+0+90".to_owned();
+    let (sides, place) = text.split_once('+').ok_or_else(expected)?;
+    let Size { width, height } = size(sides)?;
+    let (x, y) = place.split_once('+').ok_or_else(expected)?;
+    match (x.parse(), y.parse()) {
+        (Ok(x), Ok(y)) => Ok(Region { width, height, x, y }),
+        _ => Err(expected()),
+    }
+}
+
+/// Parses `K/N`.
+fn part(text: &str) -> Result<Part, String> {
+    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    match numbers {
+        Some((number, of)) if (1..=of).contains(&number) => Ok(Part { number, of }),
+        _ => Err("expected a number and how many parts there are, such as 3/10".into()),
+    }
+}
+
 /// `--size`, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Size {
@@ -304,6 +414,29 @@ mod tests {
     }
 
     #[test]
+    fn regions_and_parts() {
+        let expected = Region { width: 320, height: 180, x: 0, y: 90 };
+        assert_eq!(region("320x180+0+90"), Ok(expected));
+        assert_eq!(expected.to_string(), "320x180+0+90");
+        for bad in ["320x180", "320x180+1", "0x5+1+1", "1x1+-1+0", "1x1+1+1+1"] {
+            assert!(region(bad).is_err(), "{bad}");
+        }
+        assert_eq!(part("3/10"), Ok(Part { number: 3, of: 10 }));
+        for bad in ["", "3", "0/3", "4/3", "1/0", "-1/3", "1/2/3"] {
+            assert!(part(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn commands_stand_alone() {
+        let merge = parse("merge a.part b.part --outdir out").unwrap();
+        assert!(matches!(merge.command, Some(Command::Merge(args)) if args.files.len() == 2));
+        for bad in ["merge", "merge a -f 3", "-f 3 merge a", "help"] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
     fn wrong_values_are_refused() {
         for bad in [
             "-f x",
@@ -315,6 +448,8 @@ mod tests {
             "--progress loud",
             "--overwrite --skip-existing",
             "--checkpoint -1",
+            "--part-by samples",
+            "--part 1/2 --info",
             "--threads 0",
             "--samples 0",
             "--samples 65536",

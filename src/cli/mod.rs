@@ -7,6 +7,7 @@ mod crash;
 mod default_scene;
 mod interrupt;
 mod load;
+mod merge;
 mod options;
 mod parse;
 mod problem;
@@ -17,6 +18,7 @@ mod scene_file;
 mod sequence;
 mod short_forms;
 mod summary;
+mod target;
 mod terminal;
 #[cfg(test)]
 mod test_scene;
@@ -76,6 +78,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
 fn execute(Options { task, terminal }: Options) -> Exit {
     let done = task.and_then(|task| match task {
         Task::Render(job) => sequence::run(&job, terminal),
+        Task::Merge(args) => merge::run(&args, terminal),
         Task::Check(job) => check::run(&job, terminal),
         Task::Recipe(picture) => recipe::run(&picture),
     });

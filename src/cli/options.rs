@@ -4,13 +4,14 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::Exit;
-use super::args::{Args, Size};
+use super::args::{Args, Command, MergeArgs, PartBy, Region, Size};
 use super::problem::Problem;
 use super::progress::ProgressForm;
 use super::sequence::{Frames, Order};
 use super::terminal::{Terminal, Verbosity};
 use crate::accel::{Accelerator, Isa};
 use crate::output::check_prefix;
+use crate::render::Part;
 use crate::scene::SceneDescription;
 
 /// What the program is to do, and how.
@@ -28,6 +29,8 @@ pub(super) enum Task {
     Render(Job),
     /// Read a scene and report.
     Check(Job),
+    /// Put parts of pictures together.
+    Merge(MergeArgs),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -44,6 +47,10 @@ pub(super) struct Job {
     /// The frames asked for; `None`: 0.
     pub(super) frames: Option<Frames>,
     pub(super) order: Order,
+    /// What of the picture is to be rendered; `None`: all of it.
+    pub(super) region: Option<Region>,
+    /// The part of it that is this run's, and what is shared out; `None`: all.
+    pub(super) part: Option<(Part, PartBy)>,
     /// Folder of the pictures; empty: the current one.
     pub(super) outdir: PathBuf,
     /// Whether settings and time go into the pictures' names.
@@ -99,7 +106,12 @@ impl Job {
 
 impl From<Args> for Options {
     fn from(args: Args) -> Self {
-        let verbosity = match (args.quiet, args.verbose) {
+        let Args { quiet, verbose, .. } = args;
+        let quiet = match &args.command {
+            Some(Command::Merge(merge)) => merge.quiet,
+            None => quiet,
+        };
+        let verbosity = match (quiet, verbose) {
             (true, _) => Verbosity::Quiet,
             (_, true) => Verbosity::Verbose,
             _ => Verbosity::Normal,
@@ -108,7 +120,12 @@ impl From<Args> for Options {
     }
 }
 
-fn task(args: Args) -> Result<Task, Problem> {
+fn task(mut args: Args) -> Result<Task, Problem> {
+    if let Some(command) = args.command.take() {
+        return Ok(match command {
+            Command::Merge(merge) => Task::Merge(merge),
+        });
+    }
     match args.recipe.clone() {
         Some(picture) => Ok(Task::Recipe(picture)),
         None if args.check => job(args).map(Task::Check),
@@ -125,6 +142,8 @@ fn job(args: Args) -> Result<Job, Problem> {
         allow_outside: args.allow_outside,
         frames: args.frame,
         order: args.order,
+        region: args.region,
+        part: args.part.map(|part| (part, args.part_by)),
         outdir: args.outdir.unwrap_or_default(),
         info: args.info,
         existing: match (args.skip_existing, args.overwrite) {

@@ -46,10 +46,13 @@ fn color_choice(args: &[OsString]) -> ColorChoice {
 
 /// A word without an option is most likely a scene.
 fn with_tip(mut error: Error) -> Error {
-    let word = match (error.kind(), error.get(ContextKind::InvalidArg)) {
-        (ErrorKind::UnknownArgument, Some(ContextValue::String(word))) => word.clone(),
+    let context = match error.kind() {
+        ErrorKind::InvalidSubcommand => ContextKind::InvalidSubcommand,
+        ErrorKind::UnknownArgument => ContextKind::InvalidArg,
         _ => return error,
     };
+    let Some(ContextValue::String(word)) = error.get(context) else { return error };
+    let word = word.clone();
     if !word.starts_with('-') {
         let tip = format!("a scene file is named by an option: '--scene {word}'");
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));

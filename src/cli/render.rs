@@ -9,18 +9,19 @@ use super::options::Job;
 use super::problem::Problem;
 use super::progress::{FrameProgress, Progress};
 use super::summary::{Size, Times};
+use super::target::Target;
 use super::terminal::Terminal;
 use super::{Exit, interrupt, load};
-use crate::film::{Area, Film, Subject, TooLarge};
-use crate::output::{Info, Picture, Recipe, check_writable, file_name};
-use crate::render::{Observer, Plan, Statistics, render};
+use crate::film::{Film, TooLarge};
+use crate::output::check_writable;
+use crate::render::{Observer, Statistics, render};
 use crate::scene::SceneDescription;
 
 /// What rendering any frame of a job looks at.
-#[derive(Clone, Copy)]
 pub(super) struct Studio<'a> {
     pub(super) job: &'a Job,
     pub(super) scene: &'a SceneDescription,
+    pub(super) target: Target<'a>,
     pub(super) terminal: Terminal,
 }
 
@@ -49,14 +50,14 @@ impl Studio<'_> {
         let built = load::frame(self.job, self.scene, frame)?;
         let building = start.elapsed();
         let start = Instant::now();
-        let exposed = render(&built, &Plan::new(self.scene), film, &watch);
+        let exposed = render(&built, self.target.plan(), film, &watch);
         let rendering = start.elapsed();
         let checkpoint = watch.checkpoint;
         if !exposed.is_complete {
             return Err(stopped(frame, &checkpoint, exposed.film));
         }
         let start = Instant::now();
-        let path = self.target(frame, rendering);
+        let path = self.target.path(frame, rendering);
         self.save(frame, &exposed.film, &path, &checkpoint)?;
         if self.job.keep_state {
             checkpoint.keep_finished(exposed.film).map_err(|error| cant_write(&path, &error))?;
@@ -68,24 +69,8 @@ impl Studio<'_> {
     }
 
     fn checkpoint(&self, frame: i64) -> Checkpoint {
-        let film = &self.scene.camera.film;
-        let area = Area::whole(film.width, film.height);
-        let plan = Plan::new(self.scene);
-        let subject = Subject {
-            recipe: Recipe { scene: self.scene, frame }.to_json(),
-            area,
-            region: area,
-            samples: plan.samples(),
-            with_spreads: plan.needs_spreads(),
-        };
-        let path = self.job.outdir.join(file_name(film, frame, None));
+        let (path, subject) = (self.target.plain_path(frame), self.target.subject(frame));
         Checkpoint::new(&path, subject, self.job.checkpoint, self.terminal)
-    }
-
-    /// Where a picture goes, had its rendering taken `time`.
-    fn target(&self, frame: i64, time: Duration) -> PathBuf {
-        let info = self.job.info.then_some(Info { settings: &self.scene.settings, time });
-        self.job.outdir.join(file_name(&self.scene.camera.film, frame, info))
     }
 
     /// Saves the picture; where that fails, what is known of it.
@@ -96,22 +81,20 @@ impl Studio<'_> {
         path: &Path,
         checkpoint: &Checkpoint,
     ) -> Result<(), Problem> {
-        let image = film.image();
-        let settings = &self.scene.camera.film;
-        let (format, encoding) = (settings.output, settings.encoding);
-        let recipe = Recipe { scene: self.scene, frame }.to_json();
-        let picture = Picture { image: &image, format, encoding, recipe: &recipe };
-        let black = picture.not_finite();
-        if black > 0 {
-            self.terminal.warn(format_args!("{black} pixels are no numbers and were left black"));
-        }
-        picture.save(path).map_err(|error| {
-            let problem = cant_write(path, &error);
-            match checkpoint.save(film.clone(), true) {
-                Ok(()) => problem.with_help("its samples are kept: run the same command again"),
-                Err(_) => problem,
+        match self.target.write(frame, film, path) {
+            Ok(0) => {}
+            Ok(black) => self
+                .terminal
+                .warn(format_args!("{black} pixels are no numbers and were left black")),
+            Err(error) => {
+                let problem = cant_write(path, &error);
+                return Err(match checkpoint.save(film.clone(), true) {
+                    Ok(()) => problem.with_help("its samples are kept: run the same command again"),
+                    Err(_) => problem,
+                });
             }
-        })
+        }
+        Ok(())
     }
 }
 

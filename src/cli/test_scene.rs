@@ -36,6 +36,8 @@ pub(super) fn job() -> Job {
         allow_outside: false,
         frames: None,
         order: Order::default(),
+        region: None,
+        part: None,
         outdir: PathBuf::new(),
         info: false,
         existing: Existing::default(),

@@ -7,12 +7,14 @@
 mod area;
 mod display;
 mod fixed;
+mod merge;
 mod pixel;
 mod state;
 
 pub use area::{Area, BLOCK};
 pub use display::{Display, srgb};
 pub use fixed::Fixed;
+pub use merge::{MergeError, Merger};
 pub use pixel::{Pixel, Spread, base_end, split};
 pub use state::{State, Subject};
 

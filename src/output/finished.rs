@@ -4,7 +4,9 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use super::read_state;
 use super::recipe::{RecipeError, read_recipe};
+use crate::film::Subject;
 
 /// What lies under a picture's name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,6 +38,17 @@ pub fn find_picture(path: &Path, recipe: &str) -> Found {
         Found::Finished
     } else {
         Found::Stale(first_difference(&found, recipe))
+    }
+}
+
+/// Looks for a complete state of `subject` at `path`. Reads all of it.
+pub fn find_state(path: &Path, subject: &Subject) -> Found {
+    match read_state(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Found::Missing,
+        Err(_) => Found::Damaged,
+        Ok(state) if !state.is_complete => Found::Damaged,
+        Ok(state) if state.subject == *subject => Found::Finished,
+        Ok(state) => Found::Stale(first_difference(&state.subject.recipe, &subject.recipe)),
     }
 }
 

@@ -18,10 +18,13 @@ use std::path::Path;
 
 pub use continuation::continues;
 pub use file::{check_writable, write_atomically};
-pub use finished::{Found, find_picture};
+pub use finished::{Found, find_picture, find_state};
 pub use name::{Info, check_prefix, file_name};
-pub use recipe::{KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe};
-pub use state_file::{read_state, write_state};
+pub use recipe::{
+    KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe, settings_of,
+    with_region,
+};
+pub use state_file::{read_state, read_subject, write_state};
 
 use crate::film::Image;
 use crate::scene::{Encoding, OutputFormat};

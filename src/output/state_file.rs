@@ -101,10 +101,24 @@ fn put_color(out: &mut impl Write, color: [Fixed; 3]) -> io::Result<()> {
 /// # Errors
 /// What the system says, and `InvalidData` with what is wrong.
 pub fn read_state(path: &Path) -> io::Result<State> {
-    read(File::open(path)?).map_err(|error| match error.kind() {
+    read(File::open(path)?).map_err(cut_off)
+}
+
+/// What the state at `path` is of, and whether it is complete; its samples are not looked at.
+///
+/// # Errors
+/// As [`read_state`].
+pub fn read_subject(path: &Path) -> io::Result<(Subject, bool)> {
+    let header = Header::read(&mut BufReader::new(File::open(path)?)).map_err(cut_off)?;
+    header.check(u64::MAX)?;
+    Ok((header.subject, header.is_complete))
+}
+
+fn cut_off(error: io::Error) -> io::Error {
+    match error.kind() {
         io::ErrorKind::UnexpectedEof => bad("it was cut off"),
         _ => error,
-    })
+    }
 }
 
 fn read(file: File) -> io::Result<State> {

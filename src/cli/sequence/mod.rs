@@ -14,6 +14,7 @@ use super::problem::Problem;
 use super::progress::Progress;
 use super::render::Studio;
 use super::summary::Summary;
+use super::target::Target;
 use super::terminal::{Terminal, print};
 use super::{Exit, interrupt, load};
 use crate::scene::SceneDescription;
@@ -41,11 +42,12 @@ fn render(
     terminal: Terminal,
     loading: Duration,
 ) -> Result<(), Problem> {
-    let steps = plan::steps(job, scene);
+    let target = Target::new(job, scene)?;
+    let steps = plan::steps(job, scene, &target);
     if job.dry_run {
         return dry_run::tell(&steps, terminal);
     }
-    let studio = Studio { job, scene, terminal };
+    let studio = Studio { job, scene, target, terminal };
     let to_render = steps.iter().filter(|step| step.is_to_render()).count();
     let mut run = Run {
         studio,
@@ -77,7 +79,7 @@ struct Run<'a> {
 impl Run<'_> {
     /// Does what is to do for one frame. An error ends the run.
     fn step(&mut self, step: Step) -> Result<(), Problem> {
-        let (job, scene) = (self.studio.job, self.studio.scene);
+        let (job, target) = (self.studio.job, &self.studio.target);
         match step.state {
             State::Finished => self.keep(step.frame, &step.path, false),
             State::None(error) => {
@@ -86,7 +88,7 @@ impl Run<'_> {
                 Ok(())
             }
             // Another process may have been here since.
-            State::ToRender(_) => match plan::look(job, scene, step.frame, &step.path) {
+            State::ToRender(_) => match plan::look(job, target, step.frame, &step.path) {
                 State::Finished => self.keep(step.frame, &step.path, true),
                 _ => self.render(step.frame, &step.path),
             },

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::super::options::Job;
+use super::super::target::Target;
 use crate::animation::{Clock, NoSegment};
-use crate::output::{Found, Info, Recipe, file_name, find_picture};
+use crate::output::Found;
 use crate::scene::SceneDescription;
 
 /// One frame, and what the output folder holds of it.
@@ -30,13 +31,13 @@ pub(super) enum State {
 }
 
 /// The frames of a job in the order of their rendering.
-pub(super) fn steps(job: &Job, scene: &SceneDescription) -> Vec<Step> {
+pub(super) fn steps(job: &Job, scene: &SceneDescription, target: &Target) -> Vec<Step> {
     let (clock, names) = (Clock::new(&scene.camera), Names::of(job));
     let step = |frame: i64| {
-        let path = names.path(job, scene, frame);
+        let path = names.path(job, target, frame);
         let state = match clock.shutter(frame) {
             Err(error) => State::None(error),
-            Ok(_) => look(job, scene, frame, &path),
+            Ok(_) => look(job, target, frame, &path),
         };
         Step { frame, path, state }
     };
@@ -44,9 +45,8 @@ pub(super) fn steps(job: &Job, scene: &SceneDescription) -> Vec<Step> {
 }
 
 /// What is at `path` of a frame that the scene has.
-pub(super) fn look(job: &Job, scene: &SceneDescription, frame: i64, path: &Path) -> State {
-    let recipe = Recipe { scene, frame }.to_json();
-    match find_picture(path, &recipe) {
+pub(super) fn look(job: &Job, target: &Target, frame: i64, path: &Path) -> State {
+    match target.look(frame, path) {
         Found::Finished if job.skips_finished() => State::Finished,
         found => State::ToRender(found),
     }
@@ -64,15 +64,14 @@ impl Names {
     }
 
     /// Where the picture of a frame is, or would be had it taken no time.
-    fn path(&self, job: &Job, scene: &SceneDescription, frame: i64) -> PathBuf {
-        let film = &scene.camera.film;
-        let info = Info { settings: &scene.settings, time: Duration::ZERO };
-        let name = file_name(film, frame, job.info.then_some(info));
+    fn path(&self, job: &Job, target: &Target, frame: i64) -> PathBuf {
+        let path = target.path(frame, Duration::ZERO);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
         let there = name.split_once("_time=").and_then(|(before, _)| {
             let start = format!("{before}_time=");
             self.0.range(start.clone()..).next().filter(|there| there.starts_with(&start))
         });
-        job.outdir.join(there.unwrap_or(&name))
+        there.map_or_else(|| path.clone(), |name| job.outdir.join(name))
     }
 }
 

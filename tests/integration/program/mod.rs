@@ -4,6 +4,7 @@ mod bytes;
 mod documentation;
 mod exit_codes;
 mod frames;
+mod parts;
 mod pictures;
 #[cfg(unix)]
 mod sequence;

@@ -1,0 +1,140 @@
+//! What a run makes of a frame: its picture, the picture of a region, or a part of one.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::Exit;
+use super::args::{PartBy, Region};
+use super::options::Job;
+use super::problem::Problem;
+use crate::film::{Area, Film, State, Subject};
+use crate::output::{
+    Found, Info, Picture, Recipe, file_name, find_picture, find_state, with_region, write_state,
+};
+use crate::render::{Part, Plan};
+use crate::scene::SceneDescription;
+
+/// What is made of each frame of a job.
+#[derive(Clone, Debug)]
+pub(super) struct Target<'a> {
+    job: &'a Job,
+    scene: &'a SceneDescription,
+    plan: Plan,
+    /// The picture.
+    whole: Area,
+    /// What of the picture is asked for.
+    region: Area,
+}
+
+impl<'a> Target<'a> {
+    /// What the job asks for.
+    ///
+    /// # Errors
+    /// A region that is not inside the picture, or parts that its samples do not have.
+    pub(super) fn new(job: &'a Job, scene: &'a SceneDescription) -> Result<Self, Problem> {
+        let film = &scene.camera.film;
+        let whole = Area::whole(film.width, film.height);
+        let region = match job.region {
+            None => whole,
+            Some(region) => inside(region, whole)?,
+        };
+        let plan = Plan::new(scene);
+        let plan = match job.part {
+            None => plan,
+            Some((part, PartBy::Pixels)) => plan.of_part(part),
+            Some((part, PartBy::Samples)) => plan.of_samples(part).ok_or_else(no_samples)?,
+        };
+        Ok(Self { job, scene, plan, whole, region })
+    }
+
+    /// Which samples are taken.
+    pub(super) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The path of what is made of a frame; its name tells the time with `--info`.
+    pub(super) fn path(&self, frame: i64, time: Duration) -> PathBuf {
+        let info = self.job.info.then_some(Info { settings: &self.scene.settings, time });
+        self.job.outdir.join(self.name(frame, info))
+    }
+
+    /// The same path without what `--info` adds.
+    pub(super) fn plain_path(&self, frame: i64) -> PathBuf {
+        self.job.outdir.join(self.name(frame, None))
+    }
+
+    fn name(&self, frame: i64, info: Option<Info>) -> String {
+        let name = file_name(&self.scene.camera.film, frame, info);
+        let (stem, extension) = name.rsplit_once('.').unwrap_or((&name, ""));
+        let region = match self.job.region {
+            Some(region) => format!("_region={region}"),
+            None => String::new(),
+        };
+        match self.job.part {
+            None => format!("{stem}{region}.{extension}"),
+            Some((Part { number, of }, by)) => {
+                format!("{stem}{region}.{}-{number}-of-{of}.part", by.word())
+            }
+        }
+    }
+
+    /// What the film of a frame is exposed for.
+    pub(super) fn subject(&self, frame: i64) -> Subject {
+        Subject {
+            recipe: Recipe { scene: self.scene, frame }.to_json(),
+            area: self.region.in_blocks(&self.whole),
+            region: self.region,
+            samples: self.plan.samples(),
+            with_spreads: self.plan.needs_spreads(),
+        }
+    }
+
+    /// What is there already.
+    pub(super) fn look(&self, frame: i64, path: &Path) -> Found {
+        match self.job.part {
+            Some(_) => find_state(path, &self.subject(frame)),
+            None => find_picture(path, &self.recipe(frame)),
+        }
+    }
+
+    /// Of the picture, or of the region's.
+    fn recipe(&self, frame: i64) -> String {
+        let recipe = Recipe { scene: self.scene, frame }.to_json();
+        if self.job.region.is_some() { with_region(recipe, self.region) } else { recipe }
+    }
+
+    /// Writes what was asked for to `path`; how many pixels are no numbers.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn write(&self, frame: i64, film: &Film, path: &Path) -> io::Result<usize> {
+        if self.job.part.is_some() {
+            let state =
+                State { subject: self.subject(frame), film: film.clone(), is_complete: true };
+            return write_state(path, &state).map(|()| 0);
+        }
+        let image = film.image_of(self.region);
+        let settings = &self.scene.camera.film;
+        let (format, encoding) = (settings.output, settings.encoding);
+        let picture = Picture { image: &image, format, encoding, recipe: &self.recipe(frame) };
+        picture.save(path).map(|()| picture.not_finite())
+    }
+}
+
+fn inside(region: Region, whole: Area) -> Result<Area, Problem> {
+    let Region { width, height, x, y } = region;
+    let area = Area { x0: x, y0: y, x1: x.saturating_add(width), y1: y.saturating_add(height) };
+    if whole.holds(&area) {
+        return Ok(area);
+    }
+    let (width, height) = (whole.width(), whole.height());
+    let message = format!("the region {region} is not inside the picture of {width}x{height}");
+    Err(Problem::new(Exit::Usage, message))
+}
+
+fn no_samples() -> Problem {
+    let message = "samples can't be shared out where their number depends on what is seen";
+    Problem::new(Exit::Usage, message)
+        .with_help("`--part-by pixels` shares out the pixels; `--samples` may make them equal")
+}
