@@ -87,9 +87,8 @@ impl Bins {
         unsafe {
             let bounds = W::load(reference.bounds());
             let places = binning.places(bounds.center());
-            let bins = [places.x, places.y, places.z];
-            for axis in 0..3 {
-                let bin = bins[axis].to_bits() as usize % BINS;
+            for (axis, place) in [places.x, places.y, places.z].into_iter().enumerate() {
+                let bin = place.to_bits() as usize % BINS;
                 let all = &mut self.boxes[axis][bin];
                 bounds.union(W::load(all)).store(all);
                 self.counts[axis][bin] += 1;
