@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::binary::{BinaryTree, Branch};
 use super::layout::{Child, Corners, Node, Place, WIDTH};
 use super::plan::Family;
-use crate::accel::Triangle;
+use crate::accel::{Triangle, pages};
 
 /// Wide nodes that one task writes.
 const TASK: usize = 256;
@@ -37,7 +37,7 @@ struct Draft {
 pub(super) fn collapse(mut tree: BinaryTree, triangles: &[Triangle], left_out: &[u32]) -> Wide {
     let (drafts, slots, depth) = draft(&mut tree, triangles.len() as u32);
     let mut corners = Corners::new(triangles.len());
-    let mut ids = vec![0; triangles.len()];
+    let mut ids = pages::filled(0, triangles.len());
     let (leaf_rows, other_rows) = corners.rows_mut().split_at_mut(slots * Corners::PER_TRIANGLE);
     let (leaf_ids, other_ids) = ids.split_at_mut(slots);
     let places = (0..triangles.len()).into_par_iter().map(|_| AtomicU32::new(0)).collect();
@@ -85,7 +85,7 @@ struct Writer<'a> {
 
 impl Writer<'_> {
     fn write_all(&self, drafts: &[Draft], mut rows: &mut [f32], mut ids: &mut [u32]) -> Vec<Node> {
-        let mut nodes = vec![Node::EMPTY; drafts.len()];
+        let mut nodes = pages::filled(Node::EMPTY, drafts.len());
         let slots = ids.len() as u32;
         let tasks: Vec<_> = nodes
             .chunks_mut(TASK)

@@ -1,7 +1,7 @@
 //! What the hierarchy is made of in memory.
 
-use crate::accel::Triangle;
 use crate::accel::triangle::POSITION_ERROR;
+use crate::accel::{Triangle, pages};
 use crate::math::{Bounds, rounding::UNIT_ROUNDOFF};
 use glam::Vec3;
 
@@ -138,7 +138,9 @@ impl Corners {
 
     /// Room for so many triangles.
     pub(super) fn new(count: usize) -> Self {
-        Self { rows: vec![0.0; count * Self::PER_TRIANGLE + Self::PADDING] }
+        let rows = vec![0.0; count * Self::PER_TRIANGLE + Self::PADDING];
+        pages::ask_for_large(&rows);
+        Self { rows }
     }
 
     pub(super) fn rows_mut(&mut self) -> &mut [f32] {
