@@ -85,6 +85,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         )
         self._tell(write_scene(job), scene, frame)
         self._set_frame(float(frame))
+        remove_stale_meshes(job.scene_path)
         picture = os.path.join(folder, program.picture_name(job.prefix, frame, "exr"))
         self._run_passes(found, job, picture, depsgraph)
 
@@ -96,16 +97,15 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
 
     def _run_passes(self, found, job, picture, depsgraph):
         values = depsgraph.scene.slo_rt
-        plan = passes.planned(values.samples, self._shows_early(values), values.time)
+        plan = passes.planned(values.samples, self._shows_early(values))
         measured = []
-        for number, samples in enumerate(plan):
-            is_last = number == len(plan) - 1
-            if is_last and values.time > 0.0 and measured:
-                samples = passes.within(values.time, samples, measured)
+        while True:
+            if values.time > 0.0:
+                samples = passes.following(values.time, values.samples, measured)
+            else:
+                samples = plan[len(measured)] if len(measured) < len(plan) else None
             begin = time.monotonic()
-            # The scene says `samples` itself: without the option the program may go on where it stopped.
-            option = None if samples == values.samples else samples
-            if not self._run(found, job, option, samples):
+            if samples is None or not self._run(found, job, samples, values.samples):
                 return
             self._show(picture, depsgraph)
             measured.append((samples, time.monotonic() - begin))
@@ -113,16 +113,16 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
     def _shows_early(self, values):
         return values.show_early and not self.is_animation and not bpy.app.background
 
-    def _run(self, found, job, option, samples):
+    def _run(self, found, job, samples, all_samples):
         """One run of the program; False if it was stopped."""
+        # The scene says how many samples there are in all, and a run with all of them needs no option.
+        option = None if samples == all_samples else samples
         command = found.command(job.scene_path, job.first, os.path.dirname(job.scene_path), option)
 
-        def on_progress(fraction):
-            self.update_progress(fraction)
-            self.update_stats("slo-rt", f"{samples} samples, {100.0 * fraction:.0f} %")
-
-        on_progress(0.0)
-        outcome = process.run(command, on_progress, self.test_break)
+        self._show_progress(0.0, samples)
+        outcome = process.run(
+            command, lambda fraction: self._show_progress(fraction, samples), self._should_stop
+        )
         if outcome.stopped or outcome.code in process.STOPPED_CODES:
             self.update_stats("slo-rt", "Stopped")
             return False
@@ -130,15 +130,23 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             raise RenderFailed(f"slo-rt: {outcome.complaint()}\n(scene: {job.scene_path})")
         return True
 
+    def _show_progress(self, fraction, samples):
+        self.update_progress(fraction)
+        self.update_stats("slo-rt", f"{samples} samples, {100.0 * fraction:.0f} %")
+
+    def _should_stop(self):
+        return self.test_break()
+
     def _show(self, picture, depsgraph):
         """Hands the picture to Blender: all of it, or the part inside of the render border."""
         pixels = linear_pixels(picture)
         left, bottom = _border_corner(depsgraph.scene.render)
-        width, height = self.resolution_x, self.resolution_y
-        shown = pixels[bottom : bottom + height, left : left + width]
+        height, width, _ = pixels.shape
         result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
-        combined = result.layers[0].passes["Combined"]
-        combined.rect.foreach_set(np.ascontiguousarray(shown).ravel())
+        # Blender cuts the result down to the border.
+        right, top = left + result.resolution_x, bottom + result.resolution_y
+        shown = np.ascontiguousarray(pixels[bottom:top, left:right])
+        result.layers[0].passes["Combined"].rect.foreach_set(shown.ravel())
         self.end_result(result)
         os.remove(picture)
 
@@ -165,6 +173,16 @@ def _border_corner(render):
         return 0, 0
     width, height = picture_size(render)
     return int(render.border_min_x * width), int(render.border_min_y * height)
+
+
+def remove_stale_meshes(scene_path):
+    """Removes meshes of earlier frames that the scene does not use, which would fill the disk."""
+    with open(scene_path, encoding="utf-8") as file:
+        text = file.read()
+    folder = os.path.splitext(scene_path)[0]
+    for name in os.listdir(folder):
+        if name.endswith(".slo") and name not in text:
+            os.remove(os.path.join(folder, name))
 
 
 _session_folder = None

@@ -51,7 +51,7 @@ def run(command, on_progress, should_stop):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env={**os.environ, "NO_COLOR": "1"},
-        **_own_group(),
+        **_able_to_stop(),
     )
     lines = queue.SimpleQueue()
     readers = [
@@ -134,8 +134,11 @@ def _stop(process):
         process.kill()
 
 
-def _own_group():
-    """On Windows a program can be asked to stop only in a group of its own."""
+def _able_to_stop():
+    """Options for a program that can be asked to stop: on Windows only in a group of its own, elsewhere
+    only if it does not inherit that Ctrl-C is ignored, as jobs in the background do."""
     if os.name == "nt":
         return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        return {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
     return {}

@@ -19,10 +19,10 @@ def arrays(mesh, shape=None, uv_map=None):
     count = len(mesh.loop_triangles)
     if count == 0:
         return None
-    vertices = _read(mesh.vertices, "co", len(mesh.vertices), 3, np.float32)
-    corner_vertex = _read(mesh.loops, "vertex_index", len(mesh.loops), 1, np.int32)[:, 0]
+    vertices = _attribute(mesh, "position", "vector", 3, np.float32)
+    corner_vertex = _attribute(mesh, ".corner_vert", "value", 1, np.int32)[:, 0]
     corners = _read(mesh.loop_triangles, "loops", count, 3, np.int32)
-    material = _read(mesh.loop_triangles, "material_index", count, 1, np.int32)[:, 0]
+    material = _materials(mesh, count)
 
     mirrored = shape is not None and np.linalg.det(shape) < 0.0
     if mirrored:
@@ -61,6 +61,20 @@ def _compact(indices, count):
     used[indices.ravel()] = True
     new_index = np.cumsum(used, dtype=np.int32) - 1
     return new_index[indices], np.flatnonzero(used)
+
+
+def _attribute(mesh, name, field, width, kind):
+    """Values of an attribute; many times quicker than those of vertices and corners themselves."""
+    values = mesh.attributes[name].data
+    return _read(values, field, len(values), width, kind)
+
+
+def _materials(mesh, count):
+    """Material index of each triangle."""
+    if "material_index" not in mesh.attributes:
+        return np.zeros(count, np.int32)
+    of_face = _attribute(mesh, "material_index", "value", 1, np.int32)[:, 0]
+    return of_face[_read(mesh.loop_triangle_polygons, "value", count, 1, np.int32)[:, 0]]
 
 
 def _read(collection, attribute, count, width, kind):

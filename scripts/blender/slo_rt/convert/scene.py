@@ -97,7 +97,7 @@ class _Writer:
         return self.report
 
     def _comments(self):
-        lines = [f"Scene {self.scene.name!r}, written by Blender. Metres, z up; frame N is frame N of Blender."]
+        lines = [f"Scene {self.scene.name!r}, written by Blender. Metres, z up; frame N here is frame N there."]
         notes = self.report.lines()
         return lines + (["", "Not carried, or carried differently:"] + notes if notes else [])
 

@@ -56,38 +56,38 @@ class Segment:
     lens_radius: tuple
 
 
-def fit_segments(sample, first, stop, shutter, size):
+def fit_segments(sample, first, stop, shutter, size, is_last=True):
     """Camera segments for the frames from `first` to before `stop`.
 
     `sample(times)` gives `CameraSamples`; `shutter` has `offset` and `duration` in frames; `size` is the length of
     which positions may miss a fraction. What the camera does while no shutter is open does not matter.
-    Returns `(segments, misfit)`: times in frames of the scene, and `(frame, length, radians)` of the worst
+    `is_last`: nothing joins at `stop`. Returns `(segments, misfit)`: times in frames of the scene, and `(frame, length, radians)` of the worst
     frame that misses the tolerances, or None.
     """
     is_leaf = stop - first == 1
-    times = visible_times(first, stop, shutter)
+    times = visible_times(first, stop, shutter, is_last)
     segment, miss = _best(sample(times), size, DEGREES_WITHIN_A_FRAME if is_leaf else DEGREES)
     if miss[0] <= 1.0 or is_leaf:
         return [segment], (first, *miss[1:]) if miss[0] > 1.0 / MARGIN else None
     center = (first + stop) // 2
-    left, left_misfit = fit_segments(sample, first, center, shutter, size)
-    right, right_misfit = fit_segments(sample, center, stop, shutter, size)
+    left, left_misfit = fit_segments(sample, first, center, shutter, size, False)
+    right, right_misfit = fit_segments(sample, center, stop, shutter, size, is_last)
     misfits = [misfit for misfit in (left_misfit, right_misfit) if misfit]
     return left + right, max(misfits, key=lambda misfit: misfit[1], default=None)
 
 
-def visible_times(first, stop, shutter):
+def visible_times(first, stop, shutter, is_last):
     """Times (frames of the scene) that a segment for the frames `first` to before `stop` is looked at.
 
-    Those while a shutter is open; and the end, which is where the next segment begins, except for a segment
-    of one frame, which ends with its shutter.
+    Those while a shutter is open; and the end, where the next segment begins. A segment that nothing joins,
+    or of one frame, ends with its last shutter.
     """
     steps = np.linspace(0.0, shutter.duration, SAMPLES_OF_A_SHUTTER if shutter.duration > 0.0 else 1)
     times = [frame + shutter.offset + steps for frame in range(first, stop)]
-    if stop - first > 1:
+    if stop - first > 1 and not is_last:
         times.append([stop + shutter.offset])
     elif shutter.duration <= 0.0:
-        times.append([first + shutter.offset + SHORTEST_SEGMENT])
+        times.append([stop - 1 + shutter.offset + SHORTEST_SEGMENT])
     return np.unique(np.concatenate(times))
 
 

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-ROWS_AT_ONCE = 1 << 19
+ROWS_AT_ONCE = 1 << 14  # what stays in the cache
 
 
 def number(value):
@@ -40,7 +40,7 @@ def decimal_lines(values, digits):
     before_point = max(0, int(np.floor(np.log10(largest))) + 1) if largest > 0.0 else 0
     small = largest > 0.0 and largest < 1.0
     leading_zeros = max(0, -int(np.floor(np.log10(largest))) - 1) if small else 0
-    decimals = max(0, min(digits + leading_zeros, 17) - before_point)
+    decimals = max(0, min(digits + leading_zeros, 40) - before_point)
     if largest * 10.0**decimals >= 2.0**63 or not np.isfinite(largest):
         for rows in _pieces(values):
             yield _general_text(rows)

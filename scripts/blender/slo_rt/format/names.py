@@ -11,7 +11,7 @@ _RESERVED = {"con", "prn", "aux", "nul"} | {f"{n}{i}" for n in ("com", "lpt") fo
 def plain(name):
     """`name` as one word that can stand in a scene and as a file: `Cube 1/2` becomes `Cube_1_2`."""
     word = _UNFIT.sub("_", name).lstrip("#").rstrip(".")[:80]
-    return f"{word or 'unnamed'}_" if word.lower() in _RESERVED or not word else word
+    return f"{word}_" if word.lower() in _RESERVED else word or "unnamed"
 
 
 class Names:

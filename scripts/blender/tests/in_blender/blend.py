@@ -13,6 +13,9 @@ import slo_rt  # noqa: E402
 import slo_rt.compat  # noqa: E402
 
 FOLDER = tempfile.mkdtemp(prefix="slo-rt-test-")
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(slo_rt.__path__[0])))
+# `$SLO_RT` as the tests were started, or the program of this checkout.
+PROGRAM = os.environ.get("SLO_RT") or os.path.join(ROOT, "target", "release", "slo-rt")
 _registered = False
 
 
@@ -81,6 +84,6 @@ def export_text(**options):
 
 
 def program():
-    """The path of slo-rt: `$SLO_RT`, or that of this checkout."""
-    root = os.path.dirname(os.path.dirname(os.path.dirname(slo_rt.__path__[0])))
-    return os.environ.setdefault("SLO_RT", os.path.join(root, "target", "release", "slo-rt"))
+    """The path of slo-rt."""
+    os.environ["SLO_RT"] = PROGRAM
+    return PROGRAM
