@@ -59,7 +59,7 @@ scene.slo_rt.samples = 1
 scene.render.filepath = {picture!r}
 bpy.ops.render.render(write_still=True)
 bpy.ops.preferences.addon_disable(module="bl_ext.user_default.slo_rt")
-assert "SLO_RT" not in [e.bl_idname for e in bpy.types.RenderEngine.__subclasses__() if e.is_registered]
+assert not hasattr(bpy.types, "SloRtRenderEngine")
 os._exit(0)
 """
         environment = {**os.environ, "BLENDER_USER_RESOURCES": os.path.join(blend.FOLDER, "user")}
