@@ -10,7 +10,11 @@ use super::args::MergeArgs;
 use super::problem::Problem;
 use super::terminal::{Terminal, print};
 use crate::film::{Area, MergeError, Merger, Subject};
-use crate::output::{Picture, check_writable, read_state, read_subject, settings_of, with_region};
+use crate::output::{
+    Outcome, Picture, check_writable, read_state, read_subject, settings_of, with_outcome,
+    with_region,
+};
+use crate::render::display_of;
 
 /// Puts the parts of each frame together, and prints the paths of the pictures.
 pub(super) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
@@ -117,6 +121,8 @@ fn picture(parts: &[Part], outdir: &Path) -> Result<PathBuf, Problem> {
     let film = film(parts, region)?;
     let recipe = first.subject.recipe.clone();
     let recipe = if is_region { with_region(recipe, region) } else { recipe };
+    let outcome = Outcome::of(&film, region, display_of(format, encoding));
+    let recipe = with_outcome(&recipe, &outcome);
     let image = film.image();
     let picture = Picture { image: &image, format, encoding, recipe: &recipe };
     picture.save(&path).map_err(|error| {

@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod checkpoint;
+mod compare;
 mod crash;
 mod default_scene;
 mod interrupt;
@@ -16,12 +17,14 @@ mod recipe;
 mod render;
 mod scene_file;
 mod sequence;
+mod sheet;
 mod short_forms;
 mod summary;
 mod target;
 mod terminal;
 #[cfg(test)]
 mod test_scene;
+mod verify;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -79,6 +82,9 @@ fn execute(Options { task, terminal }: Options) -> Exit {
     let done = task.and_then(|task| match task {
         Task::Render(job) => sequence::run(&job, terminal),
         Task::Merge(args) => merge::run(&args, terminal),
+        Task::Verify(args, job) => verify::run(&args, &job, terminal),
+        Task::Compare(args) => compare::run(&args),
+        Task::Sheet(args) => sheet::run(&args),
         Task::Check(job) => check::run(&job, terminal),
         Task::Recipe(picture) => recipe::run(&picture),
     });

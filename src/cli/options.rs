@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::Exit;
-use super::args::{Args, Command, MergeArgs, PartBy, Region, Size};
+use super::args::{
+    Args, Command, CompareArgs, FramePath, MergeArgs, PartBy, Region, SheetArgs, Size, VerifyArgs,
+};
 use super::problem::Problem;
 use super::progress::ProgressForm;
 use super::sequence::{Frames, Order};
@@ -31,6 +33,12 @@ pub(super) enum Task {
     Check(Job),
     /// Put parts of pictures together.
     Merge(MergeArgs),
+    /// Render some of pictures again; the job says of which scene.
+    Verify(VerifyArgs, Box<Job>),
+    /// Measure how far a picture is from another.
+    Compare(CompareArgs),
+    /// Make a contact sheet.
+    Sheet(SheetArgs),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -60,6 +68,7 @@ pub(super) struct Job {
     pub(super) checkpoint: Option<Duration>,
     /// Whether finished frames can get more samples later.
     pub(super) keep_state: bool,
+    pub(super) maps: Maps,
     /// Whether to say what would be rendered instead of doing it.
     pub(super) dry_run: bool,
     pub(super) progress: ProgressForm,
@@ -67,6 +76,16 @@ pub(super) struct Job {
     pub(super) threads: Option<usize>,
     pub(super) isa: Isa,
 }
+
+/// Pictures of how a picture came about.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Maps {
+    pub(super) samples: Option<FramePath>,
+    pub(super) error: Option<FramePath>,
+}
+
+/// Samples of a block at most, where only its noise was asked for.
+const MOST_FOR_NOISE: u32 = 4096;
 
 /// What becomes of a picture that is there, whole and with the same recipe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,6 +103,7 @@ pub(super) struct Overrides {
     pub(super) prefix: Option<String>,
     pub(super) size: Option<Size>,
     pub(super) samples: Option<u32>,
+    pub(super) noise: Option<f32>,
     pub(super) seed: Option<u64>,
     pub(super) accelerator: Option<Accelerator>,
 }
@@ -109,7 +129,7 @@ impl From<Args> for Options {
         let Args { quiet, verbose, .. } = args;
         let quiet = match &args.command {
             Some(Command::Merge(merge)) => merge.quiet,
-            None => quiet,
+            _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
             (true, _) => Verbosity::Quiet,
@@ -124,6 +144,15 @@ fn task(mut args: Args) -> Result<Task, Problem> {
     if let Some(command) = args.command.take() {
         return Ok(match command {
             Command::Merge(merge) => Task::Merge(merge),
+            Command::Verify(verify) => {
+                args.scene = verify.scene.clone();
+                args.indir = verify.indir.clone();
+                args.allow_outside = verify.allow_outside;
+                args.threads = verify.threads;
+                Task::Verify(verify, Box::new(job(args)?))
+            }
+            Command::Compare(compare) => Task::Compare(compare),
+            Command::Sheet(sheet) => Task::Sheet(sheet),
         });
     }
     match args.recipe.clone() {
@@ -136,6 +165,7 @@ fn task(mut args: Args) -> Result<Task, Problem> {
 fn job(args: Args) -> Result<Job, Problem> {
     let usage = |why: String| Problem::new(Exit::Usage, why);
     check_prefix(args.prefix.as_deref().unwrap_or_default()).map_err(usage)?;
+    check_maps(&args).map_err(usage)?;
     Ok(Job {
         scene: args.scene,
         indir: args.indir,
@@ -153,18 +183,30 @@ fn job(args: Args) -> Result<Job, Problem> {
         },
         checkpoint: Some(Duration::from_secs(args.checkpoint.into())).filter(|d| !d.is_zero()),
         keep_state: args.keep_state,
+        maps: Maps { samples: args.sample_map, error: args.error_map },
         dry_run: args.dry_run,
         progress: args.progress,
         overrides: Overrides {
             prefix: args.prefix,
             size: args.size,
             samples: args.samples,
+            noise: args.noise,
             seed: args.seed,
             accelerator: args.accelerator.map(Accelerator::from),
         },
         threads: args.threads.map(|threads| threads as usize),
         isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
     })
+}
+
+/// Maps of several frames have several paths.
+fn check_maps(args: &Args) -> Result<(), String> {
+    let many = args.frame.as_ref().is_some_and(|frames| frames.numbers.len() > 1);
+    let alike = |path: &&FramePath| !path.tells_frames();
+    match args.sample_map.iter().chain(&args.error_map).find(alike) {
+        Some(_) if many => Err("a map of each frame needs `####` in its path".into()),
+        _ => Ok(()),
+    }
 }
 
 impl Overrides {
@@ -179,7 +221,8 @@ impl Overrides {
             (film.width, film.height) = (width, height);
         }
         let settings = &mut scene.settings;
-        if let Some(samples) = self.samples {
+        settings.noise = self.noise.or(settings.noise);
+        if let Some(samples) = self.samples.or(self.noise.map(|_| MOST_FOR_NOISE)) {
             let adaptive = settings.image_min_samples < settings.image_samples;
             let least = if adaptive { settings.image_min_samples } else { samples };
             settings.image_min_samples = least.min(samples);
@@ -233,11 +276,22 @@ mod tests {
             seed: Some(7),
             accelerator: Some(Accelerator::None),
             samples: None,
+            noise: None,
         };
         overrides.apply(&mut scene);
         let film = &scene.camera.film;
         assert_eq!((film.width, film.height, &*film.prefix), (3, 2, "p"));
         assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
+    }
+
+    #[test]
+    fn a_noise_level_has_samples_enough() {
+        let mut scene = empty_scene();
+        let overrides = Overrides { noise: Some(0.01), ..Overrides::default() };
+        overrides.apply(&mut scene);
+        assert_eq!((scene.settings.noise, scene.settings.image_samples), (Some(0.01), 4096));
+        Overrides { samples: Some(64), ..overrides }.apply(&mut scene);
+        assert_eq!(scene.settings.image_samples, 64);
     }
 
     fn task(typed: &str) -> Result<Task, Problem> {

@@ -13,7 +13,7 @@ use super::target::Target;
 use super::terminal::Terminal;
 use super::{Exit, interrupt, load};
 use crate::film::{Film, TooLarge};
-use crate::output::check_writable;
+use crate::output::{Outcome, check_writable};
 use crate::render::{Observer, Statistics, render};
 use crate::scene::SceneDescription;
 
@@ -32,6 +32,7 @@ pub(super) struct Done {
     pub(super) times: Times,
     pub(super) statistics: Statistics,
     pub(super) size: Size,
+    pub(super) outcome: Outcome,
 }
 
 impl Studio<'_> {
@@ -58,14 +59,18 @@ impl Studio<'_> {
         }
         let start = Instant::now();
         let path = self.target.path(frame, rendering);
-        self.save(frame, &exposed.film, &path, &checkpoint)?;
+        let outcome = self.save(frame, &exposed.film, &path, &checkpoint)?;
+        self.target
+            .write_maps(frame, &exposed.film)
+            .map_err(|(path, error)| cant_write(&path, &error))?;
         if self.job.keep_state {
             checkpoint.keep_finished(exposed.film).map_err(|error| cant_write(&path, &error))?;
         }
         checkpoint.remove();
         let times =
             Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
-        Ok(Done { path, times, statistics: exposed.statistics, size: Size::of(&built) })
+        let size = Size::of(&built);
+        Ok(Done { path, times, statistics: exposed.statistics, size, outcome })
     }
 
     fn checkpoint(&self, frame: i64) -> Checkpoint {
@@ -80,21 +85,19 @@ impl Studio<'_> {
         film: &Film,
         path: &Path,
         checkpoint: &Checkpoint,
-    ) -> Result<(), Problem> {
-        match self.target.write(frame, film, path) {
-            Ok(0) => {}
-            Ok(black) => self
-                .terminal
-                .warn(format_args!("{black} pixels are no numbers and were left black")),
-            Err(error) => {
-                let problem = cant_write(path, &error);
-                return Err(match checkpoint.save(film.clone(), true) {
-                    Ok(()) => problem.with_help("its samples are kept: run the same command again"),
-                    Err(_) => problem,
-                });
+    ) -> Result<Outcome, Problem> {
+        let written = self.target.write(frame, film, path).map_err(|error| {
+            let problem = cant_write(path, &error);
+            match checkpoint.save(film.clone(), true) {
+                Ok(()) => problem.with_help("its samples are kept: run the same command again"),
+                Err(_) => problem,
             }
+        })?;
+        if written.not_finite > 0 {
+            let black = written.not_finite;
+            self.terminal.warn(format_args!("{black} pixels are no numbers and were left black"));
         }
-        Ok(())
+        Ok(written.outcome)
     }
 }
 

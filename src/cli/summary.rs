@@ -55,6 +55,8 @@ pub(super) struct Summary {
     statistics: Statistics,
     /// Of the last frame.
     size: Size,
+    /// The largest of a frame.
+    error: Option<f64>,
     isa: Isa,
 }
 
@@ -62,7 +64,8 @@ impl Summary {
     /// Of a run that has loaded its scene.
     pub(super) fn new(loading: Duration, isa: Isa) -> Self {
         let times = Times { loading, ..Times::default() };
-        Self { frames: 0, times, statistics: Statistics::default(), size: Size::default(), isa }
+        let (statistics, size) = (Statistics::default(), Size::default());
+        Self { frames: 0, times, statistics, size, error: None, isa }
     }
 
     /// Adds a frame.
@@ -73,6 +76,7 @@ impl Summary {
         self.times.writing += done.times.writing;
         self.statistics += done.statistics;
         self.size = done.size;
+        self.error = self.error.into_iter().chain(done.outcome.error).reduce(f64::max);
     }
 
     /// Says it.
@@ -88,7 +92,9 @@ impl Summary {
             frames => format!("{frames} frames rendered"),
         };
         let rates = line(self.times.rendering, &self.statistics, peak_memory());
-        terminal.note(format_args!("{what} in {}; {rates}", human(self.times.total())));
+        let error = self.error.map_or_else(String::new, |error| format!("; error {error:.2e}"));
+        let time = human(self.times.total());
+        terminal.note(format_args!("{what} in {time}{error}; {rates}"));
         for detail in self.details(scene) {
             terminal.detail(detail);
         }

@@ -6,11 +6,12 @@ use std::time::Duration;
 
 use super::Exit;
 use super::args::{PartBy, Region};
-use super::options::Job;
+use super::options::{Job, Maps};
 use super::problem::Problem;
 use crate::film::{Area, Film, State, Subject};
 use crate::output::{
-    Found, Info, Picture, Recipe, file_name, find_picture, find_state, with_region, write_state,
+    Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state, with_outcome,
+    with_region, write_error_map, write_sample_map, write_state,
 };
 use crate::render::{Part, Plan};
 use crate::scene::SceneDescription;
@@ -104,22 +105,47 @@ impl<'a> Target<'a> {
         if self.job.region.is_some() { with_region(recipe, self.region) } else { recipe }
     }
 
-    /// Writes what was asked for to `path`; how many pixels are no numbers.
+    /// Writes what was asked for to `path`.
     ///
     /// # Errors
     /// What the system says.
-    pub(super) fn write(&self, frame: i64, film: &Film, path: &Path) -> io::Result<usize> {
+    pub(super) fn write(&self, frame: i64, film: &Film, path: &Path) -> io::Result<Written> {
+        let outcome = Outcome::of(film, self.region, self.plan.display());
         if self.job.part.is_some() {
             let state =
                 State { subject: self.subject(frame), film: film.clone(), is_complete: true };
-            return write_state(path, &state).map(|()| 0);
+            return write_state(path, &state).map(|()| Written { not_finite: 0, outcome });
         }
         let image = film.image_of(self.region);
         let settings = &self.scene.camera.film;
         let (format, encoding) = (settings.output, settings.encoding);
-        let picture = Picture { image: &image, format, encoding, recipe: &self.recipe(frame) };
-        picture.save(path).map(|()| picture.not_finite())
+        let recipe = with_outcome(&self.recipe(frame), &outcome);
+        let picture = Picture { image: &image, format, encoding, recipe: &recipe };
+        picture.save(path).map(|()| Written { not_finite: picture.not_finite(), outcome })
     }
+
+    /// Writes the maps of a frame that were asked for.
+    ///
+    /// # Errors
+    /// The path that can't be written, and what the system says.
+    pub(super) fn write_maps(&self, frame: i64, film: &Film) -> Result<(), (PathBuf, io::Error)> {
+        let Maps { samples, error } = &self.job.maps;
+        if let Some(path) = samples.as_ref().map(|path| path.of(frame)) {
+            write_sample_map(&path, film, self.region).map_err(|error| (path, error))?;
+        }
+        if let Some(path) = error.as_ref().map(|path| path.of(frame)) {
+            let display = self.plan.display();
+            write_error_map(&path, film, self.region, display).map_err(|error| (path, error))?;
+        }
+        Ok(())
+    }
+}
+
+/// A picture or a part that is in place.
+pub(super) struct Written {
+    /// Pixels that are no numbers.
+    pub(super) not_finite: usize,
+    pub(super) outcome: Outcome,
 }
 
 fn inside(region: Region, whole: Area) -> Result<Area, Problem> {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::options::{Existing, Job, Overrides};
+use super::options::{Existing, Job, Maps, Overrides};
 use super::progress::ProgressForm;
 use super::sequence::Order;
 use crate::accel::Isa;
@@ -43,6 +43,7 @@ pub(super) fn job() -> Job {
         existing: Existing::default(),
         checkpoint: None,
         keep_state: false,
+        maps: Maps::default(),
         dry_run: false,
         progress: ProgressForm::default(),
         overrides: Overrides::default(),

@@ -48,6 +48,11 @@ pub fn srgb(linear: f32) -> f32 {
     }
 }
 
+/// sRGB -> linear light; the inverse of [`srgb`].
+pub fn linear(srgb: f32) -> f32 {
+    if srgb <= 0.040_45 { srgb / 12.92 } else { libm::powf((srgb + 0.055) / 1.055, 2.4) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::Fixed;

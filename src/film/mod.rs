@@ -12,7 +12,7 @@ mod pixel;
 mod state;
 
 pub use area::{Area, BLOCK};
-pub use display::{Display, srgb};
+pub use display::{Display, linear, srgb};
 pub use fixed::Fixed;
 pub use merge::{MergeError, Merger};
 pub use pixel::{Pixel, Spread, base_end, split};

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::read_state;
 use super::recipe::{RecipeError, read_recipe};
+use super::{read_state, without_outcome};
 use crate::film::Subject;
 
 /// What lies under a picture's name.
@@ -25,7 +25,7 @@ pub enum Found {
 /// not depend on the picture's size.
 pub fn find_picture(path: &Path, recipe: &str) -> Found {
     let found = match read_recipe(path) {
-        Ok(found) => found,
+        Ok(found) => without_outcome(&found),
         Err(RecipeError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {
             return Found::Missing;
         }

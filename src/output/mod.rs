@@ -7,9 +7,13 @@ mod continuation;
 mod exr;
 mod file;
 mod finished;
+mod map;
 mod name;
+mod outcome;
 mod png;
+mod read;
 mod recipe;
+mod restore;
 mod state_file;
 mod values;
 
@@ -19,11 +23,15 @@ use std::path::Path;
 pub use continuation::continues;
 pub use file::{check_writable, write_atomically};
 pub use finished::{Found, find_picture, find_state};
+pub use map::{write_difference_map, write_error_map, write_sample_map};
 pub use name::{Info, check_prefix, file_name};
+pub use outcome::{Outcome, with_outcome, without_outcome};
+pub use read::{Raster, Values};
 pub use recipe::{
     KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe, settings_of,
     with_region,
 };
+pub use restore::restore;
 pub use state_file::{read_state, read_subject, write_state};
 
 use crate::film::Image;

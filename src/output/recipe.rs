@@ -166,7 +166,7 @@ pub(super) fn generator_keyword(generator: Generator) -> &'static str {
     }
 }
 
-fn light_sampling_keyword(sampling: LightSampling) -> &'static str {
+pub(super) fn light_sampling_keyword(sampling: LightSampling) -> &'static str {
     match sampling {
         LightSampling::One => "SAMPLE_ONE_AT_TIME",
         LightSampling::All => "SAMPLE_ALL_AT_TIME",
@@ -181,7 +181,7 @@ pub(super) fn contrast_keyword(contrast: Contrast) -> &'static str {
     }
 }
 
-fn shadow_keyword(shadow: ShadowMode) -> &'static str {
+pub(super) fn shadow_keyword(shadow: ShadowMode) -> &'static str {
     match shadow {
         ShadowMode::Opaque => "OPAQUE",
         ShadowMode::Transparent => "TRANSPARENT",

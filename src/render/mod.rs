@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::film::{Area, Film};
 use crate::frame::FrameScene;
 pub use crate::integrator::Statistics;
-pub use plan::{Part, Plan};
+pub use plan::{Part, Plan, display_of};
 use sections::{Sections, TILE};
 use tile::TileRenderer;
 

@@ -57,11 +57,7 @@ impl Plan {
             Rule::Noise(_) if least == most => LEAST_FOR_NOISE.min(most),
             _ => least,
         };
-        let display = match (scene.camera.film.output, scene.camera.film.encoding) {
-            (OutputFormat::Exr, _) => Display::Unclamped,
-            (_, Encoding::Srgb) => Display::Srgb,
-            (_, Encoding::Raw) => Display::Raw,
-        };
+        let display = display_of(scene.camera.film.output, scene.camera.film.encoding);
         Self { least, most, rule, display, part: None, samples: None }
     }
 
@@ -183,6 +179,15 @@ impl Plan {
             block[quarter.clone()].iter().map(squared).sum::<f64>() / quarter.len() as f64
         };
         quarters.iter().map(mean).fold(0.0, f64::max).sqrt()
+    }
+}
+
+/// How the values of a file are seen.
+pub fn display_of(output: OutputFormat, encoding: Encoding) -> Display {
+    match (output, encoding) {
+        (OutputFormat::Exr, _) => Display::Unclamped,
+        (_, Encoding::Srgb) => Display::Srgb,
+        (_, Encoding::Raw) => Display::Raw,
     }
 }
 

@@ -14,6 +14,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::problem::Problem;
 use super::terminal::{Terminal, Verbosity, say};
+use crate::output::Outcome;
 use estimate::{Estimate, Moment};
 pub(super) use human::human;
 use human::whole;
@@ -105,10 +106,10 @@ impl Progress {
     }
 
     /// A frame is in place after `time`.
-    pub(super) fn finished(&mut self, frame: i64, path: &Path, time: Duration) {
+    pub(super) fn finished(&mut self, frame: i64, path: &Path, time: Duration, outcome: Outcome) {
         self.done += 1;
         let run = lock(&self.estimate).at(self.done as f64);
-        self.tell(Event::Finished { frame, path, time, run });
+        self.tell(Event::Finished { frame, path, time, outcome, run });
         self.show(frame, 0.0);
         if matches!(self.view, View::Lines) && self.frames > 1 {
             let (done, frames) = (self.done, self.frames);

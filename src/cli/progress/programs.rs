@@ -6,6 +6,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::estimate::Moment;
+use crate::output::Outcome;
 
 /// What happened.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +20,7 @@ pub(super) enum Event<'a> {
     /// A frame goes on.
     Progress { frame: i64, fraction: f64, run: Moment },
     /// A frame is in place.
-    Finished { frame: i64, path: &'a Path, time: Duration, run: Moment },
+    Finished { frame: i64, path: &'a Path, time: Duration, outcome: Outcome, run: Moment },
     /// A frame can't be had.
     Failed { frame: i64, exit: u8, message: &'a str },
     /// The run is over.
@@ -50,8 +51,9 @@ fn object(event: Event) -> Value {
             "sequence": share(run.fraction), "elapsed": seconds(run.elapsed),
             "left": run.left.map(seconds),
         }),
-        Event::Finished { frame, path: at, time, run } => json!({
+        Event::Finished { frame, path: at, time, outcome, run } => json!({
             "event": "finished", "frame": frame, "path": path(at), "seconds": seconds(time),
+            "samplesPerPixel": outcome.samples, "error": outcome.error,
             "sequence": share(run.fraction), "elapsed": seconds(run.elapsed),
             "left": run.left.map(seconds),
         }),
@@ -99,7 +101,13 @@ mod tests {
             Event::Found { frame: -1, path },
             Event::Started { frame: 7, path, index: 3 },
             Event::Progress { frame: 7, fraction: 1.0 / 3.0, run: MOMENT },
-            Event::Finished { frame: 7, path, time: Duration::from_micros(1_234_567), run: MOMENT },
+            Event::Finished {
+                frame: 7,
+                path,
+                time: Duration::from_micros(1_234_567),
+                outcome: Outcome { samples: 12.5, error: Some(0.25) },
+                run: MOMENT,
+            },
             Event::Failed { frame: 8, exit: 65, message: "two\nlines" },
             Event::Ended { rendered: 1, found: 2, failed: 1, time: Duration::from_secs(20) },
         ]
@@ -113,7 +121,7 @@ mod tests {
         {"event":"found","frame":-1,"path":"out/a \"b\"_00007.png"}
         {"event":"started","frame":7,"index":3,"path":"out/a \"b\"_00007.png"}
         {"elapsed":12.345,"event":"progress","fraction":0.333333,"frame":7,"left":7.0,"sequence":0.625}
-        {"elapsed":12.345,"event":"finished","frame":7,"left":7.0,"path":"out/a \"b\"_00007.png","seconds":1.235,"sequence":0.625}
+        {"elapsed":12.345,"error":0.25,"event":"finished","frame":7,"left":7.0,"path":"out/a \"b\"_00007.png","samplesPerPixel":12.5,"seconds":1.235,"sequence":0.625}
         {"event":"failed","exit":65,"frame":8,"message":"two\nlines"}
         {"event":"ended","failed":1,"found":2,"rendered":1,"seconds":20.0}
         "#);

@@ -113,7 +113,8 @@ impl Run<'_> {
         match self.studio.render(frame, path, &self.progress) {
             Ok(done) => {
                 self.summary.add(&done);
-                self.progress.finished(frame, &done.path, done.times.total());
+                let time = done.times.total();
+                self.progress.finished(frame, &done.path, time, done.outcome);
                 self.print(&done.path)
             }
             Err(problem) if problem.exit == Exit::Stopped => Err(problem),

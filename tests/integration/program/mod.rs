@@ -10,6 +10,7 @@ mod pictures;
 mod sequence;
 #[cfg(unix)]
 mod signals;
+mod tools;
 
 use std::fs;
 use std::path::Path;

@@ -1,10 +1,16 @@
 //! The command line as typed.
 
+mod commands;
+mod frame_path;
+
 use std::fmt;
 use std::path::PathBuf;
 
 use clap::builder::Styles;
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, ValueEnum};
+
+pub(super) use commands::{Command, CompareArgs, MergeArgs, SheetArgs, VerifyArgs};
+pub(super) use frame_path::FramePath;
 
 use super::progress::ProgressForm;
 use super::sequence::{Frames, Order};
@@ -33,6 +39,7 @@ Examples:
                                         folders for what comes in and what goes out
   slo-rt -s table.txt --part 3/10       the third of ten parts, for the third machine
   slo-rt merge *.part                   and the pictures of all of them
+  slo-rt sheet out/*.png                small copies of all, to look at
   slo-rt --recipe default_00000.png     how a picture was made
 
 The pictures' paths go to standard output, all else to standard error.";
@@ -174,6 +181,14 @@ pub(super) struct Args {
     #[arg(long, help_heading = WHERE, verbatim_doc_comment)]
     pub(super) keep_state: bool,
 
+    /// Write how many samples each pixel took; #### is the frame
+    #[arg(long, value_name = "FILE", help_heading = WHERE)]
+    pub(super) sample_map: Option<FramePath>,
+
+    /// Write the estimated error of each pixel; #### is the frame
+    #[arg(long, value_name = "FILE", help_heading = WHERE)]
+    pub(super) error_map: Option<FramePath>,
+
     /// Size of the picture in pixels, such as 320x180
     #[arg(long, value_name = "WxH", help_heading = DRAFT, value_parser = size)]
     pub(super) size: Option<Size>,
@@ -187,6 +202,15 @@ pub(super) struct Args {
     #[arg(allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=65535))]
     pub(super) samples: Option<u32>,
+
+    /// Error at which a picture is clean enough, such as 0.01
+    ///
+    /// As the viewer sees it: 1 is the range from black to white, 0.004 a step of
+    /// 8 bits. Each block of 8 x 8 pixels takes samples until its estimated error
+    /// is below, --samples at most (4096 without it).
+    #[arg(long, value_name = "E", help_heading = DRAFT, value_parser = noise)]
+    #[arg(allow_negative_numbers = true, verbatim_doc_comment)]
+    pub(super) noise: Option<f32>,
 
     /// Seed of the noise
     #[arg(long, value_name = "N", help_heading = DRAFT, allow_negative_numbers = true)]
@@ -245,29 +269,6 @@ pub(super) struct Args {
     version: (),
 }
 
-/// What else the program does.
-#[derive(Debug, Subcommand)]
-pub(super) enum Command {
-    /// Put parts of pictures together
-    Merge(MergeArgs),
-}
-
-/// `merge`
-#[derive(Debug, clap::Args)]
-pub(super) struct MergeArgs {
-    /// Files that `--part` made, of one frame or of several
-    #[arg(value_name = "FILES", required = true)]
-    pub(super) files: Vec<PathBuf>,
-
-    /// Folder for the pictures, made where missing (short: -od) [the current one]
-    #[arg(long, value_name = "DIR", alias = "outdit")]
-    pub(super) outdir: Option<PathBuf>,
-
-    /// Say nothing but warnings and errors
-    #[arg(short, long)]
-    pub(super) quiet: bool,
-}
-
 /// `--region`, in pixels from the upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Region {
@@ -311,6 +312,12 @@ fn region(text: &str) -> Result<Region, String> {
         (Ok(x), Ok(y)) => Ok(Region { width, height, x, y }),
         _ => Err(expected()),
     }
+}
+
+/// Parses an error.
+fn noise(text: &str) -> Result<f32, String> {
+    let error = text.parse().ok().filter(|error| *error > 0.0 && *error <= 1.0);
+    error.ok_or_else(|| "an error is more than 0 and at most 1, such as 0.01".into())
 }
 
 /// Parses `K/N`.
@@ -431,7 +438,11 @@ mod tests {
     fn commands_stand_alone() {
         let merge = parse("merge a.part b.part --outdir out").unwrap();
         assert!(matches!(merge.command, Some(Command::Merge(args)) if args.files.len() == 2));
-        for bad in ["merge", "merge a -f 3", "-f 3 merge a", "help"] {
+        assert!(parse("compare a.png b.png --max-flip 0.1 --map c.png").is_ok());
+        assert!(parse("verify a.png -s scene.txt --tiles 3").is_ok());
+        assert!(parse("sheet a.png b.png --columns 2").is_ok());
+        for bad in ["merge", "merge a -f 3", "-f 3 merge a", "help", "compare a", "sheet", "verify"]
+        {
             assert!(parse(bad).is_err(), "{bad}");
         }
     }
@@ -448,6 +459,10 @@ mod tests {
             "--progress loud",
             "--overwrite --skip-existing",
             "--checkpoint -1",
+            "--noise 0",
+            "--noise -1",
+            "--noise nan",
+            "--noise 2",
             "--part-by samples",
             "--part 1/2 --info",
             "--threads 0",
