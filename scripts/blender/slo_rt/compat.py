@@ -51,10 +51,3 @@ def light_strength(light):
     if getattr(light, "use_temperature", False):
         color = tuple(a * b for a, b in zip(color, light.temperature_color))
     return power, color
-
-
-def compositor_tree(scene):
-    """The compositor's node tree of a scene, or None."""
-    if bpy.app.version >= (5, 0, 0):
-        return scene.compositing_node_group
-    return scene.node_tree if scene.use_nodes else None

@@ -86,8 +86,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         self._tell(write_scene(job), scene, frame)
         self._set_frame(float(frame))
         remove_stale_meshes(job.scene_path)
-        picture = os.path.join(folder, program.picture_name(job.prefix, frame, "exr"))
-        self._run_passes(found, job, picture, depsgraph)
+        self._run_passes(Run(found, job, scene.render), depsgraph)
 
     def _tell(self, report, scene, frame):
         last_notes[:] = report.lines()
@@ -95,39 +94,42 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             for line in last_notes:
                 self.report({"INFO"}, f"slo-rt: {line}")
 
-    def _run_passes(self, found, job, picture, depsgraph):
+    def _run_passes(self, run, depsgraph):
         values = depsgraph.scene.slo_rt
-        plan = passes.planned(values.samples, self._shows_early(values))
+        # What was stopped goes on at once.
+        early = self._shows_early(values) and not run.was_stopped()
+        plan = passes.planned(values.samples, early, run.goes_on)
+        run.goes_on &= len(plan) > 1 or values.time > 0.0
         measured = []
         while True:
             if values.time > 0.0:
-                samples = passes.following(values.time, values.samples, measured)
+                samples = passes.following(values.time, values.samples, measured, run.goes_on)
             else:
                 samples = plan[len(measured)] if len(measured) < len(plan) else None
             begin = time.monotonic()
-            if samples is None or not self._run(found, job, samples, values.samples):
-                return
-            self._show(picture, depsgraph)
+            if samples is None or not self._run(run, samples, values.samples):
+                break
+            self._show(run, depsgraph)
             measured.append((samples, time.monotonic() - begin))
+        run.forget_passes()
 
     def _shows_early(self, values):
         return values.show_early and not self.is_animation and not bpy.app.background
 
-    def _run(self, found, job, samples, all_samples):
+    def _run(self, run, samples, all_samples):
         """One run of the program; False if it was stopped."""
-        # The scene says how many samples there are in all, and a run with all of them needs no option.
-        option = None if samples == all_samples else samples
-        command = found.command(job.scene_path, job.first, os.path.dirname(job.scene_path), option)
-
         self._show_progress(0.0, samples)
         outcome = process.run(
-            command, lambda fraction: self._show_progress(fraction, samples), self._should_stop
+            # The scene says how many samples there are in all, and a run with all of them needs no option.
+            run.command(None if samples == all_samples else samples),
+            lambda fraction: self._show_progress(fraction, samples),
+            self._should_stop,
         )
         if outcome.stopped or outcome.code in process.STOPPED_CODES:
             self.update_stats("slo-rt", "Stopped")
             return False
         if not outcome.succeeded:
-            raise RenderFailed(f"slo-rt: {outcome.complaint()}\n(scene: {job.scene_path})")
+            raise RenderFailed(f"slo-rt: {outcome.complaint()}\n(scene: {run.job.scene_path})")
         return True
 
     def _show_progress(self, fraction, samples):
@@ -137,18 +139,61 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
     def _should_stop(self):
         return self.test_break()
 
-    def _show(self, picture, depsgraph):
-        """Hands the picture to Blender: all of it, or the part inside of the render border."""
-        pixels = linear_pixels(picture)
-        left, bottom = _border_corner(depsgraph.scene.render)
-        height, width, _ = pixels.shape
+    def _show(self, run, depsgraph):
+        """Hands the picture to Blender."""
+        pixels = linear_pixels(run.picture)
+        width, height = picture_size(depsgraph.scene.render)
         result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
         # Blender cuts the result down to the border.
-        right, top = left + result.resolution_x, bottom + result.resolution_y
-        shown = np.ascontiguousarray(pixels[bottom:top, left:right])
+        right, top = run.left + result.resolution_x, run.bottom + result.resolution_y
+        shown = np.ascontiguousarray(pixels[run.bottom : top, run.left : right])
         result.layers[0].passes["Combined"].rect.foreach_set(shown.ravel())
         self.end_result(result)
-        os.remove(picture)
+        os.remove(run.picture)
+
+
+class Run:
+    """How the program is called for a frame, and where its picture lies.
+
+    With a render border only that region is rendered, by a program that can; `left` and `bottom` say where what
+    Blender wants lies in the picture, in pixels.
+    """
+
+    def __init__(self, found, job, render):
+        self.found = found
+        self.job = job
+        self.goes_on = found.can("--keep-state")
+        self.left = self.bottom = 0
+        self.region = None
+        if render.use_border:
+            self._use_border(render)
+        self.folder = os.path.dirname(job.scene_path)
+        name = program.picture_name(job.prefix, job.first, "exr", self.region)
+        self.picture = os.path.join(self.folder, name)
+
+    def _use_border(self, render):
+        width, height = picture_size(render)
+        left, right = (int(x * width) for x in (render.border_min_x, render.border_max_x))
+        bottom, top = (int(y * height) for y in (render.border_min_y, render.border_max_y))
+        if self.found.can("--region"):
+            self.region = f"{right - left}x{top - bottom}+{left}+{height - top}"
+        else:
+            self.left, self.bottom = left, bottom
+
+    def command(self, samples):
+        """The command line; `samples` None: as many as the scene says."""
+        return self.found.command(
+            self.job.scene_path, self.job.first, self.folder, samples, self.region, self.goes_on
+        )
+
+    def was_stopped(self):
+        """Whether a rendering of this picture was stopped, which can go on."""
+        return os.path.exists(os.path.join(self.folder, f".slo-rt-{os.path.basename(self.picture)}.state"))
+
+    def forget_passes(self):
+        """Removes what was kept from pass to pass."""
+        if os.path.exists(f"{self.picture}.state"):
+            os.remove(f"{self.picture}.state")
 
 
 def linear_pixels(path):
@@ -165,14 +210,6 @@ def linear_pixels(path):
     finally:
         bpy.data.images.remove(image)
     return pixels.reshape(height, width, 4)
-
-
-def _border_corner(render):
-    """Left and bottom of the render border in pixels of the whole picture; 0 without."""
-    if not render.use_border:
-        return 0, 0
-    width, height = picture_size(render)
-    return int(render.border_min_x * width), int(render.border_min_y * height)
 
 
 def remove_stale_meshes(scene_path):

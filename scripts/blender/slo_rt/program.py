@@ -27,17 +27,25 @@ class Program:
     version: str
     options: frozenset
 
-    def command(self, scene_path, frame, outdir, samples=None):
+    def can(self, option):
+        """Whether its help names a long option, such as `--region`."""
+        return option in self.options
+
+    def command(self, scene_path, frame, outdir, samples=None, region=None, keep_state=False):
         """The command line that renders one frame of a scene.
 
-        Paths in the scene stay in its folder, so that no more need be allowed.
+        Paths in the scene stay in its folder, so that no more need be allowed. `region` is `WxH+X+Y`.
         """
         folder, name = os.path.split(scene_path)
         command = [self.path, "--scene", name, "--indir", folder, "--outdir", outdir]
         command += [f"--frame={frame}"]
         if samples is not None:
             command += ["--samples", str(samples)]
-        if "--progress" in self.options:
+        if region:
+            command += ["--region", region]
+        if keep_state:
+            command += ["--keep-state"]
+        if self.can("--progress"):
             command += ["--progress", "json"]
         return command
 
@@ -75,7 +83,8 @@ def _output(path, option):
     return done.stdout
 
 
-def picture_name(prefix, frame, ending):
+def picture_name(prefix, frame, ending, region=None):
     """Name of the picture of a frame: `prefix` and five digits, behind a minus sign if negative."""
     sign = "-" if frame < 0 else ""
-    return f"{prefix}{sign}{abs(frame):05d}.{ending}"
+    part = f"_region={region}" if region else ""
+    return f"{prefix}{sign}{abs(frame):05d}{part}.{ending}"

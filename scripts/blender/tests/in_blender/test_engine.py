@@ -130,9 +130,15 @@ class EngineTest(unittest.TestCase):
 
     def test_escape_stops_the_real_program(self):
         blend.cube()
-        self.scene.slo_rt.samples = 65535
-        with mock.patch.object(engine.SloRtRenderEngine, "_should_stop", lambda self: True):
+        self.scene.slo_rt.samples = 600
+        whole = result_pixels(self.scene)
+        left = iter([False] * 3)
+        with mock.patch.object(engine.SloRtRenderEngine, "_should_stop", lambda self: next(left, True)):
             bpy.ops.render.render()
+        folder = engine.work_folder(self.scene.name)
+        states = [name for name in os.listdir(folder) if name.endswith(".state")]
+        print("  kept:", states)
+        np.testing.assert_array_equal(result_pixels(self.scene), whole)
 
     def test_pictures_come_early_and_progress_rises(self):
         blend.cube()
@@ -140,9 +146,9 @@ class EngineTest(unittest.TestCase):
         shown, fractions = [], []
         whole_show = engine.SloRtRenderEngine._show
 
-        def show(self, picture, depsgraph):
-            shown.append(engine.linear_pixels(picture)[..., 0])
-            whole_show(self, picture, depsgraph)
+        def show(self, run, depsgraph):
+            shown.append(engine.linear_pixels(run.picture)[..., 0])
+            whole_show(self, run, depsgraph)
 
         with (
             mock.patch.object(engine.SloRtRenderEngine, "_shows_early", lambda self, values: True),
@@ -155,6 +161,7 @@ class EngineTest(unittest.TestCase):
             last = result_pixels(self.scene)
         self.assertEqual(len(shown), 3)
         np.testing.assert_array_equal(shown[-1], last[..., 0])
+        np.testing.assert_array_equal(result_pixels(self.scene), last)
         self.assertTrue(all(0.0 <= fraction <= 1.0 for fraction in fractions))
 
     def test_time_limit_takes_fewer_samples(self):
@@ -163,9 +170,9 @@ class EngineTest(unittest.TestCase):
         used = []
         whole_run = engine.SloRtRenderEngine._run
 
-        def run(self, found, job, samples, all_samples):
+        def run(self, how, samples, all_samples):
             used.append(samples)
-            return whole_run(self, found, job, samples, all_samples)
+            return whole_run(self, how, samples, all_samples)
 
         with mock.patch.object(engine.SloRtRenderEngine, "_run", run):
             bpy.ops.render.render()

@@ -110,28 +110,40 @@ class ProcessTest(unittest.TestCase):
 
 class PassesTest(unittest.TestCase):
     def test_plan(self):
-        self.assertEqual(passes.planned(64, True), [1, 8, 64])
-        self.assertEqual(passes.planned(16, True), [1, 16])
-        self.assertEqual(passes.planned(1, True), [1])
-        self.assertEqual(passes.planned(256, False), [256])
+        self.assertEqual(passes.planned(64, True, False), [1, 8, 64])
+        self.assertEqual(passes.planned(16, True, False), [1, 16])
+        self.assertEqual(passes.planned(1, True, False), [1])
+        self.assertEqual(passes.planned(256, False, False), [256])
+        self.assertEqual(passes.planned(256, False, True), [256])
+        self.assertEqual(passes.planned(513, True, True), [1, 8, 64, 512, 513])
+        self.assertEqual(passes.planned(8, True, True), [1, 8])
+        self.assertEqual(passes.planned(1, True, True), [1])
+
+    def limited(self, limit, samples, goes_on, duration):
+        """Passes under a time limit, where a pass takes `duration(samples of before, samples)`."""
+        measured, before = [], 0
+        while (count := passes.following(limit, samples, measured, goes_on)) is not None:
+            measured.append((count, duration(before if goes_on else 0, count)))
+            before = count
+        return [count for count, _ in measured], sum(seconds for _, seconds in measured)
 
     def test_time_limit_holds(self):
-        for fixed, each, limit in ((0.5, 0.1, 10.0), (0.0, 0.001, 60.0), (3.0, 2.0, 5.0)):
-            measured = []
-            while (samples := passes.following(limit, 4096, measured)) is not None:
-                measured.append((samples, fixed + each * samples))
-            spent = sum(duration for _, duration in measured)
-            first = measured[0][1]
-            self.assertLessEqual(spent, max(limit, first) + 1e-9)
-            counts = [count for count, _ in measured]
-            self.assertTrue(all(b >= 2 * a or b == 4096 for a, b in zip(counts, counts[1:])))
-        self.assertEqual([count for count, _ in measured], [1])
+        for goes_on in (False, True):
+            for fixed, each, limit in ((0.5, 0.1, 10.0), (0.0, 0.001, 60.0), (3.0, 2.0, 5.0)):
+
+                def duration(before, count):
+                    return fixed + each * (count - before)
+
+                counts, spent = self.limited(limit, 4096, goes_on, duration)
+                self.assertLessEqual(spent, max(limit, fixed + each) + fixed * goes_on + 1e-9)
+                self.assertEqual(counts, sorted(set(counts)))
+                if fixed + each > limit / 2.0:
+                    self.assertEqual(counts, [1])
 
     def test_quick_pictures_get_all_samples(self):
-        measured = []
-        while (samples := passes.following(100.0, 100, measured)) is not None:
-            measured.append((samples, 0.001))
-        self.assertEqual([count for count, _ in measured], [1, 8, 64, 100])
+        for goes_on in (False, True):
+            counts, _ = self.limited(100.0, 100, goes_on, lambda before, count: 0.001)
+            self.assertEqual(counts, [1, 8, 64, 100])
 
 
 class PhongTest(unittest.TestCase):
