@@ -14,6 +14,7 @@ pub mod accel;
 pub mod animation;
 pub mod camera;
 pub mod cli;
+pub mod compare;
 pub mod diagnostics;
 pub mod film;
 pub mod format;

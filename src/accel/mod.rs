@@ -11,6 +11,7 @@ pub mod curved;
 mod cwbvh;
 mod isa;
 pub mod kdtree;
+mod pages;
 mod primitives;
 mod rays;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]

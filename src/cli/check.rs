@@ -11,8 +11,9 @@ use crate::scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape
 /// Reports on the job's scene; renders nothing.
 pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
     let scene = load::scene(job, terminal)?;
-    if let Some(frame) = job.frame {
-        Clock::new(&scene.camera).shutter(frame).map_err(|error| load::no_segment(&error))?;
+    let clock = Clock::new(&scene.camera);
+    for &frame in job.frames.iter().flat_map(|frames| &frames.numbers) {
+        clock.shutter(frame).map_err(|error| load::no_segment(&error))?;
     }
     terminal.note("the scene has no errors");
     for line in report(&scene) {

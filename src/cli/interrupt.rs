@@ -11,18 +11,51 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// A [`Guard`] is there: work is under way that looks at [`requested`].
 static GUARDED: AtomicBool = AtomicBool::new(false);
 
-/// Listens to SIGINT, SIGTERM and SIGHUP from now on.
+/// Listens to SIGINT, SIGTERM, SIGHUP and SIGUSR1 from now on: to be called before there is another
+/// thread.
 ///
-/// Where the caller has one of them ignored (`nohup`, a background job of a script), they keep
-/// what they do: nothing is on disk before a picture is whole, so that ending at once is safe.
+/// Where the caller has one of them ignored (`nohup`, a background job of a script), it stays
+/// ignored.
+#[cfg(target_os = "linux")]
 pub(super) fn listen() {
-    let _ = ctrlc::try_set_handler(|| {
-        let again = REQUESTED.swap(true, Ordering::SeqCst);
-        if again || !GUARDED.load(Ordering::SeqCst) {
-            say("slo-rt: interrupted");
-            process::exit(Exit::Interrupted as i32);
-        }
-    });
+    use ctrlc::Signal;
+    let ignored = ignored_signals();
+    let is_heard = |signal: &Signal| (ignored >> (*signal as i32 - 1)) & 1 == 0;
+    let signals = [Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP, Signal::SIGUSR1];
+    let mut heard = signals.into_iter().filter(is_heard);
+    let Some(first) = heard.next() else { return };
+    let signals = heard.fold(first | first, |set, signal| set | signal);
+    // Blocked in this thread and all that it starts, they wait for the one that asks for them.
+    if signals.thread_block().is_ok() {
+        let wait = move || {
+            while signals.wait().is_ok() {
+                stop();
+            }
+        };
+        let _ = std::thread::Builder::new().name("signals".into()).spawn(wait);
+    }
+}
+
+/// Signals that this process ignores, signal 1 in the lowest bit.
+#[cfg(target_os = "linux")]
+fn ignored_signals() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+}
+
+/// Listens to Ctrl-C, and where there is one to SIGTERM and SIGHUP, from now on.
+#[cfg(not(target_os = "linux"))]
+pub(super) fn listen() {
+    let _ = ctrlc::try_set_handler(stop);
+}
+
+fn stop() {
+    let again = REQUESTED.swap(true, Ordering::SeqCst);
+    if again || !GUARDED.load(Ordering::SeqCst) {
+        say("slo-rt: interrupted");
+        process::exit(Exit::Interrupted as i32);
+    }
 }
 
 /// Whether to stop as soon as possible.

@@ -59,9 +59,13 @@ fn load_file(file: SceneFile, allow_outside: bool) -> Loaded {
     load(&file.path.to_string_lossy(), file.text, &files)
 }
 
-/// What the job's frame needs, built on the threads of the current pool.
-pub(super) fn frame(job: &Job, scene: &SceneDescription) -> Result<FrameScene, Problem> {
-    FrameScene::build(scene, job.frame(), job.isa).map_err(|error| match error {
+/// What a frame needs, built on the threads of the current pool.
+pub(super) fn frame(
+    job: &Job,
+    scene: &SceneDescription,
+    number: i64,
+) -> Result<FrameScene, Problem> {
+    FrameScene::build(scene, number, job.isa).map_err(|error| match error {
         FrameError::NoSegment(error) => no_segment(&error),
         other => Problem::new(Exit::BadInput, other),
     })

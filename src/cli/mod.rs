@@ -2,10 +2,13 @@
 
 mod args;
 mod check;
+mod checkpoint;
+mod compare;
 mod crash;
 mod default_scene;
 mod interrupt;
 mod load;
+mod merge;
 mod options;
 mod parse;
 mod problem;
@@ -13,11 +16,15 @@ mod progress;
 mod recipe;
 mod render;
 mod scene_file;
+mod sequence;
+mod sheet;
 mod short_forms;
 mod summary;
+mod target;
 mod terminal;
 #[cfg(test)]
 mod test_scene;
+mod verify;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -32,7 +39,7 @@ use terminal::Terminal;
 pub enum Exit {
     /// Everything asked for was done.
     Done = 0,
-    /// Rendering failed, or a file could not be read or written.
+    /// Rendering failed, or a file could not be read or written; frames of a sequence failed.
     Failed = 1,
     /// The command line is wrong, or names a frame that the scene does not have.
     Usage = 2,
@@ -42,7 +49,11 @@ pub enum Exit {
     NoInput = 66,
     /// The output can't be created; found before rendering starts.
     CantCreate = 73,
-    /// Interrupted.
+    /// Writing failed.
+    CantWrite = 74,
+    /// Stopped on purpose; the same command goes on from there.
+    Stopped = 75,
+    /// Ended at once by a second signal.
     Interrupted = 130,
 }
 
@@ -54,7 +65,7 @@ impl From<Exit> for ExitCode {
 
 /// Runs the program with its arguments, the program's name first.
 ///
-/// Writes the picture's path to standard output and all else to standard error. Listens to
+/// Writes the pictures' paths to standard output and all else to standard error. Listens to
 /// Ctrl-C and catches panics: it is meant to be called once, by `main`.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
     let args: Vec<OsString> = args.into_iter().collect();
@@ -69,7 +80,11 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
 
 fn execute(Options { task, terminal }: Options) -> Exit {
     let done = task.and_then(|task| match task {
-        Task::Render(job) => render::run(&job, terminal),
+        Task::Render(job) => sequence::run(&job, terminal),
+        Task::Merge(args) => merge::run(&args, terminal),
+        Task::Verify(args, job) => verify::run(&args, &job, terminal),
+        Task::Compare(args) => compare::run(&args),
+        Task::Sheet(args) => sheet::run(&args),
         Task::Check(job) => check::run(&job, terminal),
         Task::Recipe(picture) => recipe::run(&picture),
     });

@@ -1,13 +1,19 @@
 //! Validated options: what the commands work with.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use super::Exit;
-use super::args::{Args, Size};
+use super::args::{
+    Args, Command, CompareArgs, FramePath, MergeArgs, PartBy, Region, SheetArgs, Size, VerifyArgs,
+};
 use super::problem::Problem;
+use super::progress::ProgressForm;
+use super::sequence::{Frames, Order};
 use super::terminal::{Terminal, Verbosity};
 use crate::accel::{Accelerator, Isa};
 use crate::output::check_prefix;
+use crate::render::Part;
 use crate::scene::SceneDescription;
 
 /// What the program is to do, and how.
@@ -21,15 +27,23 @@ pub(super) struct Options {
 /// What the program is to do.
 #[derive(Debug)]
 pub(super) enum Task {
-    /// Render a frame.
+    /// Render frames.
     Render(Job),
     /// Read a scene and report.
     Check(Job),
+    /// Put parts of pictures together.
+    Merge(MergeArgs),
+    /// Render some of pictures again; the job says of which scene.
+    Verify(VerifyArgs, Box<Job>),
+    /// Measure how far a picture is from another.
+    Compare(CompareArgs),
+    /// Make a contact sheet.
+    Sheet(SheetArgs),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
 
-/// A frame of a scene.
+/// Frames of a scene.
 #[derive(Debug)]
 pub(super) struct Job {
     /// The scene file; `None`: the one inside the program.
@@ -38,17 +52,49 @@ pub(super) struct Job {
     pub(super) indir: Option<PathBuf>,
     /// Whether the paths of the scene may lead anywhere.
     pub(super) allow_outside: bool,
-    /// The frame asked for; `None`: 0.
-    pub(super) frame: Option<i64>,
-    /// Folder of the picture; empty: the current one.
+    /// The frames asked for; `None`: 0.
+    pub(super) frames: Option<Frames>,
+    pub(super) order: Order,
+    /// What of the picture is to be rendered; `None`: all of it.
+    pub(super) region: Option<Region>,
+    /// The part of it that is this run's, and what is shared out; `None`: all.
+    pub(super) part: Option<(Part, PartBy)>,
+    /// Folder of the pictures; empty: the current one.
     pub(super) outdir: PathBuf,
-    /// Whether settings and time go into the picture's name.
+    /// Whether settings and time go into the pictures' names.
     pub(super) info: bool,
-    /// Whether a picture that is there with the same recipe is left as it is.
-    pub(super) skip_existing: bool,
+    pub(super) existing: Existing,
+    /// Time between two checkpoints; `None`: only where a frame is stopped.
+    pub(super) checkpoint: Option<Duration>,
+    /// Whether finished frames can get more samples later.
+    pub(super) keep_state: bool,
+    pub(super) maps: Maps,
+    /// Whether to say what would be rendered instead of doing it.
+    pub(super) dry_run: bool,
+    pub(super) progress: ProgressForm,
     pub(super) overrides: Overrides,
     pub(super) threads: Option<usize>,
     pub(super) isa: Isa,
+}
+
+/// Pictures of how a picture came about.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Maps {
+    pub(super) samples: Option<FramePath>,
+    pub(super) error: Option<FramePath>,
+}
+
+/// Samples of a block at most, where only its noise was asked for.
+const MOST_FOR_NOISE: u32 = 4096;
+
+/// What becomes of a picture that is there, whole and with the same recipe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Existing {
+    /// It stays in a sequence, and is overwritten where one frame was asked for.
+    #[default]
+    Auto,
+    Skip,
+    Overwrite,
 }
 
 /// What the command line says over the scene.
@@ -57,20 +103,35 @@ pub(super) struct Overrides {
     pub(super) prefix: Option<String>,
     pub(super) size: Option<Size>,
     pub(super) samples: Option<u32>,
+    pub(super) noise: Option<f32>,
     pub(super) seed: Option<u64>,
     pub(super) accelerator: Option<Accelerator>,
 }
 
 impl Job {
-    /// Number of the frame.
-    pub(super) fn frame(&self) -> i64 {
-        self.frame.unwrap_or(0)
+    /// The frames to render.
+    pub(super) fn frames(&self) -> Frames {
+        self.frames.clone().unwrap_or(Frames::single(0))
+    }
+
+    /// Whether frames that are finished already are left alone.
+    pub(super) fn skips_finished(&self) -> bool {
+        match self.existing {
+            Existing::Auto => self.frames.as_ref().is_some_and(|frames| frames.is_sequence),
+            Existing::Skip => true,
+            Existing::Overwrite => false,
+        }
     }
 }
 
 impl From<Args> for Options {
     fn from(args: Args) -> Self {
-        let verbosity = match (args.quiet, args.verbose) {
+        let Args { quiet, verbose, .. } = args;
+        let quiet = match &args.command {
+            Some(Command::Merge(merge)) => merge.quiet,
+            _ => quiet,
+        };
+        let verbosity = match (quiet, verbose) {
             (true, _) => Verbosity::Quiet,
             (_, true) => Verbosity::Verbose,
             _ => Verbosity::Normal,
@@ -79,7 +140,21 @@ impl From<Args> for Options {
     }
 }
 
-fn task(args: Args) -> Result<Task, Problem> {
+fn task(mut args: Args) -> Result<Task, Problem> {
+    if let Some(command) = args.command.take() {
+        return Ok(match command {
+            Command::Merge(merge) => Task::Merge(merge),
+            Command::Verify(verify) => {
+                args.scene = verify.scene.clone();
+                args.indir = verify.indir.clone();
+                args.allow_outside = verify.allow_outside;
+                args.threads = verify.threads;
+                Task::Verify(verify, Box::new(job(args)?))
+            }
+            Command::Compare(compare) => Task::Compare(compare),
+            Command::Sheet(sheet) => Task::Sheet(sheet),
+        });
+    }
     match args.recipe.clone() {
         Some(picture) => Ok(Task::Recipe(picture)),
         None if args.check => job(args).map(Task::Check),
@@ -90,24 +165,48 @@ fn task(args: Args) -> Result<Task, Problem> {
 fn job(args: Args) -> Result<Job, Problem> {
     let usage = |why: String| Problem::new(Exit::Usage, why);
     check_prefix(args.prefix.as_deref().unwrap_or_default()).map_err(usage)?;
+    check_maps(&args).map_err(usage)?;
     Ok(Job {
         scene: args.scene,
         indir: args.indir,
         allow_outside: args.allow_outside,
-        frame: args.frame,
+        frames: args.frame,
+        order: args.order,
+        region: args.region,
+        part: args.part.map(|part| (part, args.part_by)),
         outdir: args.outdir.unwrap_or_default(),
         info: args.info,
-        skip_existing: args.skip_existing,
+        existing: match (args.skip_existing, args.overwrite) {
+            (true, _) => Existing::Skip,
+            (_, true) => Existing::Overwrite,
+            _ => Existing::Auto,
+        },
+        checkpoint: Some(Duration::from_secs(args.checkpoint.into())).filter(|d| !d.is_zero()),
+        keep_state: args.keep_state,
+        maps: Maps { samples: args.sample_map, error: args.error_map },
+        dry_run: args.dry_run,
+        progress: args.progress,
         overrides: Overrides {
             prefix: args.prefix,
             size: args.size,
             samples: args.samples,
+            noise: args.noise,
             seed: args.seed,
             accelerator: args.accelerator.map(Accelerator::from),
         },
         threads: args.threads.map(|threads| threads as usize),
         isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
     })
+}
+
+/// Maps of several frames have several paths.
+fn check_maps(args: &Args) -> Result<(), String> {
+    let many = args.frame.as_ref().is_some_and(|frames| frames.numbers.len() > 1);
+    let alike = |path: &&FramePath| !path.tells_frames();
+    match args.sample_map.iter().chain(&args.error_map).find(alike) {
+        Some(_) if many => Err("a map of each frame needs `####` in its path".into()),
+        _ => Ok(()),
+    }
 }
 
 impl Overrides {
@@ -122,7 +221,8 @@ impl Overrides {
             (film.width, film.height) = (width, height);
         }
         let settings = &mut scene.settings;
-        if let Some(samples) = self.samples {
+        settings.noise = self.noise.or(settings.noise);
+        if let Some(samples) = self.samples.or(self.noise.map(|_| MOST_FOR_NOISE)) {
             let adaptive = settings.image_min_samples < settings.image_samples;
             let least = if adaptive { settings.image_min_samples } else { samples };
             settings.image_min_samples = least.min(samples);
@@ -176,11 +276,22 @@ mod tests {
             seed: Some(7),
             accelerator: Some(Accelerator::None),
             samples: None,
+            noise: None,
         };
         overrides.apply(&mut scene);
         let film = &scene.camera.film;
         assert_eq!((film.width, film.height, &*film.prefix), (3, 2, "p"));
         assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
+    }
+
+    #[test]
+    fn a_noise_level_has_samples_enough() {
+        let mut scene = empty_scene();
+        let overrides = Overrides { noise: Some(0.01), ..Overrides::default() };
+        overrides.apply(&mut scene);
+        assert_eq!((scene.settings.noise, scene.settings.image_samples), (Some(0.01), 4096));
+        Overrides { samples: Some(64), ..overrides }.apply(&mut scene);
+        assert_eq!(scene.settings.image_samples, 64);
     }
 
     fn task(typed: &str) -> Result<Task, Problem> {
@@ -190,9 +301,22 @@ mod tests {
 
     #[test]
     fn tasks() {
-        assert!(matches!(task("").unwrap(), Task::Render(Job { frame: None, .. })));
-        assert!(matches!(task("--check -f 3").unwrap(), Task::Check(Job { frame: Some(3), .. })));
+        assert!(matches!(task("").unwrap(), Task::Render(Job { frames: None, .. })));
+        assert!(matches!(task("--check -f 3").unwrap(), Task::Check(Job { frames: Some(_), .. })));
         assert!(matches!(task("--recipe x.png").unwrap(), Task::Recipe(_)));
+    }
+
+    #[test]
+    fn sequences_skip_what_is_finished() {
+        let check = |typed: &str, expected: bool| {
+            let Task::Render(job) = task(typed).unwrap() else { panic!("{typed}") };
+            assert_eq!(job.skips_finished(), expected, "{typed}");
+        };
+        check("", false);
+        check("-f 5", false);
+        check("-f 5 --skip-existing", true);
+        check("-f 5-5", true);
+        check("-f 5,6 --overwrite", false);
     }
 
     #[test]

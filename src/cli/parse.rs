@@ -46,10 +46,13 @@ fn color_choice(args: &[OsString]) -> ColorChoice {
 
 /// A word without an option is most likely a scene.
 fn with_tip(mut error: Error) -> Error {
-    let word = match (error.kind(), error.get(ContextKind::InvalidArg)) {
-        (ErrorKind::UnknownArgument, Some(ContextValue::String(word))) => word.clone(),
+    let context = match error.kind() {
+        ErrorKind::InvalidSubcommand => ContextKind::InvalidSubcommand,
+        ErrorKind::UnknownArgument => ContextKind::InvalidArg,
         _ => return error,
     };
+    let Some(ContextValue::String(word)) = error.get(context) else { return error };
+    let word = word.clone();
     if !word.starts_with('-') {
         let tip = format!("a scene file is named by an option: '--scene {word}'");
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
@@ -60,6 +63,7 @@ fn with_tip(mut error: Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::sequence::Frames;
 
     fn arguments(typed: &str) -> Vec<OsString> {
         format!("slo-rt {typed}").trim().split(' ').map(OsString::from).collect()
@@ -69,7 +73,7 @@ mod tests {
     fn the_command_lines_of_the_thesis() {
         let check = |typed: &str| try_parse(&arguments(typed)).unwrap();
         assert!(check("").scene.is_none());
-        assert_eq!(check("--frame 5").frame, Some(5));
+        assert_eq!(check("--frame 5").frame, Some(Frames::single(5)));
         assert_eq!(check("--scene animace.txt").scene, Some("animace.txt".into()));
         assert!(check("-f 15 -s animace.txt --info").info);
         let last = check("-f 15 -s animace.txt -id input/scenes -od output/animace -pre x");

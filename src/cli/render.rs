@@ -1,107 +1,147 @@
 //! Rendering one frame to a file.
 
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::interrupt::Guard;
+use super::checkpoint::Checkpoint;
 use super::options::Job;
 use super::problem::Problem;
-use super::progress::Progress;
-use super::summary::Summary;
-use super::terminal::{Terminal, print};
-use super::{Exit, load};
+use super::progress::{FrameProgress, Progress};
+use super::summary::{Size, Times};
+use super::target::Target;
+use super::terminal::Terminal;
+use super::{Exit, interrupt, load};
 use crate::film::{Film, TooLarge};
-use crate::frame::FrameScene;
-use crate::output::{Info, Picture, Recipe, check_writable, file_name, read_recipe};
-use crate::render::{Statistics, Unfinished, render};
+use crate::output::{Outcome, check_writable};
+use crate::render::{Observer, Statistics, render};
 use crate::scene::SceneDescription;
 
-/// Renders the job's frame, prints the path of its picture, and says how it went.
-pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
-    let start = Instant::now();
-    let threads = load::threads(job.threads)?;
-    let scene = threads.install(|| load::scene(job, terminal))?;
-    let loading = start.elapsed();
-    let run = Run { job, scene: &scene, terminal };
-    match (job.threads, scene.settings.parallel_threads) {
-        (None, Some(asked)) => load::threads(Some(asked as usize))?.install(|| run.go(loading)),
-        _ => threads.install(|| run.go(loading)),
-    }
+/// What rendering any frame of a job looks at.
+pub(super) struct Studio<'a> {
+    pub(super) job: &'a Job,
+    pub(super) scene: &'a SceneDescription,
+    pub(super) target: Target<'a>,
+    pub(super) terminal: Terminal,
 }
 
-/// What all steps of a rendering look at.
-struct Run<'a> {
-    job: &'a Job,
-    scene: &'a SceneDescription,
-    terminal: Terminal,
+/// A frame whose picture is in place.
+#[derive(Debug)]
+pub(super) struct Done {
+    pub(super) path: PathBuf,
+    pub(super) times: Times,
+    pub(super) statistics: Statistics,
+    pub(super) size: Size,
+    pub(super) outcome: Outcome,
 }
 
-impl Run<'_> {
-    fn go(&self, loading: Duration) -> Result<(), Problem> {
-        let recipe = Recipe { scene: self.scene, frame: self.job.frame() }.to_json();
-        let expected = self.target(Duration::ZERO);
-        if self.job.skip_existing && has_recipe(&expected, &recipe) {
-            self.terminal.note(format_args!("`{}` is there already", expected.display()));
-            return print_path(&expected);
-        }
-        find_out_if_writable(&expected)?;
+impl Studio<'_> {
+    /// Builds, renders and saves a frame; `expected` is where its picture goes.
+    pub(super) fn render(
+        &self,
+        frame: i64,
+        expected: &Path,
+        progress: &Progress,
+    ) -> Result<Done, Problem> {
+        find_out_if_writable(expected)?;
+        let watch =
+            Watch { progress: progress.frame(frame, expected), checkpoint: self.checkpoint(frame) };
+        let film = watch.checkpoint.film().map_err(too_large)?;
         let start = Instant::now();
-        let frame = load::frame(self.job, self.scene)?;
+        let built = load::frame(self.job, self.scene, frame)?;
         let building = start.elapsed();
         let start = Instant::now();
-        let (film, statistics) = self.sample(&frame)?;
+        let exposed = render(&built, self.target.plan(), film, &watch);
         let rendering = start.elapsed();
-        let start = Instant::now();
-        let path = self.target(rendering);
-        self.save(&film, &recipe, &path)?;
-        print_path(&path)?;
-        let writing = start.elapsed();
-        Summary {
-            loading,
-            building,
-            rendering,
-            writing,
-            statistics,
-            frame: &frame,
-            isa: self.job.isa,
+        let checkpoint = watch.checkpoint;
+        if !exposed.is_complete {
+            return Err(stopped(frame, &checkpoint, exposed.film));
         }
-        .tell(self.scene, self.terminal);
-        Ok(())
+        let start = Instant::now();
+        let path = self.target.path(frame, rendering);
+        let outcome = self.save(frame, &exposed.film, &path, &checkpoint)?;
+        self.target
+            .write_maps(frame, &exposed.film)
+            .map_err(|(path, error)| cant_write(&path, &error))?;
+        if self.job.keep_state {
+            checkpoint.keep_finished(exposed.film).map_err(|error| cant_write(&path, &error))?;
+        }
+        checkpoint.remove();
+        let times =
+            Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
+        let size = Size::of(&built);
+        Ok(Done { path, times, statistics: exposed.statistics, size, outcome })
     }
 
-    /// Where the picture goes, had its rendering taken `time`.
-    fn target(&self, time: Duration) -> PathBuf {
-        let info = self.job.info.then_some(Info { settings: &self.scene.settings, time });
-        self.job.outdir.join(file_name(&self.scene.camera.film, self.job.frame(), info))
+    fn checkpoint(&self, frame: i64) -> Checkpoint {
+        let (path, subject) = (self.target.plain_path(frame), self.target.subject(frame));
+        Checkpoint::new(&path, subject, self.job.checkpoint, self.terminal)
     }
 
-    fn sample(&self, frame: &FrameScene) -> Result<(Film, Statistics), Problem> {
-        let _guard = Guard::new();
-        let film = &self.scene.camera.film;
-        let pixels = u64::from(film.width) * u64::from(film.height);
-        let title = format!("frame {}", self.job.frame());
-        let progress = Progress::new(pixels, &title, self.terminal);
-        render(frame, &progress).map_err(unfinished)
-    }
-
-    fn save(&self, film: &Film, recipe: &str, path: &Path) -> Result<(), Problem> {
-        let _guard = Guard::new();
-        let image = film.image();
-        let settings = &self.scene.camera.film;
-        let (format, encoding) = (settings.output, settings.encoding);
-        let picture = Picture { image: &image, format, encoding, recipe };
-        let black = picture.not_finite();
-        if black > 0 {
+    /// Saves the picture; where that fails, what is known of it.
+    fn save(
+        &self,
+        frame: i64,
+        film: &Film,
+        path: &Path,
+        checkpoint: &Checkpoint,
+    ) -> Result<Outcome, Problem> {
+        let written = self.target.write(frame, film, path).map_err(|error| {
+            let problem = cant_write(path, &error);
+            match checkpoint.save(film.clone(), true) {
+                Ok(()) => problem.with_help("its samples are kept: run the same command again"),
+                Err(_) => problem,
+            }
+        })?;
+        if written.not_finite > 0 {
+            let black = written.not_finite;
             self.terminal.warn(format_args!("{black} pixels are no numbers and were left black"));
         }
-        picture.save(path).map_err(|error| {
-            Problem::new(Exit::Failed, format!("can't write `{}`: {error}", path.display()))
-        })
+        Ok(written.outcome)
     }
 }
 
-fn has_recipe(path: &Path, recipe: &str) -> bool {
-    read_recipe(path).is_ok_and(|found| found == recipe)
+/// Watches a frame for the progress and the checkpoint.
+struct Watch<'a> {
+    progress: FrameProgress<'a>,
+    checkpoint: Checkpoint,
+}
+
+impl Observer for Watch<'_> {
+    fn advanced(&self, share: f64) {
+        self.progress.advanced(share);
+    }
+
+    fn resumed(&self, share: f64) {
+        self.progress.resumed(share);
+    }
+
+    fn should_stop(&self) -> bool {
+        interrupt::requested()
+    }
+
+    fn wants_film(&self) -> bool {
+        self.checkpoint.is_due()
+    }
+
+    fn keep(&self, film: Film) {
+        self.checkpoint.keep(film);
+    }
+}
+
+fn stopped(frame: i64, checkpoint: &Checkpoint, film: Film) -> Problem {
+    match checkpoint.save(film, false) {
+        Ok(()) => Problem::new(Exit::Stopped, format!("interrupted in frame {frame}"))
+            .with_help("what is done of it is kept: the same command goes on from there"),
+        Err(error) => {
+            let message = format!("interrupted in frame {frame}, which can't be kept: {error}");
+            Problem::new(Exit::Stopped, message)
+        }
+    }
+}
+
+fn cant_write(path: &Path, error: &io::Error) -> Problem {
+    Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
 }
 
 fn find_out_if_writable(path: &Path) -> Result<(), Problem> {
@@ -111,20 +151,7 @@ fn find_out_if_writable(path: &Path) -> Result<(), Problem> {
     })
 }
 
-fn unfinished(why: Unfinished) -> Problem {
-    match why {
-        Unfinished::Stopped => {
-            Problem::new(Exit::Interrupted, "interrupted; no picture was written")
-        }
-        Unfinished::TooLarge(TooLarge { bytes }) => {
-            let message = format!("the picture needs {:.1} GB of memory", bytes as f64 / 1e9);
-            Problem::new(Exit::Failed, message).with_help("`--size` makes it smaller")
-        }
-    }
-}
-
-fn print_path(path: &Path) -> Result<(), Problem> {
-    print(path.as_os_str().as_encoded_bytes()).map_err(|error| {
-        Problem::new(Exit::Failed, format!("can't print the picture's path: {error}"))
-    })
+fn too_large(TooLarge { bytes }: TooLarge) -> Problem {
+    let message = format!("the picture needs {:.1} GB of memory", bytes as f64 / 1e9);
+    Problem::new(Exit::Failed, message).with_help("`--size` makes it smaller")
 }

@@ -4,25 +4,81 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use super::progress::human;
+use super::render::Done;
 use super::terminal::Terminal;
 use crate::accel::Isa;
 use crate::frame::FrameScene;
 use crate::render::Statistics;
 use crate::scene::SceneDescription;
 
-/// What was measured of one run.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Summary<'a> {
+/// How long the phases took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Times {
     pub(super) loading: Duration,
     pub(super) building: Duration,
     pub(super) rendering: Duration,
     pub(super) writing: Duration,
-    pub(super) statistics: Statistics,
-    pub(super) frame: &'a FrameScene,
-    pub(super) isa: Isa,
 }
 
-impl Summary<'_> {
+impl Times {
+    /// All phases.
+    pub(super) fn total(&self) -> Duration {
+        self.loading + self.building + self.rendering + self.writing
+    }
+}
+
+/// How much there is in a frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Size {
+    primitives: usize,
+    moving_objects: usize,
+    /// Bytes of the structures.
+    structures: u64,
+}
+
+impl Size {
+    pub(super) fn of(frame: &FrameScene) -> Self {
+        Self {
+            primitives: frame.primitives(),
+            moving_objects: frame.moving_objects(),
+            structures: frame.memory() as u64,
+        }
+    }
+}
+
+/// What was measured of one run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Summary {
+    /// Frames that were rendered.
+    pub(super) frames: usize,
+    times: Times,
+    statistics: Statistics,
+    /// Of the last frame.
+    size: Size,
+    /// The largest of a frame.
+    error: Option<f64>,
+    isa: Isa,
+}
+
+impl Summary {
+    /// Of a run that has loaded its scene.
+    pub(super) fn new(loading: Duration, isa: Isa) -> Self {
+        let times = Times { loading, ..Times::default() };
+        let (statistics, size) = (Statistics::default(), Size::default());
+        Self { frames: 0, times, statistics, size, error: None, isa }
+    }
+
+    /// Adds a frame.
+    pub(super) fn add(&mut self, done: &Done) {
+        self.frames += 1;
+        self.times.building += done.times.building;
+        self.times.rendering += done.times.rendering;
+        self.times.writing += done.times.writing;
+        self.statistics += done.statistics;
+        self.size = done.size;
+        self.error = self.error.into_iter().chain(done.outcome.error).reduce(f64::max);
+    }
+
     /// Says it.
     pub(super) fn tell(&self, scene: &SceneDescription, terminal: Terminal) {
         let refused = self.statistics.refused_contributions;
@@ -31,8 +87,14 @@ impl Summary<'_> {
                 "{refused} samples were no numbers or beyond what the film holds, and were left out"
             ));
         }
-        let total = self.loading + self.building + self.rendering + self.writing;
-        terminal.note(line(total, self.rendering, &self.statistics, peak_memory()));
+        let what = match self.frames {
+            1 => "rendered".into(),
+            frames => format!("{frames} frames rendered"),
+        };
+        let rates = line(self.times.rendering, &self.statistics, peak_memory());
+        let error = self.error.map_or_else(String::new, |error| format!("; error {error:.2e}"));
+        let time = human(self.times.total());
+        terminal.note(format_args!("{what} in {time}{error}; {rates}"));
         for detail in self.details(scene) {
             terminal.detail(detail);
         }
@@ -40,21 +102,22 @@ impl Summary<'_> {
 
     fn details(&self, scene: &SceneDescription) -> [String; 4] {
         let Statistics { camera_rays, shadow_rays, bounce_rays, .. } = self.statistics;
+        let Times { loading, building, rendering, writing } = self.times;
         let film = &scene.camera.film;
-        let pixels = f64::from(film.width) * f64::from(film.height);
+        let pixels = f64::from(film.width) * f64::from(film.height) * self.frames as f64;
         [
             format!(
                 "loading {}, building {}, rendering {}, writing {}",
-                human(self.loading),
-                human(self.building),
-                human(self.rendering),
-                human(self.writing)
+                human(loading),
+                human(building),
+                human(rendering),
+                human(writing)
             ),
             format!(
                 "{} primitives, {} moving objects; structures {}",
-                self.frame.primitives(),
-                self.frame.moving_objects(),
-                megabytes(self.frame.memory() as u64)
+                self.size.primitives,
+                self.size.moving_objects,
+                megabytes(self.size.structures)
             ),
             format!(
                 "rays: {camera_rays} camera ({:.2} per pixel), {shadow_rays} shadow, \
@@ -71,11 +134,10 @@ impl Summary<'_> {
     }
 }
 
-fn line(total: Duration, rendering: Duration, rays: &Statistics, peak: Option<u64>) -> String {
+fn line(rendering: Duration, rays: &Statistics, peak: Option<u64>) -> String {
     let rate = |rays: u64| rays as f64 / 1e6 / rendering.as_secs_f64().max(1e-6);
     let mut line = format!(
-        "rendered in {}; Mrays/s: {:.2} camera, {:.2} shadow, {:.2} bounce",
-        human(total),
+        "Mrays/s: {:.2} camera, {:.2} shadow, {:.2} bounce",
         rate(rays.camera_rays),
         rate(rays.shadow_rays),
         rate(rays.bounce_rays)
@@ -117,15 +179,15 @@ mod tests {
     };
 
     #[test]
-    fn one_line_tells_time_rates_and_memory() {
-        let line = |peak| line(Duration::from_secs(5), Duration::from_secs(4), &RAYS, peak);
-        insta::assert_snapshot!(line(Some(210_000_000)), @"rendered in 5 s; Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce; 210 MB of memory");
-        insta::assert_snapshot!(line(None), @"rendered in 5 s; Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce");
+    fn one_line_tells_rates_and_memory() {
+        let line = |peak| line(Duration::from_secs(4), &RAYS, peak);
+        insta::assert_snapshot!(line(Some(210_000_000)), @"Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce; 210 MB of memory");
+        insta::assert_snapshot!(line(None), @"Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce");
     }
 
     #[test]
     fn no_time_is_no_division_by_zero() {
-        assert!(!line(Duration::ZERO, Duration::ZERO, &RAYS, None).contains("inf"));
+        assert!(!line(Duration::ZERO, &RAYS, None).contains("inf"));
     }
 
     #[test]

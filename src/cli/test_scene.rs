@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::options::{Job, Overrides};
+use super::options::{Existing, Job, Maps, Overrides};
+use super::progress::ProgressForm;
+use super::sequence::Order;
 use crate::accel::Isa;
 use crate::scene::{Camera, Encoding, Film, OutputFormat, SceneDescription, Settings};
 
@@ -32,10 +34,18 @@ pub(super) fn job() -> Job {
         scene: None,
         indir: None,
         allow_outside: false,
-        frame: None,
+        frames: None,
+        order: Order::default(),
+        region: None,
+        part: None,
         outdir: PathBuf::new(),
         info: false,
-        skip_existing: false,
+        existing: Existing::default(),
+        checkpoint: None,
+        keep_state: false,
+        maps: Maps::default(),
+        dry_run: false,
+        progress: ProgressForm::default(),
         overrides: Overrides::default(),
         threads: None,
         isa: Isa::Portable,

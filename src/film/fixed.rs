@@ -41,14 +41,24 @@ impl Fixed {
         Self((shifted.to_bits() as i64).wrapping_sub(MAGIC.to_bits() as i64))
     }
 
-    /// The exact square, in units of 2^-48.
-    pub fn squared(self) -> i128 {
-        i128::from(self.0) * i128::from(self.0)
-    }
-
     /// The number, to the precision of f64.
     pub fn to_f64(self) -> f64 {
         self.0 as f64 / ONE
+    }
+
+    /// The number as a count of 2^-24.
+    pub fn units(self) -> i64 {
+        self.0
+    }
+
+    /// That many times 2^-24.
+    pub fn from_units(units: i64) -> Self {
+        Self(units)
+    }
+
+    /// The exact sum; `None` where 64 bits do not hold it.
+    pub fn checked_add(self, other: Self) -> Option<Self> {
+        self.0.checked_add(other.0).map(Self)
     }
 }
 

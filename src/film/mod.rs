@@ -1,36 +1,30 @@
 //! Exact sums of samples per pixel, and how they become pixel values.
 //!
 //! A contribution is rounded once to a fixed-point number and added as an integer. Integer sums do
-//! not depend on their order: threads, tiles and batches may add as they come, the bits are the
-//! same.
+//! not depend on their order: threads, tiles, batches, parts and resumed runs may add as they come,
+//! the bits are the same.
 
+mod area;
+mod display;
 mod fixed;
+mod merge;
+mod pixel;
+mod state;
 
+pub use area::{Area, BLOCK};
+pub use display::{Display, linear, srgb};
 pub use fixed::Fixed;
+pub use merge::{MergeError, Merger};
+pub use pixel::{Pixel, Spread, base_end, split};
+pub use state::{State, Subject};
 
-/// What a pixel knows: the sum of its samples, and how many there are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pixel {
-    /// Red, green, blue.
-    pub sum: [Fixed; 3],
-    /// Camera samples in the sum.
-    pub samples: u32,
-}
-
-impl Pixel {
-    /// Mean radiance; black where nothing was sampled.
-    pub fn mean(&self) -> [f32; 3] {
-        let samples = f64::from(self.samples.max(1));
-        self.sum.map(|s| (s.to_f64() / samples) as f32)
-    }
-}
-
-/// The pixels of a picture, row by row, the top row first.
+/// The pixels of a picture or of a region of it, row by row, the top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Film {
-    width: u32,
-    height: u32,
+    area: Area,
     pixels: Vec<Pixel>,
+    /// Of each pixel; empty where no rule asks for it.
+    spreads: Vec<Spread>,
 }
 
 /// A picture in linear radiance.
@@ -51,64 +45,21 @@ pub struct TooLarge {
     pub bytes: u64,
 }
 
-/// A rectangle of pixels, `x0..x1` times `y0..y1`; y grows downward.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
-    /// First column.
-    pub x0: u32,
-    /// First row.
-    pub y0: u32,
-    /// One past the last column.
-    pub x1: u32,
-    /// One past the last row.
-    pub y1: u32,
-}
-
-impl Area {
-    /// Columns.
-    pub fn width(&self) -> u32 {
-        self.x1 - self.x0
-    }
-
-    /// Rows.
-    pub fn height(&self) -> u32 {
-        self.y1 - self.y0
-    }
-
-    /// Pixels.
-    pub fn len(&self) -> usize {
-        self.width() as usize * self.height() as usize
-    }
-
-    /// Whether there is no pixel in it.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
-
 impl Film {
-    /// An unexposed film.
+    /// An unexposed film for `area` of a picture; `with_spreads`: it notes the smallest and the
+    /// largest sample of each pixel too.
     ///
     /// # Errors
     /// [`TooLarge`] where memory does not suffice.
-    pub fn new(width: u32, height: u32) -> Result<Self, TooLarge> {
-        let len = u64::from(width) * u64::from(height);
-        let bytes = len.saturating_mul(size_of::<Pixel>() as u64);
-        let mut pixels = Vec::new();
-        let len = usize::try_from(len).map_err(|_| TooLarge { bytes })?;
-        pixels.try_reserve_exact(len).map_err(|_| TooLarge { bytes })?;
-        pixels.resize(len, Pixel::default());
-        Ok(Self { width, height, pixels })
+    pub fn new(area: Area, with_spreads: bool) -> Result<Self, TooLarge> {
+        let pixels = filled(area)?;
+        let spreads = if with_spreads { filled(area)? } else { Vec::new() };
+        Ok(Self { area, pixels, spreads })
     }
 
-    /// Pixels in a row.
-    pub fn width(&self) -> u32 {
-        self.width
-    }
-
-    /// Rows of pixels.
-    pub fn height(&self) -> u32 {
-        self.height
+    /// What of the picture it shows.
+    pub fn area(&self) -> Area {
+        self.area
     }
 
     /// All pixels, row by row.
@@ -116,28 +67,86 @@ impl Film {
         &self.pixels
     }
 
-    /// Puts the pixels of one area, row by row, in their places.
-    pub fn put(&mut self, area: Area, pixels: &[Pixel]) {
-        let width = area.width() as usize;
-        for (y, row) in (area.y0..area.y1).zip(pixels.chunks_exact(width.max(1))) {
-            let start = y as usize * self.width as usize + area.x0 as usize;
-            self.pixels[start..start + width].copy_from_slice(row);
+    /// The smallest and largest sample of each pixel, row by row; empty where nobody asked.
+    pub fn spreads(&self) -> &[Spread] {
+        &self.spreads
+    }
+
+    /// Pixel and spread of row-major index `i`, to be changed.
+    pub(crate) fn at_mut(&mut self, i: usize) -> (&mut Pixel, Option<&mut Spread>) {
+        (&mut self.pixels[i], self.spreads.get_mut(i))
+    }
+
+    /// Copies what is known of an area to `film`, whose area it becomes.
+    pub(crate) fn copy_to(&self, area: Area, film: &mut Self) {
+        film.area = area;
+        film.pixels.clear();
+        film.spreads.clear();
+        for row in self.rows(area) {
+            film.pixels.extend_from_slice(&self.pixels[row.clone()]);
+            if !self.spreads.is_empty() {
+                film.spreads.extend_from_slice(&self.spreads[row]);
+            }
         }
+    }
+
+    /// Puts what `film` knows of its area in its place.
+    pub fn put(&mut self, film: &Self) {
+        let width = film.area.width() as usize;
+        for (i, row) in self.rows(film.area).enumerate() {
+            let from = i * width..(i + 1) * width;
+            self.pixels[row.clone()].copy_from_slice(&film.pixels[from.clone()]);
+            if !self.spreads.is_empty() {
+                self.spreads[row].copy_from_slice(&film.spreads[from]);
+            }
+        }
+    }
+
+    /// The indices of each row of an area inside this film's.
+    fn rows(&self, area: Area) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
+        let (own, width) = (self.area, self.area.width() as usize);
+        (area.y0..area.y1).map(move |y| {
+            let start = (y - own.y0) as usize * width + (area.x0 - own.x0) as usize;
+            start..start + area.width() as usize
+        })
     }
 
     /// The mean of each pixel's samples.
     pub fn image(&self) -> Image {
-        Image {
-            width: self.width,
-            height: self.height,
-            rgb: self.pixels.iter().map(Pixel::mean).collect(),
-        }
+        self.image_of(self.area)
+    }
+
+    /// The same of an area inside this film's.
+    pub fn image_of(&self, area: Area) -> Image {
+        let rgb = self.pixels_of(area).map(Pixel::mean).collect();
+        Image { width: area.width(), height: area.height(), rgb }
+    }
+
+    /// The pixels of an area inside this film's, row by row.
+    pub fn pixels_of(&self, area: Area) -> impl Iterator<Item = &Pixel> {
+        self.rows(area).flat_map(|row| &self.pixels[row])
     }
 
     /// Camera samples of each pixel, row by row: where adaptive sampling went.
     pub fn sample_counts(&self) -> Vec<u32> {
-        self.pixels.iter().map(|p| p.samples).collect()
+        self.pixels.iter().map(|pixel| pixel.samples).collect()
     }
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self { area: Area::whole(0, 0), pixels: Vec::new(), spreads: Vec::new() }
+    }
+}
+
+/// A default value for every pixel of an area.
+fn filled<T: Clone + Default>(area: Area) -> Result<Vec<T>, TooLarge> {
+    let bytes =
+        (u64::from(area.width()) * u64::from(area.height())).saturating_mul(size_of::<T>() as u64);
+    let mut values = Vec::new();
+    values.try_reserve_exact(area.len()).map_err(|_| TooLarge { bytes })?;
+    values.resize(area.len(), T::default());
+    Ok(values)
 }
 
 #[cfg(test)]
@@ -146,24 +155,21 @@ mod tests {
 
     #[test]
     fn areas_land_in_their_places() {
-        let mut film = Film::new(4, 3).unwrap();
-        let area = Area { x0: 1, y0: 1, x1: 3, y1: 3 };
-        let pixels: Vec<_> =
-            (1..5).map(|i| Pixel { sum: [Fixed::default(); 3], samples: i }).collect();
-        film.put(area, &pixels);
+        let mut film = Film::new(Area { x0: 2, y0: 1, x1: 6, y1: 4 }, true).unwrap();
+        let area = Area { x0: 3, y0: 2, x1: 5, y1: 4 };
+        let mut part = Film::default();
+        film.copy_to(area, &mut part);
+        (0..4).for_each(|i| part.at_mut(i).0.samples = i as u32 + 1);
+        film.put(&part);
         assert_eq!(film.sample_counts(), [0, 0, 0, 0, 0, 1, 2, 0, 0, 3, 4, 0]);
+        assert!(film.pixels_of(Area { x0: 4, ..area }).map(|p| p.samples).eq([2, 4]));
+        let image = film.image_of(area);
+        assert_eq!((image.width, image.height, image.rgb.len()), (2, 2, 4));
     }
 
     #[test]
     fn a_film_that_memory_can_not_hold_is_refused() {
         // 65536 x 65536 pixels fit no address space limit of a test, so ask for more.
-        assert!(Film::new(u32::MAX, u32::MAX).is_err());
-    }
-
-    #[test]
-    fn the_mean_divides_at_the_end() {
-        let third = Fixed::new(1.0 / 3.0).unwrap();
-        let pixel = Pixel { sum: [third + third + third; 3], samples: 3 };
-        assert!((pixel.mean()[0] - 1.0 / 3.0).abs() < 1e-7);
+        assert!(Film::new(Area::whole(u32::MAX, u32::MAX), false).is_err());
     }
 }

@@ -3,19 +3,36 @@
 //! The bytes of a file depend on the picture and its recipe only: no clock, no host, no thread
 //! count, no order of a hash map.
 
+mod continuation;
 mod exr;
 mod file;
+mod finished;
+mod map;
 mod name;
+mod outcome;
 mod png;
+mod read;
 mod recipe;
+mod restore;
+mod state_file;
 mod values;
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
+pub use continuation::continues;
 pub use file::{check_writable, write_atomically};
+pub use finished::{Found, find_picture, find_state};
+pub use map::{write_difference_map, write_error_map, write_sample_map};
 pub use name::{Info, check_prefix, file_name};
-pub use recipe::{KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe};
+pub use outcome::{Outcome, with_outcome, without_outcome};
+pub use read::{Raster, Values};
+pub use recipe::{
+    KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe, settings_of,
+    with_region,
+};
+pub use restore::restore;
+pub use state_file::{read_state, read_subject, write_state};
 
 use crate::film::Image;
 use crate::scene::{Encoding, OutputFormat};

@@ -21,7 +21,7 @@ pub struct Info<'a> {
 pub fn file_name(film: &Film, frame: i64, info: Option<Info>) -> String {
     let sign = if frame < 0 { "-" } else { "" };
     let fields = info.map_or_else(String::new, |info| fields(film, &info));
-    format!("{}{sign}{:05}{fields}.{}", film.prefix, frame.unsigned_abs(), extension(film.output))
+    format!("{}{sign}{:05}{fields}.{}", film.prefix, frame.unsigned_abs(), film.output.extension())
 }
 
 fn fields(film: &Film, info: &Info) -> String {
@@ -57,10 +57,13 @@ fn lights(sampling: LightSampling) -> &'static str {
     }
 }
 
-fn extension(format: OutputFormat) -> &'static str {
-    match format {
-        OutputFormat::Png8 | OutputFormat::Png16 => "png",
-        OutputFormat::Exr => "exr",
+impl OutputFormat {
+    /// What names of such files end in.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png8 | Self::Png16 => "png",
+            Self::Exr => "exr",
+        }
     }
 }
 

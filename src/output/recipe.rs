@@ -11,6 +11,7 @@ use std::path::Path;
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 
+use crate::film::Area;
 use crate::sampling::Generator;
 use crate::scene::{
     Contrast, Encoding, Film, LightSampling, OutputFormat, SceneDescription, Settings, ShadowMode,
@@ -41,6 +42,23 @@ impl Recipe<'_> {
         add_settings(&mut json, &self.scene.settings);
         json.finish()
     }
+}
+
+/// A recipe of a picture, for a region of it.
+pub fn with_region(recipe: String, region: Area) -> String {
+    let Area { x0, y0, .. } = region;
+    let (width, height) = (region.width(), region.height());
+    let whole = recipe.strip_suffix("\n}").unwrap_or(&recipe);
+    format!("{whole},\n  \"region\": [{x0}, {y0}, {width}, {height}]\n}}")
+}
+
+/// File format and encoding that a recipe asks for; `None` where it names none.
+pub fn settings_of(recipe: &serde_json::Value) -> Option<(OutputFormat, Encoding)> {
+    let (output, encoding) = (recipe["output"].as_str()?, recipe["encoding"].as_str()?);
+    let formats = [OutputFormat::Png8, OutputFormat::Png16, OutputFormat::Exr];
+    let format = formats.into_iter().find(|&format| output_keyword(format) == output)?;
+    let encodings = [Encoding::Raw, Encoding::Srgb];
+    Some((format, encodings.into_iter().find(|&e| encoding_keyword(e) == encoding)?))
 }
 
 fn add_film(json: &mut Members, film: &Film) {
@@ -148,7 +166,7 @@ pub(super) fn generator_keyword(generator: Generator) -> &'static str {
     }
 }
 
-fn light_sampling_keyword(sampling: LightSampling) -> &'static str {
+pub(super) fn light_sampling_keyword(sampling: LightSampling) -> &'static str {
     match sampling {
         LightSampling::One => "SAMPLE_ONE_AT_TIME",
         LightSampling::All => "SAMPLE_ALL_AT_TIME",
@@ -163,7 +181,7 @@ pub(super) fn contrast_keyword(contrast: Contrast) -> &'static str {
     }
 }
 
-fn shadow_keyword(shadow: ShadowMode) -> &'static str {
+pub(super) fn shadow_keyword(shadow: ShadowMode) -> &'static str {
     match shadow {
         ShadowMode::Opaque => "OPAQUE",
         ShadowMode::Transparent => "TRANSPARENT",
@@ -329,6 +347,16 @@ mod tests {
         check(|s| s.camera.film.height = 1);
         check(|s| s.camera.film.output = OutputFormat::Exr);
         check(|s| s.camera.film.encoding = Encoding::Raw);
+    }
+
+    #[test]
+    fn regions_and_settings_of_a_recipe() {
+        let area = Area { x0: 3, y0: 4, x1: 13, y1: 24 };
+        let region = with_region(json(&scene()), area);
+        let parsed: serde_json::Value = serde_json::from_str(&region).unwrap();
+        assert_eq!(parsed["region"], serde_json::json!([3, 4, 10, 20]));
+        assert_eq!(settings_of(&parsed), Some((OutputFormat::Png16, Encoding::Srgb)));
+        assert_eq!(settings_of(&serde_json::Value::Null), None);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Radiance -> the values of a file.
 
+use crate::film::srgb;
 use crate::scene::Encoding;
 
 /// What a file shows of a channel: finite numbers as they are, 0 for all else.
@@ -15,17 +16,6 @@ pub(super) fn quantised(radiance: f32, encoding: Encoding, max: u16) -> u16 {
         Encoding::Srgb => srgb(clamped),
     };
     (encoded * f32::from(max)).round() as u16
-}
-
-/// Linear light in `[0, 1]` -> sRGB in `[0, 1]`.
-///
-/// Source: IEC 61966-2-1:1999, 5.3.
-fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055
-    }
 }
 
 #[cfg(test)]

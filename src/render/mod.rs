@@ -1,86 +1,140 @@
-//! Tiles over threads, adaptive blocks, progress.
+//! Tiles over threads, adaptive blocks, progress, stopping and going on.
 
-mod adaptive;
+mod plan;
 mod sections;
 mod tile;
 
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard};
 
 use rayon::prelude::*;
 
-use crate::film::{Area, Film, TooLarge};
+use crate::film::{Area, Film};
 use crate::frame::FrameScene;
 pub use crate::integrator::Statistics;
-use sections::Sections;
+pub use plan::{Part, Plan, display_of};
+use sections::{Sections, TILE};
 use tile::TileRenderer;
 
 /// Who watches a rendering and may stop it; called from many threads.
 pub trait Observer: Sync {
-    /// `pixels` more pixels are done, with `samples` camera samples.
-    fn advanced(&self, pixels: u64, samples: u64);
-    /// Whether to stop at the next tile.
+    /// So much more of the picture is done; all of it is 1.
+    fn advanced(&self, share: f64);
+    /// So much of the picture was done before; counts as advanced.
+    fn resumed(&self, share: f64) {
+        self.advanced(share);
+    }
+    /// Whether to stop soon.
     fn should_stop(&self) -> bool {
         false
     }
-}
-
-/// Why there is no picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unfinished {
-    /// The observer asked to stop.
-    Stopped,
-    /// Memory does not hold the film.
-    TooLarge(TooLarge),
-}
-
-impl From<TooLarge> for Unfinished {
-    fn from(error: TooLarge) -> Self {
-        Self::TooLarge(error)
+    /// Whether [`keep`](Self::keep) is to be called now.
+    fn wants_film(&self) -> bool {
+        false
+    }
+    /// All that is known of the picture at this moment.
+    fn keep(&self, film: Film) {
+        drop(film);
     }
 }
 
-/// Renders the whole picture of a frame on the threads of the current rayon pool.
-///
-/// # Errors
-/// [`Unfinished`] when the observer asked to stop, or memory does not suffice.
-pub fn render(
-    frame: &FrameScene,
-    observer: &dyn Observer,
-) -> Result<(Film, Statistics), Unfinished> {
-    let (width, height) = (frame.camera.width(), frame.camera.height());
-    let result = Mutex::new((Film::new(width, height)?, Statistics::default()));
+/// A film, and what was traced for it.
+#[derive(Clone, Debug)]
+pub struct Exposed {
+    /// With the samples that it had before.
+    pub film: Film,
+    /// Of this run.
+    pub statistics: Statistics,
+    /// Whether all samples of the plan are there; false where the observer asked to stop.
+    pub is_complete: bool,
+}
+
+/// Exposes a film to what the plan asks for, on the threads of the current rayon pool. It goes on
+/// from what `film` knows: that has to come from the same frame, and from a plan that would have
+/// gone on to this one.
+pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observer) -> Exposed {
+    let area = film.area();
+    let run = Run {
+        frame,
+        plan,
+        pixels: area.len() as f64,
+        result: Mutex::new((film, Statistics::default())),
+        observer,
+    };
     // One set of working memory per thread; a tile never waits for another inside its thread.
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
-    let render_tile = |area: Area| {
-        if observer.should_stop() {
-            return Err(Unfinished::Stopped);
-        }
+    let expose = |tile: Area| {
         let thread = rayon::current_thread_index().unwrap_or(0);
-        let mut renderer = lock(&memory[thread]);
-        let (pixels, statistics) = renderer.render(frame, area);
-        let samples = pixels.iter().map(|p| u64::from(p.samples)).sum();
-        {
-            let mut result = lock(&result);
-            result.0.put(area, pixels);
-            result.1 += statistics;
-        }
-        observer.advanced(area.len() as u64, samples);
-        Ok(())
+        run.expose(&mut lock(&memory[thread]), tile)
     };
     // Threads take sections, and when none is left steal tiles of others' sections.
-    let sections = Sections::new(&frame.settings, width, height);
-    sections
+    let (width, height) = (frame.camera.width(), frame.camera.height());
+    let stopped = Sections::new(&frame.settings, width, height)
         .areas()
         .into_par_iter()
         .with_max_len(frame.settings.sections_per_thread.max(1) as usize)
         .try_for_each(|section| {
-            sections::tiles(section).into_par_iter().with_max_len(1).try_for_each(render_tile)
-        })?;
-    Ok(result.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()))
+            let tiles: Vec<_> = section.cells(TILE).filter(|&t| plan.includes(t, width)).collect();
+            let tiles = tiles.into_par_iter().map(|tile| tile.common(&area)).with_max_len(1);
+            tiles.filter(|tile| !tile.is_empty()).try_for_each(expose)
+        });
+    let (film, statistics) = run.result.into_inner().unwrap_or_else(|p| p.into_inner());
+    Exposed { film, statistics, is_complete: stopped.is_ok() }
+}
+
+/// The observer asked to stop.
+struct Stopped;
+
+/// What all threads look at.
+struct Run<'a> {
+    frame: &'a FrameScene,
+    plan: &'a Plan,
+    /// In the film's area.
+    pixels: f64,
+    result: Mutex<(Film, Statistics)>,
+    observer: &'a dyn Observer,
+}
+
+impl Run<'_> {
+    /// Exposes one tile, step by step: what is known after a step is never lost.
+    fn expose(&self, renderer: &mut TileRenderer, tile: Area) -> Result<(), Stopped> {
+        let share = tile.len() as f64 / self.pixels;
+        let before = renderer.begin(&lock(&self.result).0, tile, self.plan);
+        let mut shown = before * share;
+        if before > 0.0 {
+            self.observer.resumed(shown);
+        }
+        while renderer.plan_step(self.plan) {
+            if self.observer.should_stop() {
+                return Err(Stopped);
+            }
+            let (film, statistics, samples) = renderer.take_step(self.frame, self.plan);
+            {
+                let mut result = lock(&self.result);
+                result.0.put(film);
+                result.1 += statistics;
+            }
+            if let Some(all) = self.plan.uniform() {
+                let step = samples as f64 / f64::from(all.max(1)) / self.pixels;
+                shown += step;
+                self.observer.advanced(step);
+            }
+            self.show_film();
+        }
+        self.observer.advanced(share - shown);
+        Ok(())
+    }
+
+    /// Gives the observer a copy of the film where it wants one: the others go on meanwhile.
+    fn show_film(&self) {
+        if self.observer.wants_film() {
+            let film = lock(&self.result).0.clone();
+            self.observer.keep(film);
+        }
+    }
 }
 
 /// Sums are whole at every moment, so a panic elsewhere leaves nothing broken behind a lock.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }

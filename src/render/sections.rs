@@ -5,9 +5,9 @@ use crate::scene::Settings;
 
 /// Side of a tile in pixels: its samples stay in the second-level cache, and the last tiles of a
 /// picture keep no thread waiting for long.
-const TILE: u32 = 32;
+pub(super) const TILE: u32 = 32;
 
-/// The thesis's cut of the picture into sections, evenly.
+/// The thesis's cut of the picture into sections, as evenly as whole tiles can be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sections {
     width: u32,
@@ -30,10 +30,11 @@ impl Sections {
         }
     }
 
-    /// All sections, row by row.
+    /// All sections that have tiles, row by row.
     pub(super) fn areas(&self) -> Vec<Area> {
-        let border = |i: u32, count: u32, pixels: u32| {
-            (u64::from(i) * u64::from(pixels) / u64::from(count)) as u32
+        let border = |i: u32, count: u32, pixels: u32| match i {
+            _ if i == count => pixels,
+            _ => (u64::from(i) * u64::from(pixels) / u64::from(count)) as u32 / TILE * TILE,
         };
         let area = |row, column| Area {
             x0: border(column, self.columns, self.width),
@@ -41,22 +42,9 @@ impl Sections {
             x1: border(column + 1, self.columns, self.width),
             y1: border(row + 1, self.rows, self.height),
         };
-        (0..self.rows).flat_map(|row| (0..self.columns).map(move |c| area(row, c))).collect()
+        let row = |row| (0..self.columns).map(move |column| area(row, column));
+        (0..self.rows).flat_map(row).filter(|area| !area.is_empty()).collect()
     }
-}
-
-/// The tiles of a section, row by row.
-pub(super) fn tiles(section: Area) -> Vec<Area> {
-    let starts = |from: u32, to: u32| (from..to).step_by(TILE as usize);
-    starts(section.y0, section.y1)
-        .flat_map(|y0| starts(section.x0, section.x1).map(move |x0| (x0, y0)))
-        .map(|(x0, y0)| Area {
-            x0,
-            y0,
-            x1: (x0 + TILE).min(section.x1),
-            y1: (y0 + TILE).min(section.y1),
-        })
-        .collect()
 }
 
 #[cfg(test)]
@@ -76,7 +64,8 @@ mod tests {
             let (width, height) = (131, 67);
             let mut seen = vec![0; (width * height) as usize];
             let sections = Sections::new(&settings, width, height).areas();
-            for tile in sections.into_iter().flat_map(tiles) {
+            for tile in sections.into_iter().flat_map(|section| section.cells(TILE)) {
+                assert_eq!((tile.x0 % TILE, tile.y0 % TILE), (0, 0));
                 for y in tile.y0..tile.y1 {
                     for x in tile.x0..tile.x1 {
                         seen[(y * width + x) as usize] += 1;

@@ -1,7 +1,9 @@
-//! One tile: samples of its pixels in blocks, until each pixel has enough.
+//! One tile: its pixels take samples in steps, until each has enough.
 
-use super::adaptive::{SamplePlan, Spread};
-use crate::film::{Area, Pixel};
+use std::ops::Range;
+
+use super::Plan;
+use crate::film::{Area, BLOCK, Film, base_end, split};
 use crate::frame::FrameScene;
 use crate::integrator::{SampleSum, Statistics, Wave, Work};
 
@@ -9,105 +11,164 @@ use crate::integrator::{SampleSum, Statistics, Wave, Work};
 /// of them are there to fill the batches of deep bounces.
 const SAMPLES_AT_ONCE: u32 = 16 * 1024;
 
+/// Camera samples of a step, about: what is lost at most where a run is killed, and how long a
+/// thread takes to hear that it should stop.
+const SAMPLES_OF_A_STEP: u32 = 128 * 1024;
+
 /// Working memory of one thread.
 #[derive(Debug, Default)]
 pub(super) struct TileRenderer {
     wave: Wave,
+    /// What is known of the tile.
+    film: Film,
+    /// The pixels in the order of their tracing: block by block, and in them patches of 4 x 4, so
+    /// that neighbours in a batch are neighbours in the picture.
+    order: Vec<u32>,
+    /// Ranges of `order` that decide together, each with its quarters, counted from its start.
+    groups: Vec<(Range<usize>, Vec<Range<usize>>)>,
+    steps: Vec<Step>,
     work: Vec<Work>,
-    pixels: Vec<Pixel>,
-    /// Of each pixel; empty where nobody asks.
-    spreads: Vec<Spread>,
+    /// For each entry of `work` its pixel.
+    pixels: Vec<u32>,
+    /// Samples in `work`.
+    queued: u32,
     statistics: Statistics,
 }
 
+/// Samples that a pixel is to take: `from..to`, counted within its share.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    pixel: u32,
+    from: u32,
+    to: u32,
+}
+
 impl TileRenderer {
-    /// The pixels of one area, row by row, and what was traced for them.
-    pub(super) fn render(&mut self, frame: &FrameScene, area: Area) -> (&[Pixel], Statistics) {
+    /// Begins with a tile of which `film` may know something; how much of it is done.
+    pub(super) fn begin(&mut self, film: &Film, tile: Area, plan: &Plan) -> f64 {
+        film.copy_to(tile, &mut self.film);
+        self.arrange(plan);
+        let taken = self.film.pixels().iter().map(|pixel| f64::from(pixel.samples));
+        match plan.uniform() {
+            Some(all) => taken.sum::<f64>() / f64::from(all.max(1)) / tile.len() as f64,
+            None if self.plan_step(plan) => 0.0,
+            None => 1.0,
+        }
+    }
+
+    /// Plans the next step. False where the tile is done.
+    pub(super) fn plan_step(&mut self, plan: &Plan) -> bool {
+        self.steps.clear();
+        for (group, quarters) in &self.groups {
+            let group = &self.order[group.clone()];
+            if let Some(to) = plan.next(&self.film, group, quarters) {
+                let from = |i: u32| self.film.pixels()[i as usize].samples;
+                let step = |&pixel: &u32| Step { pixel, from: from(pixel), to };
+                self.steps.extend(group.iter().map(step).filter(|step| step.from < to));
+            }
+        }
+        let each = (SAMPLES_OF_A_STEP / self.steps.len().max(1) as u32).max(1);
+        for step in &mut self.steps {
+            step.to = step.to.min(step.from.saturating_add(each));
+        }
+        !self.steps.is_empty()
+    }
+
+    /// Takes the samples of the planned step: the tile as it is then, what was traced, and the
+    /// number of samples.
+    pub(super) fn take_step(
+        &mut self,
+        frame: &FrameScene,
+        plan: &Plan,
+    ) -> (&Film, Statistics, u64) {
         self.statistics = Statistics::default();
+        let steps = std::mem::take(&mut self.steps);
+        let mut taken = 0;
+        for step in &steps {
+            taken += u64::from(step.to - step.from);
+            self.add_work(frame, plan, *step);
+        }
+        self.trace(frame, plan);
+        self.steps = steps;
+        (&self.film, self.statistics, taken)
+    }
+
+    /// Queues a pixel's samples by ranges of which one sum each is enough.
+    fn add_work(&mut self, frame: &FrameScene, plan: &Plan, Step { pixel, from, to }: Step) {
+        if plan.needs_spreads() {
+            (from..to).for_each(|i| self.add_range(frame, plan, pixel, i..i + 1));
+        } else if let Some(share) = plan.samples() {
+            let (from, to) = (share.start + from, share.start + to);
+            let middle = base_end(plan.most()).clamp(from, to);
+            self.add_range(frame, plan, pixel, from..middle);
+            self.add_range(frame, plan, pixel, middle..to);
+        } else {
+            split(from, to).for_each(|range| self.add_range(frame, plan, pixel, range));
+        }
+    }
+
+    /// Queues one range, and traces what is queued when it is enough.
+    fn add_range(&mut self, frame: &FrameScene, plan: &Plan, pixel: u32, mut range: Range<u32>) {
+        let area = self.film.area();
+        while !range.is_empty() {
+            let count = (range.end - range.start).min(SAMPLES_AT_ONCE);
+            let (x, y) = (area.x0 + pixel % area.width(), area.y0 + pixel / area.width());
+            self.work.push(Work { x, y, first: range.start, count });
+            self.pixels.push(pixel);
+            range.start += count;
+            self.queued += count;
+            if self.queued >= SAMPLES_AT_ONCE {
+                self.trace(frame, plan);
+            }
+        }
+    }
+
+    /// Traces what is queued and adds it to the film.
+    fn trace(&mut self, frame: &FrameScene, plan: &Plan) {
+        let (sums, statistics) = self.wave.trace(frame, &self.work);
+        self.statistics += statistics;
+        for ((work, &pixel), &sum) in self.work.iter().zip(&self.pixels).zip(sums) {
+            add(&mut self.film, plan, pixel, work, sum);
+        }
+        self.work.clear();
         self.pixels.clear();
-        self.pixels.resize(area.len(), Pixel::default());
-        self.spreads.clear();
-        let plan = SamplePlan::new(&frame.settings);
-        if plan.is_adaptive() {
-            self.spreads.resize(area.len(), Spread::default());
-        }
-        let mut active: Vec<u32> = patches(area);
-        let mut done = 0;
-        for end in plan.block_ends() {
-            self.sample(frame, area, &active, done, end);
-            done = end;
-            if plan.is_adaptive() {
-                let (pixels, spreads) = (&self.pixels, &self.spreads);
-                active.retain(|&i| plan.needs_more(&pixels[i as usize], &spreads[i as usize]));
-            }
-        }
-        (&self.pixels, self.statistics)
+        self.queued = 0;
     }
 
-    /// Takes samples `first..end` of the given pixels.
-    fn sample(&mut self, frame: &FrameScene, area: Area, active: &[u32], first: u32, end: u32) {
-        let at_once = (SAMPLES_AT_ONCE / (end - first)).max(1) as usize;
-        for pixels in active.chunks(at_once) {
-            // One pixel's samples may be too many for one go by themselves.
-            let mut from = first;
-            while from < end {
-                let count = (end - from).min(SAMPLES_AT_ONCE);
-                // Who looks at spreads needs every sample by itself.
-                let entry = if self.spreads.is_empty() { count } else { 1 };
-                self.work.clear();
-                self.work.extend(pixels.iter().flat_map(|i| {
-                    let (x, y) = (area.x0 + i % area.width(), area.y0 + i / area.width());
-                    let firsts = (from..from + count).step_by(entry as usize);
-                    firsts.map(move |first| Work { x, y, first, count: entry })
-                }));
-                let (sums, statistics) = self.wave.trace(frame, &self.work);
-                self.statistics += statistics;
-                let entries = (count / entry) as usize;
-                for (&i, sums) in pixels.iter().zip(sums.chunks_exact(entries)) {
-                    add_samples(&mut self.pixels[i as usize], sums, count);
-                    if let Some(spread) = self.spreads.get_mut(i as usize) {
-                        spread.add(sums);
-                    }
-                }
-                from += count;
+    fn arrange(&mut self, plan: &Plan) {
+        let tile = self.film.area();
+        self.order.clear();
+        self.groups.clear();
+        for block in tile.cells(BLOCK) {
+            let start = self.order.len();
+            let mut quarters = Vec::new();
+            for patch in block.cells(BLOCK / 2) {
+                let before = self.order.len() - start;
+                self.order.extend(indices(patch, tile));
+                quarters.push(before..self.order.len() - start);
+            }
+            if plan.group_side() == BLOCK {
+                self.groups.push((start..self.order.len(), quarters));
+            } else {
+                self.groups.extend((start..self.order.len()).map(|i| (i..i + 1, Vec::new())));
             }
         }
     }
 }
 
-fn add_samples(pixel: &mut Pixel, sums: &[SampleSum], samples: u32) {
-    pixel.samples += samples;
-    for sum in sums {
-        for (channel, &value) in pixel.sum.iter_mut().zip(sum) {
-            *channel += value;
-        }
+/// Adds the sum of some samples to a pixel.
+fn add(film: &mut Film, plan: &Plan, pixel: u32, work: &Work, sum: SampleSum) {
+    let (pixel, spread) = film.at_mut(pixel as usize);
+    match plan.samples() {
+        Some(_) if work.first < base_end(plan.most()) => pixel.add_base(sum, work.count),
+        Some(_) => pixel.add_later(sum, work.count),
+        None => pixel.add(sum, work.count),
     }
+    spread.into_iter().for_each(|spread| spread.add(sum));
 }
 
-/// The pixels of an area by patches of 4 x 4, so that neighbours in a batch are neighbours in the
-/// picture.
-fn patches(area: Area) -> Vec<u32> {
-    let (width, height) = (area.width(), area.height());
-    let mut order = Vec::with_capacity(area.len());
-    for (y0, x0) in (0..height).step_by(4).flat_map(|y| (0..width).step_by(4).map(move |x| (y, x)))
-    {
-        for y in y0..(y0 + 4).min(height) {
-            order.extend((x0..(x0 + 4).min(width)).map(|x| y * width + x));
-        }
-    }
-    order
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn patches_hold_every_pixel_once() {
-        let area = Area { x0: 5, y0: 7, x1: 5 + 31, y1: 7 + 10 };
-        let mut order = patches(area);
-        assert_eq!(order[..6], [0, 1, 2, 3, 31, 32]);
-        order.sort_unstable();
-        assert_eq!(order, (0..310).collect::<Vec<_>>());
-    }
+/// The indices in a tile of the pixels of an area in it, row by row.
+fn indices(area: Area, tile: Area) -> impl Iterator<Item = u32> {
+    let row = move |y| (area.x0..area.x1).map(move |x| (y - tile.y0) * tile.width() + x - tile.x0);
+    (area.y0..area.y1).flat_map(row)
 }

@@ -1,6 +1,7 @@
 //! Tests from outside: the library's public face and the program itself.
 
 mod analytic;
+mod any_split;
 mod determinism;
 mod oracle;
 mod program;

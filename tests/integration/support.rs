@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use slo_rt::accel::Isa;
-use slo_rt::film::{Film, Image};
+use slo_rt::film::{Area, Film, Image};
 use slo_rt::frame::FrameScene;
-use slo_rt::render::Observer;
+use slo_rt::render::{Observer, Plan, render};
 use slo_rt::scene::{Files, SceneDescription, load};
 
 struct Unwatched;
 
 impl Observer for Unwatched {
-    fn advanced(&self, _pixels: u64, _samples: u64) {}
+    fn advanced(&self, _share: f64) {}
 }
 
 /// The description of a scene that has no errors; its files lie in `tests/scenes`.
@@ -25,9 +25,13 @@ pub(crate) fn describe(text: &str) -> SceneDescription {
 /// The film of frame 0 of a scene.
 pub(crate) fn expose(scene: &SceneDescription, isa: Isa) -> Film {
     let frame = FrameScene::build(scene, 0, isa).expect("the frame can be built");
-    let (film, statistics) = slo_rt::render::render(&frame, &Unwatched).expect("not stopped");
-    assert_eq!(statistics.refused_contributions, 0);
-    film
+    let (plan, picture) = (Plan::new(scene), &scene.camera.film);
+    let area = Area::whole(picture.width, picture.height);
+    let film = Film::new(area, plan.needs_spreads()).expect("small enough");
+    let exposed = render(&frame, &plan, film, &Unwatched);
+    assert!(exposed.is_complete);
+    assert_eq!(exposed.statistics.refused_contributions, 0);
+    exposed.film
 }
 
 /// How a test scene is seen and sampled. x is to the right, y into the picture, z up; pictures have

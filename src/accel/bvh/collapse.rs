@@ -1,12 +1,14 @@
 //! From the planned binary hierarchy to nodes, blocks of triangles, and their ids.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::binary::BinaryTree;
+use super::binary::{BinaryTree, Branch};
 use super::layout::{Child, Corners, Node, Place, WIDTH};
 use super::plan::Family;
-use crate::accel::Triangle;
+use crate::accel::{Triangle, pages};
 
 /// Wide nodes that one task writes.
 const TASK: usize = 256;
@@ -26,64 +28,64 @@ pub(super) struct Wide {
 /// A wide node to be written.
 #[derive(Clone, Copy)]
 struct Draft {
-    /// The binary node that it stands for.
-    root: u32,
+    /// What it stands for.
+    root: Branch,
     first_slot: u32,
 }
 
 /// Writes the wide hierarchy; `left_out` are triangles without area, which get a place but no leaf.
 pub(super) fn collapse(mut tree: BinaryTree, triangles: &[Triangle], left_out: &[u32]) -> Wide {
     let (drafts, slots, depth) = draft(&mut tree, triangles.len() as u32);
-    let mut rows = vec![0.0; triangles.len() * Corners::PER_TRIANGLE];
-    let mut ids = vec![0; triangles.len()];
-    let (leaf_rows, other_rows) = rows.split_at_mut(slots * Corners::PER_TRIANGLE);
+    let mut corners = Corners::new(triangles.len());
+    let mut ids = pages::filled(0, triangles.len());
+    let (leaf_rows, other_rows) = corners.rows_mut().split_at_mut(slots * Corners::PER_TRIANGLE);
     let (leaf_ids, other_ids) = ids.split_at_mut(slots);
-    let writer = Writer { tree: &tree, triangles };
+    let places = (0..triangles.len()).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+    let writer = Writer { tree: &tree, triangles, places };
     let nodes = writer.write_all(&drafts, leaf_rows, leaf_ids);
-    for (i, &id) in left_out.iter().enumerate() {
-        other_ids[i] = id;
-        write_block(&mut other_rows[i * Corners::PER_TRIANGLE..], &[id], triangles);
+    let mut others = Blocks { begin: slots as u32, used: 0, rows: other_rows, ids: other_ids };
+    for &id in left_out {
+        others.push(&[id], &writer);
     }
-    let places = places(&nodes, &ids, slots);
-    Wide { nodes, corners: Corners::new(rows), ids, places, depth }
+    let places = writer.places.into_iter().map(|place| Place(place.into_inner())).collect();
+    Wide { nodes, corners, ids, places, depth }
 }
 
-/// Numbers the wide nodes, parents before children and subtrees together; each binary node that
-/// becomes one holds its number in `first` afterwards. Also the slots used and the depth.
+/// Numbers the wide nodes, parents before children and subtrees together; the plan of each binary
+/// node that becomes one holds its number afterwards. Also the slots used and the depth.
 fn draft(tree: &mut BinaryTree, first_curved: u32) -> (Vec<Draft>, usize, usize) {
     let mut drafts = Vec::new();
     let (mut slots, mut depth) = (0, 0);
     let mut family = Family::default();
-    let mut stack = if tree.nodes.is_empty() { vec![] } else { vec![(0, 1)] };
+    let mut stack: Vec<(Branch, usize)> = tree.root().map(|root| (root, 1)).into_iter().collect();
     while let Some((root, level)) = stack.pop() {
         depth = depth.max(level);
         family.gather(tree, root);
-        tree.nodes[root as usize].first = drafts.len() as u32;
+        if root.count > 1 {
+            tree.plan_mut(root).set_number(drafts.len() as u32);
+        }
         drafts.push(Draft { root, first_slot: slots });
         for &child in family.children.iter().rev() {
-            if !is_leaf(tree, child) {
+            if !tree.is_leaf(child) {
                 stack.push((child, level + 1));
-            } else if tree.references[tree.node(child).first as usize].id() < first_curved {
-                slots += tree.node(child).count;
+            } else if tree.references[child.first as usize].id() < first_curved {
+                slots += child.count;
             }
         }
     }
     (drafts, slots as usize, depth)
 }
 
-fn is_leaf(tree: &BinaryTree, node: u32) -> bool {
-    let node = tree.node(node);
-    node.count == 1 || node.plan.is_leaf()
-}
-
 struct Writer<'a> {
     tree: &'a BinaryTree,
     triangles: &'a [Triangle],
+    /// Where each triangle was put, by id.
+    places: Vec<AtomicU32>,
 }
 
 impl Writer<'_> {
     fn write_all(&self, drafts: &[Draft], mut rows: &mut [f32], mut ids: &mut [u32]) -> Vec<Node> {
-        let mut nodes = vec![Node::EMPTY; drafts.len()];
+        let mut nodes = pages::filled(Node::EMPTY, drafts.len());
         let slots = ids.len() as u32;
         let tasks: Vec<_> = nodes
             .chunks_mut(TASK)
@@ -112,19 +114,18 @@ impl Writer<'_> {
 
     fn write(&self, node: &mut Node, family: &Family, blocks: &mut Blocks) {
         for (place, &child) in family.children.iter().enumerate() {
-            let bounds = self.tree.node(child).bounds();
+            let bounds = self.tree.bounds(child);
             node.set(place, self.child(child, blocks), bounds);
         }
         node.order = self.order(family);
     }
 
-    fn child(&self, child: u32, blocks: &mut Blocks) -> Child {
-        let node = self.tree.node(child);
-        if !is_leaf(self.tree, child) {
-            return Child::node(node.first);
+    fn child(&self, child: Branch, blocks: &mut Blocks) -> Child {
+        if !self.tree.is_leaf(child) {
+            return Child::node(self.tree.plan(child).number());
         }
-        let first = node.first as usize;
-        let references = &self.tree.references[first..first + node.count as usize];
+        let first = child.first as usize;
+        let references = &self.tree.references[first..first + child.count as usize];
         let id = references[0].id();
         if id as usize >= self.triangles.len() {
             return Child::curved(id - self.triangles.len() as u32);
@@ -134,7 +135,7 @@ impl Writer<'_> {
         block.iter_mut().zip(references).for_each(|(id, r)| *id = r.id());
         // The first lane of several equals is then the one of the lowest id.
         block.sort_unstable();
-        blocks.push(block, self.triangles)
+        blocks.push(block, self)
     }
 
     /// The children from far to near, for each octant of directions. Of two sides of a fork the
@@ -145,7 +146,7 @@ impl Writer<'_> {
         let mut nearer: [u32; WIDTH] =
             std::array::from_fn(|child| if child < count { 0 } else { 0x1111_1111 * child as u32 });
         for fork in &family.forks {
-            let [left, right] = fork.sides.map(|side| self.tree.node(side).bounds());
+            let [left, right] = fork.sides.map(|side| self.tree.bounds(side));
             let apart = (right.min - left.min) + (right.max - left.max);
             let left_first = (0..8).fold(0, |word, octant| {
                 word | u32::from(diagonal(octant).dot(apart) >= 0.0) << (4 * octant)
@@ -183,12 +184,16 @@ struct Blocks<'a> {
 }
 
 impl Blocks<'_> {
-    fn push(&mut self, block: &[u32], triangles: &[Triangle]) -> Child {
-        let slot = self.begin + self.used as u32;
-        write_block(&mut self.rows[self.used * Corners::PER_TRIANGLE..], block, triangles);
+    fn push(&mut self, block: &[u32], writer: &Writer) -> Child {
+        let (slot, count) = (self.begin + self.used as u32, block.len() as u32);
+        write_block(&mut self.rows[self.used * Corners::PER_TRIANGLE..], block, writer.triangles);
         self.ids[self.used..self.used + block.len()].copy_from_slice(block);
+        for (lane, &id) in (0..).zip(block) {
+            let place = Place::new(slot, count, lane);
+            writer.places[id as usize].store(place.0, Ordering::Relaxed);
+        }
         self.used += block.len();
-        Child::triangles(slot, block.len() as u32)
+        Child::triangles(slot, count)
     }
 }
 
@@ -201,19 +206,4 @@ fn write_block(rows: &mut [f32], block: &[u32], triangles: &[Triangle]) {
             }
         }
     }
-}
-
-fn places(nodes: &[Node], ids: &[u32], slots: usize) -> Vec<Place> {
-    let mut places = vec![Place::default(); ids.len()];
-    for child in nodes.iter().flat_map(|node| node.children).filter(|child| child.is_block()) {
-        let count = child.block_len();
-        for lane in 0..count {
-            let id = ids[child.index() + lane];
-            places[id as usize] = Place::new(child.index() as u32, count as u32, lane as u32);
-        }
-    }
-    for (slot, &id) in ids.iter().enumerate().skip(slots) {
-        places[id as usize] = Place::new(slot as u32, 1, 0);
-    }
-    places
 }

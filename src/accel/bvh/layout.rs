@@ -1,7 +1,7 @@
 //! What the hierarchy is made of in memory.
 
-use crate::accel::Triangle;
 use crate::accel::triangle::POSITION_ERROR;
+use crate::accel::{Triangle, pages};
 use crate::math::{Bounds, rounding::UNIT_ROUNDOFF};
 use glam::Vec3;
 
@@ -136,10 +136,16 @@ impl Corners {
 
     pub(super) const PER_TRIANGLE: usize = 9;
 
-    /// `rows` without the padding.
-    pub(super) fn new(mut rows: Vec<f32>) -> Self {
-        rows.resize(rows.len() + Self::PADDING, 0.0);
+    /// Room for so many triangles.
+    pub(super) fn new(count: usize) -> Self {
+        let rows = vec![0.0; count * Self::PER_TRIANGLE + Self::PADDING];
+        pages::ask_for_large(&rows);
         Self { rows }
+    }
+
+    pub(super) fn rows_mut(&mut self) -> &mut [f32] {
+        let count = self.rows.len() - Self::PADDING;
+        &mut self.rows[..count]
     }
 
     pub(super) fn rows(&self) -> &[f32] {
@@ -172,7 +178,7 @@ pub(super) unsafe fn triangle_at(block: *const f32, count: usize, lane: usize) -
 
 /// Where the triangle of an id is: slot of its block, triangles there, and its lane.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place(u32);
+pub(super) struct Place(pub(super) u32);
 
 impl Place {
     pub(super) fn new(slot: u32, count: u32, lane: u32) -> Self {

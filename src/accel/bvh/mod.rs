@@ -5,9 +5,13 @@
 //! the only copy, found again by id through a table.
 
 mod binary;
+mod bins;
+mod boxes;
 mod careful;
 mod collapse;
+mod few;
 mod layout;
+mod order;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod packet;
 mod plan;
@@ -21,12 +25,14 @@ mod x86;
 
 use rayon::prelude::*;
 
-use self::binary::{BinaryTree, Reference};
+use self::binary::{BinaryTree, extent};
+use self::boxes::{Box8, Reference};
 use self::collapse::Wide;
 use self::layout::{Child, Corners, Node, Place};
-use self::ray::Ray;
+use self::ray::{Prepared, Ray};
 use self::steps::Portable;
 use self::stream::Query;
+use super::simd::{SetLanes, lanes_of};
 use super::{Coherence, Curved, Hits, Isa, Primitives, Rays, Triangle, triangle};
 use crate::math::Bounds;
 
@@ -58,12 +64,13 @@ impl Bvh {
     /// Builds the hierarchy, on all threads of the current rayon pool; it is the same for any
     /// number of them.
     pub fn build(primitives: Primitives, isa: Isa) -> Self {
-        let bounds = primitives.all_bounds();
-        let references = references(&primitives);
         let triangle_count = primitives.triangles.len();
-        let left_out = left_out(&references, triangle_count);
-        let tree = BinaryTree::build(references, triangle_count as u32);
-        let wide = collapse::collapse(tree, &primitives.triangles, &left_out);
+        let (references, left_out, extent) = references(&primitives);
+        let bounds =
+            left_out.iter().fold(extent[0].bounds(), |all, &id| all.union(primitives.bounds(id)));
+        let left_out = &left_out[..left_out.partition_point(|&id| (id as usize) < triangle_count)];
+        let tree = BinaryTree::build(references, extent, triangle_count as u32, isa);
+        let wide = collapse::collapse(tree, &primitives.triangles, left_out);
         let Wide { nodes, corners, ids, places, depth } = wide;
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let is_tame = largest <= ray::TAME_COORDINATE;
@@ -179,25 +186,33 @@ unsafe fn stream_avx2<Q: Query>(
     unsafe { stream::trace::<x86::Avx2, Q>(bvh, rays, coherence, query, stream) }
 }
 
-/// Boxes of everything that can be hit.
-fn references(primitives: &Primitives) -> Vec<Reference> {
-    let is_solid = |id: u32| match primitives.triangles.get(id as usize) {
-        Some(corners) => !triangle::is_degenerate(corners),
-        None => true,
-    };
-    (0..primitives.len() as u32)
-        .into_par_iter()
-        .filter(|&id| is_solid(id))
-        .map(|id| (id, primitives.bounds(id)))
-        .filter(|(_, bounds)| !bounds.is_empty())
-        .map(|(id, bounds)| Reference::new(bounds, id))
-        .collect()
-}
+/// Primitives that one task makes references to.
+const TASK: usize = 1 << 13;
 
-/// Triangles that nothing refers to.
-fn left_out(references: &[Reference], triangle_count: usize) -> Vec<u32> {
-    let mut kept = references.iter().map(Reference::id).peekable();
-    (0..triangle_count as u32).filter(|&id| kept.next_if_eq(&id).is_none()).collect()
+/// Boxes of everything that can be hit, the ids of what can not, and the [`extent`].
+fn references(primitives: &Primitives) -> (Vec<Reference>, Vec<u32>, [Box8; 2]) {
+    let is_hollow = |id: u32, bounds: &Bounds| {
+        let triangle = primitives.triangles.get(id as usize);
+        triangle.is_some_and(triangle::is_degenerate) || bounds.is_empty()
+    };
+    let mut references: Vec<Reference> = (0..primitives.len() as u32)
+        .into_par_iter()
+        .map(|id| (id, primitives.bounds(id)))
+        .map(|(id, bounds)| match is_hollow(id, &bounds) {
+            true => Reference::NONE,
+            false => Reference::new(bounds, id),
+        })
+        .collect();
+    let hollow = |(id, r): (usize, &Reference)| r.is_none().then_some(id as u32);
+    let left_out: Vec<u32> = references.par_iter().enumerate().filter_map(hollow).collect();
+    if !left_out.is_empty() {
+        references.retain(|r| !r.is_none());
+    }
+    let extents: Vec<_> = references.par_chunks(TASK).map(extent).collect();
+    let extent = extents.iter().fold([Box8::EMPTY; 2], |[all, centers], part| {
+        [all.union(&part[0]), centers.union(&part[1])]
+    });
+    (references, left_out, extent)
 }
 
 /// The first hit of each ray.
@@ -215,6 +230,29 @@ impl Query for Closest<'_> {
         self.hits.v[index] = v;
         self.hits.primitive[index] = primitive;
     }
+
+    #[inline(always)]
+    unsafe fn accept_lanes<L: SetLanes>(
+        &mut self,
+        rays: &Prepared,
+        base: usize,
+        set: u32,
+        [t, u, v, ids]: [L; 4],
+    ) {
+        let Hits { t: ts, u: us, v: vs, primitive } = &mut *self.hits;
+        let arrays =
+            [ts.as_mut_ptr(), us.as_mut_ptr(), vs.as_mut_ptr(), primitive.as_mut_ptr().cast()];
+        for (array, lanes) in arrays.into_iter().zip([t, u, v, ids]) {
+            // SAFETY: there is a hit for each ray of the batch.
+            unsafe {
+                if rays.are_neighbours {
+                    lanes.store_set(array.wrapping_add(rays.index[base] as usize), set);
+                } else {
+                    lanes.scatter_set(array, rays.index.as_ptr().add(base), set);
+                }
+            }
+        }
+    }
 }
 
 /// Whether each ray is blocked.
@@ -228,5 +266,18 @@ impl Query for Any<'_> {
     #[inline(always)]
     fn accept(&mut self, index: usize, _: [f32; 3], _: u32) {
         self.blocked[index] = true;
+    }
+
+    #[inline(always)]
+    unsafe fn accept_lanes<L: SetLanes>(
+        &mut self,
+        rays: &Prepared,
+        base: usize,
+        set: u32,
+        _: [L; 4],
+    ) {
+        for lane in lanes_of(set) {
+            self.blocked[rays.index[base + lane] as usize] = true;
+        }
     }
 }

@@ -15,7 +15,7 @@ use super::layout::{Child, Corners, Node, WIDTH, triangle_at};
 use super::ray::{Prepared, Ray};
 use super::steps::Steps;
 use super::stream::{Flights, Memory, Query};
-use crate::accel::simd::{Lanes, lanes_of, load3};
+use crate::accel::simd::{Lanes, SetLanes, lanes_of, load3};
 use crate::accel::triangle::lanes::Tested;
 use crate::accel::{LANES, Rays};
 
@@ -31,20 +31,21 @@ const LANES_PER_USE: u32 = 2;
 /// Working memory of [`trace`].
 #[derive(Debug, Default)]
 pub(super) struct Stack {
-    nears: Vec<Nears>,
-    children: Vec<Child>,
+    rests: Vec<Rest>,
 }
 
-/// Where each lane enters a child; NaN where it does not.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-struct Nears([f32; LANES]);
+/// Children of a node that are still to be visited.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rest {
+    node: u32,
+    /// Bit `s` for the child that lies `s`-th from the near end.
+    set: u32,
+}
 
 impl Stack {
     pub(super) fn prepare(&mut self, size: usize) {
-        if self.nears.len() < size {
-            self.nears.resize(size, Nears([0.0; LANES]));
-            self.children.resize(size, Child::DONE);
+        if self.rests.len() < size {
+            self.rests.resize(size, Rest::default());
         }
     }
 }
@@ -52,26 +53,26 @@ impl Stack {
 /// The steps of packets for one instruction set.
 pub(super) trait PacketSteps: Steps {
     /// One lane for each ray of a packet.
-    type Lanes: Lanes;
+    type Lanes: SetLanes;
 
     /// Writes the places of the children that some ray of the packet may enter before `t_max`, from
     /// far to near; returns how many. Eight may be overwritten.
     ///
     /// # Safety
     /// The CPU has the instruction set.
-    unsafe fn may_enter(node: &Node, beam: &Beam, places: &mut [u32; WIDTH]) -> usize;
+    unsafe fn may_enter(node: &Node, beam: &Beam) -> u32;
 }
 
-/// What holds all rays of a packet. Axes are turned so that all rays go toward larger coordinates.
+/// What holds all rays of a packet, as far as boxes ask: distances to planes where rays enter are
+/// not less than `plane * least - near`, or less than 0; to planes where they leave not more than
+/// `plane * most - far`, or both less than 0.
 #[derive(Debug)]
 pub(super) struct Beam {
-    /// 1 or -1, by axis: what turns a plane.
-    pub(super) signs: [f32; 3],
-    /// Largest turned origin, by axis, where rays enter, and least one where they leave.
-    pub(super) entering: [f32; 3],
-    pub(super) leaving: [f32; 3],
-    /// Least and largest size of the inverse direction, by axis.
-    pub(super) inverses: [[f32; 2]; 3],
+    /// Of the inverse directions those of the least and of the largest size, by axis.
+    pub(super) least: [f32; 3],
+    pub(super) most: [f32; 3],
+    pub(super) near: [f32; 3],
+    pub(super) far: [f32; 3],
     /// Farthest end of a ray.
     pub(super) t_max: f32,
     pub(super) order_shift: u32,
@@ -88,28 +89,75 @@ impl Beam {
         let octant = rays.octant[base + set.trailing_zeros() as usize];
         // SAFETY: the caller's.
         unsafe {
-            let of_set = |values: &[f32; LANES], other: f32| {
-                L::load(values.as_ptr().add(base)).replace(!set, L::splat(other))
-            };
+            let [x, y, z] = of_set::<L>(&rays.leaving, base, set);
+            let leaving = L::leasts([x, y, z, x]);
+            let [x, y, z] = of_set::<L>(&rays.size, base, set);
+            let least = L::leasts([x, y, z, x]);
+            let [x, y, z] = negated_of_set::<L>(&rays.size, base, set);
+            let most = L::leasts([x, y, z, x]);
+            let [x, y, z] = negated_of_set::<L>(&rays.entering, base, set);
+            let t_max = L::load(rays.t_max.as_ptr().add(base)).replace(!set, L::splat(0.0));
+            let entering = L::leasts([x, y, z, L::splat(0.0).sub(t_max)]);
             let mut beam = Self {
-                signs: [0.0; 3],
-                entering: [0.0; 3],
-                leaving: [0.0; 3],
-                inverses: [[0.0; 2]; 3],
-                t_max: of_set(&rays.t_max, 0.0).largest(),
+                least: [0.0; 3],
+                most: [0.0; 3],
+                near: [0.0; 3],
+                far: [0.0; 3],
+                t_max: -entering[3],
                 order_shift: 4 * octant,
                 entries: Ray::entries(octant),
             };
             for axis in 0..3 {
-                let sizes = &rays.size[axis];
-                beam.signs[axis] = if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
-                beam.entering[axis] = of_set(&rays.entering[axis], f32::NEG_INFINITY).largest();
-                beam.leaving[axis] = of_set(&rays.leaving[axis], f32::INFINITY).least();
-                let least = of_set(sizes, f32::INFINITY).least();
-                beam.inverses[axis] = [least, of_set(sizes, 0.0).largest()];
+                let sign = if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
+                beam.least[axis] = least[axis] * sign;
+                beam.most[axis] = -most[axis] * sign;
+                beam.near[axis] = -entering[axis] * least[axis];
+                beam.far[axis] = leaving[axis] * -most[axis];
             }
             beam
         }
+    }
+}
+
+/// Three rows from lane `base` on, infinite outside of a set.
+///
+/// # Safety
+/// The CPU has the instructions of `L`; `base` leaves enough lanes.
+#[inline(always)]
+unsafe fn of_set<L: Lanes>(rows: &[[f32; LANES]; 3], base: usize, set: u32) -> [L; 3] {
+    // SAFETY: the caller's.
+    unsafe {
+        let ([x, y, z], other) = (load3::<L>(rows, base), L::splat(f32::INFINITY));
+        [x.replace(!set, other), y.replace(!set, other), z.replace(!set, other)]
+    }
+}
+
+/// Three rows from lane `base` on, their signs turned, infinite outside of a set.
+///
+/// # Safety
+/// The CPU has the instructions of `L`; `base` leaves enough lanes.
+#[inline(always)]
+unsafe fn negated_of_set<L: Lanes>(rows: &[[f32; LANES]; 3], base: usize, set: u32) -> [L; 3] {
+    // SAFETY: the caller's.
+    unsafe {
+        let ([x, y, z], other) = (load3::<L>(rows, base), L::splat(f32::NEG_INFINITY));
+        let zero = L::splat(0.0);
+        [
+            zero.sub(x.replace(!set, other)),
+            zero.sub(y.replace(!set, other)),
+            zero.sub(z.replace(!set, other)),
+        ]
+    }
+}
+
+/// # Safety
+/// The CPU has the instructions of `L`.
+#[inline(always)]
+unsafe fn negated<L: Lanes>([x, y, z]: [L; 3]) -> [L; 3] {
+    // SAFETY: the caller's.
+    unsafe {
+        let zero = L::splat(0.0);
+        [zero.sub(x), zero.sub(y), zero.sub(z)]
     }
 }
 
@@ -138,44 +186,6 @@ impl UseOfLanes {
     }
 }
 
-/// Orders the rays of a batch by the way they go, so that packets are full: those that go one way
-/// keep their order, which is that of neighbours. The number of rays is made whole by repeating the
-/// last one; rays that are in order already get none.
-pub(super) fn order_by_way(rays: &Rays, order: &mut Vec<u32>, ways: &mut Vec<u8>) {
-    const WAYS: usize = 32;
-    let n = rays.len();
-    ways.clear();
-    let [x, y, z] = &rays.direction;
-    ways.extend(x[..n].iter().zip(&y[..n]).zip(&z[..n]).map(|((&x, &y), &z)| way(x, y, z)));
-    order.clear();
-    if ways.is_sorted() {
-        return;
-    }
-    let mut places = [0u32; WAYS];
-    for &way in &*ways {
-        places[usize::from(way)] += 1;
-    }
-    let mut place = 0;
-    for count in &mut places {
-        place += std::mem::replace(count, place);
-    }
-    order.resize(n.next_multiple_of(LANES), n.saturating_sub(1) as u32);
-    for (i, &way) in ways.iter().enumerate() {
-        let place = &mut places[usize::from(way)];
-        order[*place as usize] = i as u32;
-        *place += 1;
-    }
-}
-
-/// Signs of a direction and its largest axis; nothing depends on how equals are told apart.
-#[inline(always)]
-fn way(x: f32, y: f32, z: f32) -> u8 {
-    let negative = |v: f32| (v.to_bits() >> 31) as u8;
-    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
-    let largest = if ax >= ay && ax >= az { 0 } else { 1 + u8::from(ay < az) };
-    negative(x) | negative(y) << 1 | negative(z) << 2 | largest << 3
-}
-
 /// Traces the packets that sixteen rays make; returns the rays that are left, which go other ways
 /// than most.
 ///
@@ -188,26 +198,13 @@ pub(super) unsafe fn trace<S: PacketSteps, Q: Query>(
     pending: u32,
     query: &mut Q,
 ) -> u32 {
-    let mut ways = prepared.octant;
-    for (way, z_axis) in ways.iter_mut().zip(&prepared.z_axis) {
-        *way = *way << 2 | z_axis;
-    }
     let mut left = 0;
     let lanes = S::Lanes::COUNT;
     for base in (0..LANES).step_by(lanes) {
-        let mut part = pending & ((1 << lanes) - 1) << base;
-        while part != 0 {
-            let way = ways[part.trailing_zeros() as usize];
-            let mut alike = 0;
-            for (lane, &other) in ways.iter().enumerate() {
-                alike |= u32::from(other == way) << lane;
-            }
-            let set = part & alike;
-            part &= !set;
-            if set.count_ones() < ENOUGH {
-                left |= set;
-                continue;
-            }
+        let set = pending & ((1 << lanes) - 1) << base;
+        if set.count_ones() < ENOUGH {
+            left |= set;
+        } else {
             // SAFETY: the caller's.
             unsafe { Packet::<S>::new(prepared, base, set).trace(around, query) };
         }
@@ -222,8 +219,8 @@ struct Packet<'a, S: PacketSteps> {
     base: usize,
     beam: Beam,
     inverse: [S::Lanes; 3],
-    near: [S::Lanes; 3],
-    far: [S::Lanes; 3],
+    minus_near: [S::Lanes; 3],
+    minus_far: [S::Lanes; 3],
     origin: [S::Lanes; 3],
     shear: [S::Lanes; 3],
     axes: [usize; 3],
@@ -251,8 +248,8 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
             Self {
                 beam: Beam::new::<S::Lanes>(prepared, base, set),
                 inverse: load3(&prepared.inverse, base),
-                near: load3(&prepared.near, base),
-                far: load3(&prepared.far, base),
+                minus_near: negated(load3(&prepared.near, base)),
+                minus_far: negated(load3(&prepared.far, base)),
                 origin: load3(&prepared.origin, base),
                 shear: load3(&prepared.shear, base),
                 axes: [(z_axis + 1) % 3, (z_axis + 2) % 3, z_axis],
@@ -275,20 +272,31 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
         // SAFETY: on each level the stack grows by at most `WIDTH - 1`, which the hierarchy's
         // stack size allows for.
         unsafe {
-            let nears = around.stack.nears.as_mut_ptr();
-            let children = around.stack.children.as_mut_ptr();
-            *nears = Nears([0.0; LANES]);
-            *children = Child::node(0);
-            let mut top = 1;
-            while top > 0 {
-                top -= 1;
-                let lanes = S::Lanes::load((*nears.add(top)).0.as_ptr()).le(self.t);
+            let rests = around.stack.rests.as_mut_ptr();
+            let mut top = 0;
+            let mut rest = Rest { node: 0, set: S::may_enter(&*around.memory.nodes, &self.beam) };
+            loop {
+                if rest.set == 0 {
+                    if top == 0 {
+                        break;
+                    }
+                    top -= 1;
+                    rest = *rests.add(top);
+                }
+                let node = &*around.memory.nodes.add(rest.node as usize);
+                let order = node.order[WIDTH - 1 - rest.set.trailing_zeros() as usize % WIDTH];
+                let place = (order >> self.beam.order_shift & 7) as usize;
+                let child = node.children[place];
+                rest.set &= rest.set - 1;
+                let lanes = self.enter(node, place);
                 if lanes == 0 {
                     continue;
                 }
                 around.use_of_lanes.all += S::Lanes::COUNT as u32;
                 around.use_of_lanes.used += lanes.count_ones();
-                let child = *children.add(top);
+                *rests.add(top) = rest;
+                top += usize::from(rest.set != 0);
+                rest.set = 0;
                 if child.is_block() {
                     self.test_leaf::<Q>(around, child, lanes);
                     if Q::ANY && self.found == self.set {
@@ -297,17 +305,9 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 } else if child.is_leaf() || lanes.count_ones() <= FEW {
                     self.part(around, child, lanes, top);
                 } else {
+                    rest.node = child.0;
                     let node = &*around.memory.nodes.add(child.index());
-                    let mut places = [0; WIDTH];
-                    let count = S::may_enter(node, &self.beam, &mut places);
-                    for &place in &places[..count] {
-                        let near = self.enter(node, place as usize);
-                        let Some(near) = near else { continue };
-                        near.store((*nears.add(top)).0.as_mut_ptr());
-                        *children.add(top) = node.children[place as usize & (WIDTH - 1)];
-                        top += 1;
-                    }
-                    around.memory.prefetch(*children.add(top.saturating_sub(1)));
+                    rest.set = S::may_enter(node, &self.beam);
                 }
             }
             self.finish(query);
@@ -319,22 +319,21 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
     /// # Safety
     /// The CPU has the instruction set.
     #[inline(always)]
-    unsafe fn enter(&self, node: &Node, place: usize) -> Option<S::Lanes> {
+    unsafe fn enter(&self, node: &Node, place: usize) -> u32 {
         // SAFETY: entries and places lie within the node's planes.
         unsafe {
             let planes = node.planes.as_ptr().cast::<u8>();
             let plane =
                 |entry: u32| S::Lanes::splat(*planes.add(entry as usize).cast::<f32>().add(place));
             let [x, y, z] = self.beam.entries;
-            let near = plane(x).mul_sub(self.inverse[0], self.near[0]);
-            let near = near.max(plane(y).mul_sub(self.inverse[1], self.near[1]));
-            let near = near.max(plane(z).mul_sub(self.inverse[2], self.near[2]));
+            let near = plane(x).mul_add(self.inverse[0], self.minus_near[0]);
+            let near = near.max(plane(y).mul_add(self.inverse[1], self.minus_near[1]));
+            let near = near.max(plane(z).mul_add(self.inverse[2], self.minus_near[2]));
             let near = near.max(S::Lanes::splat(0.0));
-            let far = plane(x ^ 32).mul_sub(self.inverse[0], self.far[0]);
-            let far = far.min(plane(y ^ 32).mul_sub(self.inverse[1], self.far[1]));
-            let far = far.min(plane(z ^ 32).mul_sub(self.inverse[2], self.far[2]));
-            let lanes = near.le(far.min(self.t));
-            (lanes != 0).then_some(near.replace(!lanes, S::Lanes::splat(f32::NAN)))
+            let far = plane(x ^ 32).mul_add(self.inverse[0], self.minus_far[0]);
+            let far = far.min(plane(y ^ 32).mul_add(self.inverse[1], self.minus_far[1]));
+            let far = far.min(plane(z ^ 32).mul_add(self.inverse[2], self.minus_far[2]));
+            near.le(far.min(self.t))
         }
     }
 
@@ -346,14 +345,16 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
         // SAFETY: the caller's.
         unsafe {
             let block = around.memory.rows.add(child.index() * Corners::PER_TRIANGLE);
+            let [x, y, z] = self.axes;
+            let rows = [block.add(x * count), block.add(y * count), block.add(z * count)];
             for k in 0..count {
                 let mut corners = [[self.u; 3]; 3];
                 for (c, corner) in corners.iter_mut().enumerate() {
-                    for (axis, x) in self.axes.iter().zip(corner) {
-                        *x = S::Lanes::splat(*block.add((3 * c + axis) * count + k));
+                    for (row, x) in rows.iter().zip(corner) {
+                        *x = S::Lanes::splat(*row.add(3 * c * count + k));
                     }
                 }
-                let tested = Tested::new(corners, self.origin, self.shear, self.t, lanes);
+                let tested = Tested::with_branch(corners, self.origin, self.shear, self.t, lanes);
                 if tested.hits == 0 {
                     continue;
                 }
@@ -367,10 +368,8 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 } else {
                     let id = *around.bvh.ids.get_unchecked(child.index() + k);
                     self.keep(&tested, nearer, id);
+                    self.beam.t_max = self.farthest();
                 }
-            }
-            if !Q::ANY {
-                self.beam.t_max = self.farthest();
             }
         }
     }
@@ -439,12 +438,9 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 ray.is_hit = self.found >> lane & 1 == 1;
                 let ray = around.flights.park(ray, child);
                 for i in 0..top {
-                    let near = around.stack.nears.get_unchecked(i).0[lane];
-                    let child = *around.stack.children.get_unchecked(i);
-                    // Not NaN, and not behind the best hit.
-                    if near <= (*ray).t {
-                        around.memory.push(&mut *ray, near, child);
-                    }
+                    let Rest { node, set } = *around.stack.rests.get_unchecked(i);
+                    let node = &*around.memory.nodes.add(node as usize);
+                    around.memory.push_children::<S>(node, &mut *ray, (set as u8).reverse_bits());
                 }
             }
             self.t = self.t.replace(lanes, S::Lanes::splat(f32::NEG_INFINITY));
@@ -456,19 +452,9 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
     /// The CPU has the instruction set.
     #[inline(always)]
     unsafe fn finish<Q: Query>(&self, query: &mut Q) {
-        let mut state = [[0.0; LANES]; 3];
-        // SAFETY: there are as many values as lanes, or more.
-        let ids = unsafe {
-            for (values, lanes) in state.iter_mut().zip([self.t, self.u, self.v]) {
-                lanes.store(values.as_mut_ptr());
-            }
-            bits_of(self.ids)
-        };
-        for lane in lanes_of(self.found & self.set) {
-            let hit = [state[0][lane], state[1][lane], state[2][lane]];
-            let index = self.prepared.index[self.base + lane] as usize;
-            query.accept(index, hit, ids[lane]);
-        }
+        let hits = [self.t, self.u, self.v, self.ids];
+        // SAFETY: the indices are those of rays of the batch.
+        unsafe { query.accept_lanes(self.prepared, self.base, self.found & self.set, hits) };
     }
 }
 

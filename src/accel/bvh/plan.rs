@@ -4,7 +4,7 @@
 //! Source: Ylitie, Karras, Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed
 //! Wide BVHs* (HPG 2017), section 2; here a leaf costs by blocks, and curved surfaces cost more.
 
-use super::binary::{BLOCK, BinaryTree};
+use super::binary::{BLOCK, BinaryTree, Branch};
 use super::layout::WIDTH;
 
 /// Cost of testing the boxes of a node, in tests of a block of triangles.
@@ -16,21 +16,43 @@ const CURVED_COST: f32 = 4.0;
 /// What becomes of a binary node: 3 bits for each number of roots `j` from 2 to 8 that its subtree
 /// may take, telling how many of them go to the left child, 0 if one root fewer is as cheap; and
 /// whether it is a leaf where it is a root itself.
+///
+/// Of a node of the wide hierarchy only the share of eight roots is asked for: its number takes the
+/// place of the others.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan(u32);
 
 impl Plan {
-    const IS_LEAF: u32 = 1 << 31;
+    const IS_NUMBERED: u32 = 1 << 31;
+    const IS_LEAF: u32 = 1 << 27;
+    const ALL_ROOTS: u32 = 28;
+    const NUMBER: u32 = (1 << Self::ALL_ROOTS) - 1;
 
     /// A leaf wherever it stands.
     pub(super) const LEAF: Self = Self(Self::IS_LEAF);
 
     pub(super) fn is_leaf(self) -> bool {
-        self.0 & Self::IS_LEAF != 0
+        self.0 & (Self::IS_NUMBERED | Self::IS_LEAF) == Self::IS_LEAF
     }
 
+    /// See [`Plan`]; a node of the wide hierarchy takes all roots or one.
     fn left_roots(self, roots: usize) -> usize {
-        (self.0 >> (3 * (roots - 2))) as usize & 7
+        let shift = match roots {
+            WIDTH => Self::ALL_ROOTS,
+            _ if self.0 & Self::IS_NUMBERED != 0 => return 0,
+            _ => 3 * (roots as u32 - 2),
+        };
+        (self.0 >> shift) as usize & 7
+    }
+
+    /// Keeps the number of a wide node.
+    pub(super) fn set_number(&mut self, number: u32) {
+        self.0 = Self::IS_NUMBERED | self.0 & (7 << Self::ALL_ROOTS) | number;
+    }
+
+    /// The number of a wide node.
+    pub(super) fn number(self) -> u32 {
+        self.0 & Self::NUMBER
     }
 }
 
@@ -53,52 +75,52 @@ impl Subtree {
 /// The cheapest ways to stand for a node over `count` primitives and two children.
 pub(super) fn combine(
     half_area: f32,
-    count: u32,
+    count: usize,
     left: &Subtree,
     right: &Subtree,
 ) -> (Subtree, Plan) {
     let has_curved = left.has_curved || right.has_curved;
-    let mut costs = [0.0; WIDTH];
-    let mut plan = 0;
-    for roots in 2..=WIDTH {
-        let (cost, to_left) = distribute(left, right, roots);
-        costs[roots - 1] = cost;
-        plan |= (to_left as u32) << (3 * (roots - 2));
-    }
+    let (mut costs, to_left) = distribute(&left.costs, &right.costs);
     let inner = NODE_COST * half_area + costs[WIDTH - 1];
-    costs[0] = inner;
-    if count as usize <= BLOCK && !has_curved && half_area <= inner {
-        costs[0] = half_area;
-        plan |= Plan::IS_LEAF;
-    }
+    let is_leaf = count <= BLOCK && !has_curved && half_area <= inner;
+    costs[0] = if is_leaf { half_area } else { inner };
+    let mut plan = u32::from(is_leaf) * Plan::IS_LEAF;
     // Eight roots are always shared out: they are the children of a node.
     for roots in 2..WIDTH {
-        if costs[roots - 2] <= costs[roots - 1] {
-            costs[roots - 1] = costs[roots - 2];
-            plan &= !(7 << (3 * (roots - 2)));
-        }
+        let is_cheaper = costs[roots - 1] < costs[roots - 2];
+        costs[roots - 1] = if is_cheaper { costs[roots - 1] } else { costs[roots - 2] };
+        plan |= (u32::from(is_cheaper) * to_left[roots - 1]) << (3 * (roots - 2));
     }
     costs[WIDTH - 1] = costs[WIDTH - 1].min(costs[WIDTH - 2]);
+    plan |= to_left[WIDTH - 1] << Plan::ALL_ROOTS;
     (Subtree { costs, has_curved }, Plan(plan))
 }
 
-/// The cheapest way to share `roots` between both children, and how many go left.
-fn distribute(left: &Subtree, right: &Subtree, roots: usize) -> (f32, usize) {
-    let mut best = (f32::INFINITY, 1);
-    for to_left in 1..roots {
-        let cost = left.costs[to_left - 1] + right.costs[roots - to_left - 1];
-        if cost < best.0 {
-            best = (cost, to_left);
+/// The cheapest ways to share 2 to [`WIDTH`] roots between both children, and how many go left.
+#[inline(always)]
+fn distribute(left: &[f32; WIDTH], right: &[f32; WIDTH]) -> ([f32; WIDTH], [u32; WIDTH]) {
+    // The right child's costs behind infinite ones, so that all numbers of roots are tried at once.
+    let mut shifted = [f32::INFINITY; 2 * WIDTH];
+    shifted[WIDTH..].copy_from_slice(right);
+    let mut costs = [f32::INFINITY; WIDTH];
+    let mut to_left = [1; WIDTH];
+    for given in 1..WIDTH {
+        let right = &shifted[WIDTH - given..][..WIDTH];
+        for i in 0..WIDTH {
+            let cost = left[given - 1] + right[i];
+            let is_cheaper = cost < costs[i];
+            costs[i] = if is_cheaper { cost } else { costs[i] };
+            to_left[i] = if is_cheaper { given as u32 } else { to_left[i] };
         }
     }
-    best
+    (costs, to_left)
 }
 
 /// Two neighbouring runs of a wide node's children that a binary node told apart.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fork {
-    /// The binary nodes of both sides.
-    pub(super) sides: [u32; 2],
+    /// Both sides.
+    pub(super) sides: [Branch; 2],
     /// Left children are `begin..middle`, right ones `middle..end`.
     pub(super) begin: usize,
     /// See `begin`.
@@ -107,40 +129,41 @@ pub(super) struct Fork {
     pub(super) end: usize,
 }
 
-/// The children of a wide node, as binary nodes, and how they are told apart.
+/// The children of a wide node, and how they are told apart.
 #[derive(Debug, Default)]
 pub(super) struct Family {
-    pub(super) children: Vec<u32>,
+    pub(super) children: Vec<Branch>,
     pub(super) forks: Vec<Fork>,
 }
 
 impl Family {
-    /// Becomes the family of the wide node that stands for the binary node `root`.
-    pub(super) fn gather(&mut self, tree: &BinaryTree, root: u32) {
+    /// Becomes the family of the wide node that stands for `root`.
+    pub(super) fn gather(&mut self, tree: &BinaryTree, root: Branch) {
         self.children.clear();
         self.forks.clear();
-        if tree.node(root).count == 1 {
+        if root.count == 1 {
             self.children.push(root);
         } else {
             self.fork(tree, root, WIDTH);
         }
     }
 
-    fn add(&mut self, tree: &BinaryTree, node: u32, roots: usize) {
-        let plan = tree.node(node).plan;
-        let is_single = tree.node(node).count == 1;
-        if roots == 1 || is_single {
-            self.children.push(node);
-        } else if roots < WIDTH && plan.left_roots(roots) == 0 {
-            self.add(tree, node, roots - 1);
-        } else {
-            self.fork(tree, node, roots);
+    fn add(&mut self, tree: &BinaryTree, branch: Branch, mut roots: usize) {
+        if branch.count > 1 {
+            let plan = tree.plan(branch);
+            while roots > 1 && plan.left_roots(roots) == 0 {
+                roots -= 1;
+            }
+            if roots > 1 {
+                return self.fork(tree, branch, roots);
+            }
         }
+        self.children.push(branch);
     }
 
-    fn fork(&mut self, tree: &BinaryTree, node: u32, roots: usize) {
-        let sides = tree.children(node);
-        let to_left = tree.node(node).plan.left_roots(roots);
+    fn fork(&mut self, tree: &BinaryTree, branch: Branch, roots: usize) {
+        let sides = tree.children(branch);
+        let to_left = tree.plan(branch).left_roots(roots);
         let begin = self.children.len();
         self.add(tree, sides[0], to_left);
         let middle = self.children.len();

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::layout::BOX_ERROR;
+use super::steps::Steps;
 use crate::accel::triangle::ShearedRay;
 use crate::accel::{LANES, Rays};
 
@@ -45,10 +46,12 @@ pub(super) struct Prepared {
     pub(super) z_axis: [u32; LANES],
     /// Bit `axis` is set where the direction is negative.
     pub(super) octant: [u32; LANES],
-    /// Whether the fast kernels may trace the ray: nothing in it overflows on the way to a box.
-    pub(super) is_tame: [bool; LANES],
+    /// 1 if the fast kernels may trace the ray: nothing in it overflows on the way to a box.
+    pub(super) is_tame: [u32; LANES],
     /// Its place in the batch.
     pub(super) index: [u32; LANES],
+    /// Whether the places follow each other.
+    pub(super) are_neighbours: bool,
 }
 
 impl Prepared {
@@ -64,8 +67,9 @@ impl Prepared {
         t_max: [0.0; LANES],
         z_axis: [0; LANES],
         octant: [0; LANES],
-        is_tame: [false; LANES],
+        is_tame: [0; LANES],
         index: [0; LANES],
+        are_neighbours: true,
     };
 
     /// Makes the rays from `first` on ready, sixteen or as many as the arrays hold.
@@ -74,25 +78,30 @@ impl Prepared {
         for (lane, index) in self.index.iter_mut().enumerate() {
             *index = (first + lane) as u32;
         }
+        self.are_neighbours = true;
         self.t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
         self.derive(lanes_of(&rays.origin, first), lanes_of(&rays.direction, first));
     }
 
     /// Makes sixteen rays of a batch ready.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set of `S`; there are such rays.
     #[inline(always)]
-    pub(super) fn fill_from(&mut self, rays: &Rays, indices: &[u32; LANES]) {
-        let mut origin = [[0.0; LANES]; 3];
-        let mut direction = [[0.0; LANES]; 3];
-        for (lane, &index) in indices.iter().enumerate() {
-            let i = index as usize;
-            for axis in 0..3 {
-                origin[axis][lane] = rays.origin[axis][i];
-                direction[axis][lane] = rays.direction[axis][i];
-            }
-            self.t_max[lane] = rays.t_max[i];
-        }
+    pub(super) unsafe fn choose<S: Steps>(&mut self, rays: &Rays, indices: &[u32; LANES]) {
         self.index = *indices;
-        self.derive(origin, direction);
+        self.are_neighbours = false;
+        // SAFETY: the caller's.
+        unsafe {
+            let mut origin = [[0.0; LANES]; 3];
+            let mut direction = [[0.0; LANES]; 3];
+            for axis in 0..3 {
+                origin[axis] = S::gather(rays.origin[axis].as_ptr(), indices);
+                direction[axis] = S::gather(rays.direction[axis].as_ptr(), indices);
+            }
+            self.t_max = S::gather(rays.t_max.as_ptr(), indices);
+            self.derive(origin, direction);
+        }
     }
 
     /// Inlined, so that the lanes become those of the instruction set it is compiled for.
@@ -135,8 +144,9 @@ impl Prepared {
             self.z_axis[lane] = if x_is_largest { 0 } else { 2 - u32::from(y_is_largest) };
             self.octant[lane] =
                 dx.to_bits() >> 31 | dy.to_bits() >> 31 << 1 | dz.to_bits() >> 31 << 2;
-            self.is_tame[lane] = reach <= TAME_COORDINATE
-                && (1.0 / TAME_DIRECTION..=TAME_DIRECTION).contains(&largest);
+            self.is_tame[lane] = u32::from(reach <= TAME_COORDINATE)
+                & u32::from(largest >= 1.0 / TAME_DIRECTION)
+                & u32::from(largest <= TAME_DIRECTION);
         }
     }
 }

@@ -5,7 +5,8 @@ use super::layout::{Child, Corners, Node, WIDTH, block_triangle};
 use super::packet::Surroundings;
 use super::ray::{Prepared, Ray};
 use super::stream::Query;
-use crate::accel::triangle;
+use crate::accel::simd::lanes_of;
+use crate::accel::{LANES, triangle};
 
 /// The steps that streams are made of, for one instruction set. All sets find the same hits; boxes
 /// may be entered by one and missed by another where no hit depends on it.
@@ -16,7 +17,13 @@ pub(super) trait Steps {
     ///
     /// # Safety
     /// The CPU has the instruction set; both arrays are writable for eight entries.
-    unsafe fn children(node: &Node, ray: &Ray, ts: *mut f32, children: *mut Child) -> usize;
+    unsafe fn children(
+        node: &Node,
+        ray: &Ray,
+        among: u8,
+        ts: *mut f32,
+        children: *mut Child,
+    ) -> usize;
 
     /// Drops those of the first `len` entries of a stack whose distance is more than `t`; returns
     /// how many are left.
@@ -52,6 +59,45 @@ pub(super) trait Steps {
     /// As [`triangles`](Self::triangles).
     unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool;
 
+    /// Sixteen elements of an array.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; there are such elements.
+    #[inline(always)]
+    unsafe fn gather(array: *const f32, indices: &[u32; LANES]) -> [f32; LANES] {
+        let mut values = [0.0; LANES];
+        for (value, &index) in values.iter_mut().zip(indices) {
+            // SAFETY: the caller's.
+            *value = unsafe { *array.add(index as usize) };
+        }
+        values
+    }
+
+    /// Which of sixteen values equal one.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set.
+    #[inline(always)]
+    unsafe fn lanes_with(values: &[u8; LANES], value: u8) -> u32 {
+        let mut set = 0;
+        for (lane, &other) in values.iter().enumerate() {
+            set |= u32::from(other == value) << lane;
+        }
+        set
+    }
+
+    /// Writes `first + lane` for each lane of a set, in order.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; `to` is writable for sixteen values.
+    #[inline(always)]
+    unsafe fn compress(first: u32, set: u32, to: *mut u32) {
+        for (i, lane) in lanes_of(set).enumerate() {
+            // SAFETY: a set has at most sixteen lanes.
+            unsafe { *to.add(i) = first + lane as u32 };
+        }
+    }
+
     /// Traces those of sixteen rays that go the same way together; returns the others.
     ///
     /// # Safety
@@ -80,7 +126,13 @@ pub(super) struct Portable;
 
 impl Steps for Portable {
     #[inline(always)]
-    unsafe fn children(node: &Node, ray: &Ray, ts: *mut f32, children: *mut Child) -> usize {
+    unsafe fn children(
+        node: &Node,
+        ray: &Ray,
+        among: u8,
+        ts: *mut f32,
+        children: *mut Child,
+    ) -> usize {
         let mut enters = [f32::INFINITY; WIDTH];
         for (child, enter) in enters.iter_mut().enumerate() {
             let (mut near, mut far) = (0.0f32, ray.t);
@@ -96,9 +148,9 @@ impl Steps for Portable {
             }
         }
         let mut count = 0;
-        for word in node.order {
+        for (s, word) in node.order.into_iter().enumerate() {
             let child = (word >> ray.order_shift & 7) as usize;
-            if enters[child] < f32::INFINITY {
+            if enters[child] < f32::INFINITY && among >> s & 1 == 1 {
                 // SAFETY: at most eight entries are written.
                 unsafe {
                     *ts.add(count) = enters[child];

@@ -8,9 +8,11 @@
 use super::Bvh;
 use super::binary::BLOCK;
 use super::layout::{Child, Corners, Node, WIDTH};
+use super::order::{Order, Sixteen};
 use super::packet::{self, Surroundings, UseOfLanes};
 use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, Steps};
+use crate::accel::simd::SetLanes;
 use crate::accel::{Coherence, LANES, Rays};
 
 /// Rays in flight.
@@ -22,6 +24,18 @@ pub(super) trait Query {
     const ANY: bool;
     /// Takes the hit of a ray that is done: its place in the batch; t, u, v; and the id.
     fn accept(&mut self, index: usize, hit: [f32; 3], primitive: u32);
+    /// Takes the hits of a set of rays, from the n-th lane of those made ready on: t, u, v, and
+    /// bits of ids.
+    ///
+    /// # Safety
+    /// The CPU has the instructions of `L`; the rays are those of this batch.
+    unsafe fn accept_lanes<L: SetLanes>(
+        &mut self,
+        rays: &Prepared,
+        base: usize,
+        set: u32,
+        hits: [L; 4],
+    );
     /// Takes a ray that is done.
     #[inline(always)]
     fn finish(&mut self, ray: &Ray) {
@@ -36,8 +50,7 @@ pub(super) trait Query {
 pub(super) struct Stream {
     prepared: Prepared,
     packets: packet::Stack,
-    order: Vec<u32>,
-    ways: Vec<u8>,
+    order: Order,
     /// For each place the ray itself, then its stack: distances, then what to visit.
     lines: Vec<Line>,
     free: Vec<u32>,
@@ -64,8 +77,7 @@ impl Default for Stream {
         Self {
             prepared: Prepared::EMPTY,
             packets: packet::Stack::default(),
-            order: vec![],
-            ways: vec![],
+            order: Order::default(),
             lines: vec![],
             free: vec![],
             parked: vec![],
@@ -138,10 +150,10 @@ impl Flights<'_> {
 struct Pending<'a> {
     around: Surroundings<'a>,
     prepared: &'a mut Prepared,
-    /// Whether rays that go the same way are traced together; then the order in which they are
-    /// taken, otherwise empty.
+    /// Whether rays that go the same way are traced together.
     packets: bool,
-    order: &'a [u32],
+    order: &'a Order,
+    /// The sixteen that is made ready next.
     next: usize,
     /// Which of the sixteen are to go into flight.
     left: u32,
@@ -161,12 +173,10 @@ impl Pending<'_> {
             if self.left != 0 {
                 break;
             }
-            if self.next >= self.around.rays.len() {
-                return None;
-            }
+            let (sixteen, count) = self.order.get(self.next)?;
+            self.next += 1;
             // SAFETY: the caller's.
-            unsafe { self.prepare::<S, Q>(query) };
-            self.next += LANES;
+            unsafe { self.prepare::<S, Q>(sixteen, count, query) };
         }
         let lane = self.left.trailing_zeros() as usize;
         self.left &= self.left - 1;
@@ -180,22 +190,26 @@ impl Pending<'_> {
     /// # Safety
     /// As [`trace`].
     #[inline(always)]
-    unsafe fn prepare<S: Steps, Q: Query>(&mut self, query: &mut Q) {
+    unsafe fn prepare<S: Steps, Q: Query>(
+        &mut self,
+        sixteen: Sixteen,
+        count: usize,
+        query: &mut Q,
+    ) {
         let Surroundings { bvh, rays, .. } = self.around;
-        match self.order.get(self.next..self.next + LANES) {
-            Some(indices) => {
-                self.prepared.fill_from(rays, indices.try_into().expect("as many as lanes"));
-            }
-            None => self.prepared.fill(rays, self.next),
+        match sixteen {
+            Sixteen::Neighbours(first) => self.prepared.fill(rays, first),
+            // SAFETY: the caller's.
+            Sixteen::Chosen(indices) => unsafe { self.prepared.choose::<S>(rays, indices) },
         }
-        let count = (rays.len() - self.next).min(LANES);
-        let (mut tame, mut wild) = (0u32, 0u32);
+        let (mut has_length, mut tame) = (0u32, 0u32);
         for lane in 0..LANES {
-            let is_tame = bvh.is_tame && self.prepared.is_tame[lane];
-            let has_length = lane < count && self.prepared.t_max[lane] > 0.0;
-            tame |= u32::from(has_length && is_tame) << lane;
-            wild |= u32::from(has_length && !is_tame) << lane;
+            has_length |= u32::from(self.prepared.t_max[lane] > 0.0) << lane;
+            tame |= self.prepared.is_tame[lane] << lane;
         }
+        has_length &= u32::MAX >> (32 - count);
+        tame = if bvh.is_tame { has_length & tame } else { 0 };
+        let mut wild = has_length & !tame;
         while wild != 0 {
             let lane = wild.trailing_zeros() as usize;
             wild &= wild - 1;
@@ -226,7 +240,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     const { assert!(size_of::<Ray>() == 128) };
     // An odd number of lines, so that stacks do not compete for the same places of a cache.
     let lines = (2 + bvh.stack.div_ceil(8)) | 1;
-    let Stream { prepared, packets: stack, order, ways, lines: room, free, parked, lists } = stream;
+    let Stream { prepared, packets: stack, order, lines: room, free, parked, lists } = stream;
     const PLACES: usize = IN_FLIGHT + LANES;
     room.resize(room.len().max(PLACES * lines), Line([0; 64]));
     free.clear();
@@ -237,9 +251,11 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
         Memory { nodes: bvh.nodes.as_ptr(), rows: bvh.corners.rows().as_ptr(), stack: bvh.stack };
     let flights = Flights { first: room.as_mut_ptr(), lines, memory, free, parked };
     let packets = coherence == Coherence::Coherent;
-    order.clear();
     if packets {
-        packet::order_by_way(rays, order, ways);
+        // SAFETY: the caller's.
+        unsafe { order.sort::<S>(rays) }
+    } else {
+        order.keep(rays)
     }
     let use_of_lanes = UseOfLanes::default();
     let around = Surroundings { bvh, rays, memory, stack, flights, use_of_lanes };
@@ -263,8 +279,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
                 let Stop { place, child } = nodes.get(i);
                 let ray = &mut *pending.around.flights.ray(place);
                 let node = &*memory.nodes.add(child.0 as usize);
-                let count = S::children(node, ray, ray.top, ray.top.add(memory.stack).cast());
-                ray.top = ray.top.add(count);
+                memory.push_children::<S>(node, ray, u8::MAX);
                 stops.push(place, memory.pop(ray));
             }
             for i in 0..stops.leaves.take() {
@@ -378,17 +393,17 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    /// Puts an entry on a ray's stack.
+    /// Puts those of a node's children that a ray enters on its stack; of them those in `among`,
+    /// bit `s` for the child that lies `s`-th from the far end.
     ///
     /// # Safety
-    /// There is room for it.
+    /// There is room for eight entries; the CPU has the instruction set.
     #[inline(always)]
-    pub(super) unsafe fn push(&self, ray: &mut Ray, near: f32, child: Child) {
+    pub(super) unsafe fn push_children<S: Steps>(&self, node: &Node, ray: &mut Ray, among: u8) {
         // SAFETY: the caller's.
         unsafe {
-            *ray.top = near;
-            *ray.top.add(self.stack).cast() = child;
-            ray.top = ray.top.add(1);
+            let count = S::children(node, ray, among, ray.top, ray.top.add(self.stack).cast());
+            ray.top = ray.top.add(count);
         }
     }
 

@@ -300,21 +300,28 @@ fn triangles_come_back_as_they_were() {
     assert_eq!(bvh.bounds(), primitives.all_bounds());
 }
 
+/// Every thread count and every instruction set: the builder's kernels are twins too.
 #[test]
-fn any_number_of_threads_builds_the_same() {
-    let primitives = of_triangles(Random::new(12).triangles(80_000, 0.01));
-    let build = |threads| {
+fn any_number_of_threads_and_any_instruction_set_build_the_same() {
+    let mut random = Random::new(12);
+    let mut triangles = random.triangles(80_000, 0.01);
+    triangles.extend([[Vec3::ONE; 3]; 5]);
+    triangles.extend([[Vec3::ZERO, Vec3::X, Vec3::Y]; 50]);
+    let primitives = Primitives { triangles, curved: random.curved(100, 0.1) };
+    let build = |threads, isa| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| Bvh::build(primitives.clone(), Isa::Portable))
+        pool.install(|| Bvh::build(primitives.clone(), isa))
     };
-    let (one, three) = (build(1), build(3));
-    assert_eq!(one.ids, three.ids);
-    assert_eq!(one.corners.rows(), three.corners.rows());
-    assert!(
-        one.nodes.iter().zip(&three.nodes).all(|(a, b)| {
+    let one = build(1, Isa::Portable);
+    let others = Isa::available().into_iter().map(|isa| build(1, isa));
+    for other in others.chain([build(3, Isa::Portable)]) {
+        assert_eq!(one.ids, other.ids);
+        assert_eq!(one.corners.rows(), other.corners.rows());
+        assert_eq!(one.nodes.len(), other.nodes.len());
+        assert!(one.nodes.iter().zip(&other.nodes).all(|(a, b)| {
             a.planes == b.planes && a.children == b.children && a.order == b.order
-        })
-    );
+        }));
+    }
 }
 
 /// Sizes that shrink geometrically tempt the heuristic to peel off one triangle at a time.

@@ -2,11 +2,12 @@
 
 use std::arch::x86_64::*;
 
-use super::layout::{Child, Node, WIDTH, triangle_at};
+use super::layout::{Child, Node, triangle_at};
 use super::packet::{self, Beam, PacketSteps, Surroundings};
 use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, Steps};
 use super::stream::Query;
+use crate::accel::LANES;
 use crate::accel::simd::Lanes;
 use crate::accel::triangle::lanes::Tested;
 
@@ -88,20 +89,38 @@ unsafe fn met_by(node: &Node, beam: &Beam) -> __m256 {
         let mut near = _mm256_setzero_ps();
         let mut far = _mm256_set1_ps(beam.t_max);
         for axis in 0..3 {
-            let sign = _mm256_set1_ps(beam.signs[axis]);
             let entry = beam.entries[axis] as usize;
-            let [least, most] =
-                [_mm256_set1_ps(beam.inverses[axis][0]), _mm256_set1_ps(beam.inverses[axis][1])];
             let plane = _mm256_load_ps(planes.add(entry).cast());
-            let d = _mm256_fmsub_ps(plane, sign, _mm256_set1_ps(beam.entering[axis]));
-            let t = _mm256_min_ps(_mm256_mul_ps(d, least), _mm256_mul_ps(d, most));
+            let t = _mm256_fmsub_ps(
+                plane,
+                _mm256_set1_ps(beam.least[axis]),
+                _mm256_set1_ps(beam.near[axis]),
+            );
             near = _mm256_max_ps(near, t);
             let plane = _mm256_load_ps(planes.add(entry ^ 32).cast());
-            let d = _mm256_fmsub_ps(plane, sign, _mm256_set1_ps(beam.leaving[axis]));
-            let t = _mm256_max_ps(_mm256_mul_ps(d, least), _mm256_mul_ps(d, most));
+            let t = _mm256_fmsub_ps(
+                plane,
+                _mm256_set1_ps(beam.most[axis]),
+                _mm256_set1_ps(beam.far[axis]),
+            );
             far = _mm256_min_ps(far, t);
         }
         _mm256_cmp_ps::<_CMP_LE_OQ>(near, far)
+    }
+}
+
+/// Bits of the boxes that some ray of a beam may enter; the nearest child's is the lowest.
+///
+/// # Safety
+/// The CPU has AVX2 and FMA.
+#[inline(always)]
+unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
+    // SAFETY: the caller's.
+    unsafe {
+        let met = met_by(node, beam);
+        let order = shifted(node, beam.order_shift);
+        let order = _mm256_permutevar8x32_epi32(order, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
+        _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as u32
     }
 }
 
@@ -109,18 +128,9 @@ impl PacketSteps for Avx512 {
     type Lanes = __m512;
 
     #[inline(always)]
-    unsafe fn may_enter(node: &Node, beam: &Beam, places: &mut [u32; WIDTH]) -> usize {
+    unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
         // SAFETY: the caller's.
-        unsafe {
-            let met = met_by(node, beam);
-            let order = shifted(node, beam.order_shift);
-            let met =
-                _mm256_movepi32_mask(_mm256_castps_si256(_mm256_permutevar8x32_ps(met, order)));
-            let order = _mm256_and_si256(order, _mm256_set1_epi32(7));
-            let order = _mm256_maskz_compress_epi32(met, order);
-            _mm256_storeu_si256(places.as_mut_ptr().cast(), order);
-            met.count_ones() as usize
-        }
+        unsafe { may_enter(node, beam) }
     }
 }
 
@@ -128,22 +138,41 @@ impl PacketSteps for Avx2 {
     type Lanes = __m256;
 
     #[inline(always)]
-    unsafe fn may_enter(node: &Node, beam: &Beam, places: &mut [u32; WIDTH]) -> usize {
+    unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
         // SAFETY: the caller's.
-        unsafe {
-            let met = met_by(node, beam);
-            let order = shifted(node, beam.order_shift);
-            let set = _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as usize;
-            let lanes = _mm_loadl_epi64(LANES_OF[set & 255].as_ptr().cast());
-            let order = _mm256_permutevar8x32_epi32(order, _mm256_cvtepu8_epi32(lanes));
-            let order = _mm256_and_si256(order, _mm256_set1_epi32(7));
-            _mm256_storeu_si256(places.as_mut_ptr().cast(), order);
-            set.count_ones() as usize
-        }
+        unsafe { may_enter(node, beam) }
     }
 }
 
 impl Steps for Avx512 {
+    #[inline(always)]
+    unsafe fn lanes_with(values: &[u8; LANES], value: u8) -> u32 {
+        // SAFETY: there are sixteen values.
+        unsafe { lanes_with(values, value) }
+    }
+
+    #[inline(always)]
+    unsafe fn compress(first: u32, set: u32, to: *mut u32) {
+        // SAFETY: the caller's.
+        unsafe {
+            let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+            let values = _mm512_add_epi32(_mm512_set1_epi32(first as i32), lanes);
+            _mm512_storeu_si512(to.cast(), _mm512_maskz_compress_epi32(set as u16, values));
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn gather(array: *const f32, indices: &[u32; LANES]) -> [f32; LANES] {
+        let mut values = [0.0; LANES];
+        // SAFETY: the caller's; both arrays have sixteen elements.
+        unsafe {
+            let indices = _mm512_loadu_si512(indices.as_ptr().cast());
+            let gathered = _mm512_i32gather_ps::<4>(indices, array);
+            _mm512_storeu_ps(values.as_mut_ptr(), gathered);
+        }
+        values
+    }
+
     #[inline(always)]
     unsafe fn packets<Q: Query>(
         around: &mut Surroundings,
@@ -156,7 +185,13 @@ impl Steps for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn children(node: &Node, ray: &Ray, ts: *mut f32, children: *mut Child) -> usize {
+    unsafe fn children(
+        node: &Node,
+        ray: &Ray,
+        among: u8,
+        ts: *mut f32,
+        children: *mut Child,
+    ) -> usize {
         // SAFETY: the caller's.
         unsafe {
             let (near, far) = slabs(node, ray);
@@ -165,7 +200,7 @@ impl Steps for Avx512 {
             let far = _mm256_permutevar8x32_ps(far, order);
             let names = _mm256_load_si256(node.children.as_ptr().cast());
             let names = _mm256_permutevar8x32_epi32(names, order);
-            let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, far);
+            let entered = _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(among, near, far);
             _mm256_storeu_ps(ts, _mm256_maskz_compress_ps(entered, near));
             _mm256_storeu_si256(children.cast(), _mm256_maskz_compress_epi32(entered, names));
             entered.count_ones() as usize
@@ -223,7 +258,24 @@ static LANES_OF: [[u8; 8]; 256] = {
     table
 };
 
+/// # Safety
+/// The CPU has SSE2.
+#[inline(always)]
+unsafe fn lanes_with(values: &[u8; LANES], value: u8) -> u32 {
+    // SAFETY: there are sixteen values.
+    unsafe {
+        let values = _mm_loadu_si128(values.as_ptr().cast());
+        _mm_movemask_epi8(_mm_cmpeq_epi8(values, _mm_set1_epi8(value as i8))) as u32
+    }
+}
+
 impl Steps for Avx2 {
+    #[inline(always)]
+    unsafe fn lanes_with(values: &[u8; LANES], value: u8) -> u32 {
+        // SAFETY: there are sixteen values.
+        unsafe { lanes_with(values, value) }
+    }
+
     #[inline(always)]
     unsafe fn packets<Q: Query>(
         around: &mut Surroundings,
@@ -236,13 +288,20 @@ impl Steps for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn children(node: &Node, ray: &Ray, ts: *mut f32, children: *mut Child) -> usize {
+    unsafe fn children(
+        node: &Node,
+        ray: &Ray,
+        among: u8,
+        ts: *mut f32,
+        children: *mut Child,
+    ) -> usize {
         // SAFETY: the caller's.
         unsafe {
             let (near, far) = slabs(node, ray);
             let entered = _mm256_cmp_ps::<_CMP_LE_OQ>(near, far);
             let order = shifted(node, ray.order_shift);
             let set = _mm256_movemask_ps(_mm256_permutevar8x32_ps(entered, order)) as usize;
+            let set = set & usize::from(among);
             let lanes = _mm_loadl_epi64(LANES_OF[set & 255].as_ptr().cast());
             let order = _mm256_permutevar8x32_epi32(order, _mm256_cvtepu8_epi32(lanes));
             let names = _mm256_load_si256(node.children.as_ptr().cast());

@@ -41,10 +41,21 @@ pub(in crate::accel) trait Lanes: Copy {
     unsafe fn lt(self, other: Self) -> u32;
     /// `other` in the lanes of `set`, `self` in the others.
     unsafe fn replace(self, set: u32, other: Self) -> Self;
-    /// The smallest of all lanes, none of which is NaN.
-    unsafe fn least(self) -> f32;
+    /// The smallest of all lanes of each of four vectors, none of which is NaN.
+    unsafe fn leasts(four: [Self; 4]) -> [f32; 4];
     /// The largest of all lanes, none of which is NaN.
     unsafe fn largest(self) -> f32;
+}
+
+/// Vectors of which a set of lanes is stored.
+///
+/// # Safety
+/// As [`Lanes`]; pointers must be valid for the lanes of the set.
+pub(in crate::accel) trait SetLanes: Lanes {
+    /// Stores lane `i` of a set at `to[i]`.
+    unsafe fn store_set(self, to: *mut f32, set: u32);
+    /// Stores lane `i` of a set at `to[indices[i]]`; all indices are readable.
+    unsafe fn scatter_set(self, to: *mut f32, indices: *const u32, set: u32);
 }
 
 /// The lanes of a set, lowest first.

@@ -4,13 +4,13 @@
 
 use std::arch::x86_64::*;
 
-use super::Lanes;
+use super::{Lanes, SetLanes, lanes_of};
 
 /// A function for each of a type's instructions.
 macro_rules! lanes {
     ($type:ty, $count:literal, $splat:ident, $load:ident, $store:ident, $add:ident, $sub:ident,
      $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident, $min:ident, $max:ident,
-     $and:ident, $compare:ident, $replace:ident, $halves:ident) => {
+     $and:ident, $compare:ident, $replace:ident, $halves:ident, $leasts:ident) => {
         impl Lanes for $type {
             const COUNT: usize = $count;
 
@@ -79,17 +79,14 @@ macro_rules! lanes {
                 unsafe { $replace(self, set, other) }
             }
             #[inline(always)]
-            unsafe fn least(self) -> f32 {
-                unsafe {
-                    let [a, b] = $halves(self);
-                    fold4::<false>(_mm_min_ps(a[0], b[0]), _mm_min_ps(a[1], b[1]))
-                }
+            unsafe fn leasts(four: [Self; 4]) -> [f32; 4] {
+                unsafe { $leasts(four) }
             }
             #[inline(always)]
             unsafe fn largest(self) -> f32 {
                 unsafe {
                     let [a, b] = $halves(self);
-                    fold4::<true>(_mm_max_ps(a[0], b[0]), _mm_max_ps(a[1], b[1]))
+                    largest4(_mm_max_ps(a[0], b[0]), _mm_max_ps(a[1], b[1]))
                 }
             }
         }
@@ -114,7 +111,8 @@ lanes!(
     _mm_and_ps,
     compare4,
     replace4,
-    quarters4
+    quarters4,
+    leasts4
 );
 lanes!(
     __m256,
@@ -134,7 +132,8 @@ lanes!(
     _mm256_and_ps,
     compare8,
     replace8,
-    quarters8
+    quarters8,
+    leasts8
 );
 lanes!(
     __m512,
@@ -154,8 +153,42 @@ lanes!(
     _mm512_and_ps,
     compare16,
     replace16,
-    quarters16
+    quarters16,
+    leasts16
 );
+
+impl SetLanes for __m256 {
+    #[inline(always)]
+    unsafe fn store_set(self, to: *mut f32, set: u32) {
+        unsafe { _mm256_maskstore_ps(to, mask8(set), self) }
+    }
+
+    #[inline(always)]
+    unsafe fn scatter_set(self, to: *mut f32, indices: *const u32, set: u32) {
+        let mut values = [0.0; 8];
+        unsafe {
+            self.store(values.as_mut_ptr());
+            for lane in lanes_of(set) {
+                *to.add(*indices.add(lane) as usize) = values[lane % 8];
+            }
+        }
+    }
+}
+
+impl SetLanes for __m512 {
+    #[inline(always)]
+    unsafe fn store_set(self, to: *mut f32, set: u32) {
+        unsafe { _mm512_mask_storeu_ps(to, set as u16, self) }
+    }
+
+    #[inline(always)]
+    unsafe fn scatter_set(self, to: *mut f32, indices: *const u32, set: u32) {
+        unsafe {
+            let indices = _mm512_loadu_si512(indices.cast());
+            _mm512_mask_i32scatter_ps::<4>(to, set as u16, indices, self);
+        }
+    }
+}
 
 #[inline(always)]
 unsafe fn compare4<const HOW: i32>(a: __m128, b: __m128) -> u32 {
@@ -183,10 +216,15 @@ unsafe fn replace4(a: __m128, set: u32, b: __m128) -> __m128 {
 
 #[inline(always)]
 unsafe fn replace8(a: __m256, set: u32, b: __m256) -> __m256 {
+    unsafe { _mm256_blendv_ps(a, b, _mm256_castsi256_ps(mask8(set))) }
+}
+
+/// All bits in the lanes of a set.
+#[inline(always)]
+unsafe fn mask8(set: u32) -> __m256i {
     unsafe {
         let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-        let set = _mm256_and_si256(_mm256_set1_epi32(set as i32), bits);
-        _mm256_blendv_ps(a, b, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bits)))
+        _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(set as i32), bits), bits)
     }
 }
 
@@ -217,17 +255,45 @@ unsafe fn quarters16(a: __m512) -> [[__m128; 2]; 2] {
     }
 }
 
-/// The smallest, or largest, of eight lanes.
 #[inline(always)]
-unsafe fn fold4<const LARGEST: bool>(a: __m128, b: __m128) -> f32 {
+unsafe fn leasts4([a, b, c, d]: [__m128; 4]) -> [f32; 4] {
+    let mut least = [0.0; 4];
     unsafe {
-        let four = pick::<LARGEST>(a, b);
-        let two = pick::<LARGEST>(four, _mm_movehl_ps(four, four));
-        _mm_cvtss_f32(pick::<LARGEST>(two, _mm_shuffle_ps::<1>(two, two)))
+        let ab = _mm_min_ps(_mm_unpacklo_ps(a, b), _mm_unpackhi_ps(a, b));
+        let cd = _mm_min_ps(_mm_unpacklo_ps(c, d), _mm_unpackhi_ps(c, d));
+        _mm_storeu_ps(least.as_mut_ptr(), _mm_min_ps(_mm_movelh_ps(ab, cd), _mm_movehl_ps(cd, ab)));
     }
+    least
 }
 
 #[inline(always)]
-unsafe fn pick<const LARGEST: bool>(a: __m128, b: __m128) -> __m128 {
-    unsafe { if LARGEST { _mm_max_ps(a, b) } else { _mm_min_ps(a, b) } }
+unsafe fn leasts8([a, b, c, d]: [__m256; 4]) -> [f32; 4] {
+    unsafe { leasts4([halved8(a), halved8(b), halved8(c), halved8(d)]) }
+}
+
+#[inline(always)]
+unsafe fn leasts16([a, b, c, d]: [__m512; 4]) -> [f32; 4] {
+    unsafe { leasts8([halved16(a), halved16(b), halved16(c), halved16(d)]) }
+}
+
+/// The smaller ones of both halves.
+#[inline(always)]
+unsafe fn halved8(a: __m256) -> __m128 {
+    unsafe { _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a)) }
+}
+
+/// The smaller ones of both halves.
+#[inline(always)]
+unsafe fn halved16(a: __m512) -> __m256 {
+    unsafe { _mm256_min_ps(_mm512_castps512_ps256(a), _mm512_extractf32x8_ps::<1>(a)) }
+}
+
+/// The largest of eight lanes.
+#[inline(always)]
+unsafe fn largest4(a: __m128, b: __m128) -> f32 {
+    unsafe {
+        let four = _mm_max_ps(a, b);
+        let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+        _mm_cvtss_f32(_mm_max_ps(two, _mm_shuffle_ps::<1>(two, two)))
+    }
 }

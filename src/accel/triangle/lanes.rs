@@ -36,7 +36,24 @@ impl<L: Lanes> Tested<L> {
         lanes: u32,
     ) -> Self {
         // SAFETY: the caller's.
-        unsafe { Self::test::<true>(corners, origin, shear, t_max, lanes) }
+        unsafe { Self::test::<false, true>(corners, origin, shear, t_max, lanes) }
+    }
+
+    /// As [`new`](Self::new), with a branch as soon as it is known that all lanes miss: for callers
+    /// whose lanes do so together.
+    ///
+    /// # Safety
+    /// The CPU has the instructions of `L`.
+    #[inline(always)]
+    pub(in crate::accel) unsafe fn with_branch(
+        corners: [[L; 3]; 3],
+        origin: [L; 3],
+        shear: [L; 3],
+        t_max: L,
+        lanes: u32,
+    ) -> Self {
+        // SAFETY: the caller's.
+        unsafe { Self::test::<true, true>(corners, origin, shear, t_max, lanes) }
     }
 
     /// As [`new`](Self::new), without a branch: for callers that make many tests before they look
@@ -53,13 +70,13 @@ impl<L: Lanes> Tested<L> {
         lanes: u32,
     ) -> Self {
         // SAFETY: the caller's.
-        unsafe { Self::test::<false>(corners, origin, shear, t_max, lanes) }
+        unsafe { Self::test::<false, false>(corners, origin, shear, t_max, lanes) }
     }
 
     /// # Safety
     /// The CPU has the instructions of `L`.
     #[inline(always)]
-    unsafe fn test<const BRANCH: bool>(
+    unsafe fn test<const EARLY: bool, const BRANCH: bool>(
         corners: [[L; 3]; 3],
         origin: [L; 3],
         shear: [L; 3],
@@ -75,15 +92,17 @@ impl<L: Lanes> Tested<L> {
             let area_b = difference_of_products(a[0], c[1], a[1], c[0]);
             let area_c = difference_of_products(b[0], a[1], b[1], a[0]);
             let determinant = area_a.add(area_b).add(area_c);
-            let z = area_c.mul_add(c[2], area_b.mul_add(b[2], area_a.mul(a[2])));
-            let t = z.div(determinant).mul(shear[2]);
             let zero = L::splat(0.0);
             let least = area_a.min(area_b).min(area_c);
             let most = area_a.max(area_b).max(area_c);
+            let inside = lanes & (zero.le(least) | most.le(zero));
+            if EARLY && inside == 0 {
+                return Self { area_b, area_c, determinant, t: zero, hits: 0, doubtful: 0 };
+            }
+            let z = area_c.mul_add(c[2], area_b.mul_add(b[2], area_a.mul(a[2])));
+            let t = z.div(determinant).mul(shear[2]);
             let size = determinant.abs();
-            let inside = zero.le(least) | most.le(zero);
-            let hits =
-                lanes & inside & L::splat(MIN_DETERMINANT).le(size) & zero.lt(t) & t.le(t_max);
+            let hits = inside & L::splat(MIN_DETERMINANT).le(size) & zero.lt(t) & t.le(t_max);
             let doubtful = if BRANCH && hits == 0 {
                 0
             } else {

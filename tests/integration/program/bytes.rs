@@ -1,10 +1,9 @@
 //! The same file, byte for byte, however it was made.
 
 use super::{Folder, SCENE};
+use crate::support::expose;
 use slo_rt::accel::Isa;
-use slo_rt::frame::FrameScene;
 use slo_rt::output::{Picture, Recipe};
-use slo_rt::render::{Observer, render};
 use slo_rt::scene::{Files, SceneDescription, load};
 
 /// Every effect at once, in a picture whose sides no tile divides.
@@ -48,17 +47,9 @@ fn threads_structures_and_instructions_do_not_show() {
     }
 }
 
-struct Nobody;
-
-impl Observer for Nobody {
-    fn advanced(&self, _: u64, _: u64) {}
-}
-
 fn file(scene: &SceneDescription) -> Vec<u8> {
-    let frame = FrameScene::build(scene, 3, Isa::best()).unwrap();
-    let (film, _) = render(&frame, &Nobody).unwrap();
-    let image = film.image();
-    let recipe = Recipe { scene, frame: 3 }.to_json();
+    let image = expose(scene, Isa::best()).image();
+    let recipe = Recipe { scene, frame: 0 }.to_json();
     let output = &scene.camera.film;
     let picture = Picture {
         image: &image,

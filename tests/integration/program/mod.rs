@@ -3,11 +3,14 @@
 mod bytes;
 mod documentation;
 mod exit_codes;
+mod frames;
+mod parts;
 mod pictures;
 #[cfg(unix)]
 mod sequence;
 #[cfg(unix)]
 mod signals;
+mod tools;
 
 use std::fs;
 use std::path::Path;

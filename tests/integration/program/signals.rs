@@ -1,15 +1,24 @@
-//! Ctrl-C.
+//! Signals and kills: what is done is never lost, and a picture that was stopped is the same.
 
-use std::process::{Command, Stdio};
+use std::fs;
+use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::{Folder, SCENE};
+use super::{Folder, Run, SCENE};
+
+const STATE: &str = ".slo-rt-ball_00000.png.state";
 
 /// Minutes of rendering, in tiles of a fraction of a second.
 fn long() -> Folder {
-    let text = SCENE.replace("imageSamples 2", "imageSamples 256");
-    Folder::with_scene(&text.replace("width 16 height 9", "width 8000 height 8000"))
+    let text = SCENE.replace("imageSamples 2", "imageSamples 16384");
+    Folder::with_scene(&text.replace("width 16 height 9", "width 2000 height 2000"))
+}
+
+/// A second or a few of rendering.
+fn short(settings: &str) -> Folder {
+    let text = SCENE.replace("imageSamples 2", settings);
+    Folder::with_scene(&text.replace("width 16 height 9", "width 150 height 90"))
 }
 
 /// Whether this process, and so its children, ignore SIGINT: `nohup` and background jobs of
@@ -20,37 +29,172 @@ fn interrupts_are_ignored() -> bool {
     u64::from_str_radix(mask.trim(), 16).unwrap_or(0) & 0b11 != 0
 }
 
-fn check(signal: &str) {
-    if interrupts_are_ignored() {
+fn start(folder: &Folder, typed: &str) -> Child {
+    let mut command = folder.command(typed);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn signal(child: &Child, signal: &str) {
+    let kill = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+}
+
+/// Waits until a checkpoint is there.
+fn wait_for_state(folder: &Folder, child: &mut Child) {
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while !folder.path().join(STATE).exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it still renders");
+        assert!(Instant::now() < deadline, "no checkpoint");
+        sleep(Duration::from_millis(20));
+    }
+}
+
+fn check(name: &str) {
+    if interrupts_are_ignored() && name != "-TERM" {
         eprintln!("SIGINT or SIGHUP is ignored here: nothing to see");
         return;
     }
     let folder = long();
-    let mut child = folder
-        .command("-s scene.txt")
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = start(&folder, "-s scene.txt");
     sleep(Duration::from_millis(1500));
     assert!(child.try_wait().unwrap().is_none(), "it still renders");
     let start = Instant::now();
-    let kill = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
-    assert!(kill.success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130), "{signal}");
-    assert!(output.stdout.is_empty());
-    assert!(String::from_utf8_lossy(&output.stderr).contains("interrupted"));
-    assert!(start.elapsed() < Duration::from_secs(60), "it stops at the next tile");
-    assert!(folder.names().is_empty(), "{:?}", folder.names());
+    signal(&child, name);
+    let run = Run::of(child.wait_with_output().unwrap());
+    assert_eq!((run.exit, &*run.printed), (75, ""), "{name}: {}", run.said);
+    assert!(run.said.contains("interrupted in frame 0"), "{}", run.said);
+    assert!(start.elapsed() < Duration::from_secs(60), "it stops soon");
+    assert_eq!(folder.names(), [STATE]);
 }
 
 #[test]
-fn an_interrupted_rendering_leaves_nothing() {
+fn an_interrupted_rendering_keeps_what_is_done() {
     check("-INT");
 }
 
 #[test]
-fn a_terminated_rendering_leaves_nothing() {
+fn a_terminated_rendering_keeps_what_is_done() {
     check("-TERM");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_signal_that_batch_systems_send_keeps_what_is_done() {
+    check("-USR1");
+}
+
+#[test]
+fn a_second_signal_ends_at_once() {
+    if interrupts_are_ignored() {
+        return;
+    }
+    let folder = long();
+    let child = start(&folder, "-s scene.txt --threads 1");
+    sleep(Duration::from_millis(1000));
+    signal(&child, "-INT");
+    signal(&child, "-TERM");
+    let exit = child.wait_with_output().unwrap().status.code();
+    assert!(exit == Some(130) || exit == Some(75), "{exit:?}");
+    assert!(!folder.names().iter().any(|name| name.ends_with(".png")));
+}
+
+/// Renders with `settings` in one go, and stopped and gone on with as often as it takes.
+fn check_resumed(settings: &str) {
+    let whole = short(settings);
+    whole.printed("-q -s scene.txt");
+    let folder = short(settings);
+    let mut stops = 0;
+    for pause in (0..).map(|i| Duration::from_millis(150 + 40 * i)) {
+        let mut child = start(&folder, "-s scene.txt -q");
+        sleep(pause);
+        if child.try_wait().unwrap().is_none() {
+            signal(&child, "-TERM");
+        }
+        let run = Run::of(child.wait_with_output().unwrap());
+        match run.exit {
+            75 => stops += 1,
+            0 => break,
+            other => panic!("{other}: {}", run.said),
+        }
+    }
+    assert!(stops > 0, "it was stopped at least once");
+    assert_eq!(folder.names(), ["ball_00000.png"]);
+    assert!(folder.read("ball_00000.png") == whole.read("ball_00000.png"), "other bytes");
+}
+
+#[test]
+fn a_resumed_picture_is_the_uninterrupted_one() {
+    check_resumed("imageSamples 400");
+}
+
+#[test]
+fn a_resumed_adaptive_picture_is_the_uninterrupted_one() {
+    check_resumed("imageSamples 6000 imageMinSamples 4 imageContrastLimit 0.02");
+}
+
+#[test]
+fn a_resumed_picture_with_a_noise_level_is_the_uninterrupted_one() {
+    check_resumed("imageSamples 60000 noise 0.0005");
+}
+
+#[test]
+fn a_killed_rendering_goes_on_from_its_last_checkpoint() {
+    let settings = "imageSamples 1500";
+    let whole = short(settings);
+    whole.printed("-q -s scene.txt");
+    let folder = short(settings);
+    let mut child = start(&folder, "-s scene.txt -q --checkpoint 1");
+    wait_for_state(&folder, &mut child);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!folder.path().join("ball_00000.png").exists());
+    folder.printed("-q -s scene.txt");
+    assert!(folder.read("ball_00000.png") == whole.read("ball_00000.png"), "other bytes");
+    assert!(!folder.path().join(STATE).exists());
+}
+
+#[test]
+fn checkpoints_that_are_damaged_or_foreign_are_not_used() {
+    let settings = "imageSamples 100";
+    let folder = short(settings);
+    folder.printed("-q -s scene.txt --keep-state");
+    let expected = folder.read("ball_00000.png");
+    let state = folder.read("ball_00000.png.state");
+    let mut flipped = state.clone();
+    flipped[state.len() / 2] ^= 1;
+    for (bad, said) in [
+        (&flipped[..], "it is damaged"),
+        (&state[..state.len() / 2], "it was cut off"),
+        (b"", "it is no state of slo-rt"),
+    ] {
+        folder.write(STATE, bad);
+        fs::remove_file(folder.path().join("ball_00000.png.state")).ok();
+        let run = folder.run("-s scene.txt");
+        assert_eq!(run.exit, 0);
+        assert!(run.said.contains(&format!("`{STATE}` can't be used: {said}")), "{}", run.said);
+        assert!(folder.read("ball_00000.png") == expected);
+    }
+    // Samples of another seed are no samples of this picture.
+    folder.printed("-q -s scene.txt --keep-state --seed 1");
+    folder.printed("-q -s scene.txt");
+    assert!(folder.read("ball_00000.png") == expected);
+}
+
+#[test]
+fn a_picture_gets_more_samples() {
+    let folder = short("imageSamples 300");
+    let rays = |typed: &str| {
+        let said = folder.run(&format!("-v -s scene.txt {typed}")).said;
+        let line = said.lines().find(|line| line.contains("rays: ")).unwrap().to_owned();
+        line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
+    };
+    let pixels = 150 * 90;
+    assert_eq!(rays("--samples 64 --keep-state"), 64 * pixels);
+    assert_eq!(rays("--samples 100 --keep-state -od other"), 100 * pixels);
+    assert_eq!(rays("--samples 256"), (256 - 64) * pixels, "it goes on from 64");
+    let extended = folder.read("ball_00000.png");
+    assert_eq!(rays("--samples 256 -od other2"), 256 * pixels);
+    assert!(extended == folder.read("other2/ball_00000.png"), "other bytes");
+    assert_eq!(rays("--samples 32"), 32 * pixels, "fewer samples begin anew");
+    assert!(folder.path().join("ball_00000.png.state").exists(), "what was kept stays");
 }

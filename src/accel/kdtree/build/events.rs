@@ -26,6 +26,11 @@ pub(super) fn push_events(bounds: &Bounds, axis: usize, slot: u32, events: &mut 
     }
 }
 
+/// What all events of a kind at a position come after, or are.
+pub(super) fn at(position: f32, kind: u64) -> Event {
+    event(position, kind, 0)
+}
+
 fn event(position: f32, kind: u64, slot: u32) -> Event {
     u64::from(ordered(position)) << 32 | kind << 30 | u64::from(slot)
 }
@@ -64,8 +69,41 @@ pub(super) fn with_slot(event: Event, slot: u32) -> Event {
     event & !(MAX_SLOTS as u64 - 1) | u64::from(slot)
 }
 
+/// Bits that one pass of [`sort`] looks at.
+const DIGIT: u32 = 12;
+
+/// Sorts events whose slots ascend already: by digits, from the lowest above the slot.
+pub(super) fn sort(mut events: Vec<Event>) -> Vec<Event> {
+    if events.len() < 1 << DIGIT {
+        events.sort_unstable();
+        return events;
+    }
+    let mut sorted = vec![0; events.len()];
+    for shift in (MAX_SLOTS.ilog2()..u64::BITS).step_by(DIGIT as usize) {
+        let digit = |event: Event| (event >> shift) as usize & ((1 << DIGIT) - 1);
+        let mut places = vec![0; 1 << DIGIT];
+        for &event in &events {
+            places[digit(event)] += 1;
+        }
+        let mut first = 0;
+        for place in &mut places {
+            (*place, first) = (first, first + *place);
+        }
+        for &event in &events {
+            let place = &mut places[digit(event)];
+            sorted[*place] = event;
+            *place += 1;
+        }
+        std::mem::swap(&mut events, &mut sorted);
+    }
+    events
+}
+
 /// Merges a sorted list into another.
 pub(super) fn merge_into(events: &mut Vec<Event>, new: &[Event]) {
+    if new.is_empty() {
+        return;
+    }
     let (mut old, mut rest) = (events.len(), new.len());
     events.resize(old + rest, 0);
     while rest > 0 {
@@ -99,6 +137,19 @@ mod tests {
         let expected =
             [(-2.0, START, 2), (0.0, END, 2), (0.0, PLANAR, 1), (0.0, START, 0), (1.0, END, 0)];
         assert_eq!(told, expected);
+    }
+
+    #[test]
+    fn digits_sort() {
+        let mut events = Vec::new();
+        for slot in 0..9_000u32 {
+            let x = (slot * 7919 % 501) as f32 - 250.0;
+            let max = Vec3::splat(if slot % 5 == 0 { x } else { x + (slot % 3) as f32 });
+            push_events(&Bounds { min: Vec3::splat(x), max }, 1, slot, &mut events);
+        }
+        let mut expected = events.clone();
+        expected.sort_unstable();
+        assert_eq!(sort(events), expected);
     }
 
     #[test]

@@ -9,6 +9,8 @@ mod events;
 mod split;
 mod sweep;
 
+use rayon::prelude::*;
+
 use split::Cell;
 use sweep::{Costs, Plane, best_plane};
 
@@ -32,7 +34,7 @@ fn leaf_cost(n: usize) -> f64 {
 }
 
 /// Cells with at least so many primitives are built in parallel.
-const PARALLEL_SIZE: usize = 4096;
+const PARALLEL_SIZE: usize = 16384;
 
 /// A tree, or a part of one.
 #[derive(Debug)]
@@ -46,6 +48,7 @@ pub(super) struct Built {
 /// Builds the tree of all primitives that can be hit.
 pub(super) fn build(primitives: &Primitives) -> Built {
     let ids: Vec<u32> = (0..primitives.len() as u32)
+        .into_par_iter()
         .filter(|&id| {
             primitives.triangles.get(id as usize).is_none_or(|t| !triangle::is_degenerate(t))
         })

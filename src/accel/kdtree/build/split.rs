@@ -1,8 +1,11 @@
 //! Cells of a growing tree, and how a plane splits them.
 
+use rayon::prelude::*;
+
+use super::PARALLEL_SIZE;
 use super::clip::clipped_bounds;
 use super::events::{
-    END, Event, PLANAR, START, key, kind, merge_into, position, push_events, slot, with_slot,
+    END, Event, MAX_SLOTS, PLANAR, START, at, kind, merge_into, push_events, slot, sort, with_slot,
 };
 use super::sweep::Plane;
 use crate::accel::Primitives;
@@ -21,18 +24,16 @@ pub(super) struct Cell {
 impl Cell {
     /// The cell of some primitives, ids ascending.
     pub(super) fn new(primitives: &Primitives, ids: Vec<u32>) -> Self {
-        let boxes: Vec<Bounds> = ids.iter().map(|&id| primitives.bounds(id)).collect();
+        let boxes: Vec<Bounds> = ids.par_iter().map(|&id| primitives.bounds(id)).collect();
         let bounds = boxes.iter().fold(Bounds::EMPTY, |a, b| a.union(*b));
         let sorted = |axis| {
             let mut events = Vec::with_capacity(2 * boxes.len());
             for (slot, bounds) in (0..).zip(&boxes) {
                 push_events(bounds, axis, slot, &mut events);
             }
-            rayon::slice::ParallelSliceMut::par_sort_unstable(events.as_mut_slice());
-            events
+            sort(events)
         };
-        let (x, (y, z)) = rayon::join(|| sorted(0), || rayon::join(|| sorted(1), || sorted(2)));
-        Self { bounds, ids, events: [x, y, z] }
+        Self { bounds, events: for_axes(true, [0, 1, 2], sorted), ids }
     }
 
     /// Half of the surface area.
@@ -50,12 +51,32 @@ impl Cell {
         let mut parts = bounds.map(Part::new);
         let places = place(&self.ids, &sides, primitives, &mut parts);
         drop(sides);
-        let [below, above] = &mut parts;
-        for axis in 0..3 {
-            distribute(&self.events[axis], &places, axis, below, above);
-        }
-        parts.map(Part::into_cell)
+        let [below, above] = parts;
+        let room = 2 * above.ids.len();
+        let mut axes = self.events.into_iter().zip(below.clipped.into_iter().zip(above.clipped));
+        let axes = std::array::from_fn(|_| axes.next().unwrap_or_default());
+        let in_parallel = self.ids.len() >= PARALLEL_SIZE;
+        let [x, y, z] = for_axes(in_parallel, axes, |(events, (low, high))| {
+            distribute(events, &places, room, [low, high])
+        });
+        [
+            Self { bounds: below.bounds, ids: below.ids, events: [x.0, y.0, z.0] },
+            Self { bounds: above.bounds, ids: above.ids, events: [x.1, y.1, z.1] },
+        ]
     }
+}
+
+/// Does the same for three axes.
+pub(super) fn for_axes<T: Send, R: Send>(
+    in_parallel: bool,
+    [x, y, z]: [T; 3],
+    each: impl Fn(T) -> R + Sync,
+) -> [R; 3] {
+    if !in_parallel {
+        return [each(x), each(y), each(z)];
+    }
+    let (x, (y, z)) = rayon::join(|| each(x), || rayon::join(|| each(y), || each(z)));
+    [x, y, z]
 }
 
 /// On which side of a plane a primitive lies.
@@ -68,18 +89,15 @@ enum Side {
 
 fn sides(cell: &Cell, plane: &Plane) -> Vec<Side> {
     let mut sides = vec![Side::Both; cell.ids.len()];
-    for &event in &cell.events[plane.axis] {
-        let at = position(key(event));
-        let side = &mut sides[slot(event)];
-        match kind(event) {
-            END if at <= plane.position => *side = Side::Below,
-            START if at >= plane.position => *side = Side::Above,
-            PLANAR => {
-                let below = at < plane.position || (at == plane.position && plane.planar_below);
-                *side = if below { Side::Below } else { Side::Above };
-            }
-            _ => {}
-        }
+    let events = &cell.events[plane.axis];
+    let from = at(plane.position, if plane.planar_below { START } else { PLANAR });
+    let (below, above) = events.split_at(events.partition_point(|&event| event < from));
+    // What is written last counts, so that nothing depends on a primitive's other event.
+    for &event in below {
+        sides[slot(event)] = if kind(event) == START { Side::Both } else { Side::Below };
+    }
+    for &event in above.iter().rev() {
+        sides[slot(event)] = if kind(event) == END { Side::Both } else { Side::Above };
     }
     sides
 }
@@ -90,12 +108,16 @@ struct Part {
     ids: Vec<u32>,
     /// Events of primitives that were clipped.
     clipped: [Vec<Event>; 3],
-    events: [Vec<Event>; 3],
 }
 
 impl Part {
     fn new(bounds: Bounds) -> Self {
-        Self { bounds, ids: Vec::new(), clipped: Default::default(), events: Default::default() }
+        Self { bounds, ids: Vec::new(), clipped: Default::default() }
+    }
+
+    /// Makes room for the primitives that are on a side or on both.
+    fn reserve(&mut self, sides: &[Side], other: Side) {
+        self.ids.reserve_exact(sides.iter().filter(|&&side| side != other).count() + 1);
     }
 
     fn push(&mut self, id: u32) -> u32 {
@@ -116,10 +138,6 @@ impl Part {
             }
         }
     }
-
-    fn into_cell(self) -> Cell {
-        Cell { bounds: self.bounds, ids: self.ids, events: self.events }
-    }
 }
 
 /// A primitive's slot in its part; in both parts or none: [`CUT`].
@@ -133,34 +151,49 @@ fn place(
     primitives: &Primitives,
     [below, above]: &mut [Part; 2],
 ) -> Vec<Place> {
-    let places = ids.iter().zip(sides).map(|(&id, side)| match side {
-        Side::Below => below.push(id),
-        Side::Above => above.push(id) | ABOVE,
-        Side::Both => {
+    below.reserve(sides, Side::Above);
+    above.reserve(sides, Side::Below);
+    let places = ids.iter().zip(sides).map(|(&id, &side)| {
+        if side == Side::Both {
             below.push_clipped(id, primitives);
             above.push_clipped(id, primitives);
-            CUT
+            return CUT;
         }
+        // Without a branch, which nothing could foretell: pushed on both sides, kept on one.
+        let is_above = side == Side::Above;
+        let places = [below.push(id), above.push(id) | ABOVE];
+        below.ids.truncate(below.ids.len() - usize::from(is_above));
+        above.ids.truncate(above.ids.len() - usize::from(!is_above));
+        places[usize::from(is_above)]
     });
     places.collect()
 }
 
-/// Gives the events of an axis to the parts, in order.
-fn distribute(events: &[Event], places: &[Place], axis: usize, below: &mut Part, above: &mut Part) {
-    let room = |part: &Part| 2 * part.ids.len();
-    let (mut low, mut high) = (Vec::with_capacity(room(below)), Vec::with_capacity(room(above)));
-    for &event in events {
+/// The events of an axis below and above, in order; `clipped` are those of cut primitives, and at
+/// most `room` lie above.
+fn distribute(
+    mut events: Vec<Event>,
+    places: &[Place],
+    room: usize,
+    mut clipped: [Vec<Event>; 2],
+) -> (Vec<Event>, Vec<Event>) {
+    // The lower part keeps the parent's memory. Events are written to both sides and kept on one.
+    let mut high = vec![0; room.min(events.len()) + 1];
+    let (mut lows, mut highs) = (0, 0);
+    for i in 0..events.len() {
+        let event = events[i];
         let place = places[slot(event)];
-        if place < ABOVE {
-            low.push(with_slot(event, place));
-        } else if place != CUT {
-            high.push(with_slot(event, place & !ABOVE));
-        }
+        let moved = with_slot(event, place & (MAX_SLOTS as u32 - 1));
+        events[lows] = moved;
+        high[highs] = moved;
+        lows += usize::from(place < ABOVE);
+        highs += usize::from(place >= ABOVE && place != CUT);
     }
-    for (part, mut events) in [(below, low), (above, high)] {
-        let clipped = &mut part.clipped[axis];
+    events.truncate(lows);
+    high.truncate(highs);
+    for (events, clipped) in [&mut events, &mut high].into_iter().zip(&mut clipped) {
         clipped.sort_unstable();
-        merge_into(&mut events, clipped);
-        part.events[axis] = events;
+        merge_into(events, clipped);
     }
+    (events, high)
 }

@@ -3,7 +3,9 @@
 //! Source: Wald, Havran, *On building fast kd-trees for ray tracing, and on doing that in
 //! O(N log N)*, RT 2006, algorithms 2 and 4.
 
-use super::events::{END, Event, PLANAR, START, key, kind, position};
+use super::PARALLEL_SIZE;
+use super::events::{Event, PLANAR, key, kind, position};
+use super::split::for_axes;
 use crate::math::Bounds;
 
 /// Costs of the surface area heuristic, in steps of a ray from node to node.
@@ -42,14 +44,15 @@ pub(super) fn best_plane(
     n: u32,
     costs: &Costs,
 ) -> Option<Plane> {
-    (0..3)
-        .filter_map(|axis| best_on_axis(bounds, axis, &events[axis], n, costs))
+    let on_axis = |axis: usize| best_on_axis(bounds, axis, &events[axis], n, costs);
+    for_axes(n as usize >= PARALLEL_SIZE, [0, 1, 2], on_axis)
+        .into_iter()
+        .flatten()
         .reduce(|a, b| if b.cost < a.cost { b } else { a })
 }
 
 /// Probability that a ray through the cell meets the part of it below (or above) a plane.
 struct Chances {
-    axis: usize,
     min: f64,
     max: f64,
     /// Of a part without extent along the axis.
@@ -65,7 +68,6 @@ impl Chances {
         let (ends, ring) = (a * b, a + b);
         let area = ends + ring * d[axis];
         Self {
-            axis,
             min: f64::from(bounds.min[axis]),
             max: f64::from(bounds.max[axis]),
             flat: ends / area,
@@ -83,37 +85,36 @@ fn best_on_axis(
 ) -> Option<Plane> {
     let chances = Chances::new(bounds, axis);
     let (mut below, mut above) = (0u32, n);
-    let mut best = None;
-    let mut best_cost = f64::INFINITY;
+    let mut best = Plane { axis, position: 0.0, planar_below: true, cost: f64::INFINITY };
     let mut i = 0;
     while i < events.len() {
         let at = key(events[i]);
-        let mut count = [0u32; 3];
-        while i < events.len() && key(events[i]) == at {
-            count[kind(events[i]) as usize] += 1;
-            i += 1;
+        // Bit 0 of a kind tells planar ones, bit 1 tells starts.
+        let (mut count, mut planar, mut starts) = (0, 0, 0);
+        for event in events[i..].iter().take_while(|&&event| key(event) == at) {
+            planar += kind(*event) as u32 & PLANAR as u32;
+            starts += kind(*event) as u32 >> 1;
+            count += 1;
         }
-        let planar = count[PLANAR as usize];
-        above -= planar + count[END as usize];
-        if let Some(plane) = chances.plane(position(at), [below, planar, above], costs)
-            && plane.cost < best_cost
-        {
-            best_cost = plane.cost;
-            best = Some(plane);
+        i += count as usize;
+        above -= count - starts;
+        let x = f64::from(position(at));
+        if chances.min < x && x < chances.max {
+            let (cost, planar_below) = chances.cost(x, [below, planar, above], costs);
+            if cost < best.cost {
+                best = Plane { axis, position: position(at), planar_below, cost };
+            }
         }
-        below += planar + count[START as usize];
+        below += planar + starts;
     }
-    best
+    (best.cost < f64::INFINITY).then_some(best)
 }
 
 impl Chances {
-    /// The cheaper of the two ways to give planar primitives to a side; none outside the cell.
+    /// The cost of the cheaper of the two ways to give planar primitives to a side, and whether
+    /// that is the lower one.
     #[inline(always)]
-    fn plane(&self, at: f32, [below, planar, above]: [u32; 3], costs: &Costs) -> Option<Plane> {
-        let x = f64::from(at);
-        if !(self.min < x && x < self.max) {
-            return None;
-        }
+    fn cost(&self, x: f64, [below, planar, above]: [u32; 3], costs: &Costs) -> (f64, bool) {
         let chance_below = self.flat + self.slope * (x - self.min);
         let chance_above = self.flat + self.slope * (self.max - x);
         let cost = |nb: u32, na: u32| {
@@ -121,8 +122,11 @@ impl Chances {
             let children = chance_below * costs.of_leaf(nb) + chance_above * costs.of_leaf(na);
             bonus * (1.0 + children)
         };
-        let (low, high) = (cost(below + planar, above), cost(below, above + planar));
-        let planar_below = low <= high;
-        Some(Plane { axis: self.axis, position: at, planar_below, cost: low.min(high) })
+        let low = cost(below + planar, above);
+        if planar == 0 {
+            return (low, true);
+        }
+        let high = cost(below, above + planar);
+        (low.min(high), low <= high)
     }
 }

@@ -1,49 +1,67 @@
 //! The command line as typed.
 
+mod commands;
+mod frame_path;
+
+use std::fmt;
 use std::path::PathBuf;
 
 use clap::builder::Styles;
 use clap::{Parser, ValueEnum};
 
+pub(super) use commands::{Command, CompareArgs, MergeArgs, SheetArgs, VerifyArgs};
+pub(super) use frame_path::FramePath;
+
+use super::progress::ProgressForm;
+use super::sequence::{Frames, Order};
+use crate::render::Part;
 use crate::scene::Accelerator;
 
-const ABOUT: &str = "Renders one frame of a scene file: motion blur, depth of field, soft shadows, \
+const ABOUT: &str = "Renders frames of a scene file: motion blur, depth of field, soft shadows, \
                      glossy surfaces.";
 
 const LONG_ABOUT: &str = "\
-slo-rt renders one frame of a scene file to a picture: motion blur, depth of field, soft shadows,
+slo-rt renders frames of a scene file to pictures: motion blur, depth of field, soft shadows,
 glossy reflection and refraction.
 
 Without arguments it renders frame 0 of the scene that it carries inside, and prints the path of
-the picture. A sequence is one run per frame; scripts/render_sequence.sh does it.";
+the picture. The same command again renders of a sequence what is missing, damaged or stale.";
 
 const EXAMPLES: &str = "\
 Examples:
   slo-rt                                the scene inside, to see that all works
   slo-rt -s table.txt -f 15             frame 15 of a scene
+  slo-rt -s table.txt -f 0-100 -od out  a sequence; again: what is missing of it
   slo-rt -s table.txt --check           find mistakes, render nothing
   slo-rt -s table.txt --size 320x180 --samples 4
                                         a quick draft
   slo-rt -f 15 -s table.txt -id input/scenes -od output/table
                                         folders for what comes in and what goes out
+  slo-rt -s table.txt --part 3/10       the third of ten parts, for the third machine
+  slo-rt merge *.part                   and the pictures of all of them
+  slo-rt sheet out/*.png                small copies of all, to look at
   slo-rt --recipe default_00000.png     how a picture was made
 
-The picture's path goes to standard output, all else to standard error.";
+The pictures' paths go to standard output, all else to standard error.";
 
 const EXIT_CODES: &str = "\
 Exit codes:
     0  done
-    1  rendering failed, or a file could not be read or written
+    1  rendering failed, or a file could not be read or written; of a sequence
+       some frames failed, the others are there
     2  the command line is wrong, or the scene has no such frame
    65  the scene, a mesh or a texture has errors
    66  an input file is missing or can't be read
    73  the picture can't be created (found before rendering starts)
-  130  interrupted (Ctrl-C)
+   74  the picture can't be written
+   75  stopped by Ctrl-C or a signal; the same command goes on from there
+  130  ended at once, by a second Ctrl-C
 
 Environment:
   NO_COLOR, CLICOLOR_FORCE, TERM=dumb   as usual; --color decides over them
   SLO_RT_ISA=avx512|avx2|portable       instruction set; the picture is the same";
 
+const COMMANDS: &str = "Commands, beside rendering";
 const WHAT: &str = "What to render";
 const WHERE: &str = "Where it goes";
 const DRAFT: &str = "Instead of the scene's settings";
@@ -59,19 +77,57 @@ const INSTEAD: &str = "Instead of rendering";
     long_about = LONG_ABOUT,
     after_help = EXAMPLES,
     after_long_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"),
-    override_usage = "slo-rt [--scene FILE] [--frame N] [options]",
+    override_usage = "slo-rt [--scene FILE] [--frame FRAMES] [options]",
     disable_help_flag = true,
     disable_version_flag = true,
     styles = Styles::styled(),
+    args_conflicts_with_subcommands = true,
+    disable_help_subcommand = true,
+    subcommand_help_heading = COMMANDS,
 )]
 pub(super) struct Args {
+    #[command(subcommand)]
+    pub(super) command: Option<Command>,
+
     /// Scene file [the scene inside the program]
     #[arg(short, long, value_name = "FILE", help_heading = WHAT)]
     pub(super) scene: Option<PathBuf>,
 
-    /// Number of the frame; may be negative (0)
-    #[arg(short, long, value_name = "N", help_heading = WHAT, allow_negative_numbers = true)]
-    pub(super) frame: Option<i64>,
+    /// Frames, such as 15, 1-100, 1-100x5 or 3,-5--1 (0)
+    ///
+    /// 1-100x5 is every fifth, 1-100y5 all but those, 1-100:5 every fifth and
+    /// then the ones in between, ever denser. Of a range or a list, frames that
+    /// are finished stay as they are.
+    #[arg(short, long, value_name = "FRAMES", help_heading = WHAT, value_parser = Frames::parse)]
+    #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
+    pub(super) frame: Option<Frames>,
+
+    /// Order of the frames: forward, reverse, or coarse (every 16th first)
+    #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
+    #[arg(value_enum, default_value_t = Order::Forward, hide_default_value = true)]
+    pub(super) order: Order,
+
+    /// A region of the picture, such as 320x180+0+90
+    ///
+    /// Columns and rows from the upper left corner. Its pixels are those of the
+    /// whole picture.
+    #[arg(long, value_name = "WxH+X+Y", help_heading = WHAT, value_parser = region)]
+    #[arg(verbatim_doc_comment)]
+    pub(super) region: Option<Region>,
+
+    /// A part of each picture, such as 3/10: the third of ten
+    ///
+    /// Instead of a picture there is a file of samples. `slo-rt merge` makes the
+    /// picture of all parts, byte for byte the one of a single run.
+    #[arg(long, value_name = "K/N", help_heading = WHAT, value_parser = part)]
+    #[arg(conflicts_with_all = ["info", "keep_state"], verbatim_doc_comment)]
+    pub(super) part: Option<Part>,
+
+    /// What is shared out in parts: pixels or samples
+    #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
+    #[arg(value_enum, default_value_t = PartBy::Pixels, hide_default_value = true)]
+    #[arg(requires = "part")]
+    pub(super) part_by: PartBy,
 
     /// Folder that holds the scene file (short: -id)
     ///
@@ -98,13 +154,40 @@ pub(super) struct Args {
     #[arg(short, long, help_heading = WHERE)]
     pub(super) info: bool,
 
-    /// Render nothing where the picture is there already
+    /// Leave a picture that is there already, as in sequences
     ///
-    /// A picture is taken for the one that this run would make when it holds the
-    /// same recipe: scene, frame, settings and version.
-    #[arg(long, help_heading = WHERE, conflicts_with_all = ["info", "check"])]
+    /// A picture is taken for the one that this run would make when it is whole
+    /// and holds the same recipe: scene, frame, settings and version.
+    #[arg(long, help_heading = WHERE, conflicts_with_all = ["check", "overwrite"])]
     #[arg(verbatim_doc_comment)]
     pub(super) skip_existing: bool,
+
+    /// Render again what is there already, in sequences too
+    #[arg(long, help_heading = WHERE, conflicts_with = "check")]
+    pub(super) overwrite: bool,
+
+    /// Seconds between checkpoints of a frame; 0 for none (60)
+    ///
+    /// A frame that was stopped, or killed, goes on from its last checkpoint. The
+    /// file lies beside the picture, and is gone when the picture is there.
+    #[arg(long, value_name = "S", help_heading = WHERE, default_value_t = 60)]
+    #[arg(hide_default_value = true, allow_negative_numbers = true, verbatim_doc_comment)]
+    pub(super) checkpoint: u32,
+
+    /// Keep what is needed to add samples to a picture later
+    ///
+    /// In a file beside the picture, its name and .state. A run that asks for
+    /// more samples, or less noise, goes on from there.
+    #[arg(long, help_heading = WHERE, verbatim_doc_comment)]
+    pub(super) keep_state: bool,
+
+    /// Write how many samples each pixel took; #### is the frame
+    #[arg(long, value_name = "FILE", help_heading = WHERE)]
+    pub(super) sample_map: Option<FramePath>,
+
+    /// Write the estimated error of each pixel; #### is the frame
+    #[arg(long, value_name = "FILE", help_heading = WHERE)]
+    pub(super) error_map: Option<FramePath>,
 
     /// Size of the picture in pixels, such as 320x180
     #[arg(long, value_name = "WxH", help_heading = DRAFT, value_parser = size)]
@@ -119,6 +202,15 @@ pub(super) struct Args {
     #[arg(allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=65535))]
     pub(super) samples: Option<u32>,
+
+    /// Error at which a picture is clean enough, such as 0.01
+    ///
+    /// As the viewer sees it: 1 is the range from black to white, 0.004 a step of
+    /// 8 bits. Each block of 8 x 8 pixels takes samples until its estimated error
+    /// is below, --samples at most (4096 without it).
+    #[arg(long, value_name = "E", help_heading = DRAFT, value_parser = noise)]
+    #[arg(allow_negative_numbers = true, verbatim_doc_comment)]
+    pub(super) noise: Option<f32>,
 
     /// Seed of the noise
     #[arg(long, value_name = "N", help_heading = DRAFT, allow_negative_numbers = true)]
@@ -142,6 +234,11 @@ pub(super) struct Args {
     #[arg(short, long, help_heading = HOW, conflicts_with = "quiet")]
     pub(super) verbose: bool,
 
+    /// Progress: auto, plain, json, openjd, none
+    #[arg(long, value_name = "FORM", help_heading = HOW, hide_possible_values = true)]
+    #[arg(value_enum, default_value_t = ProgressForm::Auto, hide_default_value = true)]
+    pub(super) progress: ProgressForm,
+
     /// Colour of messages: auto, always, never
     #[arg(long, value_name = "WHEN", help_heading = HOW, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = When::Auto, hide_default_value = true)]
@@ -150,6 +247,10 @@ pub(super) struct Args {
     /// Read the scene and all its files, report, render nothing
     #[arg(long, help_heading = INSTEAD)]
     pub(super) check: bool,
+
+    /// Say what would be rendered, frame by frame, and why
+    #[arg(long, help_heading = INSTEAD, conflicts_with = "check")]
+    pub(super) dry_run: bool,
 
     /// Print how a picture was made
     ///
@@ -166,6 +267,66 @@ pub(super) struct Args {
     /// Version
     #[arg(short = 'V', long, help_heading = INSTEAD, action = clap::ArgAction::Version)]
     version: (),
+}
+
+/// `--region`, in pixels from the upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Region {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) x: u32,
+    pub(super) y: u32,
+}
+
+impl fmt::Display for Region {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}+{}+{}", self.width, self.height, self.x, self.y)
+    }
+}
+
+/// `--part-by`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum PartBy {
+    #[default]
+    Pixels,
+    Samples,
+}
+
+impl PartBy {
+    /// As in names of files.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Pixels => "pixels",
+            Self::Samples => "samples",
+        }
+    }
+}
+
+/// Parses `WxH+X+Y`.
+fn region(text: &str) -> Result<Region, String> {
+    let expected = || "expected width x height + column + row, such as 320x180+0+90".to_owned();
+    let (sides, place) = text.split_once('+').ok_or_else(expected)?;
+    let Size { width, height } = size(sides)?;
+    let (x, y) = place.split_once('+').ok_or_else(expected)?;
+    match (x.parse(), y.parse()) {
+        (Ok(x), Ok(y)) => Ok(Region { width, height, x, y }),
+        _ => Err(expected()),
+    }
+}
+
+/// Parses an error.
+fn noise(text: &str) -> Result<f32, String> {
+    let error = text.parse().ok().filter(|error| *error > 0.0 && *error <= 1.0);
+    error.ok_or_else(|| "an error is more than 0 and at most 1, such as 0.01".into())
+}
+
+/// Parses `K/N`.
+fn part(text: &str) -> Result<Part, String> {
+    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    match numbers {
+        Some((number, of)) if (1..=of).contains(&number) => Ok(Part { number, of }),
+        _ => Err("expected a number and how many parts there are, such as 3/10".into()),
+    }
 }
 
 /// `--size`, in pixels.
@@ -234,9 +395,13 @@ mod tests {
     #[test]
     fn frames_may_be_negative() {
         for typed in ["-f -5", "-f=-5", "-f-5", "--frame -5", "--frame=-5"] {
-            assert_eq!(parse(typed).unwrap().frame, Some(-5), "{typed}");
+            assert_eq!(parse(typed).unwrap().frame, Some(Frames::single(-5)), "{typed}");
         }
-        assert_eq!(parse("-f 15").unwrap().frame, Some(15));
+        for typed in ["-f -5--1,3", "--frame=-5--1,3", "-f-5--1,3"] {
+            let frames = parse(typed).unwrap().frame.unwrap();
+            assert_eq!(frames.numbers, [-5, -4, -3, -2, -1, 3], "{typed}");
+        }
+        assert_eq!(parse("-f 15").unwrap().frame, Some(Frames::single(15)));
         assert_eq!(parse("").unwrap().frame, None);
     }
 
@@ -256,12 +421,50 @@ mod tests {
     }
 
     #[test]
+    fn regions_and_parts() {
+        let expected = Region { width: 320, height: 180, x: 0, y: 90 };
+        assert_eq!(region("320x180+0+90"), Ok(expected));
+        assert_eq!(expected.to_string(), "320x180+0+90");
+        for bad in ["320x180", "320x180+1", "0x5+1+1", "1x1+-1+0", "1x1+1+1+1"] {
+            assert!(region(bad).is_err(), "{bad}");
+        }
+        assert_eq!(part("3/10"), Ok(Part { number: 3, of: 10 }));
+        for bad in ["", "3", "0/3", "4/3", "1/0", "-1/3", "1/2/3"] {
+            assert!(part(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn commands_stand_alone() {
+        let merge = parse("merge a.part b.part --outdir out").unwrap();
+        assert!(matches!(merge.command, Some(Command::Merge(args)) if args.files.len() == 2));
+        assert!(parse("compare a.png b.png --max-flip 0.1 --map c.png").is_ok());
+        assert!(parse("verify a.png -s scene.txt --tiles 3").is_ok());
+        assert!(parse("sheet a.png b.png --columns 2").is_ok());
+        for bad in ["merge", "merge a -f 3", "-f 3 merge a", "help", "compare a", "sheet", "verify"]
+        {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
     fn wrong_values_are_refused() {
         for bad in [
             "-f x",
             "-f 1.5",
             "-f 99999999999999999999",
             "-f",
+            "-f --quiet",
+            "-f 1-5 --order random",
+            "--progress loud",
+            "--overwrite --skip-existing",
+            "--checkpoint -1",
+            "--noise 0",
+            "--noise -1",
+            "--noise nan",
+            "--noise 2",
+            "--part-by samples",
+            "--part 1/2 --info",
             "--threads 0",
             "--samples 0",
             "--samples 65536",

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What differs between Blender 4.2 and 5.x."""
+
+import bpy
+
+
+def fcurves(animation_data):
+    """All F-curves that act on the owner of `animation_data`, drivers not included.
+
+    Blender 4.4 divided actions into layers, strips and channel bags, one bag for each slot; Blender 5.0
+    took `Action.fcurves` away.
+    """
+    action = animation_data.action if animation_data else None
+    if action is None:
+        return []
+    slot = getattr(animation_data, "action_slot", None)
+    if slot is None:
+        return list(getattr(action, "fcurves", ()))
+    bags = [
+        strip.channelbag(slot)
+        for layer in action.layers
+        for strip in layer.strips
+        if strip.type == "KEYFRAME"
+    ]
+    return [curve for bag in bags if bag for curve in bag.fcurves]
+
+
+def is_animated(owner):
+    """Whether F-curves or drivers act on `owner`."""
+    animation = owner.animation_data
+    return bool(animation and (fcurves(animation) or animation.drivers))
+
+
+def node_tree(owner):
+    """The node tree of a material, world or light if it counts, or None.
+
+    `use_nodes` is always on, and deprecated, in Blender 5.0.
+    """
+    if bpy.app.version < (5, 0, 0) and not owner.use_nodes:
+        return None
+    return owner.node_tree
+
+
+def light_strength(light):
+    """Power of a light in watts (sun: watts per square metre), and its linear colour.
+
+    Exposure and temperature came with Blender 4.5.
+    """
+    power = light.energy * 2.0 ** getattr(light, "exposure", 0.0)
+    color = tuple(light.color)
+    if getattr(light, "use_temperature", False):
+        color = tuple(a * b for a, b in zip(color, light.temperature_color))
+    return power, color

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights.
+
+Light does not fall off with distance in slo-rt, and in Blender it does. A light becomes as bright as Blender's
+is at one distance: its own setting, or, where that is 0, the distance to the middle of the scene.
+
+A white surface that faces a lamp of P watts at distance d has, in Blender, the radiance
+P / (4 pi^2 d^2) for a point, P / (pi^2 d^2) for a small area that faces it, and E / pi for a sun of E
+watts per square metre; slo-rt gives it the light's colour.
+"""
+
+import math
+
+import numpy as np
+
+from .. import compat
+from ..format.scene_text import Element
+
+SUN_DISTANCE = 200.0  # in diagonals of the scene
+
+
+def elements_of_light(name, light, matrix, center, diagonal, report):
+    """Elements of one light; none where slo-rt has no such light, which is noted.
+
+    `matrix` (4, 4) leads to world space; `center` and `diagonal` describe the scene.
+    """
+    subject = f'light "{light.name}"'
+    position, axes = matrix[:3, 3], matrix[:3, :3]
+    toward = -axes[:, 2] / max(np.linalg.norm(axes[:, 2]), 1e-30)
+    distance = light.slo_rt.distance or max(float(np.linalg.norm(center - position)), 1e-3)
+    power, color = compat.light_strength(light)
+    power *= light.slo_rt.brightness
+    _note_limits(light, subject, report)
+
+    if light.type == "POINT":
+        if light.shadow_soft_size > 0.0:
+            report.note(subject, "a point in slo-rt: its radius is not carried, shadows are sharp")
+        return [_point(name, color, power / (4.0 * math.pi**2 * distance**2), position)]
+    if light.type == "SUN":
+        if light.angle > 0.0:
+            report.note(subject, "a sun without size in slo-rt: shadows are sharp")
+        far = center - toward * SUN_DISTANCE * max(diagonal, 1.0)
+        return [_point(name, color, power / math.pi, far)]
+    if light.type == "AREA":
+        brightness = power / (math.pi**2 * distance**2)
+        return [_rectangle(name, light, color, brightness, matrix, subject, report)]
+    report.note(subject, f"{light.type.lower()} lights are not carried")
+    return []
+
+
+def _point(name, color, brightness, position):
+    rgb = tuple(c * brightness for c in color)
+    return Element("light_point", name, [("color", rgb), ("position", tuple(position))])
+
+
+def _rectangle(name, light, color, brightness, matrix, subject, report):
+    width = light.size
+    height = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+    if light.shape in {"DISK", "ELLIPSE"}:
+        report.note(subject, "a round area light becomes a rectangle of the same area")
+        width, height = (side * math.sqrt(math.pi) / 2.0 for side in (width, height))
+    report.note(subject, "area lights shine from both sides in slo-rt, and are visible")
+    corners = [(-1, -1), (1, -1), (1, 1)]
+    body = [("color", tuple(c * brightness for c in color))]
+    for i, (x, y) in enumerate(corners):
+        corner = matrix @ np.array([x * width / 2.0, y * height / 2.0, 0.0, 1.0])
+        body.append((f"vertex{i}", tuple(corner[:3])))
+    return Element("light_rectangle", name, body)
+
+
+def _note_limits(light, subject, report):
+    tree = compat.node_tree(light)
+    if tree and any(node.type not in {"EMISSION", "OUTPUT_LIGHT"} for node in tree.nodes):
+        report.note(subject, "the light's nodes are not carried")
+    if not getattr(light, "use_shadow", True):
+        report.note(subject, "throws shadows in slo-rt")
+    if not getattr(light, "normalize", True):
+        report.note(subject, "its power is taken as watts, whatever its size")

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's meshes become triangles, with numpy all the way."""
+
+import numpy as np
+
+from ..format.slo_mesh import MeshArrays
+
+# Corner normals whose components differ by less are the same.
+NORMAL_STEP = 1e-4
+
+
+def arrays(mesh, shape=None, uv_map=None):
+    """`(MeshArrays, material index of each triangle)` of a mesh; None if it has no face.
+
+    `shape` (3, 3) is applied to vertices and normals; one that mirrors turns triangles round. `uv_map`
+    is the name of the uv map to take, "" the one for rendering, None no uvs.
+    """
+    mesh.calc_loop_triangles()
+    count = len(mesh.loop_triangles)
+    if count == 0:
+        return None
+    vertices = _attribute(mesh, "position", "vector", 3, np.float32)
+    corner_vertex = _attribute(mesh, ".corner_vert", "value", 1, np.int32)[:, 0]
+    corners = _read(mesh.loop_triangles, "loops", count, 3, np.int32)
+    material = _materials(mesh, count)
+
+    mirrored = shape is not None and np.linalg.det(shape) < 0.0
+    if mirrored:
+        corners = corners[:, ::-1]
+    uvs, corner_uv = _uvs(mesh, corner_vertex, uv_map)
+    vertex_of_corner, source, normals = _normals(mesh, corner_vertex)
+    if source is not None:
+        vertices = vertices[source]
+    if shape is not None:
+        vertices = (vertices @ shape.T).astype(np.float32)
+        normals = None if normals is None else _unit(normals @ np.linalg.pinv(shape))
+    result = MeshArrays(
+        vertices=vertices,
+        faces=vertex_of_corner[corners],
+        uvs=uvs,
+        face_uvs=None if uvs is None else corner_uv[corners],
+        normals=normals,
+    )
+    return result, material
+
+
+def part(mesh, chosen):
+    """The triangles of a mesh for which `chosen` (m,) is true, with the vertices that they use."""
+    faces, vertices = _compact(mesh.faces[chosen], len(mesh.vertices))
+    result = MeshArrays(mesh.vertices[vertices], faces)
+    if mesh.normals is not None:
+        result.normals = mesh.normals[vertices]
+    if mesh.uvs is not None:
+        result.face_uvs, uvs = _compact(mesh.face_uvs[chosen], len(mesh.uvs))
+        result.uvs = mesh.uvs[uvs]
+    return result
+
+
+def _compact(indices, count):
+    used = np.zeros(count, bool)
+    used[indices.ravel()] = True
+    new_index = np.cumsum(used, dtype=np.int32) - 1
+    return new_index[indices], np.flatnonzero(used)
+
+
+def _attribute(mesh, name, field, width, kind):
+    """Values of an attribute; many times quicker than those of vertices and corners themselves."""
+    values = mesh.attributes[name].data
+    return _read(values, field, len(values), width, kind)
+
+
+def _materials(mesh, count):
+    """Material index of each triangle."""
+    if "material_index" not in mesh.attributes:
+        return np.zeros(count, np.int32)
+    of_face = _attribute(mesh, "material_index", "value", 1, np.int32)[:, 0]
+    return of_face[_read(mesh.loop_triangle_polygons, "value", count, 1, np.int32)[:, 0]]
+
+
+def _read(collection, attribute, count, width, kind):
+    values = np.empty(count * width, kind)
+    collection.foreach_get(attribute, values)
+    return values.reshape(count, width)
+
+
+def _uvs(mesh, corner_vertex, uv_map):
+    """Distinct uv coordinates, and the index of that of each corner; `(None, None)` without."""
+    layers = mesh.uv_layers
+    if uv_map is None or not layers:
+        return None, None
+    layer = layers.get(uv_map) or next((x for x in layers if x.active_render), layers[0])
+    at_corner = _read(layer.uv, "vector", len(corner_vertex), 2, np.float32)
+    at_vertex = np.zeros((len(mesh.vertices), 2), np.float32)
+    at_vertex[corner_vertex] = at_corner
+    if np.array_equal(at_vertex[corner_vertex], at_corner):
+        return at_vertex, corner_vertex
+    packed = np.ascontiguousarray(at_corner).view(np.uint64)[:, 0]
+    distinct, index = np.unique(packed, return_inverse=True)
+    return distinct.view(np.float32).reshape(-1, 2), index.astype(np.int32)
+
+
+def _normals(mesh, corner_vertex):
+    """`(vertex of each corner, source vertices, normals)`.
+
+    Vertices whose corners have different normals are divided; `source` tells from which vertex each one
+    comes, None if none was divided. Normals are None for flat meshes.
+    """
+    domain = mesh.normals_domain
+    if domain == "FACE":
+        return corner_vertex, None, None
+    if domain == "POINT":
+        count = len(mesh.vertices)
+        return corner_vertex, None, _read(mesh.vertex_normals, "vector", count, 3, np.float32)
+    at_corner = _read(mesh.corner_normals, "vector", len(corner_vertex), 3, np.float32)
+    steps = np.rint(at_corner / NORMAL_STEP).astype(np.int64) + 16384
+    packed = (steps[:, 0] << 30) | (steps[:, 1] << 15) | steps[:, 2]
+    _, normal_index = np.unique(packed, return_inverse=True)
+    pairs = corner_vertex.astype(np.int64) * len(packed) + normal_index
+    _, corner, vertex_of_corner = np.unique(pairs, return_index=True, return_inverse=True)
+    return vertex_of_corner.astype(np.int32), corner_vertex[corner], at_corner[corner]
+
+
+def _unit(vectors):
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return (vectors / np.maximum(length, 1e-30)).astype(np.float32)

@@ -1,0 +1,351 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A whole scene: from Blender's evaluated scene to a scene text with its meshes and textures."""
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import compat
+from ..fit.motion import fit_key_frames, sample_times
+from ..fit.rigid import split_matrix
+from ..format import scene_text, slo_mesh
+from ..format.names import Names, plain
+from ..format.scene_text import Element, block, seconds
+from ..report import Report
+from . import camera as cameras
+from . import image, light, material, motion, settings, world
+from .things import Collector, outlines
+
+# Shapes whose entries change by more, in parts of the thing's size, count as changing.
+SHAPE_TOLERANCE = 1e-4
+
+
+@dataclass
+class Job:
+    """What to write, and how.
+
+    `depsgraph` is the dependency graph and `set_frame(frame)` takes it to a time in frames. `scene_path` is
+    the file to write; meshes and textures go to a folder beside it with its name. `first` to `last`: the
+    frames, whole numbers. `output`: the Film's. `by_content` names meshes by what is in them, so that
+    they need not be written twice.
+    """
+
+    depsgraph: object
+    set_frame: object
+    scene_path: str
+    first: int
+    last: int
+    prefix: str
+    output: str = "PNG_IMAGE"
+    by_content: bool = False
+
+    @property
+    def single(self):
+        """Whether only one frame is wanted."""
+        return self.first == self.last
+
+
+def write_scene(job):
+    """Writes the scene of `job`. Returns the `Report` of what could not be carried.
+
+    # Errors
+    `OSError` where a file can't be written; `ValueError` where the scene has no camera or holds numbers that
+    are not finite.
+    """
+    return _Writer(job).write()
+
+
+class _Writer:
+    def __init__(self, job):
+        self.job = job
+        self.scene = job.depsgraph.scene
+        self.render = self.scene.render
+        self.values = self.scene.slo_rt
+        self.report = Report()
+        self.fps = settings.frames_per_second(self.render)
+        self.shutter = settings.Shutter.of(self.render)
+        beside, filename = os.path.split(job.scene_path)
+        self.folder_name = plain(os.path.splitext(filename)[0])
+        self.folder = os.path.join(beside, self.folder_name)
+        self.finishes = {}
+        self.names = {kind: Names() for kind in ("file", "object", "material", "texture")}
+        self.textures = {}
+
+    def write(self):
+        job = self.job
+        if self.scene.camera is None:
+            raise ValueError("the scene has no camera")
+        os.makedirs(self.folder, exist_ok=True)
+        job.set_frame(float(job.first))
+        self.background = world.background(self.scene.world, self.report)
+        collector = Collector(self._store_mesh, self._uv_map_of, self.report)
+        found = collector.take_stock(job.depsgraph)
+        self._measure(found.things)
+        elements = [
+            *self._lights(found.lamps),
+            *self._materials(found.things),
+        ]
+        timeline = self._timeline()
+        camera = self._camera(timeline)
+        objects = [e for thing in found.things for e in self._thing(thing, timeline)]
+        self._note_changes(found, timeline)
+        settings.note_limits(self.scene, self.report)
+        head = [settings.settings_element(self.values, self.background), camera]
+        text = scene_text.write(head + elements + objects, self._comments())
+        _write_text(job.scene_path, text)
+        return self.report
+
+    def _comments(self):
+        lines = [f"Scene {self.scene.name!r}, written by Blender. Metres, z up; frame N here is frame N there."]
+        notes = self.report.lines()
+        return lines + (["", "Not carried, or carried differently:"] + notes if notes else [])
+
+    # Time
+
+    def _timeline(self):
+        shots = cameras.shots(self.scene, self.job.first, self.job.last)
+        used = {camera.name_full: camera for camera, _, _ in shots}.values()
+        for camera in used:
+            cameras.note_limits(camera, self.render, self.report)
+        size = settings.picture_size(self.render)
+        reader = cameras.CameraReader(self.render, *size)
+        timeline = motion.Timeline(self.job.depsgraph, self.job.set_frame, list(used), reader)
+        timeline.visit([float(self.job.first)])
+        if self._moving:
+            timeline.visit(sample_times(*self._span))
+        return timeline
+
+    @property
+    def _moving(self):
+        """Whether anything but one moment is to be shown."""
+        return not self.job.single or self.shutter.duration > 0.0
+
+    @property
+    def _span(self):
+        """First and last scene time in frames that a shutter can see."""
+        tail = self.shutter.duration
+        return self.job.first + self.shutter.offset, self.job.last + self.shutter.offset + tail
+
+    def _measure(self, things):
+        """The middle of the scene, which is the median of its things, and its diagonal."""
+        centers = np.array([thing.center for thing in things]) if things else np.zeros((1, 3))
+        self.centers = centers
+        self.center = np.median(centers, axis=0)
+        reach = [thing.diagonal for thing in things]
+        self.diagonal = float(np.linalg.norm(np.ptp(centers, axis=0)) + max(reach, default=0.0))
+
+    # Camera
+
+    def _camera(self, timeline):
+        job, segments, names = self.job, [], Names()
+        for camera, first, stop in cameras.shots(self.scene, job.first, job.last):
+            segments += [
+                cameras.segment_element(names.new(camera.name), segment, self.fps, self.shutter)
+                for segment in self._segments(timeline, camera, first, stop)
+            ]
+        if len(segments) > 1 and self.shutter.duration > 1.0:
+            self.report.note(
+                "camera", "the shutter is open for more than a frame, and stops at the end of a segment"
+            )
+        film = settings.film_element(settings.picture_size(self.render), job.prefix, job.output)
+        return Element("Camera", "camera", [("fps", self.fps), film, *segments])
+
+    def _segments(self, timeline, camera, first, stop):
+        if not self._moving:
+            timeline = _Frozen(timeline, float(self.job.first))
+        whole_frames = [float(frame) for frame in range(first, stop)]
+        positions = timeline.camera_values(camera, whole_frames)[:, :3]
+        segments, misfit = cameras.segments_of_shot(
+            timeline, camera, first, stop, self.shutter, self._distance_of(positions)
+        )
+        if misfit:
+            frame, length, angle = misfit
+            self.report.note(
+                f'camera "{camera.name}"',
+                f"moves too wildly while frame {frame} is exposed: "
+                f"off by up to {length:.2g} m and {np.degrees(angle):.2g} degrees",
+            )
+        return segments
+
+    def _distance_of(self, positions):
+        """The shortest distance from a camera at `positions` to the middle of a thing, which is the length
+        that its errors are measured by; not below a thousandth of the scene."""
+        gaps = self.centers[None, :, :] - positions[:, None, :]
+        shortest = np.linalg.norm(gaps, axis=2).min()
+        return max(float(shortest), 1e-3 * self.diagonal, 1e-9)
+
+    # Things
+
+    def _thing(self, thing, timeline):
+        keys = self._key_frames(thing, timeline)
+        elements = []
+        for part in thing.parts:
+            wish = thing.name
+            if len(thing.parts) > 1 and part.material:
+                wish = f"{thing.name}_{part.material.name}"
+            body = [
+                ("filename", part.filename),
+                ("smooth_normals", int(part.smooth)),
+                ("material", self._material_name(part.material)),
+                *keys,
+            ]
+            elements.append(Element("mesh", self.names["object"].new(wish), body))
+        return elements
+
+    def _key_frames(self, thing, timeline):
+        if not self._moving or not timeline.moves(thing.key):
+            rest = np.concatenate([np.zeros(3), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
+            return [] if np.array_equal(thing.placement, rest) else [self._still(thing.placement)]
+        shapes = []
+
+        def sample(times):
+            placements, shape = split_matrix(timeline.matrices(thing.key, times))
+            shapes.append(np.abs(shape - thing.shape).max())
+            return placements
+
+        first, last = self._span
+        breaks = [b for source in thing.sources for b in motion.breaks(source, first, last)]
+        keys, misfit = fit_key_frames(sample, first, last, thing.diagonal, breaks)
+        subject = f'object "{thing.name}"'
+        if max(shapes) > SHAPE_TOLERANCE * np.abs(thing.shape).max():
+            self.report.note(subject, f"its scale changes; it is as at frame {self.job.first}")
+        if misfit:
+            self.report.note(
+                subject,
+                f"moves too wildly at frame {misfit.time:.2f}: off by up to "
+                f"{100.0 * misfit.position:.3g} % of its size and {np.degrees(misfit.direction):.3g} degrees",
+            )
+        return [self._key_frame(key) for key in keys]
+
+    @staticmethod
+    def _still(placement):
+        return block("addKframe", [("time", 0), block("key", _pose(placement))])
+
+    def _key_frame(self, key):
+        body = [("time", seconds(key.time / self.fps))]
+        for name, values in (("pre", key.pre), ("key", key.key), ("nex", key.nex)):
+            if values is not None:
+                body.append(block(name, _pose(values)))
+        return block("addKframe", body)
+
+    def _store_mesh(self, name, arrays):
+        name = arrays.digest() if self.job.by_content else self.names["file"].new(name)
+        path = os.path.join(self.folder, f"{name}.slo")
+        if not (self.job.by_content and os.path.exists(path)):
+            slo_mesh.write(path, arrays)
+        return f"{self.folder_name}/{name}.slo"
+
+    # Surfaces
+
+    def _finish(self, item):
+        """Name in the scene and finish of a `bpy` material or None."""
+        key = item.name_full if item else None
+        if key not in self.finishes:
+            ambient = [c * self.values.world_light for c in self.background]
+            name = self.names["material"].new(item.name if item else "no_material")
+            self.finishes[key] = name, material.finish(item, ambient, self.report)
+        return self.finishes[key]
+
+    def _material_name(self, item):
+        return self._finish(item)[0]
+
+    def _uv_map_of(self, materials):
+        """The uv map that these materials need; None where there is no texture and none is asked for."""
+        textures = [self._finish(item)[1].texture for item in materials]
+        named = [texture.uv_map for texture in textures if texture]
+        return named[0] if named else (None if self.job.by_content else "")
+
+    def _materials(self, things):
+        elements = []
+        used = {part.material.name_full if part.material else None for t in things for part in t.parts}
+        for key, (name, finish) in self.finishes.items():
+            if key not in used:
+                continue
+            elements.append(finish.phong.element(name))
+            texture = self._texture(finish.texture, elements) if finish.texture else None
+            body = [("phong_info", name)]
+            if texture:
+                scale = finish.texture.scale
+                body += [("texture", texture), ("scale_U", scale[0]), ("scale_V", scale[1])]
+            kind = "material_texture" if texture else "material_phong"
+            elements.append(Element(kind, name, body))
+        order = {"texture": 0, "phong_info": 1}
+        return sorted(elements, key=lambda element: order.get(element.kind, 2))
+
+    def _texture(self, texture, elements):
+        """Name of the texture's element, which is written when it is needed first; None if unreadable."""
+        picture = texture.image
+        if picture.name_full not in self.textures:
+            name = self.names["texture"].new(os.path.splitext(picture.name)[0])
+            path = os.path.join(self.folder, f"{name}.png")
+            written = image.write_linear(picture, path, self.report)
+            self.textures[picture.name_full] = name if written else None
+            if written:
+                filename = f"{self.folder_name}/{name}.png"
+                elements.append(Element("texture", name, [("filename", filename)]))
+        return self.textures[picture.name_full]
+
+    def _lights(self, lamps):
+        names, elements = Names(), []
+        for lamp in lamps:
+            elements += light.elements_of_light(
+                names.new(lamp.name), lamp.light, lamp.matrix, self.center, self.diagonal, self.report
+            )
+        return elements
+
+    # What changes although slo-rt has no word for it
+
+    def _note_changes(self, found, timeline):
+        if not self._moving:
+            return
+        for lamp in found.lamps:
+            if timeline.moves(lamp.key):
+                self.report.note(f'light "{lamp.name}"', "lights don't move in slo-rt")
+        if not self.job.single:
+            self._note_animated_data(found)
+        for key in timeline.not_always_there():
+            self.report.note(f'object "{key[0]}"', f"appears or vanishes; it is as at frame {self.job.first}")
+        deforming = {thing.key: thing for thing in found.things if thing.outline is not None}
+        first, last = self._span
+        for time in ((first + last) / 2.0, last) if deforming else ():
+            self.job.set_frame(time)
+            for key, outline in outlines(self.job.depsgraph, deforming).items():
+                if outline != deforming[key].outline:
+                    name = deforming[key].name
+                    self.report.note(
+                        f'object "{name}"', f"changes its shape; it is as at frame {self.job.first}"
+                    )
+
+    def _note_animated_data(self, found):
+        owners = {lamp.light for lamp in found.lamps}
+        owners |= {part.material for thing in found.things for part in thing.parts if part.material}
+        for owner in owners:
+            for animated in (owner, owner.node_tree):
+                if animated and compat.is_animated(animated):
+                    self.report.note(
+                        f'{owner.bl_rna.name.lower()} "{owner.name}"',
+                        f"its changes over time are not carried; it is as at frame {self.job.first}",
+                    )
+
+
+class _Frozen:
+    """A timeline in which it is always the same time."""
+
+    def __init__(self, timeline, time):
+        self._timeline = timeline
+        self._time = time
+
+    def camera_values(self, camera, times):
+        return self._timeline.camera_values(camera, [self._time] * len(times))
+
+
+def _pose(placement):
+    return [("pivot", placement[:3]), ("up", placement[3:6]), ("right", placement[6:9])]
+
+
+def _write_text(path, text):
+    partial = f"{path}.part"
+    with open(partial, "w", encoding="utf-8", newline="\n") as file:
+        file.write(text)
+    os.replace(partial, path)

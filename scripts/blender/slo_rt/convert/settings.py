@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render settings, film and shutter."""
+
+from dataclasses import dataclass
+
+from ..format.scene_text import Element
+
+
+@dataclass
+class Shutter:
+    """When the shutter is open: `duration` frames, from `offset` frames after the frame's time on."""
+
+    offset: float
+    duration: float
+
+    @classmethod
+    def of(cls, render):
+        """The shutter of Blender's render settings."""
+        if not render.use_motion_blur:
+            return cls(0.0, 0.0)
+        duration = render.motion_blur_shutter
+        before = {"START": 0.0, "CENTER": 0.5, "END": 1.0}[render.motion_blur_position]
+        return cls(-before * duration, duration)
+
+
+def frames_per_second(render):
+    """Frames per second of the video."""
+    return render.fps / render.fps_base
+
+
+def picture_size(render):
+    """Width and height of the picture in pixels."""
+    scale = render.resolution_percentage / 100.0
+    return int(render.resolution_x * scale), int(render.resolution_y * scale)
+
+
+def settings_element(values, background):
+    """`settings` from the artist's values (`RenderSettings`) and the colour of the background."""
+    body = [("imageSamples", values.samples)]
+    if values.noise > 0.0:
+        body += [("imageMinSamples", min(values.min_samples, values.samples)), ("noise", values.noise)]
+    body += [
+        ("recursion", values.recursion),
+        ("generatorType", values.generator),
+        ("lightSamplingType", values.light_sampling),
+        ("accelerator", values.accelerator),
+        ("shadow", values.shadow),
+    ]
+    for keyword, count in (
+        ("softShadowSamples", values.shadow_samples),
+        ("diffuseReflectionSamples", values.reflection_samples),
+        ("diffuseRefractionSamples", values.refraction_samples),
+    ):
+        if count != 1:
+            body.append((keyword, count))
+    if values.threads:
+        body.append(("parallelThreads", values.threads))
+    if values.seed:
+        body.append(("seed", values.seed))
+    return Element("settings", "blender", body + [("background", background)])
+
+
+def film_element(size, prefix, output):
+    """`Film`; PNG files get sRGB values, as pictures for people have."""
+    body = [("width", size[0]), ("height", size[1]), ("prefix", prefix), ("output", output)]
+    return Element("Film", "film", body + ([] if output == "EXR_IMAGE" else [("encoding", "SRGB")]))
+
+
+def note_limits(scene, report):
+    """Notes what of the render settings slo-rt has no word for."""
+    render = scene.render
+    if render.film_transparent:
+        report.note("scene", "the background is not transparent in slo-rt")
+    if render.use_multiview:
+        report.note("scene", "one view is rendered, not two for stereo")
+    if render.frame_map_old != render.frame_map_new:
+        report.note("scene", "time remapping is not carried")
+    if render.use_motion_blur and getattr(render, "motion_blur_shutter_curve", None):
+        points = render.motion_blur_shutter_curve.curves[0].points
+        if any(abs(point.location[1] - 1.0) > 1e-3 for point in points):
+            report.note("scene", "the shutter opens and closes at once, whatever its curve")

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine: writes the frame as a scene, runs slo-rt, shows its picture."""
+
+import math
+import os
+import tempfile
+import time
+
+import bpy
+import numpy as np
+
+from . import exports, passes, preferences, process, program
+from .convert.scene import Job, write_scene
+from .convert.settings import picture_size
+from .format.names import plain
+
+# What the last rendering or export could not carry over, for the panel.
+last_notes = []
+
+
+class RenderFailed(Exception):
+    """The picture can't be made; the message is for the artist."""
+
+
+class SloRtRenderEngine(bpy.types.RenderEngine):
+    """slo-rt as a render engine of Blender."""
+
+    bl_idname = exports.ENGINE
+    bl_label = "slo-rt"
+    bl_use_preview = False
+    bl_use_eevee_viewport = True
+    bl_use_postprocess = True
+
+    def render(self, depsgraph):
+        """Called by Blender for each frame and view layer."""
+        request = exports.take_request()
+        if request:
+            self._export(depsgraph, request)
+            return
+        try:
+            self._render_frame(depsgraph)
+        except (RenderFailed, program.ProgramMissing, OSError, ValueError) as error:
+            self.error_set(str(error))
+            self.report({"ERROR"}, str(error))
+
+    # Export
+
+    def _export(self, depsgraph, request):
+        job = Job(
+            depsgraph=depsgraph,
+            set_frame=self._set_frame,
+            scene_path=request.scene_path,
+            first=request.first,
+            last=request.last,
+            prefix=request.prefix,
+            output=request.output,
+        )
+        try:
+            request.report = write_scene(job)
+            last_notes[:] = request.report.lines()
+        except (OSError, ValueError) as error:
+            request.error = error
+
+    def _set_frame(self, frame):
+        whole = math.floor(frame)
+        self.frame_set(whole, subframe=frame - whole)
+
+    # Rendering
+
+    def _render_frame(self, depsgraph):
+        found = program.find(preferences.preferred_path())
+        scene = depsgraph.scene
+        frame = scene.frame_current
+        folder = work_folder(scene.name)
+        self.update_stats("slo-rt", f"Writing frame {frame}")
+        job = Job(
+            depsgraph=depsgraph,
+            set_frame=self._set_frame,
+            scene_path=os.path.join(folder, "frame.txt"),
+            first=frame,
+            last=frame,
+            prefix="frame_",
+            output="EXR_IMAGE",
+            by_content=True,
+        )
+        self._tell(write_scene(job), scene, frame)
+        self._set_frame(float(frame))
+        remove_stale_meshes(job.scene_path)
+        self._run_passes(Run(found, job, scene.render), depsgraph)
+
+    def _tell(self, report, scene, frame):
+        last_notes[:] = report.lines()
+        if not self.is_animation or frame == scene.frame_start:
+            for line in last_notes:
+                self.report({"INFO"}, f"slo-rt: {line}")
+
+    def _run_passes(self, run, depsgraph):
+        values = depsgraph.scene.slo_rt
+        # What was stopped goes on at once.
+        early = self._shows_early(values) and not run.was_stopped()
+        plan = passes.planned(values.samples, early, run.goes_on)
+        run.goes_on &= len(plan) > 1 or values.time > 0.0
+        measured = []
+        while True:
+            if values.time > 0.0:
+                samples = passes.following(values.time, values.samples, measured, run.goes_on)
+            else:
+                samples = plan[len(measured)] if len(measured) < len(plan) else None
+            begin = time.monotonic()
+            if samples is None or not self._run(run, samples, values.samples):
+                break
+            self._show(run, depsgraph)
+            measured.append((samples, time.monotonic() - begin))
+        run.forget_passes()
+
+    def _shows_early(self, values):
+        return values.show_early and not self.is_animation and not bpy.app.background
+
+    def _run(self, run, samples, all_samples):
+        """One run of the program; False if it was stopped."""
+        self._show_progress(0.0, samples)
+        outcome = process.run(
+            # The scene says how many samples there are in all, and a run with all of them needs no option.
+            run.command(None if samples == all_samples else samples),
+            lambda fraction: self._show_progress(fraction, samples),
+            self._should_stop,
+        )
+        if outcome.stopped or outcome.code in process.STOPPED_CODES:
+            self.update_stats("slo-rt", "Stopped")
+            return False
+        if not outcome.succeeded:
+            raise RenderFailed(f"slo-rt: {outcome.complaint()}\n(scene: {run.job.scene_path})")
+        return True
+
+    def _show_progress(self, fraction, samples):
+        self.update_progress(fraction)
+        self.update_stats("slo-rt", f"{samples} samples, {100.0 * fraction:.0f} %")
+
+    def _should_stop(self):
+        return self.test_break()
+
+    def _show(self, run, depsgraph):
+        """Hands the picture to Blender."""
+        pixels = linear_pixels(run.picture)
+        width, height = picture_size(depsgraph.scene.render)
+        result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
+        # Blender cuts the result down to the border.
+        right, top = run.left + result.resolution_x, run.bottom + result.resolution_y
+        shown = np.ascontiguousarray(pixels[run.bottom : top, run.left : right])
+        result.layers[0].passes["Combined"].rect.foreach_set(shown.ravel())
+        self.end_result(result)
+        os.remove(run.picture)
+
+
+class Run:
+    """How the program is called for a frame, and where its picture lies.
+
+    With a render border only that region is rendered, by a program that can; `left` and `bottom` say where what
+    Blender wants lies in the picture, in pixels.
+    """
+
+    def __init__(self, found, job, render):
+        self.found = found
+        self.job = job
+        self.goes_on = found.can("--keep-state")
+        self.left = self.bottom = 0
+        self.region = None
+        if render.use_border:
+            self._use_border(render)
+        self.folder = os.path.dirname(job.scene_path)
+        name = program.picture_name(job.prefix, job.first, "exr", self.region)
+        self.picture = os.path.join(self.folder, name)
+
+    def _use_border(self, render):
+        width, height = picture_size(render)
+        left, right = (int(x * width) for x in (render.border_min_x, render.border_max_x))
+        bottom, top = (int(y * height) for y in (render.border_min_y, render.border_max_y))
+        if self.found.can("--region"):
+            self.region = f"{right - left}x{top - bottom}+{left}+{height - top}"
+        else:
+            self.left, self.bottom = left, bottom
+
+    def command(self, samples):
+        """The command line; `samples` None: as many as the scene says."""
+        return self.found.command(
+            self.job.scene_path, self.job.first, self.folder, samples, self.region, self.goes_on
+        )
+
+    def was_stopped(self):
+        """Whether a rendering of this picture was stopped, which can go on."""
+        return os.path.exists(os.path.join(self.folder, f".slo-rt-{os.path.basename(self.picture)}.state"))
+
+    def forget_passes(self):
+        """Removes what was kept from pass to pass."""
+        if os.path.exists(f"{self.picture}.state"):
+            os.remove(f"{self.picture}.state")
+
+
+def linear_pixels(path):
+    """Pixels of an EXR file as they are, (height, width, 4), the bottom row first.
+
+    `RenderLayer.load_from_file` reads files of Blender only, so the file becomes an image of Blender for
+    a moment.
+    """
+    image = bpy.data.images.load(path)
+    try:
+        width, height = image.size
+        pixels = np.empty(width * height * 4, np.float32)
+        image.pixels.foreach_get(pixels)
+    finally:
+        bpy.data.images.remove(image)
+    return pixels.reshape(height, width, 4)
+
+
+def remove_stale_meshes(scene_path):
+    """Removes meshes of earlier frames that the scene does not use, which would fill the disk."""
+    with open(scene_path, encoding="utf-8") as file:
+        text = file.read()
+    folder = os.path.splitext(scene_path)[0]
+    for name in os.listdir(folder):
+        if name.endswith(".slo") and name not in text:
+            os.remove(os.path.join(folder, name))
+
+
+_session_folder = None
+
+
+def work_folder(scene_name):
+    """A folder for the files of a scene, which lasts as long as Blender runs."""
+    global _session_folder
+    if _session_folder is None or not os.path.isdir(_session_folder):
+        _session_folder = tempfile.mkdtemp(prefix="slo-rt-", dir=bpy.app.tempdir or None)
+    folder = os.path.join(_session_folder, plain(scene_name))
+    os.makedirs(folder, exist_ok=True)
+    return folder
+
+
+classes = (SloRtRenderEngine,)

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""slo-rt's description of a surface, and how measured-looking parameters become one."""
+
+import math
+from dataclasses import dataclass
+
+from .scene_text import Element
+
+BLACK = (0.0, 0.0, 0.0)
+
+
+@dataclass
+class Phong:
+    """The values of a `phong_info`; colours are linear."""
+
+    ambient: tuple = BLACK
+    diffuse: tuple = BLACK
+    specular: tuple = BLACK
+    shininess: float = 0.0
+    reflectance: float = 0.0
+    diffuse_reflection: float = 0.0
+    refraction: float = 0.0
+    diffuse_refraction: float = 0.0
+    refraction_index: float = 1.0
+
+    def element(self, name):
+        """Its text; what has its default is left out."""
+        default = Phong()
+        body = [(k, v) for k, v in vars(self).items() if tuple_of(v) != tuple_of(getattr(default, k))]
+        return Element("phong_info", name, body)
+
+
+def tuple_of(value):
+    """Numbers and vectors as tuples, for comparison."""
+    return (value,) if isinstance(value, (int, float)) else tuple(value)
+
+
+@dataclass
+class Surface:
+    """A surface as artists set it: the sockets of the Principled BSDF that slo-rt has a word for."""
+
+    base_color: tuple = (0.8, 0.8, 0.8)
+    metallic: float = 0.0
+    roughness: float = 0.5
+    ior: float = 1.5
+    specular_level: float = 0.5
+    transmission: float = 0.0
+    alpha: float = 1.0
+    emission: tuple = BLACK
+
+
+def spread_of_roughness(roughness):
+    """Standard deviation in radians of the directions in which a surface reflects.
+
+    A microfacet distribution of width alpha = roughness^2 tilts facets by alpha / sqrt(2) in the
+    mean, and a mirror turns rays by twice its tilt.
+    """
+    return min(1.0, math.sqrt(2.0) * max(0.0, roughness) ** 2)
+
+
+def reflectance_at_normal(ior, specular_level):
+    """How much of the light that falls straight onto a dielectric is reflected (Fresnel)."""
+    fresnel = ((ior - 1.0) / (ior + 1.0)) ** 2
+    return min(1.0, fresnel * 2.0 * specular_level)
+
+
+def phong_of_surface(surface, ambient_light=BLACK):
+    """The Phong values nearest to `surface`, in a world that shines with `ambient_light` from everywhere."""
+    spread = spread_of_roughness(surface.roughness)
+    dielectric = reflectance_at_normal(surface.ior, surface.specular_level)
+    metal = mean(surface.base_color)
+    solid = (1.0 - surface.metallic) * surface.alpha
+    body = solid * (1.0 - surface.transmission)
+
+    diffuse = tuple(body * c for c in surface.base_color)
+    facing = tuple(
+        surface.alpha * (surface.metallic * c + (1.0 - surface.metallic) * dielectric)
+        for c in surface.base_color
+    )
+    reflectance = surface.alpha * (
+        surface.metallic * metal + (1.0 - surface.metallic) * dielectric
+    )
+    through = solid * surface.transmission * metal * (1.0 - dielectric)
+    see_through = 1.0 - surface.alpha
+    ior = surface.ior if through > 0.0 else 1.0
+    return Phong(
+        ambient=tuple(d * a + e for d, a, e in zip(diffuse, ambient_light, surface.emission)),
+        diffuse=diffuse,
+        specular=tuple(min(1.0, f * _peak(surface.roughness)) for f in facing),
+        shininess=_shininess(spread),
+        reflectance=reflectance,
+        diffuse_reflection=spread,
+        refraction=through + see_through,
+        diffuse_refraction=_spread_through(spread, ior) if through > 0.0 else 0.0,
+        refraction_index=ior,
+    )
+
+
+def mean(color):
+    """One number for a colour: the mean of its channels."""
+    return sum(color) / 3.0
+
+
+def _shininess(spread):
+    """Exponent of the highlight whose lobe has this spread; not so sharp that it is never seen."""
+    return min(1.0 / max(spread, 1e-3) ** 2, 2000.0)
+
+
+def _peak(roughness):
+    """Height of the highlight of a point lamp in units of the reflectance: 1 / (4 alpha^2) (GGX)."""
+    return 1.0 / (4.0 * max(roughness, 0.05) ** 4)
+
+
+def _spread_through(spread, ior):
+    """A facet turns refracted rays less than reflected ones: by (1 - 1/ior) of its tilt on the way
+    in and ior - 1 on the way out, where a mirror has 2."""
+    return 0.5 * spread * math.sqrt(max(0.0, (1.0 - 1.0 / ior) * (ior - 1.0)))

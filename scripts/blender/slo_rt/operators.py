@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""File > Export, and what the panels' buttons do."""
+
+import os
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
+
+from . import engine, exports
+from .convert import mesh as meshes
+from .convert.things import SOLID
+from .fit.rigid import split_matrix
+from .format import slo_mesh
+from .format.names import plain
+
+
+class SLO_RT_OT_export_scene(bpy.types.Operator, ExportHelper):
+    """Write the scene as text that slo-rt renders, with its meshes and textures in a folder beside it"""
+
+    bl_idname = "slo_rt.export_scene"
+    bl_label = "Export slo-rt Scene"
+    bl_options = {"PRESET"}
+
+    filename_ext = ".txt"
+    filter_glob: StringProperty(default="*.txt", options={"HIDDEN"})
+    animation: BoolProperty(
+        name="Animation",
+        description="All frames of the frame range; otherwise the current frame",
+        default=True,
+    )
+
+    def execute(self, context):
+        scene = context.scene
+        first, last = scene.frame_start, scene.frame_end
+        if not self.animation:
+            first = last = scene.frame_current
+        prefix = plain(os.path.splitext(os.path.basename(self.filepath))[0]) + "_"
+        try:
+            report = exports.export_scene(scene, self.filepath, first, last, prefix)
+        except (OSError, ValueError, RuntimeError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for line in report.lines():
+            self.report({"WARNING"}, line)
+        self.report({"INFO"}, f"Wrote {self.filepath}")
+        return {"FINISHED"}
+
+
+class SLO_RT_OT_export_mesh(bpy.types.Operator, ExportHelper):
+    """Write the selected objects as .slo meshes, one file each, modifiers applied and scale baked in"""
+
+    bl_idname = "slo_rt.export_mesh"
+    bl_label = "Export slo-rt Mesh"
+    bl_options = {"PRESET"}
+
+    filename_ext = ".slo"
+    filter_glob: StringProperty(default="*.slo", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        return any(thing.type in SOLID for thing in context.selected_objects)
+
+    def execute(self, context):
+        depsgraph = context.evaluated_depsgraph_get()
+        things = [thing for thing in context.selected_objects if thing.type in SOLID]
+        written = 0
+        for thing in things:
+            path = self.filepath
+            if len(things) > 1:
+                path = f"{os.path.splitext(path)[0]}_{plain(thing.name)}.slo"
+            try:
+                triangles = arrays_of_object(thing.evaluated_get(depsgraph))
+                if triangles is None:
+                    self.report({"WARNING"}, f"{thing.name} has no faces")
+                    continue
+                slo_mesh.write(path, triangles)
+            except (OSError, ValueError) as error:
+                self.report({"ERROR"}, f"{thing.name}: {error}")
+                return {"CANCELLED"}
+            written += 1
+            self.report({"INFO"}, f"Wrote {path}: {len(triangles.faces)} triangles")
+        return {"FINISHED"} if written else {"CANCELLED"}
+
+
+def arrays_of_object(thing):
+    """Triangles of an evaluated object in its own space, scale baked in; None without faces."""
+    _, shape = split_matrix(np.array(thing.matrix_world, np.float64))
+    is_scaled = not np.allclose(shape, np.eye(3), rtol=0.0, atol=1e-6)
+    mesh = thing.to_mesh()
+    try:
+        result = meshes.arrays(mesh, shape if is_scaled else None, "") if mesh else None
+    finally:
+        thing.to_mesh_clear()
+    return result and result[0]
+
+
+class SLO_RT_OT_copy_notes(bpy.types.Operator):
+    """Copy the list of what was not carried over"""
+
+    bl_idname = "slo_rt.copy_notes"
+    bl_label = "Copy"
+
+    def execute(self, context):
+        context.window_manager.clipboard = "\n".join(engine.last_notes)
+        return {"FINISHED"}
+
+
+def draw_export_menu(menu, _context):
+    """The entries of File > Export."""
+    menu.layout.operator(SLO_RT_OT_export_scene.bl_idname, text="slo-rt Scene (.txt)")
+    menu.layout.operator(SLO_RT_OT_export_mesh.bl_idname, text="slo-rt Mesh (.slo)")
+
+
+classes = (SLO_RT_OT_export_scene, SLO_RT_OT_export_mesh, SLO_RT_OT_copy_notes)

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The program slo-rt: where it is, what it can do, how it is called. Knows nothing of Blender."""
+
+import functools
+import os
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass
+
+NAME = "slo-rt"
+WHAT_TO_DO = (
+    "Install it (cargo install --path . in its sources), or name its path in "
+    "Edit > Preferences > Add-ons > slo-rt."
+)
+
+
+class ProgramMissing(Exception):
+    """slo-rt can't be found or does not run; the message says what to do."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program that runs: its path, its version, and the long options that its help names."""
+
+    path: str
+    version: str
+    options: frozenset
+
+    def can(self, option):
+        """Whether its help names a long option, such as `--region`."""
+        return option in self.options
+
+    def command(self, scene_path, frame, outdir, samples=None, region=None, keep_state=False):
+        """The command line that renders one frame of a scene.
+
+        Paths in the scene stay in its folder, so that no more need be allowed. `region` is `WxH+X+Y`.
+        """
+        folder, name = os.path.split(scene_path)
+        command = [self.path, "--scene", name, "--indir", folder, "--outdir", outdir]
+        command += [f"--frame={frame}"]
+        if samples is not None:
+            command += ["--samples", str(samples)]
+        if region:
+            command += ["--region", region]
+        if keep_state:
+            command += ["--keep-state"]
+        if self.can("--progress"):
+            command += ["--progress", "json"]
+        return command
+
+
+def find(preferred):
+    """The program to use: `preferred` (a path) if it is not empty, `$SLO_RT`, or `slo-rt` on the PATH.
+
+    # Errors
+    `ProgramMissing`.
+    """
+    wanted = preferred or os.environ.get("SLO_RT", "")
+    path = shutil.which(wanted or NAME)
+    if path is None and wanted:
+        raise ProgramMissing(f"There is no program {wanted}. {WHAT_TO_DO}")
+    if path is None:
+        raise ProgramMissing(f"{NAME} is not on the PATH. {WHAT_TO_DO}")
+    path = os.path.abspath(path)
+    return _examined(path, os.stat(path).st_mtime_ns)
+
+
+@functools.lru_cache(maxsize=8)
+def _examined(path, _modified):
+    version = _output(path, "--version").strip()
+    if not version.startswith(NAME):
+        raise ProgramMissing(f"{path} is not {NAME}: it calls itself {version[:60]!r}. {WHAT_TO_DO}")
+    options = frozenset(re.findall(r"--[a-z][a-z-]+", _output(path, "--help")))
+    return Program(path, version, options)
+
+
+def _output(path, option):
+    try:
+        done = subprocess.run([path, option], capture_output=True, text=True, timeout=20, check=True)
+    except (OSError, subprocess.SubprocessError) as error:
+        raise ProgramMissing(f"{path} does not run: {error}. {WHAT_TO_DO}") from error
+    return done.stdout
+
+
+def picture_name(prefix, frame, ending, region=None):
+    """Name of the picture of a frame: `prefix` and five digits, behind a minus sign if negative."""
+    sign = "-" if frame < 0 else ""
+    part = f"_region={region}" if region else ""
+    return f"{prefix}{sign}{abs(frame):05d}{part}.{ending}"

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What could not be carried over, so that nothing is lost in silence."""
+
+
+class Report:
+    """Notes about things of the scene, each said once, in the order in which they came up."""
+
+    def __init__(self):
+        self._notes = {}
+
+    def note(self, subject, message):
+        """Notes that `subject` (such as `material "Gold"`) is carried over differently or not at all."""
+        self._notes.setdefault((subject, message))
+
+    def lines(self):
+        """One line per message: the subjects that it concerns, then the message."""
+        subjects_of = {}
+        for subject, message in self._notes:
+            subjects_of.setdefault(message, []).append(subject)
+        return [f"{_list(subjects)}: {message}" for message, subjects in subjects_of.items()]
+
+    def __len__(self):
+        return len(self._notes)
+
+
+def _list(subjects, most=6):
+    shown = ", ".join(subjects[:most])
+    return shown if len(subjects) <= most else f"{shown} and {len(subjects) - most} more"

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""F12: the engine, the program, and what goes wrong."""
+
+import os
+import stat
+import subprocess
+import unittest
+from unittest import mock
+
+import bpy
+import numpy as np
+from slo_rt import engine, exports
+
+from . import blend
+
+
+def result_pixels(scene):
+    """Linear pixels of a rendering (height, width, 3), by way of an EXR file."""
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    scene.render.filepath = os.path.join(blend.FOLDER, "result.exr")
+    bpy.ops.render.render(write_still=True)
+    return engine.linear_pixels(scene.render.filepath)[..., :3]
+
+
+def false_program(body):
+    """Path of a program that calls itself slo-rt and does what the shell lines of `body` say."""
+    path = os.path.join(blend.FOLDER, f"slo-rt-{abs(hash(body))}")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(
+            "#!/bin/sh\ncase $1 in --version) echo slo-rt 9.9; exit;; --help) echo; exit;; esac\n" + body
+        )
+    os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR)
+    return path
+
+
+class EngineTest(unittest.TestCase):
+    def setUp(self):
+        self.scene = blend.fresh_scene((80, 60))
+        os.environ["SLO_RT"] = blend.PROGRAM
+
+    def test_default_cube(self):
+        bpy.ops.wm.read_factory_settings()
+        scene = bpy.context.scene
+        scene.render.engine = "SLO_RT"
+        scene.render.resolution_x, scene.render.resolution_y = 160, 120
+        scene.slo_rt.samples = 16
+        pixels = result_pixels(scene).mean(axis=2)
+        background = pixels[5, 5]
+        self.assertAlmostEqual(background, 0.05087609, places=5)
+        cube = np.abs(pixels - background) > 0.005
+        self.assertGreater(cube.mean(), 0.1)
+        self.assertLess(cube.mean(), 0.2)
+        levels = np.unique(np.round(pixels[cube], 2))
+        self.assertGreater(len(levels), 3)
+
+    def test_values_are_those_of_the_program(self):
+        blend.cube().rotation_euler = (0.3, 0.4, 0.5)
+        lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+        lamp.location, lamp.data.energy = (3.0, -5.0, 5.0), 9000.0
+        self.scene.collection.objects.link(lamp)
+        shown = result_pixels(self.scene)
+        path = os.path.join(blend.FOLDER, "same.txt")
+        exports.export_scene(self.scene, path, 1, 1, "same_", "EXR_IMAGE")
+        subprocess.run(
+            [blend.PROGRAM, "-q", "-s", path, "-f", "1", "-od", blend.FOLDER], check=True,
+            stdout=subprocess.DEVNULL,
+        )  # fmt: skip
+        written = engine.linear_pixels(os.path.join(blend.FOLDER, "same_00001.exr"))[..., :3]
+        self.assertGreater(written.max(), 1.0)
+        np.testing.assert_array_equal(shown, written)
+
+    def test_border_is_a_part_of_the_picture(self):
+        blend.cube()
+        whole = result_pixels(self.scene)
+        render = self.scene.render
+        render.use_border = render.use_crop_to_border = True
+        render.border_min_x, render.border_max_x = 0.25, 0.75
+        render.border_min_y, render.border_max_y = 0.5, 1.0
+        np.testing.assert_array_equal(result_pixels(self.scene), whole[30:, 20:60])
+        render.use_crop_to_border = False
+        pixels = result_pixels(self.scene)
+        np.testing.assert_array_equal(pixels[30:, 20:60], whole[30:, 20:60])
+        self.assertEqual(pixels[:30].max(), 0.0)
+
+    def test_animation(self):
+        thing = blend.cube()
+        blend.key(thing, "location", 1, (-2.0, 0.0, 0.0))
+        blend.key(thing, "location", 3, (2.0, 0.0, 0.0))
+        self.scene.render.use_motion_blur = True
+        self.scene.frame_end = 3
+        self.scene.render.filepath = os.path.join(blend.FOLDER, "move_")
+        bpy.ops.render.render(animation=True)
+        centers = []
+        for frame in (1, 2, 3):
+            path = os.path.join(blend.FOLDER, f"move_{frame:04d}.png")
+            pixels = engine.linear_pixels(path)[..., :3].mean(axis=2)
+            light = np.abs(pixels - pixels[2, 2])
+            centers.append((light.sum(axis=0) * np.arange(80)).sum() / light.sum())
+        self.assertLess(centers[0] + 5.0, centers[1])
+        self.assertLess(centers[1] + 5.0, centers[2])
+
+    def test_missing_program(self):
+        os.environ["SLO_RT"] = "/nowhere/slo-rt"
+        with self.assertRaisesRegex(RuntimeError, "There is no program /nowhere/slo-rt.*Preferences"):
+            bpy.ops.render.render()
+
+    def test_another_program(self):
+        os.environ["SLO_RT"] = "/bin/echo"
+        with self.assertRaisesRegex(RuntimeError, "is not slo-rt"):
+            bpy.ops.render.render()
+
+    def test_errors_of_the_program_are_shown(self):
+        os.environ["SLO_RT"] = false_program("echo 'error: frame.txt:3:7: no such thing' >&2; exit 65")
+        with self.assertRaisesRegex(RuntimeError, "frame.txt:3:7: no such thing"):
+            bpy.ops.render.render()
+
+    def test_escape_stops_and_keeps_what_was_saved(self):
+        script = (
+            'while [ $# -gt 0 ]; do [ "$1" = --outdir ] && out=$2; shift; done\n'
+            "trap 'echo half >\"$out/frame.checkpoint\"; exit 75' INT\n"
+            "while :; do sleep 0.05; done\n"
+        )
+        os.environ["SLO_RT"] = false_program(script)
+        with mock.patch.object(engine.SloRtRenderEngine, "_should_stop", lambda self: True):
+            bpy.ops.render.render()
+        kept = os.path.join(engine.work_folder(self.scene.name), "frame.checkpoint")
+        self.assertTrue(os.path.exists(kept))
+        os.remove(kept)
+
+    def test_escape_stops_the_real_program(self):
+        blend.cube()
+        self.scene.slo_rt.samples = 600
+        whole = result_pixels(self.scene)
+        left = iter([False] * 3)
+        with mock.patch.object(engine.SloRtRenderEngine, "_should_stop", lambda self: next(left, True)):
+            bpy.ops.render.render()
+        folder = engine.work_folder(self.scene.name)
+        states = [name for name in os.listdir(folder) if name.endswith(".state")]
+        print("  kept:", states)
+        np.testing.assert_array_equal(result_pixels(self.scene), whole)
+
+    def test_pictures_come_early_and_progress_rises(self):
+        blend.cube()
+        self.scene.slo_rt.samples = 64
+        shown, fractions = [], []
+        whole_show = engine.SloRtRenderEngine._show
+
+        def show(self, run, depsgraph):
+            shown.append(engine.linear_pixels(run.picture)[..., 0])
+            whole_show(self, run, depsgraph)
+
+        with (
+            mock.patch.object(engine.SloRtRenderEngine, "_shows_early", lambda self, values: True),
+            mock.patch.object(engine.SloRtRenderEngine, "_show", show),
+            mock.patch.object(
+                engine.SloRtRenderEngine, "_show_progress",
+                lambda self, fraction, samples: fractions.append(fraction),
+            ),
+        ):  # fmt: skip
+            last = result_pixels(self.scene)
+        self.assertEqual(len(shown), 3)
+        np.testing.assert_array_equal(shown[-1], last[..., 0])
+        np.testing.assert_array_equal(result_pixels(self.scene), last)
+        self.assertTrue(all(0.0 <= fraction <= 1.0 for fraction in fractions))
+
+    def test_time_limit_takes_fewer_samples(self):
+        blend.cube()
+        self.scene.slo_rt.samples, self.scene.slo_rt.time = 65535, 2.0
+        used = []
+        whole_run = engine.SloRtRenderEngine._run
+
+        def run(self, how, samples, all_samples):
+            used.append(samples)
+            return whole_run(self, how, samples, all_samples)
+
+        with mock.patch.object(engine.SloRtRenderEngine, "_run", run):
+            bpy.ops.render.render()
+        self.assertEqual(used[0], 1)
+        self.assertEqual(used, sorted(used))
+        self.assertLess(used[-1], 65535)
+
+    def test_meshes_are_not_written_twice(self):
+        blend.cube()
+        bpy.ops.render.render()
+        folder = os.path.join(engine.work_folder(self.scene.name), "frame")
+        before = {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}
+        bpy.ops.render.render()
+        after = {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}
+        self.assertEqual(before, after)
+
+    def test_meshes_of_other_frames_are_removed(self):
+        thing = blend.cube()
+        bpy.ops.render.render()
+        thing.data.vertices[0].co.x -= 1.0
+        bpy.ops.render.render()
+        folder = os.path.join(engine.work_folder(self.scene.name), "frame")
+        self.assertEqual(len([name for name in os.listdir(folder) if name.endswith(".slo")]), 1)
+
+    def test_what_is_lost_is_listed(self):
+        lamp = bpy.data.objects.new("Spot", bpy.data.lights.new("Spot", "SPOT"))
+        self.scene.collection.objects.link(lamp)
+        bpy.ops.render.render()
+        self.assertEqual(engine.last_notes, ['light "Spot": spot lights are not carried'])

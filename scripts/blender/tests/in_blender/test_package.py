@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The package: Blender's own validator accepts it, and it installs as a zip file."""
+
+import os
+import subprocess
+import sys
+import unittest
+
+import bpy
+
+from . import blend
+
+EXTENSION = os.path.join(blend.ROOT, "scripts", "blender", "slo_rt")
+
+
+def extension_tool():
+    """Blender's program for extensions, which is in the wheel."""
+    scripts = bpy.utils.system_resource("SCRIPTS")
+    return os.path.join(scripts, "addons_core", "bl_pkg", "cli", "blender_ext.py")
+
+
+def run_tool(*arguments):
+    """Runs Blender's program for extensions; returns what it says."""
+    done = subprocess.run(
+        [sys.executable, extension_tool(), *arguments], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+class PackageTest(unittest.TestCase):
+    def test_it_builds_and_is_valid(self):
+        package = os.path.join(blend.FOLDER, "slo_rt.zip")
+        run_tool("validate", EXTENSION)
+        run_tool("build", "--source-dir", EXTENSION, "--output-filepath", package)
+        run_tool("validate", package)
+        listing = subprocess.run(
+            [sys.executable, "-m", "zipfile", "-l", package], capture_output=True, text=True, check=True
+        ).stdout
+        for name in ("blender_manifest.toml", "LICENSE", "engine.py", "fit/motion.py"):
+            self.assertIn(name, listing)
+        self.assertNotIn("__pycache__", listing)
+
+    def test_it_installs_and_renders(self):
+        """In a Blender of its own, whose settings are in a folder of their own."""
+        package = os.path.join(blend.FOLDER, "installed.zip")
+        run_tool("build", "--source-dir", EXTENSION, "--output-filepath", package)
+        picture = os.path.join(blend.FOLDER, "installed.png")
+        script = f"""
+import bpy, os
+bpy.ops.extensions.package_install_files(
+    filepath={package!r}, repo="user_default", enable_on_install=True)
+addon = bpy.context.preferences.addons["bl_ext.user_default.slo_rt"]
+addon.preferences.program_path = {blend.PROGRAM!r}
+scene = bpy.context.scene
+scene.render.engine = "SLO_RT"
+scene.render.resolution_x, scene.render.resolution_y = 40, 30
+scene.slo_rt.samples = 1
+scene.render.filepath = {picture!r}
+bpy.ops.render.render(write_still=True)
+bpy.ops.preferences.addon_disable(module="bl_ext.user_default.slo_rt")
+assert not hasattr(bpy.types, "SloRtRenderEngine")
+os._exit(0)
+"""
+        environment = {**os.environ, "BLENDER_USER_RESOURCES": os.path.join(blend.FOLDER, "user")}
+        environment.pop("SLO_RT", None)
+        done = subprocess.run(
+            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False
+        )
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertGreater(os.path.getsize(picture), 100)
+
+
+class PanelTest(unittest.TestCase):
+    def test_panels_of_blender_come_and_go(self):
+        blend.fresh_scene()
+        from bl_ui.properties_data_camera import DATA_PT_camera_dof
+        from bl_ui.properties_output import RENDER_PT_format
+
+        for panel in (DATA_PT_camera_dof, RENDER_PT_format):
+            self.assertIn("SLO_RT", panel.COMPAT_ENGINES)
+        import slo_rt
+
+        slo_rt.unregister()
+        self.assertNotIn("SLO_RT", RENDER_PT_format.COMPAT_ENGINES)
+        self.assertFalse(hasattr(bpy.types.Scene, "slo_rt"))
+        slo_rt.register()

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Numbers, names, elements, meshes and images as files."""
+
+import os
+import tempfile
+import unittest
+import zlib
+
+import numpy as np
+from slo_rt.format import png16, slo_mesh
+from slo_rt.format.decimal_text import decimal_lines, integer_lines, number
+from slo_rt.format.names import Names, plain
+from slo_rt.format.scene_text import Element, block, seconds, write
+from slo_rt.report import Report
+
+from .. import scene_reader
+
+
+class NumberTest(unittest.TestCase):
+    def test_single_numbers(self):
+        for value, text in (
+            (1, "1"),
+            (True, "1"),
+            (0.1, "0.1"),
+            (float(np.float32(0.7)), "0.7"),
+            (-0.0, "0"),
+            (1.0 / 3.0, "0.333333333"),
+            (1e-9, "1e-09"),
+            (123456.789, "123456.789"),
+            (2.0, "2"),
+        ):
+            self.assertEqual(number(value), text)
+        self.assertEqual(seconds(1.0 / 24.0), "0.0416666666667")
+        self.assertEqual(seconds(-0.0), "0")
+
+    def test_many_numbers_come_back(self):
+        random = np.random.default_rng(1)
+        for scale in (1e-12, 1e-3, 0.5, 1.0, 9.999999999, 10.0, 1234.5, 1e6, 1e12, 1e20, 0.0):
+            values = (random.standard_normal((700, 3)) * scale).astype(np.float32)
+            values[5] = 0.0
+            values[6] = -scale
+            text = b"".join(decimal_lines(values, 9)).decode()
+            self.assertEqual(len(text.splitlines()), 700)
+            back = np.array(text.split(), float).reshape(-1, 3)
+            largest = np.abs(values).max()
+            self.assertLessEqual(np.abs(back - values).max(), 1e-8 * largest)
+            self.assertNotIn("-0 ", text)
+
+    def test_numbers_are_short(self):
+        values = np.array([[1.0, -0.5, 0.0], [10.25, 100.0, -0.125]])
+        self.assertEqual(b"".join(decimal_lines(values, 9)), b"1 -0.5 0\n10.25 100 -0.125\n")
+
+    def test_integers(self):
+        values = np.array([[0, 1, 10], [4294967295, 7, 90]], np.int64)
+        self.assertEqual(b"".join(integer_lines(values)), b"0 1 10\n4294967295 7 90\n")
+        random = np.random.default_rng(2).integers(0, 10**7, (40000, 3))
+        back = np.array(b"".join(integer_lines(random)).split(), int).reshape(-1, 3)
+        np.testing.assert_array_equal(back, random)
+        self.assertEqual(b"".join(integer_lines(np.zeros((0, 3), int))), b"")
+
+
+class NameTest(unittest.TestCase):
+    def test_plain(self):
+        for name, word in (
+            ("Cube.001", "Cube.001"),
+            ("a b\tc", "a_b_c"),
+            ("x{y}", "x_y_"),
+            ("a/b:c", "a_b_c"),
+            ("##", "unnamed"),
+            ("", "unnamed"),
+            ("Con", "Con_"),
+            ("světlo", "světlo"),
+        ):
+            self.assertEqual(plain(name), word)
+
+    def test_names_differ_without_capitals(self):
+        names = Names()
+        self.assertEqual([names.new(n) for n in ("a", "A", "a", "b")], ["a", "A_2", "a_3", "b"])
+
+
+class SceneTextTest(unittest.TestCase):
+    def test_three_forms_come_back(self):
+        pose = [("pivot", (1.0, 2.0, 3.0))]
+        thing = Element(
+            "mesh",
+            "m",
+            [
+                ("filename", "m.slo"),
+                ("smooth_normals", 1),
+                block("addKframe", [("time", "0"), block("key", pose)]),
+                block("addKframe", [("time", "1"), block("pre", pose), block("key", pose)]),
+            ],
+        )
+        text = write([thing], ["first line", "", "# { } in a comment"])
+        self.assertTrue(text.startswith("# first line\n#\n# # { }"))
+        self.assertLessEqual(max(len(line) for line in text.splitlines()), 100)
+        mesh = scene_reader.read(text).one("mesh", "m")
+        self.assertEqual(mesh.values["filename"], [["m.slo"]])
+        self.assertEqual(scene_reader.placement(mesh, 0.5)[0], [1.0, 2.0, 3.0])
+
+
+class FileTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+
+    def test_mesh(self):
+        triangle = np.array([[0, 0, 0], [1, 0, 0], [0, 1.5, 0]], np.float32)
+        mesh = slo_mesh.MeshArrays(triangle, np.array([[0, 1, 2]]))
+        path = os.path.join(self.folder, "m.slo")
+        slo_mesh.write(path, mesh)
+        with open(path, encoding="utf-8") as file:
+            self.assertEqual(
+                file.read(), "slo_mesh 1\nvertices {\n0 0 0\n1 0 0\n0 1.5 0\n}\nfaces {\n0 1 2\n}\n"
+            )
+        self.assertEqual(os.listdir(self.folder), ["m.slo"])
+
+    def test_mesh_that_is_not_finite(self):
+        triangle = np.array([[0, 0, 0], [1, np.nan, 0], [0, 1.5, 0]], np.float32)
+        with self.assertRaisesRegex(ValueError, "vertices is not finite"):
+            slo_mesh.write(
+                os.path.join(self.folder, "m.slo"), slo_mesh.MeshArrays(triangle, np.array([[0, 1, 2]]))
+            )
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_digest_tells_meshes_apart(self):
+        vertices = np.zeros((3, 3), np.float32)
+        faces = np.array([[0, 1, 2]])
+        plain_mesh = slo_mesh.MeshArrays(vertices, faces)
+        smooth = slo_mesh.MeshArrays(vertices, faces, normals=vertices)
+        moved = slo_mesh.MeshArrays(vertices + 1.0, faces)
+        self.assertEqual(len({m.digest() for m in (plain_mesh, smooth, moved)}), 3)
+        self.assertEqual(plain_mesh.digest(), slo_mesh.MeshArrays(vertices, faces).digest())
+
+    def test_png(self):
+        path = os.path.join(self.folder, "p.png")
+        png16.write(path, np.array([[[0.0, 0.5, 1.0], [2.0, -1.0, 0.25]]]))
+        with open(path, "rb") as file:
+            data = file.read()
+        self.assertEqual(data[16:26], b"\0\0\0\2\0\0\0\1\x10\2")
+        start = data.index(b"IDAT") + 4
+        row = zlib.decompress(data[start:])
+        self.assertEqual(row, b"\0" + b"\0\0\x80\0\xff\xff" + b"\xff\xff\0\0\x40\0")
+
+
+class ReportTest(unittest.TestCase):
+    def test_one_line_for_each_message(self):
+        report = Report()
+        for name in "abcdefgh":
+            report.note(name, "is lost")
+            report.note(name, "is lost")
+        report.note("a", "is grey")
+        self.assertEqual(
+            report.lines(), ["a, b, c, d, e, f and 2 more: is lost", "a: is grey"]
+        )
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,190 @@
+//! `merge`: parts of pictures -> pictures.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::Exit;
+use super::args::MergeArgs;
+use super::problem::Problem;
+use super::terminal::{Terminal, print};
+use crate::film::{Area, MergeError, Merger, Subject};
+use crate::output::{
+    Outcome, Picture, check_writable, read_state, read_subject, settings_of, with_outcome,
+    with_region,
+};
+use crate::render::display_of;
+
+/// Puts the parts of each frame together, and prints the paths of the pictures.
+pub(super) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
+    let parts = args.files.iter().map(|path| Part::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let mut frames: BTreeMap<i64, Vec<Part>> = BTreeMap::new();
+    for part in parts {
+        frames.entry(part.number("frame") as i64).or_default().push(part);
+    }
+    for parts in frames.values() {
+        check_alike(parts)?;
+    }
+    for parts in frames.values() {
+        let path = picture(parts, args.outdir.as_deref().unwrap_or(Path::new("")))?;
+        let count = parts.len();
+        terminal.note(format_args!("{count} parts are `{}`", path.display()));
+        print(path.as_os_str().as_encoded_bytes()).map_err(|error| {
+            Problem::new(Exit::Failed, format!("can't print the picture's path: {error}"))
+        })?;
+    }
+    Ok(())
+}
+
+/// A file of a part, before its samples are read.
+struct Part {
+    path: PathBuf,
+    subject: Subject,
+    recipe: Value,
+}
+
+impl Part {
+    fn read(path: &Path) -> Result<Self, Problem> {
+        let (subject, is_complete) =
+            read_subject(path).map_err(|error| unreadable(path, &error))?;
+        let shown = path.display();
+        if !is_complete {
+            let message = format!("`{shown}` is a checkpoint of a part that is not finished");
+            return Err(Problem::new(Exit::BadInput, message)
+                .with_help("the command that makes the part goes on with it"));
+        }
+        let recipe = serde_json::from_str(&subject.recipe).unwrap_or(Value::Null);
+        let part = Self { path: path.to_owned(), subject, recipe };
+        match part.recipe["version"].as_str() {
+            Some(version) if version == env!("CARGO_PKG_VERSION") => Ok(part),
+            other => {
+                let version = other.unwrap_or("no version");
+                let message = format!(
+                    "`{shown}` is of slo-rt {version}, and this is {}",
+                    env!("CARGO_PKG_VERSION")
+                );
+                Err(Problem::new(Exit::BadInput, message))
+            }
+        }
+    }
+
+    fn number(&self, key: &str) -> f64 {
+        self.recipe[key].as_f64().unwrap_or(0.0)
+    }
+
+    /// The name of the picture that this is a part of, without its extension.
+    fn stem(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
+        let known = name.rsplit_once(".pixels-").or_else(|| name.rsplit_once(".samples-"));
+        known.map_or(&*name, |(stem, _)| stem).to_owned()
+    }
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> Problem {
+    let exit = match error.kind() {
+        std::io::ErrorKind::InvalidData => Exit::BadInput,
+        _ => Exit::NoInput,
+    };
+    Problem::new(exit, format!("can't read the part `{}`: {error}", path.display()))
+}
+
+/// All parts are of the same picture.
+fn check_alike(parts: &[Part]) -> Result<(), Problem> {
+    let first = &parts[0];
+    for part in parts {
+        let lines = part.subject.recipe.lines().zip(first.subject.recipe.lines());
+        let mut different = lines.filter(|(a, b)| a != b).map(|(line, _)| line);
+        if part.subject.recipe != first.subject.recipe {
+            let line = different.next().unwrap_or("more settings");
+            let line = line.trim().trim_end_matches(',').replace('"', "");
+            let (one, other) = (part.path.display(), first.path.display());
+            let message = format!("`{one}` is of another picture than `{other}`: {line}");
+            return Err(Problem::new(Exit::BadInput, message));
+        }
+    }
+    Ok(())
+}
+
+/// Merges the parts of one frame; the path of its picture.
+fn picture(parts: &[Part], outdir: &Path) -> Result<PathBuf, Problem> {
+    let (first, whole) = (&parts[0], whole(&parts[0])?);
+    let Some((format, encoding)) = settings_of(&first.recipe) else { return Err(no_recipe(first)) };
+    let region = first.subject.region;
+    let is_region = region != whole && parts.iter().all(|part| part.subject.region == region);
+    let region = if is_region { region } else { whole };
+    let stem = if is_region { first.stem() } else { without_region(&first.stem()).to_owned() };
+    let path = outdir.join(format!("{stem}.{}", format.extension()));
+    check_writable(&path).map_err(|error| {
+        Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()))
+    })?;
+    let film = film(parts, region)?;
+    let recipe = first.subject.recipe.clone();
+    let recipe = if is_region { with_region(recipe, region) } else { recipe };
+    let outcome = Outcome::of(&film, region, display_of(format, encoding));
+    let recipe = with_outcome(&recipe, &outcome);
+    let image = film.image();
+    let picture = Picture { image: &image, format, encoding, recipe: &recipe };
+    picture.save(&path).map_err(|error| {
+        Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
+    })?;
+    Ok(path)
+}
+
+fn film(parts: &[Part], region: Area) -> Result<crate::film::Film, Problem> {
+    let first = &parts[0].subject;
+    let subject = Subject { area: region, region, samples: None, ..first.clone() };
+    let all = parts[0].number("imageSamples") * parts[0].number("dofSamples");
+    let mut merger =
+        Merger::new(&subject, all as u32).map_err(|error| explain(error.into(), parts))?;
+    for (i, part) in parts.iter().enumerate() {
+        let state = read_state(&part.path).map_err(|error| unreadable(&part.path, &error))?;
+        merger.add(i, &state).map_err(|error| explain(error, parts))?;
+    }
+    merger.finish().map_err(|error| explain(error, parts))
+}
+
+/// The area of the picture that a part is of.
+fn whole(part: &Part) -> Result<Area, Problem> {
+    let side = |key: &str| part.recipe[key].as_u64().and_then(|n| u32::try_from(n).ok());
+    match (side("width"), side("height")) {
+        (Some(width), Some(height)) => Ok(Area::whole(width, height)),
+        _ => Err(no_recipe(part)),
+    }
+}
+
+fn no_recipe(part: &Part) -> Problem {
+    let message = format!("`{}` does not say what picture it is of", part.path.display());
+    Problem::new(Exit::BadInput, message)
+}
+
+fn without_region(stem: &str) -> &str {
+    stem.rsplit_once("_region=").map_or(stem, |(stem, _)| stem)
+}
+
+fn explain(error: MergeError, parts: &[Part]) -> Problem {
+    let name = |i: usize| parts[i].path.display();
+    let message = match error {
+        MergeError::Gap { pixels, first: (x, y), samples } => {
+            let of = samples.map_or(String::new(), |range| {
+                format!(" of samples {} to {}", range.start, range.end - 1)
+            });
+            format!("a part{of} is missing: {pixels} pixels, the first in column {x} of row {y}")
+        }
+        MergeError::Overlap { parts: [a, b], at: (x, y) } => format!(
+            "`{}` and `{}` have the same pixels, such as column {x} of row {y}",
+            name(a),
+            name(b)
+        ),
+        MergeError::TooBright => "the sums of the parts are beyond all that is rendered".into(),
+        MergeError::TooLarge(error) => {
+            format!("the picture needs {:.1} GB of memory", error.bytes as f64 / 1e9)
+        }
+    };
+    let names: Vec<String> = parts.iter().map(Part::stem).collect();
+    let problem = Problem::new(Exit::BadInput, message);
+    match names.first() {
+        Some(stem) => problem.with_help(format!("of {} parts of `{stem}`", parts.len())),
+        None => problem,
+    }
+}

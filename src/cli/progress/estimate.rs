@@ -1,0 +1,68 @@
+//! How much time is left.
+
+use std::time::{Duration, Instant};
+
+/// The work of a run, counted in frames, and how fast it went so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Estimate {
+    start: Instant,
+    /// Frames to do.
+    total: f64,
+    /// Frames that were done without this run's work: found finished, or resumed.
+    free: f64,
+}
+
+/// Where a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Moment {
+    /// Of all work.
+    pub(super) fraction: f64,
+    pub(super) elapsed: Duration,
+    /// `None` before anything is known.
+    pub(super) left: Option<Duration>,
+}
+
+impl Estimate {
+    /// For a run of `frames` that starts now.
+    pub(super) fn new(frames: usize) -> Self {
+        Self { start: Instant::now(), total: frames as f64, free: 0.0 }
+    }
+
+    /// So much was done already.
+    pub(super) fn add_free(&mut self, frames: f64) {
+        self.free += frames;
+    }
+
+    /// Where a run is that has `done` frames, those that were free among them.
+    pub(super) fn at(&self, done: f64) -> Moment {
+        self.after(done, self.start.elapsed())
+    }
+
+    fn after(&self, done: f64, elapsed: Duration) -> Moment {
+        let (own, left) = (done - self.free, (self.total - done).max(0.0));
+        let left = elapsed.as_secs_f64() * left / own;
+        Moment {
+            fraction: (done / self.total.max(1e-9)).clamp(0.0, 1.0),
+            elapsed,
+            left: Duration::try_from_secs_f64(left).ok().filter(|_| own > 1e-9),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_done_before_does_not_count_as_speed() {
+        let mut estimate = Estimate::new(10);
+        let seconds = Duration::from_secs;
+        assert_eq!(estimate.after(2.5, seconds(5)).left, Some(seconds(15)));
+        estimate.add_free(4.0);
+        estimate.add_free(0.5);
+        let moment = estimate.after(5.0, seconds(5));
+        assert_eq!((moment.fraction, moment.left), (0.5, Some(seconds(50))));
+        assert_eq!(estimate.after(4.5, seconds(5)).left, None);
+        assert_eq!(estimate.after(10.0, seconds(55)).left, Some(seconds(0)));
+    }
+}

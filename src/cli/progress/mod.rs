@@ -1,0 +1,232 @@
+//! How far a run is: a bar on a terminal, lines elsewhere, events for programs.
+
+mod estimate;
+mod human;
+mod pace;
+mod programs;
+
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard};
+use std::time::Duration;
+
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::problem::Problem;
+use super::terminal::{Terminal, Verbosity, say};
+use crate::output::Outcome;
+use estimate::{Estimate, Moment};
+pub(super) use human::human;
+use human::whole;
+use pace::Pace;
+use programs::Event;
+
+/// `--progress`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ProgressForm {
+    /// A bar on a terminal, lines elsewhere.
+    #[default]
+    Auto,
+    /// Lines.
+    Plain,
+    /// A JSON object a line.
+    Json,
+    /// The tokens of Open Job Description.
+    Openjd,
+    /// Nothing.
+    None,
+}
+
+/// Tells how far a run is; takes itself off the screen when dropped.
+pub(super) struct Progress {
+    view: View,
+    estimate: Mutex<Estimate>,
+    frames: usize,
+    /// Frames that are done.
+    done: usize,
+    pace: Mutex<Pace>,
+}
+
+enum View {
+    Nothing,
+    Bar(ProgressBar),
+    Lines,
+    Programs(fn(Event) -> Vec<String>),
+}
+
+/// Steps of the bar.
+const STEPS: u64 = 10_000;
+
+impl Progress {
+    /// For a run that is to render `to_render` of `frames` frames.
+    pub(super) fn new(
+        form: ProgressForm,
+        frames: usize,
+        to_render: usize,
+        terminal: Terminal,
+    ) -> Self {
+        let quiet = terminal.verbosity == Verbosity::Quiet;
+        let view = match form {
+            ProgressForm::Json => View::Programs(|event| vec![programs::json_line(event)]),
+            ProgressForm::Openjd => View::Programs(programs::openjd_lines),
+            ProgressForm::None => View::Nothing,
+            _ if quiet => View::Nothing,
+            ProgressForm::Auto if terminal.interactive => View::Bar(bar(terminal.color)),
+            ProgressForm::Auto | ProgressForm::Plain => View::Lines,
+        };
+        let pace = match view {
+            View::Programs(_) => Pace::programs(),
+            _ => Pace::people(),
+        };
+        let (estimate, pace) = (Mutex::new(Estimate::new(to_render)), Mutex::new(pace));
+        let progress = Self { view, estimate, frames: to_render, done: 0, pace };
+        progress.tell(Event::Sequence { frames, to_render });
+        progress
+    }
+
+    /// A frame is there already; `counted`: it was among those to be rendered.
+    pub(super) fn found(&mut self, frame: i64, path: &Path, counted: bool) {
+        if counted {
+            self.done += 1;
+            lock(&self.estimate).add_free(1.0);
+        }
+        self.tell(Event::Found { frame, path });
+    }
+
+    /// Watches the rendering of a frame.
+    pub(super) fn frame(&self, frame: i64, path: &Path) -> FrameProgress<'_> {
+        self.tell(Event::Started { frame, path, index: self.done + 1 });
+        if let View::Bar(bar) = &self.view {
+            bar.set_prefix(match self.frames {
+                1 => format!("frame {frame}"),
+                frames => format!("frame {frame}, {} of {frames}", self.done + 1),
+            });
+        }
+        FrameProgress { run: self, frame, done: Mutex::new(0.0) }
+    }
+
+    /// A frame is in place after `time`.
+    pub(super) fn finished(&mut self, frame: i64, path: &Path, time: Duration, outcome: Outcome) {
+        self.done += 1;
+        let run = lock(&self.estimate).at(self.done as f64);
+        self.tell(Event::Finished { frame, path, time, outcome, run });
+        self.show(frame, 0.0);
+        if matches!(self.view, View::Lines) && self.frames > 1 {
+            let (done, frames) = (self.done, self.frames);
+            let left = left(&run);
+            say(format_args!("slo-rt: frame {frame} in {}, {done} of {frames}{left}", human(time)));
+        }
+    }
+
+    /// A frame can't be had.
+    pub(super) fn failed(&mut self, frame: i64, problem: &Problem, counted: bool) {
+        if counted {
+            self.done += 1;
+        }
+        let (exit, message) = (problem.exit as u8, &*problem.message);
+        self.tell(Event::Failed { frame, exit, message });
+    }
+
+    /// The run is over after `time`.
+    pub(super) fn ended(&self, rendered: usize, found: usize, failed: usize, time: Duration) {
+        self.tell(Event::Ended { rendered, found, failed, time });
+    }
+
+    /// Runs `talk` without a bar in between its lines.
+    pub(super) fn suspended<T>(&self, talk: impl FnOnce() -> T) -> T {
+        match &self.view {
+            View::Bar(bar) => bar.suspend(talk),
+            _ => talk(),
+        }
+    }
+
+    fn tell(&self, event: Event) {
+        if let View::Programs(lines) = &self.view {
+            lines(event).into_iter().for_each(say);
+        }
+    }
+
+    /// Shows that `fraction` of a frame is done.
+    fn show(&self, frame: i64, fraction: f64) {
+        let done = self.done as f64 + fraction;
+        match &self.view {
+            View::Nothing => {}
+            View::Bar(bar) => {
+                let moment = lock(&self.estimate).at(done);
+                bar.set_position((moment.fraction * STEPS as f64) as u64);
+                bar.set_message(left(&moment));
+            }
+            // A thread that finds another one talking has nothing to add.
+            View::Lines | View::Programs(_) => {
+                if let Ok(mut pace) = self.pace.try_lock() {
+                    let moment = lock(&self.estimate).at(done);
+                    if pace.is_due(moment.fraction, moment.elapsed) {
+                        self.line(frame, fraction, moment);
+                    }
+                }
+            }
+        }
+    }
+
+    fn line(&self, frame: i64, fraction: f64, run: Moment) {
+        self.tell(Event::Progress { frame, fraction, run });
+        if matches!(self.view, View::Lines) {
+            let (elapsed, left) = (human(run.elapsed), left(&run));
+            say(format_args!("slo-rt: {:3.0} %, {elapsed} passed{left}", run.fraction * 100.0));
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let View::Bar(bar) = &self.view {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn left(moment: &Moment) -> String {
+    moment.left.map_or_else(String::new, |left| format!(", about {} left", whole(left)))
+}
+
+/// Watches one frame.
+pub(super) struct FrameProgress<'a> {
+    run: &'a Progress,
+    frame: i64,
+    /// Of 1.
+    done: Mutex<f64>,
+}
+
+impl FrameProgress<'_> {
+    /// So much more of the frame is done.
+    pub(super) fn advanced(&self, share: f64) {
+        let done = {
+            let mut done = lock(&self.done);
+            *done += share;
+            *done
+        };
+        self.run.show(self.frame, done.min(1.0));
+    }
+
+    /// So much of the frame was done by another run.
+    pub(super) fn resumed(&self, share: f64) {
+        lock(&self.run.estimate).add_free(share);
+        self.advanced(share);
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+}
+
+fn bar(color: bool) -> ProgressBar {
+    let color = if color { ".cyan" } else { "" };
+    let template =
+        format!("{{prefix}} [{{bar:30{color}}}] {{percent:>3}} %, {{elapsed}} passed{{msg}}");
+    let style = ProgressStyle::with_template(&template);
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ");
+    let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(8));
+    bar.set_style(style);
+    bar.enable_steady_tick(Duration::from_millis(500));
+    bar
+}

@@ -1,0 +1,166 @@
+//! What a run makes of a frame: its picture, the picture of a region, or a part of one.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::Exit;
+use super::args::{PartBy, Region};
+use super::options::{Job, Maps};
+use super::problem::Problem;
+use crate::film::{Area, Film, State, Subject};
+use crate::output::{
+    Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state, with_outcome,
+    with_region, write_error_map, write_sample_map, write_state,
+};
+use crate::render::{Part, Plan};
+use crate::scene::SceneDescription;
+
+/// What is made of each frame of a job.
+#[derive(Clone, Debug)]
+pub(super) struct Target<'a> {
+    job: &'a Job,
+    scene: &'a SceneDescription,
+    plan: Plan,
+    /// The picture.
+    whole: Area,
+    /// What of the picture is asked for.
+    region: Area,
+}
+
+impl<'a> Target<'a> {
+    /// What the job asks for.
+    ///
+    /// # Errors
+    /// A region that is not inside the picture, or parts that its samples do not have.
+    pub(super) fn new(job: &'a Job, scene: &'a SceneDescription) -> Result<Self, Problem> {
+        let film = &scene.camera.film;
+        let whole = Area::whole(film.width, film.height);
+        let region = match job.region {
+            None => whole,
+            Some(region) => inside(region, whole)?,
+        };
+        let plan = Plan::new(scene);
+        let plan = match job.part {
+            None => plan,
+            Some((part, PartBy::Pixels)) => plan.of_part(part),
+            Some((part, PartBy::Samples)) => plan.of_samples(part).ok_or_else(no_samples)?,
+        };
+        Ok(Self { job, scene, plan, whole, region })
+    }
+
+    /// Which samples are taken.
+    pub(super) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The path of what is made of a frame; its name tells the time with `--info`.
+    pub(super) fn path(&self, frame: i64, time: Duration) -> PathBuf {
+        let info = self.job.info.then_some(Info { settings: &self.scene.settings, time });
+        self.job.outdir.join(self.name(frame, info))
+    }
+
+    /// The same path without what `--info` adds.
+    pub(super) fn plain_path(&self, frame: i64) -> PathBuf {
+        self.job.outdir.join(self.name(frame, None))
+    }
+
+    fn name(&self, frame: i64, info: Option<Info>) -> String {
+        let name = file_name(&self.scene.camera.film, frame, info);
+        let (stem, extension) = name.rsplit_once('.').unwrap_or((&name, ""));
+        let region = match self.job.region {
+            Some(region) => format!("_region={region}"),
+            None => String::new(),
+        };
+        match self.job.part {
+            None => format!("{stem}{region}.{extension}"),
+            Some((Part { number, of }, by)) => {
+                format!("{stem}{region}.{}-{number}-of-{of}.part", by.word())
+            }
+        }
+    }
+
+    /// What the film of a frame is exposed for.
+    pub(super) fn subject(&self, frame: i64) -> Subject {
+        Subject {
+            recipe: Recipe { scene: self.scene, frame }.to_json(),
+            area: self.region.in_blocks(&self.whole),
+            region: self.region,
+            samples: self.plan.samples(),
+            with_spreads: self.plan.needs_spreads(),
+        }
+    }
+
+    /// What is there already.
+    pub(super) fn look(&self, frame: i64, path: &Path) -> Found {
+        match self.job.part {
+            Some(_) => find_state(path, &self.subject(frame)),
+            None => find_picture(path, &self.recipe(frame)),
+        }
+    }
+
+    /// Of the picture, or of the region's.
+    fn recipe(&self, frame: i64) -> String {
+        let recipe = Recipe { scene: self.scene, frame }.to_json();
+        if self.job.region.is_some() { with_region(recipe, self.region) } else { recipe }
+    }
+
+    /// Writes what was asked for to `path`.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn write(&self, frame: i64, film: &Film, path: &Path) -> io::Result<Written> {
+        let outcome = Outcome::of(film, self.region, self.plan.display());
+        if self.job.part.is_some() {
+            let state =
+                State { subject: self.subject(frame), film: film.clone(), is_complete: true };
+            return write_state(path, &state).map(|()| Written { not_finite: 0, outcome });
+        }
+        let image = film.image_of(self.region);
+        let settings = &self.scene.camera.film;
+        let (format, encoding) = (settings.output, settings.encoding);
+        let recipe = with_outcome(&self.recipe(frame), &outcome);
+        let picture = Picture { image: &image, format, encoding, recipe: &recipe };
+        picture.save(path).map(|()| Written { not_finite: picture.not_finite(), outcome })
+    }
+
+    /// Writes the maps of a frame that were asked for.
+    ///
+    /// # Errors
+    /// The path that can't be written, and what the system says.
+    pub(super) fn write_maps(&self, frame: i64, film: &Film) -> Result<(), (PathBuf, io::Error)> {
+        let Maps { samples, error } = &self.job.maps;
+        if let Some(path) = samples.as_ref().map(|path| path.of(frame)) {
+            write_sample_map(&path, film, self.region).map_err(|error| (path, error))?;
+        }
+        if let Some(path) = error.as_ref().map(|path| path.of(frame)) {
+            let display = self.plan.display();
+            write_error_map(&path, film, self.region, display).map_err(|error| (path, error))?;
+        }
+        Ok(())
+    }
+}
+
+/// A picture or a part that is in place.
+pub(super) struct Written {
+    /// Pixels that are no numbers.
+    pub(super) not_finite: usize,
+    pub(super) outcome: Outcome,
+}
+
+fn inside(region: Region, whole: Area) -> Result<Area, Problem> {
+    let Region { width, height, x, y } = region;
+    let area = Area { x0: x, y0: y, x1: x.saturating_add(width), y1: y.saturating_add(height) };
+    if whole.holds(&area) {
+        return Ok(area);
+    }
+    let (width, height) = (whole.width(), whole.height());
+    let message = format!("the region {region} is not inside the picture of {width}x{height}");
+    Err(Problem::new(Exit::Usage, message))
+}
+
+fn no_samples() -> Problem {
+    let message = "samples can't be shared out where their number depends on what is seen";
+    Problem::new(Exit::Usage, message)
+        .with_help("`--part-by pixels` shares out the pixels; `--samples` may make them equal")
+}

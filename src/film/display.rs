@@ -1,0 +1,83 @@
+//! How radiance is seen: the transfer curve of the picture, and errors as the viewer sees them.
+
+use super::Pixel;
+
+/// What a channel's radiance becomes on the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Display {
+    /// Linear from 0 to 1, clamped.
+    Raw,
+    /// sRGB from 0 to 1, clamped.
+    Srgb,
+    /// The sRGB curve, which goes on beyond 1: for pictures whose exposure is chosen later.
+    Unclamped,
+}
+
+impl Display {
+    /// The value that is shown for a channel of linear radiance.
+    pub fn value(self, radiance: f32) -> f32 {
+        match self {
+            Self::Raw => radiance.clamp(0.0, 1.0),
+            Self::Srgb => srgb(radiance.clamp(0.0, 1.0)),
+            Self::Unclamped => srgb(radiance.max(0.0)),
+        }
+    }
+
+    /// Mean square over the channels of a pixel's estimated error as it is shown; infinite for less
+    /// than two samples. What is clamped counts for nothing.
+    pub fn squared_error(self, pixel: &Pixel) -> f64 {
+        let Some(error) = pixel.error() else { return f64::INFINITY };
+        let mean = pixel.mean();
+        let of = |c: usize| {
+            let (low, high) = (self.value(mean[c] - error[c]), self.value(mean[c] + error[c]));
+            let half = f64::from(high - low) / 2.0;
+            half * half
+        };
+        (of(0) + of(1) + of(2)) / 3.0
+    }
+}
+
+/// Linear light -> sRGB; `[0, 1]` to `[0, 1]`, and the same curve beyond.
+///
+/// Source: IEC 61966-2-1:1999, 5.3.
+pub fn srgb(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055
+    }
+}
+
+/// sRGB -> linear light; the inverse of [`srgb`].
+pub fn linear(srgb: f32) -> f32 {
+    if srgb <= 0.040_45 { srgb / 12.92 } else { libm::powf((srgb + 0.055) / 1.055, 2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Fixed;
+    use super::*;
+
+    fn pixel(first: f32, second: f32) -> Pixel {
+        let mut pixel = Pixel::default();
+        for value in [first, second] {
+            pixel.add([Fixed::new(value).unwrap(); 3], 1);
+        }
+        pixel
+    }
+
+    #[test]
+    fn errors_count_as_they_are_seen() {
+        let error = |display: Display, first, second| {
+            display.squared_error(&pixel(first, second)).sqrt() as f32
+        };
+        // The mean is 0.5, its error 0.25.
+        assert!((error(Display::Raw, 0.25, 0.75) - 0.25).abs() < 1e-6);
+        assert_eq!(error(Display::Raw, 3.0, 5.0), 0.0, "both are white");
+        assert_eq!(error(Display::Srgb, 3.0, 5.0), 0.0);
+        assert!(error(Display::Unclamped, 3.0, 5.0) > 0.1);
+        assert!(error(Display::Srgb, 0.01, 0.03) > 2.0 * error(Display::Srgb, 0.51, 0.53));
+        assert_eq!(error(Display::Srgb, 0.5, 0.5), 0.0);
+        assert_eq!(Display::Raw.squared_error(&Pixel::default()), f64::INFINITY);
+    }
+}

@@ -1,0 +1,229 @@
+//! Films of parts -> the film of the whole.
+
+use std::ops::Range;
+
+use super::{Area, Film, State, Subject, TooLarge};
+
+/// Why parts are no whole. Files go by their index in the order of their adding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MergeError {
+    /// Pixels of which no part has all samples.
+    Gap {
+        /// How many.
+        pixels: usize,
+        /// Column and row of the first.
+        first: (u32, u32),
+        /// Samples that are missing there; `None`: all.
+        samples: Option<Range<u32>>,
+    },
+    /// Samples of a pixel that two parts have.
+    Overlap {
+        /// The parts.
+        parts: [usize; 2],
+        /// Column and row.
+        at: (u32, u32),
+    },
+    /// Sums that are beyond all that can be rendered.
+    TooBright,
+    /// Memory does not suffice.
+    TooLarge(TooLarge),
+}
+
+impl From<TooLarge> for MergeError {
+    fn from(error: TooLarge) -> Self {
+        Self::TooLarge(error)
+    }
+}
+
+/// Adds up the parts of one picture. Which parts there are, and in which order, does not show.
+#[derive(Debug)]
+pub struct Merger {
+    film: Film,
+    /// Samples of a pixel, where they are shared out.
+    all: u32,
+    /// One for each share of the samples.
+    layers: Vec<Layer>,
+}
+
+/// Which part has which pixel.
+#[derive(Debug)]
+struct Layer {
+    samples: Range<u32>,
+    /// Number of the part from 1 on, 0 for none.
+    owners: Vec<u32>,
+}
+
+impl Merger {
+    /// For the picture, or the region, that `subject` is about, of `all` samples per pixel where
+    /// parts have a share of them.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where memory does not suffice.
+    pub fn new(subject: &Subject, all: u32) -> Result<Self, TooLarge> {
+        let film = Film::new(subject.region, subject.with_spreads)?;
+        Ok(Self { film, all, layers: Vec::new() })
+    }
+
+    /// Adds part number `index`.
+    ///
+    /// # Errors
+    /// The part has pixels that another one has, with the same samples.
+    pub fn add(&mut self, index: usize, state: &State) -> Result<(), MergeError> {
+        let area = self.film.area().common(&state.subject.region);
+        let samples = state.subject.samples.clone().unwrap_or(0..self.all);
+        let layer = self.layer(samples)?;
+        let own = self.film.area();
+        let cells = (area.y0..area.y1).flat_map(|y| (area.x0..area.x1).map(move |x| (x, y)));
+        for at in cells {
+            let (from, to) = (place(state.film.area(), at), place(own, at));
+            if state.film.pixels()[from].samples == 0 {
+                continue;
+            }
+            let owner = &mut self.layers[layer].owners[to];
+            if *owner > 0 {
+                return Err(MergeError::Overlap { parts: [*owner as usize - 1, index], at });
+            }
+            *owner = index as u32 + 1;
+            self.add_pixel(to, state, from)?;
+        }
+        Ok(())
+    }
+
+    fn add_pixel(&mut self, to: usize, state: &State, from: usize) -> Result<(), MergeError> {
+        let (pixel, spread) = self.film.at_mut(to);
+        *pixel = pixel.checked_add(&state.film.pixels()[from]).ok_or(MergeError::TooBright)?;
+        if let (Some(spread), Some(more)) = (spread, state.film.spreads().get(from)) {
+            spread.unite(more);
+        }
+        Ok(())
+    }
+
+    /// Index of the layer of a share of the samples.
+    fn layer(&mut self, samples: Range<u32>) -> Result<usize, MergeError> {
+        if let Some(found) = self.layers.iter().position(|layer| layer.samples == samples) {
+            return Ok(found);
+        }
+        let pixels = self.film.pixels().len();
+        let bytes = pixels as u64 * 4;
+        let mut owners = Vec::new();
+        owners.try_reserve_exact(pixels).map_err(|_| TooLarge { bytes })?;
+        owners.resize(pixels, 0);
+        self.layers.push(Layer { samples, owners });
+        Ok(self.layers.len() - 1)
+    }
+
+    /// The film of the whole.
+    ///
+    /// # Errors
+    /// Samples of pixels that no part has, or that several have.
+    pub fn finish(mut self) -> Result<Film, MergeError> {
+        self.layers.sort_by_key(|layer| (layer.samples.start, layer.samples.end));
+        let area = self.film.area();
+        let (mut pixels, mut first) = (0, None);
+        for i in 0..area.len() {
+            let at = (area.x0 + i as u32 % area.width(), area.y0 + i as u32 / area.width());
+            if let Some(missing) = self.missing(i, at)? {
+                pixels += 1;
+                first.get_or_insert((at, missing));
+            }
+        }
+        match first {
+            None => Ok(self.film),
+            Some((first, missing)) => {
+                let samples = Some(missing).filter(|range| *range != (0..self.all));
+                Err(MergeError::Gap { pixels, first, samples })
+            }
+        }
+    }
+
+    /// The first samples that a pixel lacks.
+    fn missing(&self, pixel: usize, at: (u32, u32)) -> Result<Option<Range<u32>>, MergeError> {
+        let (mut end, mut before) = (0, 0);
+        for Layer { samples, owners } in &self.layers {
+            let owner = owners[pixel] as usize;
+            if owner == 0 {
+                continue;
+            }
+            if samples.start > end {
+                return Ok(Some(end..samples.start));
+            }
+            if samples.start < end {
+                return Err(MergeError::Overlap { parts: [before, owner - 1], at });
+            }
+            (end, before) = (samples.end, owner - 1);
+        }
+        Ok((end < self.all).then_some(end..self.all))
+    }
+}
+
+fn place(area: Area, (x, y): (u32, u32)) -> usize {
+    (y - area.y0) as usize * area.width() as usize + (x - area.x0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Fixed;
+    use super::*;
+
+    fn state(region: Area, samples: Option<Range<u32>>) -> State {
+        let area = region.in_blocks(&Area::whole(20, 20));
+        let recipe = String::new();
+        let subject =
+            Subject { recipe, area, region, samples: samples.clone(), with_spreads: false };
+        let mut film = subject.film().unwrap();
+        for i in 0..area.len() {
+            let count = samples.clone().map_or(4, |range| range.len() as u32);
+            film.at_mut(i).0.add_later([Fixed::new(count as f32).unwrap(); 3], count);
+        }
+        State { subject, film, is_complete: true }
+    }
+
+    fn merged(parts: &[State]) -> Result<Film, MergeError> {
+        let whole = state(Area::whole(20, 20), None);
+        let mut merger = Merger::new(&whole.subject, 4)?;
+        for (i, part) in parts.iter().enumerate() {
+            merger.add(i, part)?;
+        }
+        merger.finish()
+    }
+
+    const LEFT: Area = Area { x0: 0, y0: 0, x1: 9, y1: 20 };
+    const RIGHT: Area = Area { x0: 9, y0: 0, x1: 20, y1: 20 };
+
+    #[test]
+    fn regions_make_a_whole_although_their_blocks_overlap() {
+        let whole = state(Area::whole(20, 20), None).film;
+        assert_eq!(merged(&[state(RIGHT, None), state(LEFT, None)]), Ok(whole));
+    }
+
+    #[test]
+    fn samples_make_a_whole() {
+        let whole = Area::whole(20, 20);
+        let film = merged(&[state(whole, Some(1..4)), state(whole, Some(0..1))]).unwrap();
+        assert!(film.sample_counts().iter().all(|&n| n == 4));
+        let mixed = [state(LEFT, Some(1..4)), state(whole, Some(0..1)), state(RIGHT, Some(1..4))];
+        assert_eq!(merged(&mixed), Ok(film));
+    }
+
+    #[test]
+    fn gaps_and_overlaps_are_refused() {
+        let whole = Area::whole(20, 20);
+        let gap = MergeError::Gap { pixels: 180, first: (0, 0), samples: None };
+        assert_eq!(merged(&[state(RIGHT, None)]), Err(gap));
+        let overlap = MergeError::Overlap { parts: [0, 1], at: (0, 0) };
+        assert_eq!(merged(&[state(whole, None), state(LEFT, None)]), Err(overlap));
+        let gap =
+            |first, pixels, samples| Err(MergeError::Gap { pixels, first, samples: Some(samples) });
+        let samples = [state(whole, Some(0..1)), state(whole, Some(2..4))];
+        assert_eq!(merged(&samples), gap((0, 0), 400, 1..2));
+        let samples = [state(whole, Some(2..4)), state(whole, Some(0..3))];
+        let overlap = MergeError::Overlap { parts: [1, 0], at: (0, 0) };
+        assert_eq!(merged(&samples), Err(overlap));
+        assert_eq!(merged(&samples[1..]), gap((0, 0), 400, 3..4));
+        let half = [state(whole, Some(0..2)), state(LEFT, Some(2..4))];
+        assert_eq!(merged(&half), gap((9, 0), 220, 2..4));
+        let mixed = [state(LEFT, None), state(RIGHT, Some(0..2)), state(RIGHT, Some(2..4))];
+        assert!(merged(&mixed).is_ok());
+        assert!(matches!(merged(&[]), Err(MergeError::Gap { pixels: 400, .. })));
+    }
+}

@@ -1,0 +1,101 @@
+//! Pictures of how a picture came about: how many samples each pixel took, and its error.
+
+use std::io;
+use std::path::Path;
+
+use super::Picture;
+use crate::film::{Area, Display, Film, Image};
+use crate::scene::{Encoding, OutputFormat};
+
+/// Errors that are shown darkest and brightest: a quarter of what one step of 8 bits is, and an
+/// eighth of the range.
+const ERRORS: [f32; 2] = [1.0 / 1024.0, 1.0 / 8.0];
+
+/// Writes how many samples each pixel of an area took: as numbers to an `.exr` file, otherwise to a
+/// PNG in colours from dark blue for the fewest to yellow for the most, by their logarithm.
+///
+/// # Errors
+/// What the system says.
+pub fn write_sample_map(path: &Path, film: &Film, area: Area) -> io::Result<()> {
+    let counts: Vec<f32> = film.pixels_of(area).map(|pixel| pixel.samples as f32).collect();
+    let least = counts.iter().copied().fold(f32::INFINITY, f32::min).max(1.0);
+    let most = counts.iter().copied().fold(1.0, f32::max);
+    write(path, area, &counts, [least, most])
+}
+
+/// Writes the estimated error of each pixel of an area as the viewer sees it, root mean square over
+/// its channels: as numbers to an `.exr` file, otherwise to a PNG in colours from dark blue for
+/// 1/1024 and below to yellow for 1/8 and above, by its logarithm.
+///
+/// # Errors
+/// What the system says.
+pub fn write_error_map(path: &Path, film: &Film, area: Area, display: Display) -> io::Result<()> {
+    let error = |pixel| display.squared_error(pixel).sqrt() as f32;
+    let errors: Vec<f32> = film.pixels_of(area).map(error).collect();
+    write(path, area, &errors, ERRORS)
+}
+
+/// Writes differences from 0 to 1, row by row: as numbers to an `.exr` file, otherwise to a PNG in
+/// colours from dark blue for 0 to yellow for 1.
+///
+/// # Errors
+/// What the system says.
+pub fn write_difference_map(path: &Path, area: Area, values: &[f32]) -> io::Result<()> {
+    save(path, area, values, heat)
+}
+
+/// Writes numbers that are not negative.
+fn write(path: &Path, area: Area, values: &[f32], range: [f32; 2]) -> io::Result<()> {
+    save(path, area, values, |value| color(value, range))
+}
+
+fn save(
+    path: &Path,
+    area: Area,
+    values: &[f32],
+    color: impl Fn(f32) -> [f32; 3],
+) -> io::Result<()> {
+    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+    let pixel = |&value: &f32| if is_exr { [value; 3] } else { color(value) };
+    let (width, height) = (area.width(), area.height());
+    let image = Image { width, height, rgb: values.iter().map(pixel).collect() };
+    let format = if is_exr { OutputFormat::Exr } else { OutputFormat::Png8 };
+    Picture { image: &image, format, encoding: Encoding::Raw, recipe: "{}" }.save(path)
+}
+
+/// The colour of a number between the ends of a range, by its logarithm.
+fn color(value: f32, [low, high]: [f32; 2]) -> [f32; 3] {
+    let octaves = libm::log2f(high / low).max(1e-6);
+    let place = (libm::log2f(value.max(1e-30) / low) / octaves).clamp(0.0, 1.0);
+    heat(place)
+}
+
+/// A colour whose lightness grows evenly from dark blue over green to yellow.
+fn heat(place: f32) -> [f32; 3] {
+    const STOPS: [[f32; 3]; 5] = [
+        [0.14, 0.03, 0.33],
+        [0.19, 0.29, 0.55],
+        [0.12, 0.55, 0.54],
+        [0.43, 0.78, 0.34],
+        [0.99, 0.91, 0.15],
+    ];
+    let at = place.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
+    let i = (at as usize).min(STOPS.len() - 2);
+    let t = at - i as f32;
+    std::array::from_fn(|c| STOPS[i][c] * (1.0 - t) + STOPS[i + 1][c] * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_go_from_dark_to_light() {
+        let light = |value: f32| color(value, [16.0, 256.0]).iter().sum::<f32>();
+        let values = [1.0, 16.0, 24.0, 32.0, 64.0, 128.0, 256.0, 1e9].map(light);
+        assert_eq!((values[0], values[6]), (values[1], values[7]));
+        assert!(values[1..7].windows(2).all(|w| w[0] < w[1]), "{values:?}");
+        assert_eq!(color(7.0, [7.0, 7.0]), heat(0.0), "all the same");
+        assert_eq!(color(f32::INFINITY, ERRORS), heat(1.0));
+    }
+}

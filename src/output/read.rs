@@ -1,0 +1,166 @@
+//! Pictures that are there already -> their values.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Seek};
+use std::path::Path;
+
+use exr::prelude::{ReadChannels, ReadLayers};
+
+use crate::film::{Image, linear, srgb};
+
+/// What the values of a file mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Values {
+    /// Shares of white as the screen gets them, without a curve of the file's own.
+    Raw,
+    /// Shares of white on the sRGB curve.
+    Srgb,
+    /// Linear radiance.
+    Linear,
+}
+
+/// A picture as its file has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raster {
+    /// The values as they are; those of a PNG go from 0 to 1.
+    pub image: Image,
+    /// What they mean.
+    pub values: Values,
+}
+
+impl Raster {
+    /// The PNG or EXR picture at `path`.
+    ///
+    /// # Errors
+    /// What the system says, or what is wrong with the file.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let file = File::open(path).map_err(|error| error.to_string())?;
+        Self::decode(BufReader::new(file))
+    }
+
+    /// The picture in the bytes of a PNG or EXR file.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, String> {
+        Self::decode(Cursor::new(bytes))
+    }
+
+    fn decode(mut input: impl BufRead + Seek) -> Result<Self, String> {
+        let start = input.fill_buf().map_err(|error| error.to_string())?;
+        match start {
+            [0x89, b'P', b'N', b'G', ..] => decode_png(input),
+            [0x76, 0x2f, 0x31, 0x01, ..] => decode_exr(input),
+            _ => Err("not a PNG or EXR picture".into()),
+        }
+    }
+
+    /// Values as the screen shows them: sRGB from 0 to 1.
+    pub fn shown(&self) -> Image {
+        self.with(|value| match self.values {
+            Values::Raw | Values::Srgb => value,
+            Values::Linear => srgb(value.clamp(0.0, 1.0)),
+        })
+    }
+
+    /// Linear values; those of a file without a curve as they are.
+    pub fn linear(&self) -> Image {
+        self.with(|value| match self.values {
+            Values::Srgb => linear(value),
+            Values::Raw | Values::Linear => value,
+        })
+    }
+
+    fn with(&self, change: impl Fn(f32) -> f32) -> Image {
+        let rgb = self.image.rgb.iter().map(|rgb| rgb.map(&change)).collect();
+        Image { width: self.image.width, height: self.image.height, rgb }
+    }
+}
+
+fn decode_png(input: impl BufRead + Seek) -> Result<Raster, String> {
+    let mut decoder = png::Decoder::new(input);
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
+    let values = if reader.info().srgb.is_some() { Values::Srgb } else { Values::Raw };
+    let size = reader.output_buffer_size().ok_or("the picture is too large")?;
+    let mut bytes = vec![0; size];
+    let info = reader.next_frame(&mut bytes).map_err(|error| error.to_string())?;
+    // The end may be missing where all pixels are there.
+    reader.finish().map_err(|error| error.to_string())?;
+    let channels = info.color_type.samples();
+    let samples: Vec<f32> = match info.bit_depth {
+        png::BitDepth::Sixteen => {
+            let pairs = bytes.as_chunks::<2>().0;
+            pairs.iter().map(|pair| f32::from(u16::from_be_bytes(*pair)) / 65_535.0).collect()
+        }
+        _ => bytes.iter().map(|&byte| f32::from(byte) / 255.0).collect(),
+    };
+    let pixel = |pixel: &[f32]| match pixel {
+        [r, g, b, ..] => [*r, *g, *b],
+        [gray, ..] => [*gray; 3],
+        [] => [0.0; 3],
+    };
+    let rgb = samples.chunks_exact(channels).map(pixel).collect();
+    Ok(Raster { image: Image { width: info.width, height: info.height, rgb }, values })
+}
+
+fn decode_exr(input: impl BufRead + Seek) -> Result<Raster, String> {
+    let read = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size, _| (size.width(), vec![[0.0f32; 3]; size.width() * size.height()]),
+            |(width, rgb): &mut (usize, Vec<[f32; 3]>), at, (r, g, b): (f32, f32, f32)| {
+                rgb[at.y() * *width + at.x()] = [r, g, b];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(input)
+        .map_err(|error| error.to_string())?;
+    let size = read.layer_data.size;
+    let rgb = read.layer_data.channel_data.pixels.1;
+    let image = Image { width: size.width() as u32, height: size.height() as u32, rgb };
+    Ok(Raster { image, values: Values::Linear })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{bytes, sample_image};
+    use super::*;
+    use crate::scene::{Encoding, OutputFormat};
+
+    #[test]
+    fn what_was_written_is_read() {
+        let image = sample_image();
+        let read = |format, encoding| Raster::from_bytes(bytes(format, encoding, &image)).unwrap();
+        let exr = read(OutputFormat::Exr, Encoding::Raw);
+        assert_eq!((exr.image.width, exr.image.height), (5, 3));
+        assert_eq!(exr.image.rgb[3], image.rgb[3]);
+        assert_eq!(exr.image.rgb[7], [0.0, 0.0, 0.25], "what is no number is 0");
+        for (format, steps) in [(OutputFormat::Png8, 255.0), (OutputFormat::Png16, 65_535.0)] {
+            let raw = read(format, Encoding::Raw);
+            assert_eq!(raw.values, Values::Raw);
+            let curved = read(format, Encoding::Srgb);
+            assert_eq!(curved.values, Values::Srgb);
+            for (i, rgb) in image.rgb.iter().enumerate().filter(|(i, _)| *i != 7) {
+                for c in 0..3 {
+                    let expected = rgb[c].clamp(0.0, 1.0);
+                    assert!((raw.image.rgb[i][c] - expected).abs() <= 0.51 / steps);
+                    assert!((curved.linear().rgb[i][c] - expected).abs() <= 1.3 / steps, "{i}");
+                    assert!((exr.shown().rgb[i][c] - srgb(expected)).abs() < 1e-6);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn damage_is_an_error() {
+        for format in [OutputFormat::Png8, OutputFormat::Exr] {
+            let whole = bytes(format, Encoding::Raw, &sample_image());
+            for length in 0..whole.len() {
+                assert!(Raster::from_bytes(whole[..length].to_vec()).is_err(), "{length}");
+            }
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! A recipe -> the scene with the settings that it names.
+
+use serde_json::Value;
+
+use super::recipe::{
+    contrast_keyword, generator_keyword, light_sampling_keyword, settings_of, shadow_keyword,
+};
+use crate::sampling::Generator;
+use crate::scene::{Contrast, LightSampling, SceneDescription, ShadowMode};
+
+/// The scene as a picture's recipe has it, and the frame.
+///
+/// # Errors
+/// The recipe is of another scene, or a setting is not one of this version.
+pub fn restore(
+    scene: &SceneDescription,
+    recipe: &Value,
+) -> Result<(SceneDescription, i64), String> {
+    let hash: String = scene.content_hash.iter().map(|byte| format!("{byte:02x}")).collect();
+    if recipe["sceneBlake3"] != *hash {
+        return Err("it is of another scene, or of one that has changed since".into());
+    }
+    let mut scene = scene.clone();
+    let frame = set(&mut scene, recipe).ok_or("its recipe is not one of this version")?;
+    Ok((scene, frame))
+}
+
+/// Sets all that the recipe names; the frame.
+fn set(scene: &mut SceneDescription, recipe: &Value) -> Option<i64> {
+    let number = |key: &str| u32::try_from(recipe[key].as_u64()?).ok();
+    let real = |key: &str| recipe[key].as_f64();
+    let film = &mut scene.camera.film;
+    let side = |key: &str| number(key).filter(|side| (1..=65_536).contains(side));
+    (film.width, film.height) = (side("width")?, side("height")?);
+    (film.output, film.encoding) = settings_of(recipe)?;
+    let settings = &mut scene.settings;
+    settings.seed = recipe["seed"].as_u64()?;
+    settings.generator = word(
+        recipe,
+        "generatorType",
+        [Generator::Pseudo, Generator::ZeroTwo, Generator::Quasi],
+        generator_keyword,
+    )?;
+    settings.light_sampling = word(
+        recipe,
+        "lightSamplingType",
+        [LightSampling::One, LightSampling::All],
+        light_sampling_keyword,
+    )?;
+    settings.contrast = word(
+        recipe,
+        "contrastType",
+        [Contrast::Difference, Contrast::Weber, Contrast::Michelson],
+        contrast_keyword,
+    )?;
+    settings.shadow =
+        word(recipe, "shadow", [ShadowMode::Opaque, ShadowMode::Transparent], shadow_keyword)?;
+    settings.image_samples = number("imageSamples")?;
+    settings.image_min_samples = number("imageMinSamples")?;
+    settings.image_contrast_limit = real("imageContrastLimit")? as f32;
+    settings.dof_samples = number("dofSamples")?;
+    settings.soft_shadow_samples = number("softShadowSamples")?;
+    settings.diffuse_reflection_samples = number("diffuseReflectionSamples")?;
+    settings.diffuse_refraction_samples = number("diffuseRefractionSamples")?;
+    settings.recursion = number("recursion")?;
+    settings.noise = real("noise").map(|noise| noise as f32);
+    settings.transform_samples_per_ms = real("transformSamplesPerMs")?;
+    for (channel, value) in settings.background.iter_mut().zip(recipe["background"].as_array()?) {
+        *channel = value.as_f64()? as f32;
+    }
+    recipe["frame"].as_i64()
+}
+
+/// The value whose keyword a member is.
+fn word<T: Copy, const N: usize>(
+    recipe: &Value,
+    key: &str,
+    values: [T; N],
+    keyword: impl Fn(T) -> &'static str,
+) -> Option<T> {
+    let found = recipe[key].as_str()?;
+    values.into_iter().find(|&value| keyword(value) == found)
+}

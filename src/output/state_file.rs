@@ -1,0 +1,340 @@
+//! Files of film states: checkpoints, parts, pictures that may get more samples.
+//!
+//! All numbers are little-endian:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | `slo-rt` and two zeros |
+//! | 4 | [`VERSION`] |
+//! | 4 + n | length of the recipe, the recipe as JSON |
+//! | 16 | area of the film: x0, y0, x1, y1 |
+//! | 16 | region that was asked for |
+//! | 8 | numbers of the first sample and one past the last, 0 and 0 where samples are not shared out |
+//! | 4 | 1 with spreads, 2 complete |
+//! | 4 each | how many samples each pixel has, row by row |
+//! | 24, 24, 48 each | of the pixels that have any: sums; of those with more than one or a share of samples: base; with spreads: least and most |
+//! | 32 | BLAKE3 over all before |
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::Path;
+
+use super::write_atomically;
+use crate::film::{Area, Film, Fixed, Pixel, Spread, State, Subject};
+
+/// Changes with the layout of the file.
+const VERSION: u32 = 1;
+const MAGIC: [u8; 8] = *b"slo-rt\0\0";
+const LONGEST_RECIPE: u32 = 1 << 16;
+const WITH_SPREADS: u32 = 1;
+const COMPLETE: u32 = 2;
+/// Length of the hash at the end.
+const HASH: u64 = 32;
+const BUFFER: usize = 1 << 16;
+
+/// Writes `state` to `path`, which holds the old file or the whole new one at any time.
+///
+/// # Errors
+/// What the system says.
+pub fn write_state(path: &Path, state: &State) -> io::Result<()> {
+    write_atomically(path, |file| {
+        let hashed = Hashed { inner: file, hasher: blake3::Hasher::new() };
+        let mut out = BufWriter::with_capacity(BUFFER, hashed);
+        write_header(&mut out, state)?;
+        write_pixels(&mut out, state)?;
+        let out = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        out.inner.write_all(out.hasher.finalize().as_bytes())
+    })
+}
+
+fn write_header(out: &mut impl Write, state: &State) -> io::Result<()> {
+    out.write_all(&MAGIC)?;
+    put(out, VERSION)?;
+    let subject = &state.subject;
+    put(out, subject.recipe.len() as u32)?;
+    out.write_all(subject.recipe.as_bytes())?;
+    for area in [subject.area, subject.region] {
+        [area.x0, area.y0, area.x1, area.y1].into_iter().try_for_each(|n| put(out, n))?;
+    }
+    let range = subject.samples.clone().unwrap_or(0..0);
+    put(out, range.start)?;
+    put(out, range.end)?;
+    let spreads = if subject.with_spreads { WITH_SPREADS } else { 0 };
+    put(out, spreads | if state.is_complete { COMPLETE } else { 0 })
+}
+
+fn write_pixels(out: &mut impl Write, state: &State) -> io::Result<()> {
+    let pixels = state.film.pixels();
+    pixels.iter().try_for_each(|pixel| put(out, pixel.samples))?;
+    for (i, pixel) in pixels.iter().enumerate().filter(|(_, pixel)| pixel.samples > 0) {
+        put_color(out, pixel.sum)?;
+        if has_base(pixel, state.subject.samples.is_some()) {
+            put_color(out, pixel.base)?;
+        }
+        if let Some(spread) = state.film.spreads().get(i) {
+            put_color(out, spread.least)?;
+            put_color(out, spread.most)?;
+        }
+    }
+    Ok(())
+}
+
+fn has_base(pixel: &Pixel, is_share: bool) -> bool {
+    pixel.samples > 1 || is_share
+}
+
+fn put(out: &mut impl Write, number: u32) -> io::Result<()> {
+    out.write_all(&number.to_le_bytes())
+}
+
+fn put_color(out: &mut impl Write, color: [Fixed; 3]) -> io::Result<()> {
+    let mut bytes = [0; 24];
+    for (to, from) in bytes.chunks_exact_mut(8).zip(color) {
+        to.copy_from_slice(&from.units().to_le_bytes());
+    }
+    out.write_all(&bytes)
+}
+
+/// Reads the state at `path`. Nothing in the file is trusted: it may be cut off, damaged, or of
+/// another program, and is refused then.
+///
+/// # Errors
+/// What the system says, and `InvalidData` with what is wrong.
+pub fn read_state(path: &Path) -> io::Result<State> {
+    read(File::open(path)?).map_err(cut_off)
+}
+
+/// What the state at `path` is of, and whether it is complete; its samples are not looked at.
+///
+/// # Errors
+/// As [`read_state`].
+pub fn read_subject(path: &Path) -> io::Result<(Subject, bool)> {
+    let header = Header::read(&mut BufReader::new(File::open(path)?)).map_err(cut_off)?;
+    header.check(u64::MAX)?;
+    Ok((header.subject, header.is_complete))
+}
+
+fn cut_off(error: io::Error) -> io::Error {
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof => bad("it was cut off"),
+        _ => error,
+    }
+}
+
+fn read(file: File) -> io::Result<State> {
+    let length = file.metadata()?.len().saturating_sub(HASH);
+    let hashed = Hashed { inner: file.take(length), hasher: blake3::Hasher::new() };
+    let mut input = BufReader::with_capacity(BUFFER, hashed);
+    let header = Header::read(&mut input)?;
+    header.check(length)?;
+    let film = read_film(&mut input, &header.subject)?;
+    if input.read(&mut [0])? != 0 {
+        return Err(bad("it is damaged"));
+    }
+    let Hashed { inner, hasher } = input.into_inner();
+    let mut expected = [0; HASH as usize];
+    inner.into_inner().read_exact(&mut expected)?;
+    if hasher.finalize() == expected { Ok(header.state(film)) } else { Err(bad("it is damaged")) }
+}
+
+/// All before the pixels.
+struct Header {
+    subject: Subject,
+    is_complete: bool,
+}
+
+impl Header {
+    fn read(input: &mut impl Read) -> io::Result<Self> {
+        let mut magic = [0; 8];
+        input.read_exact(&mut magic).map_err(|_| bad("it is no state of slo-rt"))?;
+        if magic != MAGIC {
+            return Err(bad("it is no state of slo-rt"));
+        }
+        if get(input)? != VERSION {
+            return Err(bad("it is of another version of slo-rt"));
+        }
+        let length = get(input)?;
+        if length > LONGEST_RECIPE {
+            return Err(bad("it is damaged"));
+        }
+        let mut recipe = vec![0; length as usize];
+        input.read_exact(&mut recipe)?;
+        let recipe = String::from_utf8(recipe).map_err(|_| bad("it is damaged"))?;
+        let (area, region) = (get_area(input)?, get_area(input)?);
+        let samples = Some(get(input)?..get(input)?).filter(|range| *range != (0..0));
+        let flags = get(input)?;
+        let with_spreads = flags & WITH_SPREADS != 0;
+        let subject = Subject { recipe, area, region, samples, with_spreads };
+        Ok(Self { subject, is_complete: flags & COMPLETE != 0 })
+    }
+
+    /// Whether a file of `length` bytes can hold what this says, before memory is asked for it.
+    fn check(&self, length: u64) -> io::Result<()> {
+        let Subject { area, region, samples, .. } = &self.subject;
+        let most = 65_536;
+        let fits = area.x1 <= most && area.y1 <= most && area.holds(region);
+        let range = samples.as_ref().is_none_or(|range| !range.is_empty());
+        if fits && range && area.len() as u64 * 4 < length {
+            Ok(())
+        } else {
+            Err(bad("it is damaged"))
+        }
+    }
+
+    fn state(self, film: Film) -> State {
+        State { subject: self.subject, film, is_complete: self.is_complete }
+    }
+}
+
+fn read_film(input: &mut impl Read, subject: &Subject) -> io::Result<Film> {
+    let mut film = subject.film().map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
+    for i in 0..subject.area.len() {
+        film.at_mut(i).0.samples = get(input)?;
+    }
+    for i in 0..subject.area.len() {
+        let (pixel, spread) = film.at_mut(i);
+        if pixel.samples > 0 {
+            read_pixel(input, pixel, spread, subject.samples.is_some())?;
+        }
+    }
+    Ok(film)
+}
+
+fn read_pixel(
+    input: &mut impl Read,
+    pixel: &mut Pixel,
+    spread: Option<&mut Spread>,
+    is_share: bool,
+) -> io::Result<()> {
+    pixel.sum = get_color(input)?;
+    if has_base(pixel, is_share) {
+        pixel.base = get_color(input)?;
+    }
+    if let Some(spread) = spread {
+        *spread = Spread { least: get_color(input)?, most: get_color(input)? };
+    }
+    Ok(())
+}
+
+fn get(input: &mut impl Read) -> io::Result<u32> {
+    let mut bytes = [0; 4];
+    input.read_exact(&mut bytes)?;
+    Ok(u32::from_le_bytes(bytes))
+}
+
+fn get_area(input: &mut impl Read) -> io::Result<Area> {
+    let area = Area { x0: get(input)?, y0: get(input)?, x1: get(input)?, y1: get(input)? };
+    if area.x0 < area.x1 && area.y0 < area.y1 { Ok(area) } else { Err(bad("it is damaged")) }
+}
+
+/// Three sums that have room for more.
+fn get_color(input: &mut impl Read) -> io::Result<[Fixed; 3]> {
+    let mut bytes = [0; 24];
+    input.read_exact(&mut bytes)?;
+    let mut color = [Fixed::default(); 3];
+    for (to, from) in color.iter_mut().zip(bytes.as_chunks::<8>().0) {
+        let units = i64::from_le_bytes(*from);
+        if units.unsigned_abs() > 1 << 62 {
+            return Err(bad("it is damaged"));
+        }
+        *to = Fixed::from_units(units);
+    }
+    Ok(color)
+}
+
+fn bad(what: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what)
+}
+
+/// Hashes what goes through it.
+struct Hashed<T> {
+    inner: T,
+    hasher: blake3::Hasher,
+}
+
+impl<T: Write> Write for Hashed<T> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.inner.write(bytes)?;
+        self.hasher.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<T: Read> Read for Hashed<T> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let read = self.inner.read(bytes)?;
+        self.hasher.update(&bytes[..read]);
+        Ok(read)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state(with_spreads: bool, samples: Option<std::ops::Range<u32>>) -> State {
+        let area = Area { x0: 8, y0: 0, x1: 16, y1: 5 };
+        let mut film = Film::new(area, with_spreads).unwrap();
+        for i in 0..area.len() {
+            let (pixel, spread) = film.at_mut(i);
+            let value = |k: usize| [Fixed::from_units((i * k) as i64 - 50); 3];
+            let samples = i as u32 % 4;
+            if samples > 0 {
+                let base = if samples > 1 { value(3) } else { [Fixed::default(); 3] };
+                *pixel = Pixel { sum: value(7), base, samples };
+                spread.into_iter().for_each(|spread| spread.add(value(2)));
+            }
+        }
+        let region = Area { x0: 9, y0: 1, x1: 12, y1: 4 };
+        let subject = Subject { recipe: "{}".into(), area, region, samples, with_spreads };
+        State { subject, film, is_complete: with_spreads }
+    }
+
+    #[test]
+    fn what_was_written_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
+        for state in [state(false, None), state(true, None), state(false, Some(3..7))] {
+            write_state(&path, &state).unwrap();
+            assert_eq!(read_state(&path).unwrap(), state);
+        }
+    }
+
+    #[test]
+    fn every_damage_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
+        write_state(&path, &state(true, None)).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        for length in 0..whole.len() {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            assert!(read_state(&path).is_err(), "cut off at {length}");
+        }
+        for at in 0..whole.len() {
+            for bit in [0, 7] {
+                let mut damaged = whole.clone();
+                damaged[at] ^= 1 << bit;
+                std::fs::write(&path, &damaged).unwrap();
+                assert!(read_state(&path).is_err(), "bit {bit} of byte {at}");
+            }
+        }
+        std::fs::write(&path, [&whole[..], &[0]].concat()).unwrap();
+        assert!(read_state(&path).is_err(), "a byte more");
+    }
+
+    #[test]
+    fn a_small_file_never_asks_for_much_memory() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("state");
+        write_state(&path, &state(false, None)).unwrap();
+        let mut bytes = std::fs::read(&path).unwrap();
+        // The area's x1 and y1, behind magic, version and a recipe of two bytes.
+        bytes[26..34].copy_from_slice(&[0, 0, 1, 0, 0, 0, 1, 0]);
+        std::fs::write(&path, &bytes).unwrap();
+        assert_eq!(read_state(&path).unwrap_err().to_string(), "it is damaged");
+    }
+}

@@ -1,0 +1,122 @@
+//! Regions, parts, and `merge`.
+
+use super::{Folder, SCENE};
+
+fn folder() -> Folder {
+    let text = SCENE.replace("imageSamples 2", "imageSamples 12");
+    Folder::with_scene(&text.replace("width 16 height 9", "width 100 height 70"))
+}
+
+fn pixels(png: &[u8]) -> (u32, Vec<[u8; 3]>) {
+    let image = image::load_from_memory(png).unwrap().to_rgb8();
+    (image.width(), image.pixels().map(|pixel| pixel.0).collect())
+}
+
+#[test]
+fn a_region_is_cut_out_of_the_picture() {
+    let folder = folder();
+    folder.printed("-q -s scene.txt");
+    let name = folder.printed("-q -s scene.txt --region 33x21+50+17");
+    assert_eq!(name, "ball_00000_region=33x21+50+17.png\n");
+    let (_, whole) = pixels(&folder.read("ball_00000.png"));
+    let (width, region) = pixels(&folder.read(name.trim_end()));
+    assert_eq!((width, region.len()), (33, 33 * 21));
+    for (i, pixel) in region.iter().enumerate() {
+        assert_eq!(*pixel, whole[(17 + i / 33) * 100 + 50 + i % 33], "pixel {i}");
+    }
+    let recipe = folder.printed(&format!("--recipe {}", name.trim_end()));
+    assert!(recipe.contains("\"region\": [50, 17, 33, 21]"), "{recipe}");
+    let run = folder.run("-s scene.txt --region 33x21+50+50");
+    assert_eq!(run.exit, 2);
+    assert!(run.said.contains("not inside the picture of 100x70"), "{}", run.said);
+}
+
+#[test]
+fn parts_make_the_picture() {
+    for by in ["pixels", "samples"] {
+        let folder = folder();
+        folder.printed("-q -s scene.txt -f 0,1");
+        for number in [3, 1, 2] {
+            let printed = folder
+                .printed(&format!("-q -s scene.txt -f 0-1 --part {number}/3 --part-by {by} -od p"));
+            assert!(printed.starts_with(&format!("p/ball_00000.{by}-{number}-of-3.part\n")));
+        }
+        let parts = (0..2).flat_map(|frame| (1..4).map(move |number| (frame, number)));
+        let parts = parts.map(|(f, n)| format!("p/ball_0000{f}.{by}-{n}-of-3.part"));
+        let printed =
+            folder.printed(&format!("merge -od m {}", parts.collect::<Vec<_>>().join(" ")));
+        assert_eq!(printed, "m/ball_00000.png\nm/ball_00001.png\n");
+        for name in ["ball_00000.png", "ball_00001.png"] {
+            assert!(folder.read(name) == folder.read(&format!("m/{name}")), "{by} {name}");
+        }
+        let again = folder.run(&format!("-s scene.txt -f 0-1 --part 1/3 --part-by {by} -od p"));
+        assert!(again.said.contains("2 frames were there already"), "{}", again.said);
+    }
+}
+
+#[test]
+fn regions_in_parts_make_the_picture_or_the_region() {
+    let folder = folder();
+    folder.printed("-q -s scene.txt");
+    let left = folder.printed("-q -s scene.txt --region 45x70+0+0 --part 1/1");
+    let right = [1, 2].map(|number| {
+        folder.printed(&format!("-q -s scene.txt --region 55x70+45+0 --part {number}/2"))
+    });
+    let files =
+        |parts: &[&String]| parts.iter().map(|p| p.trim_end()).collect::<Vec<_>>().join(" ");
+    let all = files(&[&left, &right[0], &right[1]]);
+    assert_eq!(folder.printed(&format!("merge -q -od m {all}")), "m/ball_00000.png\n");
+    assert!(folder.read("m/ball_00000.png") == folder.read("ball_00000.png"));
+    let name = folder.printed("-q -s scene.txt --region 55x70+45+0");
+    let region = folder.printed(&format!("merge -q -od m {}", files(&[&right[0], &right[1]])));
+    assert_eq!(region, format!("m/{name}"));
+    assert!(folder.read(region.trim_end()) == folder.read(name.trim_end()));
+}
+
+#[test]
+fn parts_that_are_no_whole_are_refused_by_name() {
+    let folder = folder();
+    for number in 1..4 {
+        folder.printed(&format!("-q -s scene.txt --part {number}/3"));
+    }
+    folder.printed("-q -s scene.txt --part 2/2 -od half");
+    folder.printed("-q -s scene.txt --part 2/2 --part-by samples -od half");
+    folder.printed("-q -s scene.txt --part 3/3 --seed 7 -od other");
+    let part = |number: u32| format!("ball_00000.pixels-{number}-of-3.part");
+    let check = |files: &[&str], exit: i32, said: &[&str]| {
+        let run = folder.run(&format!("merge -od m {}", files.join(" ")));
+        assert_eq!((run.exit, &*run.printed), (exit, ""), "{files:?}: {}", run.said);
+        for said in said {
+            assert!(run.said.contains(said), "{files:?}: no `{said}` in {}", run.said);
+        }
+        assert!(!folder.path().join("m/ball_00000.png").exists(), "{files:?}");
+    };
+    let [one, two, three] = [1, 2, 3].map(part);
+    check(&[&one, &three], 65, &["a part is missing", "pixels"]);
+    check(&[&one, &two, &two, &three], 65, &[&two, "the same pixels"]);
+    check(&[&one, "half/ball_00000.pixels-2-of-2.part"], 65, &["half/", "the same pixels"]);
+    check(&["half/ball_00000.samples-2-of-2.part"], 65, &["samples 0 to 5"]);
+    check(&[&one, &two, "other/ball_00000.pixels-3-of-3.part"], 65, &["other/", "seed: 7"]);
+    check(&["none.part"], 66, &["none.part"]);
+    check(&["scene.txt"], 65, &["scene.txt", "no state of slo-rt"]);
+    let mut bytes = folder.read(&three);
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 4;
+    folder.write("damaged.part", &bytes);
+    check(&[&one, &two, "damaged.part"], 65, &["damaged.part", "it is damaged"]);
+    folder.write("short.part", &bytes[..middle]);
+    check(&[&one, &two, "short.part"], 65, &["short.part", "cut off"]);
+    let at = bytes.windows(7).position(|window| window == b"\"0.1.0\"").unwrap();
+    bytes[at + 1] = b'9';
+    folder.write("old.part", &bytes);
+    check(&[&one, &two, "old.part"], 65, &["old.part", "slo-rt 9.1.0"]);
+    check(&[], 2, &["FILES"]);
+}
+
+#[test]
+fn samples_of_adaptive_pictures_are_not_shared_out() {
+    let folder = Folder::with_scene(&SCENE.replace("imageSamples 2", "imageSamples 8 noise 0.1"));
+    let run = folder.run("-s scene.txt --part 1/2 --part-by samples");
+    assert_eq!(run.exit, 2);
+    assert!(run.said.contains("--part-by pixels"), "{}", run.said);
+}

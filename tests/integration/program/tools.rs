@@ -1,0 +1,120 @@
+//! `compare`, `verify`, `sheet`, and the maps.
+
+use super::{Folder, SCENE};
+
+fn folder() -> Folder {
+    let text = SCENE.replace("imageSamples 2", "imageSamples 8");
+    Folder::with_scene(&text.replace("width 16 height 9", "width 100 height 70"))
+}
+
+fn value(printed: &str, name: &str) -> f64 {
+    let line = printed.lines().find_map(|line| line.strip_prefix(&format!("{name}\t"))).unwrap();
+    line.parse().unwrap()
+}
+
+#[test]
+fn pictures_are_compared() {
+    let folder = folder();
+    folder.printed("-q -s scene.txt");
+    folder.printed("-q -s scene.txt -f 1 --seed 1");
+    folder.printed("-q -s scene.txt -f 2 --size 50x70");
+    let same = folder.printed("compare ball_00000.png ball_00000.png --max-pixels 0");
+    assert_eq!(value(&same, "pixels"), 0.0);
+    assert_eq!(value(&same, "flip"), 0.0);
+    assert!(same.contains("psnr\tinf"), "{same}");
+    let run = folder.run("compare ball_00001.png ball_00000.png --map map.png --max-rmse 1e-9");
+    assert_eq!(run.exit, 1, "{}", run.said);
+    assert!(run.said.contains("rmse is beyond"), "{}", run.said);
+    assert!(value(&run.printed, "rmse") > 1e-4 && value(&run.printed, "flip") > 1e-4);
+    let map = image::load_from_memory(&folder.read("map.png")).unwrap();
+    assert_eq!((map.width(), map.height()), (100, 70));
+    let run = folder.run("compare ball_00002.png ball_00000.png");
+    assert_eq!(run.exit, 65);
+    assert!(run.said.contains("50x70"), "{}", run.said);
+    assert_eq!(folder.run("compare none.png ball_00000.png").exit, 66);
+    assert_eq!(folder.run("compare scene.txt ball_00000.png").exit, 65);
+}
+
+#[test]
+fn pictures_are_verified() {
+    let exr = folder();
+    exr.write("exr.txt", SCENE.replace("PNG_IMAGE", "EXR_IMAGE"));
+    exr.printed("-q -s exr.txt -f 7");
+    assert_eq!(exr.printed("verify ball_00007.exr -s exr.txt"), "same\tball_00007.exr\t1 tiles\n");
+    let folder = folder();
+    folder.printed("-q -s scene.txt -f 7 --seed 3 --noise 0.02");
+    folder.printed("-q -s scene.txt -f 8 --region 60x50+33+11");
+    let printed = folder
+        .printed("verify ball_00007.png ball_00008_region=60x50+33+11.png -s scene.txt --tiles 99");
+    assert_eq!(
+        printed,
+        "same\tball_00007.png\t12 tiles\nsame\tball_00008_region=60x50+33+11.png\t4 tiles\n"
+    );
+    // A node that computes wrongly: one value of one pixel.
+    let name = "ball_00007.png";
+    let bytes = folder.read(name);
+    let decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
+    let mut reader = decoder.read_info().unwrap();
+    let text = reader.info().uncompressed_latin1_text[0].clone();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    pixels[4000] ^= 1;
+    let mut wrong = Vec::new();
+    let mut encoder = png::Encoder::new(&mut wrong, 100, 70);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.add_text_chunk(text.keyword, text.text).unwrap();
+    encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
+    folder.write(name, &wrong);
+    let run = folder.run("verify ball_00007.png -s scene.txt --tiles 99");
+    assert_eq!((run.exit, &*run.printed), (1, "different\tball_00007.png\t1 of 12 tiles\n"));
+    // Another scene, a file that is none of ours.
+    folder.write("other.txt", SCENE);
+    let run = folder.run("verify ball_00007.png -s other.txt");
+    assert_eq!(run.exit, 65);
+    assert!(run.said.contains("another scene"), "{}", run.said);
+    assert_eq!(folder.run("verify scene.txt -s scene.txt").exit, 65);
+}
+
+#[test]
+fn a_contact_sheet_is_made() {
+    let folder = folder();
+    folder.printed("-q -s scene.txt -f 0-4 --samples 1");
+    let files = (0..5).map(|f| format!("ball_0000{f}.png")).collect::<Vec<_>>().join(" ");
+    assert_eq!(folder.printed(&format!("sheet {files} --width 50 -o s.png")), "s.png\n");
+    let sheet = image::load_from_memory(&folder.read("s.png")).unwrap();
+    assert_eq!((sheet.width(), sheet.height()), (3 * 54 + 4, 2 * (35 + 18) + 4));
+    assert_eq!(folder.run("sheet none.png").exit, 66);
+}
+
+#[test]
+fn a_noise_level_is_met_and_told() {
+    let folder = folder();
+    let run =
+        folder.run("-s scene.txt -f 3,4 --noise 0.004 --sample-map n_##.png --error-map e_##.exr");
+    assert_eq!(run.exit, 0, "{}", run.said);
+    assert!(run.said.contains("; error "), "{}", run.said);
+    let recipe = folder.printed("--recipe ball_00003.png");
+    let recipe: serde_json::Value = serde_json::from_str(&recipe).unwrap();
+    let error = recipe["result"]["error"].as_f64().unwrap();
+    assert!(error > 0.0 && error < 0.004, "{error}");
+    let samples = recipe["result"]["samplesPerPixel"].as_f64().unwrap();
+    assert!((16.0..4096.0).contains(&samples), "{samples}");
+    for name in ["n_03.png", "n_04.png", "e_03.exr", "e_04.exr"] {
+        assert!(folder.names().iter().any(|n| n == name), "{name}");
+    }
+    let map = image::load_from_memory(&folder.read("n_03.png")).unwrap().to_rgb8();
+    let colors: std::collections::BTreeSet<_> = map.pixels().map(|p| p.0).collect();
+    assert!(colors.len() > 1, "blocks take different numbers");
+    // A stricter level goes on from where the looser one ended, to the same bytes.
+    folder.printed("-q -s scene.txt -f 3 --noise 0.004 --keep-state");
+    let rays = |typed: &str| {
+        let said = folder.run(&format!("-v -s scene.txt -f 3 --noise 0.002 {typed}")).said;
+        let line = said.lines().find(|line| line.contains("rays: ")).unwrap().to_owned();
+        line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
+    };
+    assert!(rays("") < rays("-od anew"));
+    assert!(folder.read("ball_00003.png") == folder.read("anew/ball_00003.png"));
+    let run = folder.run("-s scene.txt -f 3,4 --sample-map n.png");
+    assert_eq!(run.exit, 2);
+    assert!(run.said.contains("####"), "{}", run.said);
+}
