@@ -89,18 +89,28 @@ mod tests {
         assert!(!at(0.667).1);
     }
 
-    /// The mean of 1 over the density, over the lobe's own directions, is the half sphere's angle.
+    /// Sums over the half sphere: the density is 1 in all, and the mean direction is that of the
+    /// directions that are drawn.
     #[test]
     fn densities_are_those_of_the_directions() {
+        let n = 512;
+        let points = || (0..n * n).map(|i| [i / n, i % n].map(|k| (k as f32 + 0.5) / n as f32));
+        let uniform = |[u, v]: [f32; 2]| {
+            let (s, c) = crate::math::elementary::sin_cos_turns(v);
+            let r = (1.0 - u * u).sqrt();
+            Vec3::new(r * c, r * s, u)
+        };
         for (axis, inverse) in [(Vec3::Z, 0.5), (Vec3::new(0.8, 0.0, 0.6), 0.3)] {
-            let n = 512;
-            let one = |i: u32| {
-                let u = [(i / n) as f32 + 0.5, (i % n) as f32 + 0.5].map(|u| u / n as f32);
-                let w = to_side(about(axis, inverse, u), Vec3::Z);
-                1.0 / f64::from(density(axis, inverse, Vec3::Z, w))
+            let drawn = points().map(|u| to_side(about(axis, inverse, u), Vec3::Z).as_dvec3());
+            let drawn = drawn.sum::<glam::DVec3>() / f64::from(n * n);
+            let weigh = |u| {
+                let w = uniform(u);
+                let p = f64::from(density(axis, inverse, Vec3::Z, w)) * std::f64::consts::TAU;
+                (w.as_dvec3() * p).extend(p) / f64::from(n * n)
             };
-            let mean = (0..n * n).map(one).sum::<f64>() / f64::from(n * n);
-            assert!((mean / std::f64::consts::TAU - 1.0).abs() < 0.02, "{axis} {inverse}: {mean}");
+            let weighed = points().map(weigh).sum::<glam::DVec4>();
+            assert!((weighed.w - 1.0).abs() < 1e-3, "{axis} {inverse}: {weighed}");
+            assert!((weighed.truncate() - drawn).length() < 1e-3, "{weighed} is not {drawn}");
         }
         assert_eq!(density(Vec3::Z, 0.0, Vec3::Z, Vec3::Z), 0.0);
     }

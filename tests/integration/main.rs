@@ -3,6 +3,7 @@
 mod analytic;
 mod any_split;
 mod determinism;
+mod estimators;
 mod oracle;
 mod program;
 mod scene_fuzz;

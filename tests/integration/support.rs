@@ -24,11 +24,15 @@ pub(crate) fn describe(text: &str) -> SceneDescription {
 
 /// The film of frame 0 of a scene.
 pub(crate) fn expose(scene: &SceneDescription, isa: Isa) -> Film {
-    let frame = FrameScene::build(scene, 0, isa).expect("the frame can be built");
+    expose_frame(scene, &FrameScene::build(scene, 0, isa).expect("the frame can be built"))
+}
+
+/// The film of a frame of a scene.
+pub(crate) fn expose_frame(scene: &SceneDescription, frame: &FrameScene) -> Film {
     let (plan, picture) = (Plan::new(scene), &scene.camera.film);
     let area = Area::whole(picture.width, picture.height);
     let film = Film::new(area, plan.needs_spreads()).expect("small enough");
-    let exposed = render(&frame, &plan, film, &Unwatched);
+    let exposed = render(frame, &plan, film, &Unwatched);
     assert!(exposed.is_complete);
     assert_eq!(exposed.statistics.refused_contributions, 0);
     exposed.film

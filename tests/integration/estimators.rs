@@ -1,0 +1,97 @@
+//! Whatever makes a picture less noisy leaves it what it is: means over many seeds agree with those
+//! of the plainest estimator, and spread less.
+
+use slo_rt::accel::Isa;
+use slo_rt::frame::FrameScene;
+
+use crate::support::{describe, expose_frame, material};
+
+/// A lamp over a rough floor, half behind a pane of rough glass; `settings` besides.
+fn scene(settings: &str, seed: u32) -> String {
+    let materials = material("brushed", "reflectance .8 diffuse_reflection .15 diffuse { .1 .1 .1 }")
+        + &material(
+            "frosted",
+            "refraction .8 refraction_index 1.4 diffuse_refraction .2 reflectance .1 diffuse_reflection .2",
+        );
+    format!(
+        "settings s {{ imageSamples 4 recursion 3 generatorType PSEUDO seed {seed} {settings} }}
+         Camera c {{
+             fps 4
+             Film f {{ width 32 height 24 prefix t output PNG_IMAGE }}
+             CamSegment seg {{
+                 videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1 fovStart .4
+                 addPosition {{ 0 -9 3 }} addTarget {{ 0 0 .5 }}
+             }}
+         }}
+         {materials}
+         plane floor {{ material brushed normal {{ 0 0 1 }} position {{ 0 0 -.5 }} }}
+         box pane {{ material frosted vertex0 {{ -3 -3 -.4 }} vertex1 {{ -.5 -3 -.4 }} vertex2 {{ -.5 -2.8 -.4 }} height 4 }}
+         light_rectangle lamp {{ color {{ 3 2 1 }} vertex0 {{ -2 3 3 }} vertex1 {{ 1 3 3 }} vertex2 {{ 1 4 3.5 }} }}
+         light_rectangle low {{ color {{ 1 1 2 }} vertex0 {{ 2 2 0 }} vertex1 {{ 3 2 0 }} vertex2 {{ 3 2 1 }} }}"
+    )
+}
+
+/// Means of the left and the right half of the picture, by channel.
+fn halves(settings: &str, seed: u32, plain: bool) -> [f64; 6] {
+    let description = describe(&scene(settings, seed));
+    let frame = FrameScene::build(&description, 0, Isa::best()).expect("the frame can be built");
+    let frame = if plain { frame.plain() } else { frame };
+    let image = expose_frame(&description, &frame).image();
+    let mut sums = [0.0; 6];
+    for (i, pixel) in image.rgb.iter().enumerate() {
+        let half = usize::from(i % 32 >= 16);
+        (0..3).for_each(|c| sums[3 * half + c] += f64::from(pixel[c]) / 384.0);
+    }
+    sums
+}
+
+/// Mean and variance of the mean over seeds.
+fn moments(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0);
+    (mean, variance / n)
+}
+
+/// For each half and channel how many standard deviations apart the two ways are, and how much
+/// smaller the variance of the second is.
+fn compare(settings: &str, bias: f64) -> [(f64, f64); 6] {
+    let take = |plain| -> Vec<[f64; 6]> {
+        (0..SEEDS).map(|seed| halves(settings, seed + if plain { 0 } else { SEEDS }, plain)).collect()
+    };
+    let (plain, clever) = (take(true), take(false));
+    std::array::from_fn(|k| {
+        let of = |all: &[[f64; 6]]| moments(&all.iter().map(|sums| sums[k]).collect::<Vec<_>>());
+        let ((a, va), (b, vb)) = (of(&plain), of(&clever));
+        ((a - b * bias).abs() / (va + vb).sqrt(), va / vb)
+    })
+}
+
+const SEEDS: u32 = 48;
+
+/// Beyond what one of all the comparisons here reaches by chance in a thousand runs of the suite.
+const APART: f64 = 4.8;
+
+#[test]
+fn lamps_in_rough_surfaces_are_as_bright_and_less_noisy() {
+    for settings in [
+        "",
+        "lightSamplingType SAMPLE_ONE_AT_TIME softShadowSamples 2",
+        "softShadowSamples 3 diffuseReflectionSamples 2 diffuseRefractionSamples 3",
+        "shadow TRANSPARENT",
+    ] {
+        let compared = compare(settings, 1.0);
+        assert!(compared.iter().all(|(apart, _)| *apart < APART), "{settings}: {compared:?}");
+        // Through transparent shadows nothing is combined.
+        if settings.is_empty() {
+            let less = compared.iter().map(|(_, less)| less).sum::<f64>() / 6.0;
+            assert!(less > 1.5, "{compared:?}");
+        }
+    }
+}
+
+#[test]
+fn a_bias_of_two_per_cent_is_found_out() {
+    let compared = compare("", 1.02);
+    assert!(compared.iter().any(|(apart, _)| *apart > APART), "{compared:?}");
+}
