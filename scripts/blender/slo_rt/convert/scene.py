@@ -25,10 +25,10 @@ SHAPE_TOLERANCE = 1e-4
 class Job:
     """What to write, and how.
 
-    `depsgraph` is the dependency graph and `set_frame(frame)` takes it to a time in frames. `scene_path` is
-    the file to write; meshes and textures go to a folder beside it with its name. `first` to `last`: the
-    frames, whole numbers. `output`: the Film's. `by_content` names meshes by what is in them, so that
-    they need not be written twice.
+    `depsgraph` is the dependency graph and `set_frame(frame)` takes it to a time in frames.
+    `scene_path` is the file to write; meshes and textures go to a folder beside it with its name.
+    `first` to `last`: the frames, whole numbers. `output`: the Film's. `by_content` names meshes by
+    what is in them, so that they need not be written twice.
     """
 
     depsgraph: object
@@ -49,9 +49,8 @@ class Job:
 def write_scene(job):
     """Writes the scene of `job`. Returns the `Report` of what could not be carried.
 
-    # Errors
-    `OSError` where a file can't be written; `ValueError` where the scene has no camera or holds numbers that
-    are not finite.
+    # Errors `OSError` where a file can't be written; `ValueError` where the scene has no camera or
+    holds numbers that are not finite.
     """
     return _Writer(job).write()
 
@@ -97,7 +96,9 @@ class _Writer:
         return self.report
 
     def _comments(self):
-        lines = [f"Scene {self.scene.name!r}, written by Blender. Metres, z up; frame N here is frame N there."]
+        lines = [
+            f"Scene {self.scene.name!r}, written by Blender. Metres, z up; frame N here is frame N there."
+        ]
         notes = self.report.lines()
         return lines + (["", "Not carried, or carried differently:"] + notes if notes else [])
 
@@ -146,7 +147,8 @@ class _Writer:
             ]
         if len(segments) > 1 and self.shutter.duration > 1.0:
             self.report.note(
-                "camera", "the shutter is open for more than a frame, and stops at the end of a segment"
+                "camera",
+                "the shutter is open for more than a frame, and stops at the end of a segment",
             )
         film = settings.film_element(settings.picture_size(self.render), job.prefix, job.output)
         return Element("Camera", "camera", [("fps", self.fps), film, *segments])
@@ -169,8 +171,8 @@ class _Writer:
         return segments
 
     def _distance_of(self, positions):
-        """The shortest distance from a camera at `positions` to the middle of a thing, which is the length
-        that its errors are measured by; not below a thousandth of the scene."""
+        """The shortest distance from a camera at `positions` to the middle of a thing, which is the
+        length that its errors are measured by; not below a thousandth of the scene."""
         gaps = self.centers[None, :, :] - positions[:, None, :]
         shortest = np.linalg.norm(gaps, axis=2).min()
         return max(float(shortest), 1e-3 * self.diagonal, 1e-9)
@@ -251,14 +253,17 @@ class _Writer:
         return self._finish(item)[0]
 
     def _uv_map_of(self, materials):
-        """The uv map that these materials need; None where there is no texture and none is asked for."""
+        """The uv map that these materials need; None where there is no texture and none is asked
+        for."""
         textures = [self._finish(item)[1].texture for item in materials]
         named = [texture.uv_map for texture in textures if texture]
         return named[0] if named else (None if self.job.by_content else "")
 
     def _materials(self, things):
         elements = []
-        used = {part.material.name_full if part.material else None for t in things for part in t.parts}
+        used = {
+            part.material.name_full if part.material else None for t in things for part in t.parts
+        }
         for key, (name, finish) in self.finishes.items():
             if key not in used:
                 continue
@@ -274,7 +279,8 @@ class _Writer:
         return sorted(elements, key=lambda element: order.get(element.kind, 2))
 
     def _texture(self, texture, elements):
-        """Name of the texture's element, which is written when it is needed first; None if unreadable."""
+        """Name of the texture's element, which is written when it is needed first; None if
+        unreadable."""
         picture = texture.image
         if picture.name_full not in self.textures:
             name = self.names["texture"].new(os.path.splitext(picture.name)[0])
@@ -290,7 +296,12 @@ class _Writer:
         names, elements = Names(), []
         for lamp in lamps:
             elements += light.elements_of_light(
-                names.new(lamp.name), lamp.light, lamp.matrix, self.center, self.diagonal, self.report
+                names.new(lamp.name),
+                lamp.light,
+                lamp.matrix,
+                self.center,
+                self.diagonal,
+                self.report,
             )
         return elements
 
@@ -305,7 +316,9 @@ class _Writer:
         if not self.job.single:
             self._note_animated_data(found)
         for key in timeline.not_always_there():
-            self.report.note(f'object "{key[0]}"', f"appears or vanishes; it is as at frame {self.job.first}")
+            self.report.note(
+                f'object "{key[0]}"', f"appears or vanishes; it is as at frame {self.job.first}"
+            )
         deforming = {thing.key: thing for thing in found.things if thing.outline is not None}
         first, last = self._span
         for time in ((first + last) / 2.0, last) if deforming else ():

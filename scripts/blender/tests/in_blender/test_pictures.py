@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Our picture of a scene against that of Cycles: where things are, how sharp, how blurred, how bright.
+"""Our picture of a scene against that of Cycles: where things are, how sharp, how blurred, how
+bright.
 
 Shading differs, so things are white lamps of their own before black, and silhouettes are compared.
 """
@@ -64,12 +65,15 @@ def picture(scene, engine, samples):
 
 
 def moments(grey):
-    """Light in all, its centre (x, y) in pixels, and its spread along both axes and between them."""
+    """Light in all, its centre (x, y) in pixels, and its spread along both axes and between
+    them."""
     total = float(grey.sum())
     y, x = np.mgrid[: grey.shape[0], : grey.shape[1]] + 0.5
     center = np.array([(grey * x).sum(), (grey * y).sum()]) / total
     dx, dy = x - center[0], y - center[1]
-    spread = np.array([(grey * dx * dx).sum(), (grey * dy * dy).sum(), (grey * dx * dy).sum()]) / total
+    spread = (
+        np.array([(grey * dx * dx).sum(), (grey * dy * dy).sum(), (grey * dx * dy).sum()]) / total
+    )
     return total, center, spread
 
 
@@ -86,7 +90,8 @@ class PictureTest(unittest.TestCase):
         return ours, theirs
 
     def compare(self, samples=64, center=0.1, spread=0.03, overlap=0.99):
-        """Silhouettes: the same light, its centre within `center` pixels, its spread within a fraction."""
+        """Silhouettes: the same light, its centre within `center` pixels, its spread within a
+        fraction."""
         ours, theirs = self.both(samples)
         (light, place, width), (light2, place2, width2) = moments(ours), moments(theirs)
         shared = np.minimum(ours, theirs).sum() / np.maximum(ours, theirs).sum()

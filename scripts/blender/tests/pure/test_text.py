@@ -7,6 +7,7 @@ import unittest
 import zlib
 
 import numpy as np
+
 from slo_rt.format import png16, slo_mesh
 from slo_rt.format.decimal_text import decimal_lines, integer_lines, number
 from slo_rt.format.names import Names, plain
@@ -118,7 +119,8 @@ class FileTest(unittest.TestCase):
         triangle = np.array([[0, 0, 0], [1, np.nan, 0], [0, 1.5, 0]], np.float32)
         with self.assertRaisesRegex(ValueError, "vertices is not finite"):
             slo_mesh.write(
-                os.path.join(self.folder, "m.slo"), slo_mesh.MeshArrays(triangle, np.array([[0, 1, 2]]))
+                os.path.join(self.folder, "m.slo"),
+                slo_mesh.MeshArrays(triangle, np.array([[0, 1, 2]])),
             )
         self.assertEqual(os.listdir(self.folder), [])
 
@@ -149,9 +151,7 @@ class ReportTest(unittest.TestCase):
             report.note(name, "is lost")
             report.note(name, "is lost")
         report.note("a", "is grey")
-        self.assertEqual(
-            report.lines(), ["a, b, c, d, e, f and 2 more: is lost", "a: is grey"]
-        )
+        self.assertEqual(report.lines(), ["a, b, c, d, e, f and 2 more: is lost", "a: is grey"])
 
 
 if __name__ == "__main__":
