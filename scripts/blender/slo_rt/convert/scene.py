@@ -9,9 +9,9 @@ import numpy as np
 from .. import compat
 from ..fit.motion import fit_key_frames, sample_times
 from ..fit.rigid import split_matrix
-from ..format import scene_text, slo_mesh
+from ..format import key_frames, scene_text, slo_mesh
 from ..format.names import Names, plain
-from ..format.scene_text import Element, block, seconds
+from ..format.scene_text import Element
 from ..report import Report
 from . import camera as cameras
 from . import image, light, material, motion, settings, world
@@ -198,7 +198,9 @@ class _Writer:
     def _key_frames(self, thing, timeline):
         if not self._moving or not timeline.moves(thing.key):
             rest = np.concatenate([np.zeros(3), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
-            return [] if np.array_equal(thing.placement, rest) else [self._still(thing.placement)]
+            return (
+                [] if np.array_equal(thing.placement, rest) else [key_frames.still(thing.placement)]
+            )
         shapes = []
 
         def sample(times):
@@ -218,18 +220,7 @@ class _Writer:
                 f"moves too wildly at frame {misfit.time:.2f}: off by up to "
                 f"{100.0 * misfit.position:.3g} % of its size and {np.degrees(misfit.direction):.3g} degrees",
             )
-        return [self._key_frame(key) for key in keys]
-
-    @staticmethod
-    def _still(placement):
-        return block("addKframe", [("time", 0), block("key", _pose(placement))])
-
-    def _key_frame(self, key):
-        body = [("time", seconds(key.time / self.fps))]
-        for name, values in (("pre", key.pre), ("key", key.key), ("nex", key.nex)):
-            if values is not None:
-                body.append(block(name, _pose(values)))
-        return block("addKframe", body)
+        return key_frames.moving(keys, self.fps)
 
     def _store_mesh(self, name, arrays):
         name = arrays.digest() if self.job.by_content else self.names["file"].new(name)
@@ -351,10 +342,6 @@ class _Frozen:
 
     def camera_values(self, camera, times):
         return self._timeline.camera_values(camera, [self._time] * len(times))
-
-
-def _pose(placement):
-    return [("pivot", placement[:3]), ("up", placement[3:6]), ("right", placement[6:9])]
 
 
 def _write_text(path, text):
