@@ -5,8 +5,9 @@
     scripts/blender/test.py --all               Blender 4.5 and 5.0
     scripts/blender/test.py --all test_motion.py
 
-Needs Python 3.11, for which Blender's wheels are made, and the program: `$SLO_RT`, or target/release/slo-rt. The
-wheels (370 MB each) are fetched from PyPI once and kept in `$XDG_CACHE_HOME/slo-rt-ci`.
+Needs Python 3.11, for which Blender's wheels are made, and the program: `$SLO_RT`, or
+target/release/slo-rt. The wheels (370 MB each) are fetched from PyPI once and kept in
+`$XDG_CACHE_HOME/slo-rt-ci`.
 
 Exit code: 0 all tests pass, 1 some fail, 3 Blender can't be had.
 """
@@ -51,7 +52,8 @@ def parse():
 
 
 def environment(version, seconds):
-    """The Python of a virtual environment with Blender in it, made if need be; None if that fails."""
+    """The Python of a virtual environment with Blender in it, made if need be; None if that
+    fails."""
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "slo-rt-ci"
     folder = cache / f"bpy-{version}"
     python = folder / "bin" / "python"
@@ -65,11 +67,17 @@ def environment(version, seconds):
     shutil.rmtree(folder, ignore_errors=True)
     try:
         subprocess.run([interpreter, "-m", "venv", str(folder)], check=True, timeout=120)
-        install = [str(python), "-m", "pip", "install", "--quiet", "--no-cache-dir", VERSIONS[version]]
+        install = [
+            str(python),
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--no-cache-dir",
+            VERSIONS[version],
+        ]
         subprocess.run(install, check=True, timeout=seconds)
-        subprocess.run(
-            [str(python), "-c", "import bpy, os; os._exit(0)"], check=True, timeout=120
-        )
+        subprocess.run([str(python), "-c", "import bpy, os; os._exit(0)"], check=True, timeout=120)
     except (OSError, subprocess.SubprocessError) as error:
         print(f"test.py: {error}", file=sys.stderr)
         shutil.rmtree(folder, ignore_errors=True)

@@ -20,22 +20,40 @@ pub(super) fn filled<T: Clone>(value: T, len: usize) -> Vec<T> {
 #[cfg(target_os = "linux")]
 pub(super) fn ask_for_large<T>(array: &Vec<T>) {
     const MADV_HUGEPAGE: i32 = 14;
+    advise(array, MADV_HUGEPAGE);
+}
+
+/// Tells the system what to do with an array's pages; that it refuses does no harm.
+#[cfg(target_os = "linux")]
+fn advise<T>(array: &Vec<T>, advice: i32) {
     unsafe extern "C" {
         fn madvise(start: *mut std::ffi::c_void, len: usize, advice: i32) -> i32;
     }
+    // A multiple of what a page is on any system.
+    const PAGE: usize = 1 << 16;
     let bytes = array.capacity() * size_of::<T>();
     if bytes < LARGE {
         return;
     }
-    // A multiple of what a page is on any system.
-    const PAGE: usize = 1 << 16;
     let start = array.as_ptr().cast::<u8>();
     let skip = start.align_offset(PAGE).min(bytes);
     let whole = (bytes - skip) / PAGE * PAGE;
-    // SAFETY: the pages belong to the array. The advice changes neither what they hold nor who may
-    // use them, and that it is refused does no harm.
-    unsafe { madvise(start.wrapping_add(skip).cast_mut().cast(), whole, MADV_HUGEPAGE) };
+    // SAFETY: the pages belong to the array, and neither advice that is given here changes what
+    // they hold or who may use them.
+    unsafe { madvise(start.wrapping_add(skip).cast_mut().cast(), whole, advice) };
 }
+
+/// Moves an array to large pages if the system can, for one that grew as it was written.
+#[cfg(target_os = "linux")]
+pub(super) fn collapse<T>(array: &Vec<T>) {
+    const MADV_HUGEPAGE: i32 = 14;
+    const MADV_COLLAPSE: i32 = 25;
+    advise(array, MADV_HUGEPAGE);
+    advise(array, MADV_COLLAPSE);
+}
+
+#[cfg(not(target_os = "linux"))]
+pub(super) fn collapse<T>(_: &Vec<T>) {}
 
 #[cfg(not(target_os = "linux"))]
 pub(super) fn ask_for_large<T>(_: &Vec<T>) {}

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use super::terminal::Terminal;
 use crate::film::{Film, State, Subject, TooLarge};
-use crate::output::{continues, read_state, write_state};
+use crate::output::{continues, read_state, steps_of, with_steps, write_state};
+use crate::render::Steps;
 
 /// A checkpoint may take this part of the time, at most: larger ones are written less often.
 const SHARE_OF_TIME: u32 = 100;
@@ -17,6 +18,8 @@ const SHARE_OF_TIME: u32 = 100;
 /// The files of one frame's state.
 pub(super) struct Checkpoint {
     subject: Subject,
+    /// How far the picture goes is decided by the clock.
+    is_timed: bool,
     /// Of a run that has not finished.
     unfinished: PathBuf,
     /// Of a picture that may get more samples.
@@ -36,12 +39,14 @@ impl Checkpoint {
     pub(super) fn new(
         path: &Path,
         subject: Subject,
+        is_timed: bool,
         every: Option<Duration>,
         terminal: Terminal,
     ) -> Self {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         Self {
             subject,
+            is_timed,
             unfinished: path.with_file_name(format!(".slo-rt-{name}.state")),
             kept: path.with_file_name(format!("{name}.state")),
             terminal,
@@ -53,20 +58,24 @@ impl Checkpoint {
     }
 
     /// What earlier runs know of the frame; an unexposed film where there is nothing of use.
-    pub(super) fn film(&self) -> Result<Film, TooLarge> {
+    pub(super) fn film(&self) -> Result<(Film, Steps), TooLarge> {
         let found = [&self.unfinished, &self.kept].map(|path| self.film_at(path));
-        let samples = |film: &Film| film.pixels().iter().map(|p| u64::from(p.samples)).sum::<u64>();
+        let samples = |(film, _): &(Film, Steps)| {
+            film.pixels().iter().map(|p| u64::from(p.samples)).sum::<u64>()
+        };
         match found.into_iter().flatten().max_by_key(samples) {
-            Some(film) => Ok(film),
-            None => self.subject.film(),
+            Some(found) => Ok(found),
+            None => self.subject.film().map(|film| (film, Steps::default())),
         }
     }
 
-    fn film_at(&self, path: &Path) -> Option<Film> {
+    fn film_at(&self, path: &Path) -> Option<(Film, Steps)> {
         match read_state(path) {
             Ok(State { subject, film, .. }) => {
                 let fits = subject.same_place(&self.subject);
-                (fits && continues(&subject.recipe, &self.subject.recipe)).then_some(film)
+                let last = Steps { done: Steps::LAST, tiles: 0 };
+                let fits = fits && continues(&subject.recipe, &self.recipe(last));
+                fits.then(|| (film, steps(&subject.recipe)))
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
             Err(error) => {
@@ -85,9 +94,9 @@ impl Checkpoint {
     }
 
     /// Writes what is known at this moment; that it can't be written is a warning, said once.
-    pub(super) fn keep(&self, film: Film) {
+    pub(super) fn keep(&self, film: Film, steps: Steps) {
         let start = Instant::now();
-        if let Err(error) = self.save(film, false)
+        if let Err(error) = self.save(film, steps, false)
             && !self.failed.swap(true, Ordering::Relaxed)
         {
             let path = self.unfinished.display();
@@ -102,24 +111,37 @@ impl Checkpoint {
     ///
     /// # Errors
     /// What the system says.
-    pub(super) fn save(&self, film: Film, is_complete: bool) -> io::Result<()> {
-        self.write(&self.unfinished, film, is_complete)
+    pub(super) fn save(&self, film: Film, steps: Steps, is_complete: bool) -> io::Result<()> {
+        self.write(&self.unfinished, film, steps, is_complete)
     }
 
     /// Keeps what is known of a finished picture.
     ///
     /// # Errors
     /// What the system says.
-    pub(super) fn keep_finished(&self, film: Film) -> io::Result<()> {
-        self.write(&self.kept, film, true)
+    pub(super) fn keep_finished(&self, film: Film, steps: Steps) -> io::Result<()> {
+        self.write(&self.kept, film, steps, true)
     }
 
-    fn write(&self, path: &Path, film: Film, is_complete: bool) -> io::Result<()> {
-        write_state(path, &State { subject: self.subject.clone(), film, is_complete })
+    fn write(&self, path: &Path, film: Film, steps: Steps, is_complete: bool) -> io::Result<()> {
+        let subject = Subject { recipe: self.recipe(steps), ..self.subject.clone() };
+        write_state(path, &State { subject, film, is_complete })
+    }
+
+    /// The recipe of a film that is to be taken to `steps`, where the clock decides about them.
+    fn recipe(&self, steps: Steps) -> String {
+        let recipe = self.subject.recipe.clone();
+        if self.is_timed { with_steps(recipe, steps) } else { recipe }
     }
 
     /// The picture is in place: nothing is left to go on with.
     pub(super) fn remove(&self) {
         let _ = fs::remove_file(&self.unfinished);
     }
+}
+
+/// The steps of a recipe; none where it has none.
+fn steps(recipe: &str) -> Steps {
+    let parsed = serde_json::from_str(recipe).unwrap_or_default();
+    steps_of(&parsed).unwrap_or_default()
 }

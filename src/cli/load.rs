@@ -59,13 +59,15 @@ fn load_file(file: SceneFile, allow_outside: bool) -> Loaded {
     load(&file.path.to_string_lossy(), file.text, &files)
 }
 
-/// What a frame needs, built on the threads of the current pool.
+/// What a frame needs, built on the threads of the current pool; what it has in common with one
+/// `before` is taken from there.
 pub(super) fn frame(
     job: &Job,
     scene: &SceneDescription,
     number: i64,
+    before: Option<FrameScene>,
 ) -> Result<FrameScene, Problem> {
-    FrameScene::build(scene, number, job.isa).map_err(|error| match error {
+    FrameScene::build_after(scene, number, job.isa, before).map_err(|error| match error {
         FrameError::NoSegment(error) => no_segment(&error),
         other => Problem::new(Exit::BadInput, other),
     })

@@ -13,7 +13,7 @@ use super::sequence::{Frames, Order};
 use super::terminal::{Terminal, Verbosity};
 use crate::accel::{Accelerator, Isa};
 use crate::output::check_prefix;
-use crate::render::Part;
+use crate::render::{Part, Steps};
 use crate::scene::SceneDescription;
 
 /// What the program is to do, and how.
@@ -69,6 +69,10 @@ pub(super) struct Job {
     /// Whether finished frames can get more samples later.
     pub(super) keep_state: bool,
     pub(super) maps: Maps,
+    /// How long a frame may take; `None`: as long as its samples take.
+    pub(super) time: Option<Duration>,
+    /// How far a frame is taken, step by step, instead of by the scene's rule.
+    pub(super) steps: Option<Steps>,
     /// Whether to say what would be rendered instead of doing it.
     pub(super) dry_run: bool,
     pub(super) progress: ProgressForm,
@@ -104,6 +108,8 @@ pub(super) struct Overrides {
     pub(super) size: Option<Size>,
     pub(super) samples: Option<u32>,
     pub(super) noise: Option<f32>,
+    /// The number of samples is decided by noise or time, not by the scene.
+    pub(super) is_stepwise: bool,
     pub(super) seed: Option<u64>,
     pub(super) accelerator: Option<Accelerator>,
 }
@@ -183,6 +189,8 @@ fn job(args: Args) -> Result<Job, Problem> {
         },
         checkpoint: Some(Duration::from_secs(args.checkpoint.into())).filter(|d| !d.is_zero()),
         keep_state: args.keep_state,
+        time: args.time,
+        steps: args.steps,
         maps: Maps { samples: args.sample_map, error: args.error_map },
         dry_run: args.dry_run,
         progress: args.progress,
@@ -191,6 +199,7 @@ fn job(args: Args) -> Result<Job, Problem> {
             size: args.size,
             samples: args.samples,
             noise: args.noise,
+            is_stepwise: args.time.is_some() || args.steps.is_some(),
             seed: args.seed,
             accelerator: args.accelerator.map(Accelerator::from),
         },
@@ -222,7 +231,8 @@ impl Overrides {
         }
         let settings = &mut scene.settings;
         settings.noise = self.noise.or(settings.noise);
-        if let Some(samples) = self.samples.or(self.noise.map(|_| MOST_FOR_NOISE)) {
+        let open = (self.noise.is_some() || self.is_stepwise).then_some(MOST_FOR_NOISE);
+        if let Some(samples) = self.samples.or(open) {
             let adaptive = settings.image_min_samples < settings.image_samples;
             let least = if adaptive { settings.image_min_samples } else { samples };
             settings.image_min_samples = least.min(samples);
@@ -277,6 +287,7 @@ mod tests {
             accelerator: Some(Accelerator::None),
             samples: None,
             noise: None,
+            is_stepwise: false,
         };
         overrides.apply(&mut scene);
         let film = &scene.camera.film;

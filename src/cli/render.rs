@@ -11,11 +11,15 @@ use super::progress::{FrameProgress, Progress};
 use super::summary::{Size, Times};
 use super::target::Target;
 use super::terminal::Terminal;
-use super::{Exit, interrupt, load};
+use super::{Exit, interrupt, load, patience};
 use crate::film::{Film, TooLarge};
-use crate::output::{Outcome, check_writable};
-use crate::render::{Observer, Statistics, render};
+use crate::frame::FrameScene;
+use crate::output::{Outcome, check_free, check_writable};
+use crate::render::{Observer, Statistics, Steps, render, render_until};
 use crate::scene::SceneDescription;
+
+/// Nanoseconds that encoding and writing a pixel take, about.
+const WRITING_PER_PIXEL: u64 = 150;
 
 /// What rendering any frame of a job looks at.
 pub(super) struct Studio<'a> {
@@ -36,46 +40,70 @@ pub(super) struct Done {
 }
 
 impl Studio<'_> {
-    /// Builds, renders and saves a frame; `expected` is where its picture goes.
+    /// Builds, renders and saves a frame; `expected` is where its picture goes. `before` is what was
+    /// built for another frame, and then what was built for this one.
     pub(super) fn render(
         &self,
         frame: i64,
         expected: &Path,
         progress: &Progress,
+        before: &mut Option<FrameScene>,
     ) -> Result<Done, Problem> {
-        find_out_if_writable(expected)?;
+        find_out_if_writable(expected, before.is_none())?;
         let watch =
             Watch { progress: progress.frame(frame, expected), checkpoint: self.checkpoint(frame) };
-        let film = watch.checkpoint.film().map_err(too_large)?;
+        let begin = Instant::now();
+        let (film, least) = watch.checkpoint.film().map_err(too_large)?;
         let start = Instant::now();
-        let built = load::frame(self.job, self.scene, frame)?;
+        let built = load::frame(self.job, self.scene, frame, before.take())?;
         let building = start.elapsed();
         let start = Instant::now();
-        let exposed = render(&built, self.target.plan(), film, &watch);
+        let size = Size::of(&built);
+        let (exposed, steps) = match self.deadline(begin) {
+            None => (render(&built, self.target.plan(), film, &watch), None),
+            Some(end) => {
+                let plan = self.target.plan();
+                let (exposed, steps) = render_until(&built, plan, film, &watch, end, least);
+                (exposed, Some(steps))
+            }
+        };
         let rendering = start.elapsed();
         let checkpoint = watch.checkpoint;
         if !exposed.is_complete {
-            return Err(stopped(frame, &checkpoint, exposed.film));
+            let steps = steps.unwrap_or_default();
+            return Err(stopped(frame, &checkpoint, exposed.film, steps));
         }
         let start = Instant::now();
         let path = self.target.path(frame, rendering);
-        let outcome = self.save(frame, &exposed.film, &path, &checkpoint)?;
+        let outcome = self.save(frame, &exposed.film, steps, &path, &checkpoint)?;
         self.target
             .write_maps(frame, &exposed.film)
             .map_err(|(path, error)| cant_write(&path, &error))?;
         if self.job.keep_state {
-            checkpoint.keep_finished(exposed.film).map_err(|error| cant_write(&path, &error))?;
+            let steps = steps.unwrap_or_default();
+            checkpoint
+                .keep_finished(exposed.film, steps)
+                .map_err(|error| cant_write(&path, &error))?;
         }
         checkpoint.remove();
         let times =
             Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
-        let size = Size::of(&built);
+        *before = Some(built);
         Ok(Done { path, times, statistics: exposed.statistics, size, outcome })
     }
 
     fn checkpoint(&self, frame: i64) -> Checkpoint {
         let (path, subject) = (self.target.plain_path(frame), self.target.subject(frame));
-        Checkpoint::new(&path, subject, self.job.checkpoint, self.terminal)
+        let is_timed = self.job.time.is_some();
+        Checkpoint::new(&path, subject, is_timed, self.job.checkpoint, self.terminal)
+    }
+
+    /// When a frame that began then has to stop taking samples, to be in place in time.
+    fn deadline(&self, begin: Instant) -> Option<Instant> {
+        let film = &self.scene.camera.film;
+        let pixels = u64::from(film.width) * u64::from(film.height);
+        let writing = Duration::from_nanos(WRITING_PER_PIXEL.saturating_mul(pixels));
+        self.job.time.map(|time| begin + time.saturating_sub(writing))
     }
 
     /// Saves the picture; where that fails, what is known of it.
@@ -83,12 +111,14 @@ impl Studio<'_> {
         &self,
         frame: i64,
         film: &Film,
+        steps: Option<Steps>,
         path: &Path,
         checkpoint: &Checkpoint,
     ) -> Result<Outcome, Problem> {
-        let written = self.target.write(frame, film, path).map_err(|error| {
+        let write = || self.target.write(frame, film, steps, path);
+        let written = patience::write(path, self.terminal, write).map_err(|error| {
             let problem = cant_write(path, &error);
-            match checkpoint.save(film.clone(), true) {
+            match checkpoint.save(film.clone(), steps.unwrap_or_default(), true) {
                 Ok(()) => problem.with_help("its samples are kept: run the same command again"),
                 Err(_) => problem,
             }
@@ -124,13 +154,13 @@ impl Observer for Watch<'_> {
         self.checkpoint.is_due()
     }
 
-    fn keep(&self, film: Film) {
-        self.checkpoint.keep(film);
+    fn keep(&self, film: Film, steps: Steps) {
+        self.checkpoint.keep(film, steps);
     }
 }
 
-fn stopped(frame: i64, checkpoint: &Checkpoint, film: Film) -> Problem {
-    match checkpoint.save(film, false) {
+fn stopped(frame: i64, checkpoint: &Checkpoint, film: Film, steps: Steps) -> Problem {
+    match checkpoint.save(film, steps, false) {
         Ok(()) => Problem::new(Exit::Stopped, format!("interrupted in frame {frame}"))
             .with_help("what is done of it is kept: the same command goes on from there"),
         Err(error) => {
@@ -144,8 +174,11 @@ fn cant_write(path: &Path, error: &io::Error) -> Problem {
     Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
 }
 
-fn find_out_if_writable(path: &Path) -> Result<(), Problem> {
-    check_writable(path).map_err(|error| {
+/// The first frame makes the folder. One that vanishes later is waited for instead, since it may
+/// come back.
+fn find_out_if_writable(path: &Path, is_first: bool) -> Result<(), Problem> {
+    let check = if is_first { check_writable(path) } else { check_free(path) };
+    check.map_err(|error| {
         Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()))
             .with_help("`--outdir` names another folder")
     })

@@ -10,10 +10,10 @@ use super::options::{Job, Maps};
 use super::problem::Problem;
 use crate::film::{Area, Film, State, Subject};
 use crate::output::{
-    Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state, with_outcome,
-    with_region, write_error_map, write_sample_map, write_state,
+    Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state, find_timed_picture,
+    with_outcome, with_region, with_steps, write_error_map, write_sample_map, write_state,
 };
-use crate::render::{Part, Plan};
+use crate::render::{Part, Plan, Steps};
 use crate::scene::SceneDescription;
 
 /// What is made of each frame of a job.
@@ -41,6 +41,8 @@ impl<'a> Target<'a> {
             Some(region) => inside(region, whole)?,
         };
         let plan = Plan::new(scene);
+        let steps = job.steps.or(job.time.map(|_| Steps::default()));
+        let plan = steps.map_or(plan.clone(), |steps| plan.in_steps(steps));
         let plan = match job.part {
             None => plan,
             Some((part, PartBy::Pixels)) => plan.of_part(part),
@@ -83,7 +85,7 @@ impl<'a> Target<'a> {
     /// What the film of a frame is exposed for.
     pub(super) fn subject(&self, frame: i64) -> Subject {
         Subject {
-            recipe: Recipe { scene: self.scene, frame }.to_json(),
+            recipe: self.whole_recipe(frame, self.job.steps),
             area: self.region.in_blocks(&self.whole),
             region: self.region,
             samples: self.plan.samples(),
@@ -95,21 +97,36 @@ impl<'a> Target<'a> {
     pub(super) fn look(&self, frame: i64, path: &Path) -> Found {
         match self.job.part {
             Some(_) => find_state(path, &self.subject(frame)),
-            None => find_picture(path, &self.recipe(frame)),
+            None if self.job.time.is_some() => find_timed_picture(path, &self.recipe(frame, None)),
+            None => find_picture(path, &self.recipe(frame, self.job.steps)),
         }
     }
 
     /// Of the picture, or of the region's.
-    fn recipe(&self, frame: i64) -> String {
-        let recipe = Recipe { scene: self.scene, frame }.to_json();
+    fn recipe(&self, frame: i64, steps: Option<Steps>) -> String {
+        let recipe = self.whole_recipe(frame, steps);
         if self.job.region.is_some() { with_region(recipe, self.region) } else { recipe }
     }
 
-    /// Writes what was asked for to `path`.
+    fn whole_recipe(&self, frame: i64, steps: Option<Steps>) -> String {
+        let recipe = Recipe { scene: self.scene, frame }.to_json();
+        match steps {
+            Some(steps) => with_steps(recipe, steps),
+            None => recipe,
+        }
+    }
+
+    /// Writes what was asked for to `path`; `steps` are those that the clock decided about.
     ///
     /// # Errors
     /// What the system says.
-    pub(super) fn write(&self, frame: i64, film: &Film, path: &Path) -> io::Result<Written> {
+    pub(super) fn write(
+        &self,
+        frame: i64,
+        film: &Film,
+        steps: Option<Steps>,
+        path: &Path,
+    ) -> io::Result<Written> {
         let outcome = Outcome::of(film, self.region, self.plan.display());
         if self.job.part.is_some() {
             let state =
@@ -119,7 +136,7 @@ impl<'a> Target<'a> {
         let image = film.image_of(self.region);
         let settings = &self.scene.camera.film;
         let (format, encoding) = (settings.output, settings.encoding);
-        let recipe = with_outcome(&self.recipe(frame), &outcome);
+        let recipe = with_outcome(&self.recipe(frame, steps.or(self.job.steps)), &outcome);
         let picture = Picture { image: &image, format, encoding, recipe: &recipe };
         picture.save(path).map(|()| Written { not_finite: picture.not_finite(), outcome })
     }

@@ -44,6 +44,8 @@ pub(super) fn job() -> Job {
         checkpoint: None,
         keep_state: false,
         maps: Maps::default(),
+        time: None,
+        steps: None,
         dry_run: false,
         progress: ProgressForm::default(),
         overrides: Overrides::default(),

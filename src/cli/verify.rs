@@ -15,8 +15,11 @@ use super::problem::Problem;
 use super::terminal::{Terminal, print};
 use crate::film::{Area, Image};
 use crate::frame::FrameScene;
-use crate::output::{Picture, Raster, Recipe, read_recipe, restore, with_region, without_outcome};
-use crate::render::{Observer, Plan, render};
+use crate::output::{
+    Picture, Raster, Recipe, read_recipe, restore, steps_of, with_region, with_steps,
+    without_outcome,
+};
+use crate::render::{Observer, Plan, Steps, render};
 use crate::scene::SceneDescription;
 
 /// Side of the squares that are rendered again.
@@ -73,7 +76,9 @@ fn verify(
     let film = &scene.camera.film;
     let whole = Area::whole(film.width, film.height);
     let region = region(&parsed, whole).ok_or_else(|| bad("its region is none".into()))?;
+    let steps = steps_of(&parsed);
     let expected = Recipe { scene: &scene, frame }.to_json();
+    let expected = steps.map_or(expected.clone(), |steps| with_steps(expected, steps));
     let expected = if region == whole { expected } else { with_region(expected, region) };
     if expected != recipe || (raster.image.width, raster.image.height) != size(region) {
         return Err(bad(format!(
@@ -81,11 +86,13 @@ fn verify(
             env!("CARGO_PKG_VERSION")
         )));
     }
-    let built = load::frame(job, &scene, frame)?;
+    let built = load::frame(job, &scene, frame, None)?;
     let chosen = choose(region.cells(TILE).collect(), tiles);
     let different = chosen
         .par_iter()
-        .map(|&tile| again(&scene, &built, tile).map(|again| again != cut(&raster, region, tile)))
+        .map(|&tile| {
+            again(&scene, &built, tile, steps).map(|again| again != cut(&raster, region, tile))
+        })
         .collect::<Result<Vec<bool>, String>>()
         .map_err(bad)?;
     let different = different.into_iter().filter(|&different| different).count();
@@ -127,9 +134,15 @@ impl Observer for Nobody {
 }
 
 /// The values of a tile in a file, rendered now.
-fn again(scene: &SceneDescription, frame: &FrameScene, tile: Area) -> Result<Image, String> {
+fn again(
+    scene: &SceneDescription,
+    frame: &FrameScene,
+    tile: Area,
+    steps: Option<Steps>,
+) -> Result<Image, String> {
     let settings = &scene.camera.film;
     let plan = Plan::new(scene);
+    let plan = steps.map_or(plan.clone(), |steps| plan.in_steps(steps));
     let area = tile.in_blocks(&Area::whole(settings.width, settings.height));
     let film = crate::film::Film::new(area, plan.needs_spreads())
         .map_err(|error| format!("a tile needs {} bytes", error.bytes))?;

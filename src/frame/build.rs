@@ -1,6 +1,7 @@
 //! SceneDescription and a frame number -> FrameScene.
 
 use std::fmt;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
@@ -69,6 +70,20 @@ impl FrameScene {
     /// # Errors
     /// The frame's time lies in no camera segment, or the camera can't see.
     pub fn build(scene: &SceneDescription, number: i64, isa: Isa) -> Result<Self, FrameError> {
+        Self::build_after(scene, number, isa, None)
+    }
+
+    /// The same, with the structures of another frame of the same scene where they are those of
+    /// this one too: of objects that move in both, and of all that is still, if it lies the same.
+    ///
+    /// # Errors
+    /// Those of [`build`](Self::build).
+    pub fn build_after(
+        scene: &SceneDescription,
+        number: i64,
+        isa: Isa,
+        before: Option<Self>,
+    ) -> Result<Self, FrameError> {
         let shutter = Clock::new(&scene.camera).shutter(number).map_err(FrameError::NoSegment)?;
         let segment = &scene.camera.segments[shutter.segment];
         let film = &scene.camera.film;
@@ -80,7 +95,9 @@ impl FrameScene {
             .map_err(|reason| FrameError::View { segment: segment.name.clone(), reason })?;
 
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin };
-        let mut parts = Parts::default();
+        let before = before.map(Before::from);
+        let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
+        let mut parts = Parts { before: moving, ..Parts::default() };
         for object in &scene.objects {
             parts.add(object, scene, &seen, isa)?;
         }
@@ -90,12 +107,17 @@ impl FrameScene {
                 parts.add_still(look, light_rectangle(vertices), &DRigid::IDENTITY, &seen);
             }
         }
+        let still = match before {
+            Some(before) if before.places == parts.places => before.still,
+            // What lay elsewhere is gone before there is something new.
+            other => {
+                drop(other);
+                Arc::new(Structure::build(scene.settings.accelerator, parts.still, isa))
+            }
+        };
         Ok(Self {
             camera,
-            world: World::new(
-                Structure::build(scene.settings.accelerator, parts.still, isa),
-                parts.instances,
-            ),
+            world: World::new(still, parts.instances),
             materials: scene.materials.iter().map(Material::from).collect(),
             lights: scene.lights.iter().map(|light| Light::new(light, origin)).collect(),
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
@@ -104,8 +126,25 @@ impl FrameScene {
             clever: true,
             textures: scene.textures.clone(),
             objects: parts.objects,
+            still_places: parts.places,
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
         })
+    }
+}
+
+/// The structures of another frame.
+struct Before {
+    still: Arc<Structure>,
+    places: Vec<(u32, DRigid)>,
+    /// By the index of the object.
+    moving: Vec<(u32, Arc<Structure>)>,
+}
+
+impl From<FrameScene> for Before {
+    fn from(frame: FrameScene) -> Self {
+        let World { still, instances, .. } = frame.world;
+        let moving = instances.into_iter().map(|i| (i.object, i.structure)).collect();
+        Self { still, places: frame.still_places, moving }
     }
 }
 
@@ -124,6 +163,10 @@ struct Seen<'a> {
 struct Parts {
     objects: Vec<FrameObject>,
     still: Primitives,
+    /// Where each still object lies.
+    places: Vec<(u32, DRigid)>,
+    /// Structures of moving objects that are there already.
+    before: Vec<(u32, Arc<Structure>)>,
     /// For each still triangle and each still curved surface its object.
     triangle_objects: Vec<u32>,
     curved_objects: Vec<u32>,
@@ -150,17 +193,23 @@ impl Parts {
         let bounds = object_box(&geometry);
         let motion = SampledMotion::new(&path, seen.shutter, &bounds, seen.camera, seen.per_ms);
         let center = (bounds.min + bounds.max) * 0.5;
-        let mut local = Primitives::default();
-        add_primitives(&mut local, &geometry, &DRigid { translation: -center, ..DRigid::IDENTITY });
+        let number = self.objects.len() as u32;
+        let there = self.before.iter().find(|(object, _)| *object == number);
+        let structure = there.map(|(_, structure)| structure.clone()).unwrap_or_else(|| {
+            let place = DRigid { translation: -center, ..DRigid::IDENTITY };
+            let mut local = Primitives::default();
+            add_primitives(&mut local, &geometry, &place);
+            Arc::new(Structure::build(scene.settings.accelerator, local, isa))
+        });
         let poses = motion.poses().iter().map(|pose| {
             DRigid { rotation: pose.rotation, translation: pose.point(center) }
                 .relative_to(seen.origin)
         });
         self.instances.push(Instance {
-            structure: Structure::build(scene.settings.accelerator, local, isa),
+            structure,
             center: center.as_vec3(),
             poses: poses.collect(),
-            object: self.objects.len() as u32,
+            object: number,
         });
         self.objects.push(FrameObject {
             look,
@@ -176,6 +225,7 @@ impl Parts {
         let number = self.objects.len() as u32;
         let first_triangle = self.still.triangles.len() as u32;
         let placed = DRigid { translation: place.translation - seen.origin, ..*place };
+        self.places.push((number, placed));
         add_primitives(&mut self.still, &geometry, &placed);
         self.triangle_objects.resize(self.still.triangles.len(), number);
         self.curved_objects.resize(self.still.curved.len(), number);

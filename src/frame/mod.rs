@@ -11,7 +11,7 @@ use glam::Vec3;
 
 use crate::accel::{Isa, Structure};
 use crate::camera::Camera;
-use crate::math::Rigid;
+use crate::math::{DRigid, Rigid};
 use crate::sampling::Sampler;
 use crate::scene::{Settings, ShadowMode, Texture};
 use crate::shading::{Light, Material};
@@ -38,6 +38,8 @@ pub struct FrameScene {
     pub(crate) clever: bool,
     textures: Vec<Arc<Texture>>,
     objects: Vec<FrameObject>,
+    /// Where each still object lies: what the still structure was built of.
+    still_places: Vec<(u32, DRigid)>,
     /// For each primitive of the still structure its index in `objects`.
     still_objects: Vec<u32>,
 }

@@ -1,6 +1,8 @@
 //! The two-level structure: one tree over all that is still, one over the boxes of what moves, and
 //! a tree of its own for each moving object.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use crate::accel::{BoxTree, Coherence, Hits, NO_HIT, Rays, Scratch, Structure};
@@ -13,7 +15,7 @@ pub(crate) const STILL: u32 = u32::MAX;
 /// Everything that rays can hit during one shutter. Render space.
 #[derive(Debug)]
 pub(crate) struct World {
-    pub(super) still: Structure,
+    pub(super) still: Arc<Structure>,
     pub(super) instances: Vec<Instance>,
     boxes: BoxTree,
 }
@@ -22,7 +24,7 @@ pub(crate) struct World {
 #[derive(Debug)]
 pub(crate) struct Instance {
     /// Its primitives, in object space moved by `-center`.
-    pub(super) structure: Structure,
+    pub(super) structure: Arc<Structure>,
     /// Middle of the object in object space: counted from there, coordinates keep their digits.
     pub(super) center: Vec3,
     /// `render_from_structure`, evenly spaced over the shutter; a ray takes the nearest one.
@@ -74,7 +76,7 @@ pub(crate) struct WorldScratch {
 }
 
 impl World {
-    pub(super) fn new(still: Structure, instances: Vec<Instance>) -> Self {
+    pub(super) fn new(still: Arc<Structure>, instances: Vec<Instance>) -> Self {
         let boxes: Vec<_> = instances.iter().map(Instance::bounds).collect();
         Self { still, instances, boxes: BoxTree::new(&boxes) }
     }

@@ -4,7 +4,8 @@ use serde_json::{Map, Value};
 
 /// Members of a recipe that say how many samples are taken, or how they are shown, and nothing
 /// about what a sample is.
-const OF_THE_PLAN: [&str; 8] = [
+const OF_THE_PLAN: [&str; 9] = [
+    "steps",
     "imageSamples",
     "imageMinSamples",
     "dofSamples",
@@ -46,6 +47,18 @@ fn goes_on(old: &Map<String, Value>, new: &Map<String, Value>) -> Option<bool> {
     let same = |key: &str| old.get(key) == new.get(key);
     let stricter = |key: &str| Some(number(old, key)? >= number(new, key)?);
     let is_uniform = |least: f64, most: f64| least >= most;
+    let steps = |recipe: &Map<String, Value>| {
+        let numbers = recipe.get("steps")?.as_array()?;
+        Some((numbers.first()?.as_u64()?, numbers.get(1)?.as_u64()?))
+    };
+    match (steps(old), steps(new)) {
+        (Some(before), Some(after)) => {
+            let shown = same("output") && same("encoding");
+            return Some(before <= after && old_most <= new_most && shown);
+        }
+        (None, None) => {}
+        _ => return Some(false),
+    }
     Some(match (old.get("noise"), new.get("noise")) {
         (Some(_), Some(_)) => {
             // Where least is most it stands for the least of this rule.
@@ -115,6 +128,17 @@ mod tests {
         check(&noise, &noise.replace("RAW", "SRGB"), false);
         check(&noise, &recipe(64, 64, ""), false);
         check(&recipe(64, 64, ""), &noise, false);
+    }
+
+    #[test]
+    fn further_steps_go_on() {
+        let at = |steps: &str| recipe(64, 64, &format!(", \"steps\": {steps}"));
+        check(&at("[3, 5]"), &at("[3, 6]"), true);
+        check(&at("[3, 5]"), &at("[4, 0]"), true);
+        check(&at("[3, 5]"), &at("[3, 4]"), false);
+        check(&at("[3, 5]"), &at("[4, 0]").replace("RAW", "SRGB"), false);
+        check(&at("[3, 5]"), &recipe(64, 64, ""), false);
+        check(&recipe(64, 64, ""), &at("[3, 5]"), false);
     }
 
     #[test]

@@ -16,12 +16,20 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
         io::ErrorKind::AlreadyExists => io::ErrorKind::NotADirectory.into(),
         _ => error,
     })?;
-    match fs::symlink_metadata(path) {
-        Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => {}
-    }
+    check_free(path)?;
     temporary_beside(path)?.close()
+}
+
+/// Finds out whether anything but a file is in the way of a file at `path`.
+///
+/// # Errors
+/// `path` is a folder, or can't be one of a file.
+pub fn check_free(path: &Path) -> io::Result<()> {
+    match fs::symlink_metadata(path) {
+        Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
 }
 
 /// Has `write` fill a new file beside `path`, then gives it that name; an older file of that name

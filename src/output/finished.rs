@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::recipe::{RecipeError, read_recipe};
+use super::recipe::{RecipeError, read_recipe, steps_of, with_steps};
 use super::{read_state, without_outcome};
 use crate::film::Subject;
 
@@ -38,6 +38,20 @@ pub fn find_picture(path: &Path, recipe: &str) -> Found {
         Found::Finished
     } else {
         Found::Stale(first_difference(&found, recipe))
+    }
+}
+
+/// The same for a picture that was given a span of time: whatever steps it came to.
+pub fn find_timed_picture(path: &Path, recipe: &str) -> Found {
+    let found = read_recipe(path).ok().map(|found| without_outcome(&found));
+    let parsed = found.as_ref().and_then(|found| serde_json::from_str(found).ok());
+    match parsed.and_then(|parsed| steps_of(&parsed)) {
+        Some(steps) => find_picture(path, &with_steps(recipe.to_owned(), steps)),
+        None => match find_picture(path, recipe) {
+            // The same, but not step by step.
+            Found::Finished => Found::Stale("without a span of time".into()),
+            other => other,
+        },
     }
 }
 

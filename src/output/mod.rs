@@ -21,15 +21,15 @@ use std::io::{self, Seek, Write};
 use std::path::Path;
 
 pub use continuation::continues;
-pub use file::{check_writable, write_atomically};
-pub use finished::{Found, find_picture, find_state};
+pub use file::{check_free, check_writable, write_atomically};
+pub use finished::{Found, find_picture, find_state, find_timed_picture};
 pub use map::{write_difference_map, write_error_map, write_sample_map};
 pub use name::{Info, check_prefix, file_name};
 pub use outcome::{Outcome, with_outcome, without_outcome};
 pub use read::{Raster, Values};
 pub use recipe::{
     KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe, settings_of,
-    with_region,
+    steps_of, with_region, with_steps,
 };
 pub use restore::restore;
 pub use state_file::{read_state, read_subject, write_state};

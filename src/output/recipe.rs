@@ -12,6 +12,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 
 use crate::film::Area;
+use crate::render::Steps;
 use crate::sampling::Generator;
 use crate::scene::{
     Contrast, Encoding, Film, LightSampling, OutputFormat, SceneDescription, Settings, ShadowMode,
@@ -50,6 +51,19 @@ pub fn with_region(recipe: String, region: Area) -> String {
     let (width, height) = (region.width(), region.height());
     let whole = recipe.strip_suffix("\n}").unwrap_or(&recipe);
     format!("{whole},\n  \"region\": [{x0}, {y0}, {width}, {height}]\n}}")
+}
+
+/// A recipe of a picture that was taken so far, step by step, whatever the scene's rule is.
+pub fn with_steps(recipe: String, steps: Steps) -> String {
+    let Steps { done, tiles } = steps;
+    let whole = recipe.strip_suffix("\n}").unwrap_or(&recipe);
+    format!("{whole},\n  \"steps\": [{done}, {tiles}]\n}}")
+}
+
+/// The steps of a recipe; `None` where it has none.
+pub fn steps_of(recipe: &serde_json::Value) -> Option<Steps> {
+    let number = |i: usize| u32::try_from(recipe.get("steps")?.get(i)?.as_u64()?).ok();
+    Some(Steps { done: number(0)?, tiles: number(1)? })
 }
 
 /// File format and encoding that a recipe asks for; `None` where it names none.
@@ -357,6 +371,10 @@ mod tests {
         assert_eq!(parsed["region"], serde_json::json!([3, 4, 10, 20]));
         assert_eq!(settings_of(&parsed), Some((OutputFormat::Png16, Encoding::Srgb)));
         assert_eq!(settings_of(&serde_json::Value::Null), None);
+        let steps = Steps { done: 7, tiles: 3 };
+        let parsed: serde_json::Value =
+            serde_json::from_str(&with_steps(json(&scene()), steps)).unwrap();
+        assert_eq!((steps_of(&parsed), steps_of(&serde_json::Value::Null)), (Some(steps), None));
     }
 
     #[test]

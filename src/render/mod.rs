@@ -1,9 +1,12 @@
 //! Tiles over threads, adaptive blocks, progress, stopping and going on.
 
+mod budget;
 mod plan;
 mod sections;
+mod steps;
 mod tile;
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard};
 
 use rayon::prelude::*;
@@ -11,8 +14,10 @@ use rayon::prelude::*;
 use crate::film::{Area, Film};
 use crate::frame::FrameScene;
 pub use crate::integrator::Statistics;
+pub use budget::render_until;
 pub use plan::{Part, Plan, display_of};
 use sections::{Sections, TILE};
+pub use steps::Steps;
 use tile::TileRenderer;
 
 /// Who watches a rendering and may stop it; called from many threads.
@@ -31,9 +36,10 @@ pub trait Observer: Sync {
     fn wants_film(&self) -> bool {
         false
     }
-    /// All that is known of the picture at this moment.
-    fn keep(&self, film: Film) {
-        drop(film);
+    /// All that is known of the picture at this moment, and how far it is at least to be taken from
+    /// there, where it is exposed step by step.
+    fn keep(&self, film: Film, steps: Steps) {
+        drop((film, steps));
     }
 }
 
@@ -53,22 +59,16 @@ pub struct Exposed {
 /// gone on to this one.
 pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observer) -> Exposed {
     let area = film.area();
-    let run = Run {
-        frame,
-        plan,
-        pixels: area.len() as f64,
-        result: Mutex::new((film, Statistics::default())),
-        observer,
-    };
+    let run = Run::new(frame, film, observer);
     // One set of working memory per thread; a tile never waits for another inside its thread.
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
+    let (width, height) = (frame.camera.width(), frame.camera.height());
     let expose = |tile: Area| {
         let thread = rayon::current_thread_index().unwrap_or(0);
-        run.expose(&mut lock(&memory[thread]), tile)
+        run.expose(&mut lock(&memory[thread]), tile, &plan.at(tile, width, height))
     };
     // Threads take sections, and when none is left steal tiles of others' sections.
-    let (width, height) = (frame.camera.width(), frame.camera.height());
     let stopped = Sections::new(&frame.settings, width, height)
         .areas()
         .into_par_iter()
@@ -78,8 +78,7 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
             let tiles = tiles.into_par_iter().map(|tile| tile.common(&area)).with_max_len(1);
             tiles.filter(|tile| !tile.is_empty()).try_for_each(expose)
         });
-    let (film, statistics) = run.result.into_inner().unwrap_or_else(|p| p.into_inner());
-    Exposed { film, statistics, is_complete: stopped.is_ok() }
+    run.exposed(stopped.is_ok())
 }
 
 /// The observer asked to stop.
@@ -88,48 +87,81 @@ struct Stopped;
 /// What all threads look at.
 struct Run<'a> {
     frame: &'a FrameScene,
-    plan: &'a Plan,
     /// In the film's area.
     pixels: f64,
     result: Mutex<(Film, Statistics)>,
     observer: &'a dyn Observer,
+    /// The furthest step that was begun, `done` in the upper half; 0 where there are no steps.
+    steps: AtomicU64,
 }
 
-impl Run<'_> {
-    /// Exposes one tile, step by step: what is known after a step is never lost.
-    fn expose(&self, renderer: &mut TileRenderer, tile: Area) -> Result<(), Stopped> {
+impl<'a> Run<'a> {
+    fn new(frame: &'a FrameScene, film: Film, observer: &'a dyn Observer) -> Self {
+        let pixels = film.area().len() as f64;
+        let result = Mutex::new((film, Statistics::default()));
+        Self { frame, pixels, result, observer, steps: AtomicU64::new(0) }
+    }
+
+    /// A tile is about to be taken to a step.
+    fn note_step(&self, steps: Steps) {
+        let packed = (u64::from(steps.done) << 32) | u64::from(steps.tiles);
+        self.steps.fetch_max(packed, Ordering::SeqCst);
+    }
+
+    fn exposed(self, is_complete: bool) -> Exposed {
+        let (film, statistics) = self.result.into_inner().unwrap_or_else(|p| p.into_inner());
+        Exposed { film, statistics, is_complete }
+    }
+
+    /// Exposes one tile to a plan: what is known after a while is never lost.
+    fn expose(&self, renderer: &mut TileRenderer, tile: Area, plan: &Plan) -> Result<(), Stopped> {
         let share = tile.len() as f64 / self.pixels;
-        let before = renderer.begin(&lock(&self.result).0, tile, self.plan);
+        let before = renderer.begin(&lock(&self.result).0, tile, plan);
         let mut shown = before * share;
         if before > 0.0 {
-            self.observer.resumed(shown);
+            self.resumed(shown);
         }
-        while renderer.plan_step(self.plan) {
+        while renderer.plan_step(plan) {
             if self.observer.should_stop() {
                 return Err(Stopped);
             }
-            let (film, statistics, samples) = renderer.take_step(self.frame, self.plan);
+            let (film, statistics, samples) = renderer.take_step(self.frame, plan);
             {
                 let mut result = lock(&self.result);
                 result.0.put(film);
                 result.1 += statistics;
             }
-            if let Some(all) = self.plan.uniform() {
+            if let Some(all) = plan.uniform() {
                 let step = samples as f64 / f64::from(all.max(1)) / self.pixels;
                 shown += step;
-                self.observer.advanced(step);
+                self.advanced(step);
             }
             self.show_film();
         }
-        self.observer.advanced(share - shown);
+        self.advanced(share - shown);
         Ok(())
+    }
+
+    /// Of steps, whose number is not known, the clock tells the progress.
+    fn advanced(&self, share: f64) {
+        if self.steps.load(Ordering::SeqCst) == 0 {
+            self.observer.advanced(share);
+        }
+    }
+
+    fn resumed(&self, share: f64) {
+        if self.steps.load(Ordering::SeqCst) == 0 {
+            self.observer.resumed(share);
+        }
     }
 
     /// Gives the observer a copy of the film where it wants one: the others go on meanwhile.
     fn show_film(&self) {
         if self.observer.wants_film() {
             let film = lock(&self.result).0.clone();
-            self.observer.keep(film);
+            let packed = self.steps.load(Ordering::SeqCst);
+            let steps = Steps { done: (packed >> 32) as u32, tiles: packed as u32 };
+            self.observer.keep(film, steps);
         }
     }
 }

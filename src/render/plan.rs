@@ -5,10 +5,14 @@ use std::ops::Range;
 use crate::film::{Area, BLOCK, Display, Film, Fixed, Pixel, Spread};
 use crate::scene::{Contrast, Encoding, OutputFormat, SceneDescription, Settings};
 
+use super::Steps;
 use super::sections::TILE;
 
 /// First samples of a block where the scene names none: fewer tell no error.
 const LEAST_FOR_NOISE: u32 = 16;
+
+/// Error of the first step that looks at it.
+const FIRST_ERROR: f32 = 0.05;
 
 /// When a pixel is done, and which of the picture's samples are to be taken.
 ///
@@ -22,6 +26,7 @@ pub struct Plan {
     display: Display,
     part: Option<Part>,
     samples: Option<Range<u32>>,
+    steps: Option<Steps>,
 }
 
 /// What makes a pixel go on after `least` samples.
@@ -58,7 +63,7 @@ impl Plan {
             _ => least,
         };
         let display = display_of(scene.camera.film.output, scene.camera.film.encoding);
-        Self { least, most, rule, display, part: None, samples: None }
+        Self { least, most, rule, display, part: None, samples: None, steps: None }
     }
 
     /// The same for a share of the tiles only.
@@ -74,6 +79,38 @@ impl Plan {
             |k: u32| (u64::from(self.most) * u64::from(k) / u64::from(part.of.max(1))) as u32;
         let samples = border(part.number.saturating_sub(1))..border(part.number);
         (self.rule == Rule::Uniform).then_some(Self { samples: Some(samples), ..self })
+    }
+
+    /// The same, but step by step to where `steps` says, instead of by the scene's rule.
+    #[must_use]
+    pub fn in_steps(self, steps: Steps) -> Self {
+        let least = LEAST_FOR_NOISE.min(self.most);
+        Self { steps: Some(steps), rule: Rule::Noise(FIRST_ERROR), least, ..self }
+    }
+
+    /// The plan of one tile.
+    pub(super) fn at(&self, tile: Area, width: u32, height: u32) -> Self {
+        match self.steps {
+            Some(steps) => self.at_step(steps.of(tile, width, height)),
+            None => self.clone(),
+        }
+    }
+
+    /// The plan of a tile at a step, see [`Steps`].
+    pub(super) fn at_step(&self, step: u32) -> Self {
+        let (least, most, rule) = match step {
+            0..=3 => {
+                let samples = self.most.min(1 << step);
+                (samples, samples, Rule::Uniform)
+            }
+            _ => {
+                let (whole, half) = ((step - 4) / 2, (step - 4) % 2);
+                let error = FIRST_ERROR / (1u32 << whole.min(31)) as f32;
+                let error = if half == 1 { error * std::f32::consts::FRAC_1_SQRT_2 } else { error };
+                (LEAST_FOR_NOISE.min(self.most), self.most, Rule::Noise(error))
+            }
+        };
+        Self { least, most, rule, steps: None, ..self.clone() }
     }
 
     /// The numbers of the samples of each pixel, where they are shared out.
@@ -227,7 +264,7 @@ mod tests {
     use super::*;
 
     fn plan(least: u32, most: u32, rule: Rule) -> Plan {
-        Plan { least, most, rule, display: Display::Raw, part: None, samples: None }
+        Plan { least, most, rule, display: Display::Raw, part: None, samples: None, steps: None }
     }
 
     fn rungs(plan: &Plan) -> Vec<u32> {
@@ -300,6 +337,22 @@ mod tests {
         let next = |error| plan(2, 64, Rule::Noise(error)).next(&film, &group, &quarters);
         assert_eq!(next(0.099), Some(3));
         assert_eq!(next(0.101), None);
+    }
+
+    #[test]
+    fn each_step_goes_on_from_the_one_before() {
+        let plan = plan(50, 50, Rule::Uniform).in_steps(Steps::default());
+        let at = |step| plan.at_step(step);
+        let samples: Vec<_> = (0..4).map(|step| at(step).uniform().unwrap()).collect();
+        assert_eq!(samples, [1, 2, 4, 8]);
+        let errors: Vec<f32> = (4..=Steps::LAST)
+            .map(|step| match at(step).rule {
+                Rule::Noise(error) => error,
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        assert_eq!((errors[0], errors[2], errors[4]), (0.05, 0.025, 0.0125));
+        assert!(errors.windows(2).all(|w| w[1] < w[0] && w[1] > 0.7 * w[0]), "{errors:?}");
     }
 
     #[test]

@@ -7,8 +7,8 @@ import bpy
 def fcurves(animation_data):
     """All F-curves that act on the owner of `animation_data`, drivers not included.
 
-    Blender 4.4 divided actions into layers, strips and channel bags, one bag for each slot; Blender 5.0
-    took `Action.fcurves` away.
+    Blender 4.4 divided actions into layers, strips and channel bags, one bag for each slot; Blender
+    5.0 took `Action.fcurves` away.
     """
     action = animation_data.action if animation_data else None
     if action is None:

@@ -120,7 +120,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         """One run of the program; False if it was stopped."""
         self._show_progress(0.0, samples)
         outcome = process.run(
-            # The scene says how many samples there are in all, and a run with all of them needs no option.
+            # The scene says how many samples there are in all: a run with them needs no option.
             run.command(None if samples == all_samples else samples),
             lambda fraction: self._show_progress(fraction, samples),
             self._should_stop,
@@ -155,8 +155,8 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
 class Run:
     """How the program is called for a frame, and where its picture lies.
 
-    With a render border only that region is rendered, by a program that can; `left` and `bottom` say where what
-    Blender wants lies in the picture, in pixels.
+    With a render border only that region is rendered, by a program that can; `left` and `bottom`
+    say where what Blender wants lies in the picture, in pixels.
     """
 
     def __init__(self, found, job, render):
@@ -188,7 +188,9 @@ class Run:
 
     def was_stopped(self):
         """Whether a rendering of this picture was stopped, which can go on."""
-        return os.path.exists(os.path.join(self.folder, f".slo-rt-{os.path.basename(self.picture)}.state"))
+        return os.path.exists(
+            os.path.join(self.folder, f".slo-rt-{os.path.basename(self.picture)}.state")
+        )
 
     def forget_passes(self):
         """Removes what was kept from pass to pass."""
@@ -199,8 +201,8 @@ class Run:
 def linear_pixels(path):
     """Pixels of an EXR file as they are, (height, width, 4), the bottom row first.
 
-    `RenderLayer.load_from_file` reads files of Blender only, so the file becomes an image of Blender for
-    a moment.
+    `RenderLayer.load_from_file` reads files of Blender only, so the file becomes an image of
+    Blender for a moment.
     """
     image = bpy.data.images.load(path)
     try:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Export of a whole scene.
 
-Only inside of a render engine does Blender evaluate a scene for rendering: render visibility, render levels of
-modifiers. So an export is a rendering by the engine slo-rt that writes files and makes no picture.
+Only inside of a render engine does Blender evaluate a scene for rendering: render visibility,
+render levels of modifiers. So an export is a rendering by the engine slo-rt that writes files and
+makes no picture.
 """
 
 import contextlib
@@ -37,9 +38,8 @@ def take_request():
 def export_scene(scene, scene_path, first, last, prefix, output="PNG_IMAGE"):
     """Writes frames `first` to `last` of `scene` to a scene text. Returns the `Report`.
 
-    # Errors
-    `OSError`, `ValueError` as `convert.scene.write_scene`; `RuntimeError` of Blender where it does not render,
-    as without a camera.
+    # Errors `OSError`, `ValueError` as `convert.scene.write_scene`; `RuntimeError` of Blender where
+    it does not render, as without a camera.
     """
     global _pending
     request = Request(scene_path, first, last, prefix, output)

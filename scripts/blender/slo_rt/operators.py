@@ -17,7 +17,8 @@ from .format.names import plain
 
 
 class SLO_RT_OT_export_scene(bpy.types.Operator, ExportHelper):
-    """Write the scene as text that slo-rt renders, with its meshes and textures in a folder beside it"""
+    """Write the scene as text that slo-rt renders, with its meshes and textures in a folder beside
+    it"""
 
     bl_idname = "slo_rt.export_scene"
     bl_label = "Export slo-rt Scene"
@@ -49,7 +50,8 @@ class SLO_RT_OT_export_scene(bpy.types.Operator, ExportHelper):
 
 
 class SLO_RT_OT_export_mesh(bpy.types.Operator, ExportHelper):
-    """Write the selected objects as .slo meshes, one file each, modifiers applied and scale baked in"""
+    """Write the selected objects as .slo meshes, one file each, modifiers applied and scale baked
+    in"""
 
     bl_idname = "slo_rt.export_mesh"
     bl_label = "Export slo-rt Mesh"

@@ -157,9 +157,13 @@ class SLO_RT_PT_material(_Panel, bpy.types.Panel):
         report = Report()
         phong = finish(material, (0.0, 0.0, 0.0), report).phong
         column = layout.column(align=True)
-        column.label(text=f"Reflects {phong.reflectance:.2f}, spread {phong.diffuse_reflection:.2f}")
+        column.label(
+            text=f"Reflects {phong.reflectance:.2f}, spread {phong.diffuse_reflection:.2f}"
+        )
         if phong.refraction > 0.0:
-            column.label(text=f"Refracts {phong.refraction:.2f}, spread {phong.diffuse_refraction:.2f}")
+            column.label(
+                text=f"Refracts {phong.refraction:.2f}, spread {phong.diffuse_refraction:.2f}"
+            )
         for note in report.lines():
             column.label(text=note.partition(": ")[2], icon="INFO")
 

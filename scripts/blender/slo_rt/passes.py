@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """With how many samples a frame is rendered, one pass after the other. Knows nothing of Blender.
 
-The last pass is the picture; those before it show something early, or measure how long a sample takes. A program
-that goes on from where the last pass ended (`goes_on`) loses nothing by them.
+The last pass is the picture; those before it show something early, or measure how long a sample
+takes. A program that goes on from where the last pass ended (`goes_on`) loses nothing by them.
 """
 
 EARLY = 1
@@ -21,11 +21,13 @@ def planned(samples, show_early, goes_on):
 
 
 def following(seconds, samples, measured, goes_on):
-    """Samples of the next pass of a frame that has a time limit, or None if the last pass was the picture.
+    """Samples of the next pass of a frame that has a time limit, or None if the last pass was the
+    picture.
 
-    `measured` is a list of `(samples, seconds)` of the passes so far, and `samples` the most that are wanted.
-    A pass is counted as all work in proportion to its samples, so that the limit holds, up to the start of a
-    last short pass. A pass that begins anew is worth it only with twice the samples of the last.
+    `measured` is a list of `(samples, seconds)` of the passes so far, and `samples` the most that
+    are wanted. A pass is counted as all work in proportion to its samples, so that the limit holds,
+    up to the start of a last short pass. A pass that begins anew is worth it only with twice the
+    samples of the last.
     """
     if not measured:
         return min(EARLY, samples)

@@ -25,7 +25,10 @@ class SloRtPreferences(bpy.types.AddonPreferences):
             column = self.layout.column()
             column.alert = True
             for sentence in str(error).split(". "):
-                column.label(text=sentence, icon="ERROR" if sentence == str(error).split(". ")[0] else "BLANK1")
+                column.label(
+                    text=sentence,
+                    icon="ERROR" if sentence == str(error).split(". ")[0] else "BLANK1",
+                )
             return
         self.layout.label(text=f"{found.version}: {found.path}", icon="CHECKMARK")
 

@@ -19,7 +19,8 @@ _PERCENT = re.compile(r"slo-rt:\s+(\d+)\s*%")
 
 @dataclass
 class Outcome:
-    """How a run ended: exit code, whether it was asked to stop, and what it said on standard error."""
+    """How a run ended: exit code, whether it was asked to stop, and what it said on standard
+    error."""
 
     code: int
     stopped: bool
@@ -39,8 +40,9 @@ class Outcome:
 def run(command, on_progress, should_stop):
     """Runs a command to its end.
 
-    `on_progress(fraction)` is called whenever the program tells how far it is; `should_stop()` several times
-    a second, and when it is true the program is asked to stop as Ctrl-C does, so that it can save what it has.
+    `on_progress(fraction)` is called whenever the program tells how far it is; `should_stop()`
+    several times a second, and when it is true the program is asked to stop as Ctrl-C does, so that
+    it can save what it has.
 
     # Errors
     `OSError` where the program can't be started.
@@ -135,8 +137,8 @@ def _stop(process):
 
 
 def _able_to_stop():
-    """Options for a program that can be asked to stop: on Windows only in a group of its own, elsewhere
-    only if it does not inherit that Ctrl-C is ignored, as jobs in the background do."""
+    """Options for a program that can be asked to stop: on Windows only in a group of its own,
+    elsewhere only if it does not inherit that Ctrl-C is ignored, as jobs in the background do."""
     if os.name == "nt":
         return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

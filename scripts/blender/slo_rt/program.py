@@ -34,7 +34,8 @@ class Program:
     def command(self, scene_path, frame, outdir, samples=None, region=None, keep_state=False):
         """The command line that renders one frame of a scene.
 
-        Paths in the scene stay in its folder, so that no more need be allowed. `region` is `WxH+X+Y`.
+        Paths in the scene stay in its folder, so that no more need be allowed. `region` is
+        `WxH+X+Y`.
         """
         folder, name = os.path.split(scene_path)
         command = [self.path, "--scene", name, "--indir", folder, "--outdir", outdir]
@@ -51,7 +52,8 @@ class Program:
 
 
 def find(preferred):
-    """The program to use: `preferred` (a path) if it is not empty, `$SLO_RT`, or `slo-rt` on the PATH.
+    """The program to use: `preferred` (a path) if it is not empty, `$SLO_RT`, or `slo-rt` on the
+    PATH.
 
     # Errors
     `ProgramMissing`.
@@ -70,14 +72,18 @@ def find(preferred):
 def _examined(path, _modified):
     version = _output(path, "--version").strip()
     if not version.startswith(NAME):
-        raise ProgramMissing(f"{path} is not {NAME}: it calls itself {version[:60]!r}. {WHAT_TO_DO}")
+        raise ProgramMissing(
+            f"{path} is not {NAME}: it calls itself {version[:60]!r}. {WHAT_TO_DO}"
+        )
     options = frozenset(re.findall(r"--[a-z][a-z-]+", _output(path, "--help")))
     return Program(path, version, options)
 
 
 def _output(path, option):
     try:
-        done = subprocess.run([path, option], capture_output=True, text=True, timeout=20, check=True)
+        done = subprocess.run(
+            [path, option], capture_output=True, text=True, timeout=20, check=True
+        )
     except (OSError, subprocess.SubprocessError) as error:
         raise ProgramMissing(f"{path} does not run: {error}. {WHAT_TO_DO}") from error
     return done.stdout

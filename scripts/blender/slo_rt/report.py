@@ -9,7 +9,8 @@ class Report:
         self._notes = {}
 
     def note(self, subject, message):
-        """Notes that `subject` (such as `material "Gold"`) is carried over differently or not at all."""
+        """Notes that `subject` (such as `material "Gold"`) is carried over differently or not at
+        all."""
         self._notes.setdefault((subject, message))
 
     def lines(self):

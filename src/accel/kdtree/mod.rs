@@ -40,7 +40,7 @@ use node::Node;
 use ray::Prepared;
 use single::{Kernel, Portable, Visit};
 
-use super::{Coherence, Hits, Isa, LANES, NO_HIT, Primitives, Rays};
+use super::{Coherence, Hits, Isa, LANES, NO_HIT, Primitives, Rays, pages};
 use crate::math::Bounds;
 
 /// A kd-tree over primitives.
@@ -66,6 +66,8 @@ impl KdTree {
     /// Builds the tree.
     pub fn build(primitives: Primitives, isa: Isa) -> Self {
         let built = build::build(&primitives);
+        pages::collapse(&built.nodes);
+        pages::collapse(&built.arena.words);
         Self { primitives, bounds: built.bounds, nodes: built.nodes, arena: built.arena, isa }
     }
 

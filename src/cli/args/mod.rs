@@ -2,9 +2,11 @@
 
 mod commands;
 mod frame_path;
+mod time;
 
 use std::fmt;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::builder::Styles;
 use clap::{Parser, ValueEnum};
@@ -14,7 +16,7 @@ pub(super) use frame_path::FramePath;
 
 use super::progress::ProgressForm;
 use super::sequence::{Frames, Order};
-use crate::render::Part;
+use crate::render::{Part, Steps};
 use crate::scene::Accelerator;
 
 const ABOUT: &str = "Renders frames of a scene file: motion blur, depth of field, soft shadows, \
@@ -212,6 +214,19 @@ pub(super) struct Args {
     #[arg(allow_negative_numbers = true, verbatim_doc_comment)]
     pub(super) noise: Option<f32>,
 
+    /// Time that a frame may take, such as 90s, 15m or 1h30m
+    ///
+    /// Samples go where the noise is, until the time is over. The recipe says what
+    /// it came to, and --steps makes the same picture without the clock.
+    #[arg(long, value_name = "TIME", help_heading = DRAFT, value_parser = time::time)]
+    #[arg(conflicts_with_all = ["noise", "steps", "part", "region"], verbatim_doc_comment)]
+    pub(super) time: Option<Duration>,
+
+    /// How far a frame of --time came: the two numbers in its recipe
+    #[arg(long, value_name = "STEP,TILES", help_heading = DRAFT, value_parser = steps)]
+    #[arg(conflicts_with = "noise")]
+    pub(super) steps: Option<Steps>,
+
     /// Seed of the noise
     #[arg(long, value_name = "N", help_heading = DRAFT, allow_negative_numbers = true)]
     pub(super) seed: Option<u64>,
@@ -318,6 +333,20 @@ fn region(text: &str) -> Result<Region, String> {
 fn noise(text: &str) -> Result<f32, String> {
     let error = text.parse().ok().filter(|error| *error > 0.0 && *error <= 1.0);
     error.ok_or_else(|| "an error is more than 0 and at most 1, such as 0.01".into())
+}
+
+/// Parses `STEP,TILES`.
+fn steps(text: &str) -> Result<Steps, String> {
+    let numbers = text
+        .split_once(',')
+        .and_then(|(step, tiles)| Some((step.trim().parse().ok()?, tiles.trim().parse().ok()?)));
+    match numbers {
+        Some((done, tiles)) if done <= Steps::LAST => Ok(Steps { done, tiles }),
+        _ => Err(format!(
+            "expected a step up to {} and a number of tiles, such as 7,120",
+            Steps::LAST
+        )),
+    }
 }
 
 /// Parses `K/N`.
@@ -459,6 +488,12 @@ mod tests {
             "--progress loud",
             "--overwrite --skip-existing",
             "--checkpoint -1",
+            "--time 0",
+            "--time 5x",
+            "--time 5s --noise 0.1",
+            "--time 5s --part 1/2",
+            "--steps 5",
+            "--steps 99,0",
             "--noise 0",
             "--noise -1",
             "--noise nan",

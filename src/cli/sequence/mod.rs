@@ -13,10 +13,12 @@ use super::options::Job;
 use super::problem::Problem;
 use super::progress::Progress;
 use super::render::Studio;
+use super::room::Needs;
 use super::summary::Summary;
 use super::target::Target;
 use super::terminal::{Terminal, print};
 use super::{Exit, interrupt, load};
+use crate::frame::FrameScene;
 use crate::scene::SceneDescription;
 pub(super) use frames::{Frames, shown};
 pub(super) use order::Order;
@@ -47,14 +49,19 @@ fn render(
     if job.dry_run {
         return dry_run::tell(&steps, terminal);
     }
+    if let Some(first) = steps.iter().find(|step| step.is_to_render()) {
+        let subject = target.subject(first.frame);
+        let format = scene.camera.film.output;
+        Needs::of(&subject, format, to_render(&steps)).check(&job.outdir, terminal);
+    }
     let studio = Studio { job, scene, target, terminal };
-    let to_render = steps.iter().filter(|step| step.is_to_render()).count();
     let mut run = Run {
         studio,
         is_sequence: steps.len() > 1,
-        progress: Progress::new(job.progress, steps.len(), to_render, terminal),
+        progress: Progress::new(job.progress, steps.len(), to_render(&steps), terminal),
         summary: Summary::new(loading, job.isa),
         found: 0,
+        before: None,
         failures: Vec::new(),
     };
     let start = Instant::now();
@@ -63,6 +70,10 @@ fn render(
     run.progress.ended(run.summary.frames, run.found, run.failures.len(), time);
     result?;
     run.end()
+}
+
+fn to_render(steps: &[Step]) -> usize {
+    steps.iter().filter(|step| step.is_to_render()).count()
 }
 
 /// A run under way.
@@ -74,6 +85,8 @@ struct Run<'a> {
     /// Frames that were there already.
     found: usize,
     failures: Vec<(i64, Problem)>,
+    /// What was built for the last frame.
+    before: Option<FrameScene>,
 }
 
 impl Run<'_> {
@@ -110,7 +123,7 @@ impl Run<'_> {
             return Err(Problem::new(Exit::Stopped, format!("interrupted before frame {frame}"))
                 .with_help("the same command goes on from there"));
         }
-        match self.studio.render(frame, path, &self.progress) {
+        match self.studio.render(frame, path, &self.progress, &mut self.before) {
             Ok(done) => {
                 self.summary.add(&done);
                 let time = done.times.total();

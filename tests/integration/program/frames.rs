@@ -88,6 +88,7 @@ fn frames_of_one_process_are_those_of_many() {
     let text = SCENE.replace("fovStart 0.4", "fovStart 0.4 blurDuration 0.04") + moving;
     let folder = Folder::with_scene(&text);
     folder.printed("-q -s scene.txt -f 0-5 -od one --order coarse");
+    assert_eq!(folder.names().len(), 1);
     for frame in 0..6 {
         let name = folder.printed(&format!("-q -s scene.txt -f {frame}"));
         let name = name.trim_end();

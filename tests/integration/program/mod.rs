@@ -1,8 +1,12 @@
 //! The program itself: what it prints, writes and returns.
 
+#[cfg(unix)]
+mod budget;
 mod bytes;
 mod documentation;
 mod exit_codes;
+#[cfg(unix)]
+mod failures;
 mod frames;
 mod parts;
 mod pictures;

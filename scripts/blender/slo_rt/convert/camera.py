@@ -64,7 +64,8 @@ def samples_of(times, rows):
 
 
 def shots(scene, first, last):
-    """`(camera, first frame, frame after the last)` from `first` to `last`: markers cut between cameras."""
+    """`(camera, first frame, frame after the last)` from `first` to `last`: markers cut between
+    cameras."""
     cuts = {first: scene.camera}
     markers = sorted((m.frame, m.camera) for m in scene.timeline_markers if m.camera)
     for frame, camera in markers:
@@ -116,7 +117,10 @@ def note_limits(camera, render, report):
     """Notes what of `camera` slo-rt has no word for."""
     optics, subject = camera.data, f'camera "{camera.name}"'
     if optics.type == "ORTHO":
-        report.note(subject, "orthographic; rendered in perspective, with the same height in the focus plane")
+        report.note(
+            subject,
+            "orthographic; rendered in perspective, with the same height in the focus plane",
+        )
     elif optics.type != "PERSP":
         report.note(subject, "a panorama; rendered in perspective")
     if optics.shift_x or optics.shift_y:

@@ -11,8 +11,8 @@ _LINEAR = {"Non-Color", "Linear Rec.709", "Linear", "Raw", "scene_linear"}
 def write_linear(image, path, report):
     """Writes an image to a 16-bit PNG file. Returns whether there was an image to write.
 
-    Byte images are held by Blender as their file has them, in sRGB mostly, and are turned to linear light;
-    float images are linear already.
+    Byte images are held by Blender as their file has them, in sRGB mostly, and are turned to linear
+    light; float images are linear already.
     """
     subject = f'image "{image.name}"'
     if image.source in {"MOVIE", "SEQUENCE", "TILED"}:

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lights.
 
-Light does not fall off with distance in slo-rt, and in Blender it does. A light becomes as bright as Blender's
-is at one distance: its own setting, or, where that is 0, the distance to the middle of the scene.
+Light does not fall off with distance in slo-rt, and in Blender it does. A light becomes as bright
+as Blender's is at one distance: its own setting, or, where that is 0, the distance to the middle of
+the scene.
 
-A white surface that faces a lamp of P watts at distance d has, in Blender, the radiance
-P / (4 pi^2 d^2) for a point, P / (pi^2 d^2) for a small area that faces it, and E / pi for a sun of E
-watts per square metre; slo-rt gives it the light's colour.
+A white surface that faces a lamp of P watts at distance d has, in Blender, the radiance P / (4 pi^2
+d^2) for a point, P / (pi^2 d^2) for a small area that faces it, and E / pi for a sun of E watts per
+square metre; slo-rt gives it the light's colour.
 """
 
 import math

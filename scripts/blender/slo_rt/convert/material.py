@@ -31,7 +31,8 @@ class Texture:
 
 @dataclass
 class Finish:
-    """How a surface looks: Phong values, and the texture that multiplies ambient and diffuse, or None."""
+    """How a surface looks: Phong values, and the texture that multiplies ambient and diffuse, or
+    None."""
 
     phong: Phong
     texture: Texture | None = None
@@ -96,7 +97,9 @@ class _Reader:
         if texture and surface.emission != BLACK:
             self.note("the texture colours what the surface emits, too")
         if texture and (surface.metallic > 0.0 or surface.transmission > 0.0):
-            self.note("the texture colours neither reflections nor what is seen through the surface")
+            self.note(
+                "the texture colours neither reflections nor what is seen through the surface"
+            )
         elif surface.metallic > 0.0 and _is_coloured(surface.base_color):
             self.note("reflections of metals are grey in slo-rt; highlights keep their colour")
         if surface.transmission > 0.0 and _is_coloured(surface.base_color):
@@ -190,7 +193,9 @@ class _Reader:
             return tuple(source.outputs[0].default_value[:3]), None
         image_node = _first_image_node(source) if textured else None
         if image_node is None:
-            self.note(f"{source.bl_label} on {socket.name} is not carried, the socket's own value is")
+            self.note(
+                f"{source.bl_label} on {socket.name} is not carried, the socket's own value is"
+            )
             return tuple(socket.default_value[:3]), None
         if image_node != source:
             self.note(f"{source.bl_label} on {socket.name} is not carried, the image behind it is")
@@ -240,7 +245,9 @@ def _first_image_node(node):
         if node in seen:
             continue
         seen.add(node)
-        behind = (_source_node(s) for s in node.inputs if s.type == "RGBA" or node.type == "REROUTE")
+        behind = (
+            _source_node(s) for s in node.inputs if s.type == "RGBA" or node.type == "REROUTE"
+        )
         open_ += [n for n in behind if n is not None]
     return None
 

@@ -12,8 +12,8 @@ NORMAL_STEP = 1e-4
 def arrays(mesh, shape=None, uv_map=None):
     """`(MeshArrays, material index of each triangle)` of a mesh; None if it has no face.
 
-    `shape` (3, 3) is applied to vertices and normals; one that mirrors turns triangles round. `uv_map`
-    is the name of the uv map to take, "" the one for rendering, None no uvs.
+    `shape` (3, 3) is applied to vertices and normals; one that mirrors turns triangles round.
+    `uv_map` is the name of the uv map to take, "" the one for rendering, None no uvs.
     """
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
@@ -102,8 +102,8 @@ def _uvs(mesh, corner_vertex, uv_map):
 def _normals(mesh, corner_vertex):
     """`(vertex of each corner, source vertices, normals)`.
 
-    Vertices whose corners have different normals are divided; `source` tells from which vertex each one
-    comes, None if none was divided. Normals are None for flat meshes.
+    Vertices whose corners have different normals are divided; `source` tells from which vertex each
+    one comes, None if none was divided. Normals are None for flat meshes.
     """
     domain = mesh.normals_domain
     if domain == "FACE":

@@ -9,9 +9,9 @@ import numpy as np
 from .. import compat
 from ..fit.motion import fit_key_frames, sample_times
 from ..fit.rigid import split_matrix
-from ..format import scene_text, slo_mesh
+from ..format import key_frames, scene_text, slo_mesh
 from ..format.names import Names, plain
-from ..format.scene_text import Element, block, seconds
+from ..format.scene_text import Element
 from ..report import Report
 from . import camera as cameras
 from . import image, light, material, motion, settings, world
@@ -25,10 +25,10 @@ SHAPE_TOLERANCE = 1e-4
 class Job:
     """What to write, and how.
 
-    `depsgraph` is the dependency graph and `set_frame(frame)` takes it to a time in frames. `scene_path` is
-    the file to write; meshes and textures go to a folder beside it with its name. `first` to `last`: the
-    frames, whole numbers. `output`: the Film's. `by_content` names meshes by what is in them, so that
-    they need not be written twice.
+    `depsgraph` is the dependency graph and `set_frame(frame)` takes it to a time in frames.
+    `scene_path` is the file to write; meshes and textures go to a folder beside it with its name.
+    `first` to `last`: the frames, whole numbers. `output`: the Film's. `by_content` names meshes by
+    what is in them, so that they need not be written twice.
     """
 
     depsgraph: object
@@ -49,9 +49,8 @@ class Job:
 def write_scene(job):
     """Writes the scene of `job`. Returns the `Report` of what could not be carried.
 
-    # Errors
-    `OSError` where a file can't be written; `ValueError` where the scene has no camera or holds numbers that
-    are not finite.
+    # Errors `OSError` where a file can't be written; `ValueError` where the scene has no camera or
+    holds numbers that are not finite.
     """
     return _Writer(job).write()
 
@@ -97,7 +96,9 @@ class _Writer:
         return self.report
 
     def _comments(self):
-        lines = [f"Scene {self.scene.name!r}, written by Blender. Metres, z up; frame N here is frame N there."]
+        lines = [
+            f"Scene {self.scene.name!r}, written by Blender. Metres, z up; frame N here is frame N there."
+        ]
         notes = self.report.lines()
         return lines + (["", "Not carried, or carried differently:"] + notes if notes else [])
 
@@ -146,7 +147,8 @@ class _Writer:
             ]
         if len(segments) > 1 and self.shutter.duration > 1.0:
             self.report.note(
-                "camera", "the shutter is open for more than a frame, and stops at the end of a segment"
+                "camera",
+                "the shutter is open for more than a frame, and stops at the end of a segment",
             )
         film = settings.film_element(settings.picture_size(self.render), job.prefix, job.output)
         return Element("Camera", "camera", [("fps", self.fps), film, *segments])
@@ -169,8 +171,8 @@ class _Writer:
         return segments
 
     def _distance_of(self, positions):
-        """The shortest distance from a camera at `positions` to the middle of a thing, which is the length
-        that its errors are measured by; not below a thousandth of the scene."""
+        """The shortest distance from a camera at `positions` to the middle of a thing, which is the
+        length that its errors are measured by; not below a thousandth of the scene."""
         gaps = self.centers[None, :, :] - positions[:, None, :]
         shortest = np.linalg.norm(gaps, axis=2).min()
         return max(float(shortest), 1e-3 * self.diagonal, 1e-9)
@@ -196,7 +198,9 @@ class _Writer:
     def _key_frames(self, thing, timeline):
         if not self._moving or not timeline.moves(thing.key):
             rest = np.concatenate([np.zeros(3), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
-            return [] if np.array_equal(thing.placement, rest) else [self._still(thing.placement)]
+            return (
+                [] if np.array_equal(thing.placement, rest) else [key_frames.still(thing.placement)]
+            )
         shapes = []
 
         def sample(times):
@@ -216,18 +220,7 @@ class _Writer:
                 f"moves too wildly at frame {misfit.time:.2f}: off by up to "
                 f"{100.0 * misfit.position:.3g} % of its size and {np.degrees(misfit.direction):.3g} degrees",
             )
-        return [self._key_frame(key) for key in keys]
-
-    @staticmethod
-    def _still(placement):
-        return block("addKframe", [("time", 0), block("key", _pose(placement))])
-
-    def _key_frame(self, key):
-        body = [("time", seconds(key.time / self.fps))]
-        for name, values in (("pre", key.pre), ("key", key.key), ("nex", key.nex)):
-            if values is not None:
-                body.append(block(name, _pose(values)))
-        return block("addKframe", body)
+        return key_frames.moving(keys, self.fps)
 
     def _store_mesh(self, name, arrays):
         name = arrays.digest() if self.job.by_content else self.names["file"].new(name)
@@ -251,14 +244,17 @@ class _Writer:
         return self._finish(item)[0]
 
     def _uv_map_of(self, materials):
-        """The uv map that these materials need; None where there is no texture and none is asked for."""
+        """The uv map that these materials need; None where there is no texture and none is asked
+        for."""
         textures = [self._finish(item)[1].texture for item in materials]
         named = [texture.uv_map for texture in textures if texture]
         return named[0] if named else (None if self.job.by_content else "")
 
     def _materials(self, things):
         elements = []
-        used = {part.material.name_full if part.material else None for t in things for part in t.parts}
+        used = {
+            part.material.name_full if part.material else None for t in things for part in t.parts
+        }
         for key, (name, finish) in self.finishes.items():
             if key not in used:
                 continue
@@ -274,7 +270,8 @@ class _Writer:
         return sorted(elements, key=lambda element: order.get(element.kind, 2))
 
     def _texture(self, texture, elements):
-        """Name of the texture's element, which is written when it is needed first; None if unreadable."""
+        """Name of the texture's element, which is written when it is needed first; None if
+        unreadable."""
         picture = texture.image
         if picture.name_full not in self.textures:
             name = self.names["texture"].new(os.path.splitext(picture.name)[0])
@@ -290,7 +287,12 @@ class _Writer:
         names, elements = Names(), []
         for lamp in lamps:
             elements += light.elements_of_light(
-                names.new(lamp.name), lamp.light, lamp.matrix, self.center, self.diagonal, self.report
+                names.new(lamp.name),
+                lamp.light,
+                lamp.matrix,
+                self.center,
+                self.diagonal,
+                self.report,
             )
         return elements
 
@@ -305,7 +307,9 @@ class _Writer:
         if not self.job.single:
             self._note_animated_data(found)
         for key in timeline.not_always_there():
-            self.report.note(f'object "{key[0]}"', f"appears or vanishes; it is as at frame {self.job.first}")
+            self.report.note(
+                f'object "{key[0]}"', f"appears or vanishes; it is as at frame {self.job.first}"
+            )
         deforming = {thing.key: thing for thing in found.things if thing.outline is not None}
         first, last = self._span
         for time in ((first + last) / 2.0, last) if deforming else ():
@@ -338,10 +342,6 @@ class _Frozen:
 
     def camera_values(self, camera, times):
         return self._timeline.camera_values(camera, [self._time] * len(times))
-
-
-def _pose(placement):
-    return [("pivot", placement[:3]), ("up", placement[3:6]), ("right", placement[6:9])]
 
 
 def _write_text(path, text):

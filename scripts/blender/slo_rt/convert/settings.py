@@ -8,7 +8,8 @@ from ..format.scene_text import Element
 
 @dataclass
 class Shutter:
-    """When the shutter is open: `duration` frames, from `offset` frames after the frame's time on."""
+    """When the shutter is open: `duration` frames, from `offset` frames after the frame's time
+    on."""
 
     offset: float
     duration: float
@@ -38,7 +39,10 @@ def settings_element(values, background):
     """`settings` from the artist's values (`RenderSettings`) and the colour of the background."""
     body = [("imageSamples", values.samples)]
     if values.noise > 0.0:
-        body += [("imageMinSamples", min(values.min_samples, values.samples)), ("noise", values.noise)]
+        body += [
+            ("imageMinSamples", min(values.min_samples, values.samples)),
+            ("noise", values.noise),
+        ]
     body += [
         ("recursion", values.recursion),
         ("generatorType", values.generator),

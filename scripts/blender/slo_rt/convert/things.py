@@ -26,8 +26,8 @@ class Part:
 @dataclass
 class Thing:
     """A thing with triangles: where it is (`placement`: pivot, up, right), what is left of its
-    transform (`shape`, baked into its files), its diagonal and middle in world units, and, where its
-    vertices may move in its own space, a hash of them (`outline`)."""
+    transform (`shape`, baked into its files), its diagonal and middle in world units, and, where
+    its vertices may move in its own space, a hash of them (`outline`)."""
 
     key: tuple
     name: str
@@ -117,7 +117,9 @@ class Collector:
 
     @staticmethod
     def _shape_key(thing, shape):
-        materials = tuple(slot.material.name_full if slot.material else "" for slot in thing.material_slots)
+        materials = tuple(
+            slot.material.name_full if slot.material else "" for slot in thing.material_slots
+        )
         data = thing.data.as_pointer() if thing.type == "MESH" else thing.as_pointer()
         return data, materials, tuple(np.round(shape, 6).ravel())
 
@@ -183,5 +185,7 @@ def materials_of(thing, mesh):
     """Materials of a thing by index, at least one; None where a slot is empty."""
     slots = [slot.material for slot in thing.material_slots]
     inner = list(mesh.materials)
-    materials = [slots[i] if i < len(slots) else inner[i] for i in range(max(len(slots), len(inner)))]
+    materials = [
+        slots[i] if i < len(slots) else inner[i] for i in range(max(len(slots), len(inner)))
+    ]
     return [material.original if material else None for material in materials] or [None]

@@ -23,6 +23,8 @@ def background(world, report):
         return (0.0, 0.0, 0.0)
     for socket in (shader.inputs["Color"], shader.inputs["Strength"]):
         if socket.is_linked:
-            report.note(subject, f"what is linked to {socket.name} is not carried, its own value is")
+            report.note(
+                subject, f"what is linked to {socket.name} is not carried, its own value is"
+            )
     strength = shader.inputs["Strength"].default_value
     return tuple(c * strength for c in shader.inputs["Color"].default_value[:3])

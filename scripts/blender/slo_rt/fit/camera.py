@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Camera segments through sampled cameras.
 
-In a camera segment of slo-rt, position and target follow Bézier curves of any degree; the sky vector, the
-size of the view, the focus distance and the lens radius are linear. Segments begin and end at whole frames of
-the video, and there may be gaps between them. Times are in frames.
+In a camera segment of slo-rt, position and target follow Bézier curves of any degree; the sky
+vector, the size of the view, the focus distance and the lens radius are linear. Segments begin and
+end at whole frames of the video, and there may be gaps between them. Times are in frames.
 """
 
 from dataclasses import dataclass
@@ -44,7 +44,8 @@ class CameraSamples:
 
 @dataclass
 class Segment:
-    """A camera segment from `start` to `end` (frames): control points, and pairs of first and last."""
+    """A camera segment from `start` to `end` (frames): control points, and pairs of first and
+    last."""
 
     start: float
     end: float
@@ -59,10 +60,11 @@ class Segment:
 def fit_segments(sample, first, stop, shutter, size, is_last=True):
     """Camera segments for the frames from `first` to before `stop`.
 
-    `sample(times)` gives `CameraSamples`; `shutter` has `offset` and `duration` in frames; `size` is the length of
-    which positions may miss a fraction. What the camera does while no shutter is open does not matter.
-    `is_last`: nothing joins at `stop`. Returns `(segments, misfit)`: times in frames of the scene, and `(frame, length, radians)` of the worst
-    frame that misses the tolerances, or None.
+    `sample(times)` gives `CameraSamples`; `shutter` has `offset` and `duration` in frames; `size`
+    is the length of which positions may miss a fraction. What the camera does while no shutter is
+    open does not matter. `is_last`: nothing joins at `stop`. Returns `(segments, misfit)`: times in
+    frames of the scene, and `(frame, length, radians)` of the worst frame that misses the
+    tolerances, or None.
     """
     is_leaf = stop - first == 1
     times = visible_times(first, stop, shutter, is_last)
@@ -77,12 +79,15 @@ def fit_segments(sample, first, stop, shutter, size, is_last=True):
 
 
 def visible_times(first, stop, shutter, is_last):
-    """Times (frames of the scene) that a segment for the frames `first` to before `stop` is looked at.
+    """Times (frames of the scene) that a segment for the frames `first` to before `stop` is looked
+    at.
 
-    Those while a shutter is open; and the end, where the next segment begins. A segment that nothing joins,
-    or of one frame, ends with its last shutter.
+    Those while a shutter is open; and the end, where the next segment begins. A segment that
+    nothing joins, or of one frame, ends with its last shutter.
     """
-    steps = np.linspace(0.0, shutter.duration, SAMPLES_OF_A_SHUTTER if shutter.duration > 0.0 else 1)
+    steps = np.linspace(
+        0.0, shutter.duration, SAMPLES_OF_A_SHUTTER if shutter.duration > 0.0 else 1
+    )
     times = [frame + shutter.offset + steps for frame in range(first, stop)]
     if stop - first > 1 and not is_last:
         times.append([stop + shutter.offset])
@@ -92,8 +97,8 @@ def visible_times(first, stop, shutter, is_last):
 
 
 def _best(samples, size, degrees):
-    """The segment of the lowest degree that fits, or else the nearest one, and by how much it misses:
-    `(in units of what is allowed, length, radians)`."""
+    """The segment of the lowest degree that fits, or else the nearest one, and by how much it
+    misses: `(in units of what is allowed, length, radians)`."""
     best = None
     for degree in degrees:
         segment = _fit(samples, degree)
@@ -137,7 +142,8 @@ def _ends(values):
 
 
 def _sky(samples):
-    """Sky vectors of start and end: z, where the camera is never rolled, or else its own up vector."""
+    """Sky vectors of start and end: z, where the camera is never rolled, or else its own up
+    vector."""
     sideways = np.abs(np.cross(samples.forward, samples.up)[:, 2])
     upright = (sideways < 1e-5) & (samples.up[:, 2] > 0.05)
     return (Z, Z) if upright.all() else (samples.up[0], samples.up[-1])
@@ -146,8 +152,8 @@ def _sky(samples):
 def common_target(position, forward):
     """The point that a moving camera looks at all the time, or None.
 
-    It is the point nearest to all lines of view, if it lies ahead of all cameras and on their lines to
-    a twentieth of what is allowed.
+    It is the point nearest to all lines of view, if it lies ahead of all cameras and on their lines
+    to a twentieth of what is allowed.
     """
     spread = np.linalg.norm(np.ptp(position, axis=0))
     if spread <= 1e-9:

@@ -2,12 +2,13 @@
 """Key frames through sampled placements.
 
 Between two key frames of slo-rt, pivot, up and right are cubic Bézier curves in time. A stretch of
-motion is fitted by one piece; where the piece misses the samples, it is divided, first at whole frames.
-The times of the artist's own key frames are borders of pieces from the start, so that a motion which is
-cubic between them, as that of Bézier curves with automatic handles is, comes back as it was.
+motion is fitted by one piece; where the piece misses the samples, it is divided, first at whole
+frames. The times of the artist's own key frames are borders of pieces from the start, so that a
+motion which is cubic between them, as that of Bézier curves with automatic handles is, comes back
+as it was.
 
-Times are in frames here; samples are taken at multiples of a power of two of a frame, so that all things
-that move ask for the same times.
+Times are in frames here; samples are taken at multiples of a power of two of a frame, so that all
+things that move ask for the same times.
 """
 
 from dataclasses import dataclass
@@ -70,9 +71,9 @@ class _Piece:
 def fit_key_frames(sample, start, end, size, breaks=()):
     """Key frames of a motion from `start` to `end` (frames).
 
-    `sample(times)` gives placements (n, 9) at times (n,). `size` is the diagonal of the thing. Returns
-    `(key_frames, misfit)`; `misfit` is None if the tolerances hold at all samples, otherwise the place
-    where the motion is too wild, such as a leap that no curve announces.
+    `sample(times)` gives placements (n, 9) at times (n,). `size` is the diagonal of the thing.
+    Returns `(key_frames, misfit)`; `misfit` is None if the tolerances hold at all samples,
+    otherwise the place where the motion is too wild, such as a leap that no curve announces.
     """
     fitter = _Fitter(sample, size)
     borders = _borders(start, end, breaks)
@@ -126,7 +127,8 @@ class _Fitter:
             self._remember(Misfit(start, position, direction))
 
     def _leap(self, start, end, before, after):
-        """From one place to the other in half the time, so that rounded times can't fall into it."""
+        """From one place to the other in half the time, so that rounded times can't fall into
+        it."""
         landed = (start + end) / 2.0
         for a, b, values in ((start, landed, (before, after)), (landed, end, (after, after))):
             self.pieces.append(_Piece(a, b, bezier.fit(1, np.array([a, b]), np.array(values))))

@@ -12,9 +12,9 @@ def split_matrix(matrix):
 
     `matrix` has shape (..., 4, 4) and acts on columns. Returns `(placement, shape)`: `placement`
     (..., 9) is pivot, up, right, the latter two unit vectors in world space; `shape` (..., 3, 3)
-    holds scale, shear and mirroring, so that world = pivot + axes @ shape @ vertex, with the columns
-    (right, forward, up) as axes. `right` follows the local x axis, `up` is as near to the local z axis
-    as a right angle allows.
+    holds scale, shear and mirroring, so that world = pivot + axes @ shape @ vertex, with the
+    columns (right, forward, up) as axes. `right` follows the local x axis, `up` is as near to the
+    local z axis as a right angle allows.
     """
     matrix = np.asarray(matrix, np.float64)
     linear = matrix[..., :3, :3]

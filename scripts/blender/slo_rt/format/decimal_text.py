@@ -7,7 +7,8 @@ ROWS_AT_ONCE = 1 << 14  # what stays in the cache
 
 
 def number(value):
-    """Text of one number: as short as single precision allows, nine digits where that is not enough.
+    """Text of one number: as short as single precision allows, nine digits where that is not
+    enough.
 
     Whole numbers stay whole. Never exponents with a comma, never negative zero.
     """
@@ -25,7 +26,8 @@ def vector(values):
 
 
 def integer_lines(values):
-    """Rows of an array of integers (0 or more, shape (n, k)) as text, yielded in pieces of bytes."""
+    """Rows of an array of integers (0 or more, shape (n, k)) as text, yielded in pieces of
+    bytes."""
     for rows in _pieces(values):
         yield _digits_to_text(rows, 0)
 

@@ -26,7 +26,9 @@ class Phong:
     def element(self, name):
         """Its text; what has its default is left out."""
         default = Phong()
-        body = [(k, v) for k, v in vars(self).items() if tuple_of(v) != tuple_of(getattr(default, k))]
+        body = [
+            (k, v) for k, v in vars(self).items() if tuple_of(v) != tuple_of(getattr(default, k))
+        ]
         return Element("phong_info", name, body)
 
 
@@ -37,7 +39,8 @@ def tuple_of(value):
 
 @dataclass
 class Surface:
-    """A surface as artists set it: the sockets of the Principled BSDF that slo-rt has a word for."""
+    """A surface as artists set it: the sockets of the Principled BSDF that slo-rt has a word
+    for."""
 
     base_color: tuple = (0.8, 0.8, 0.8)
     metallic: float = 0.0
@@ -65,7 +68,8 @@ def reflectance_at_normal(ior, specular_level):
 
 
 def phong_of_surface(surface, ambient_light=BLACK):
-    """The Phong values nearest to `surface`, in a world that shines with `ambient_light` from everywhere."""
+    """The Phong values nearest to `surface`, in a world that shines with `ambient_light` from
+    everywhere."""
     spread = spread_of_roughness(surface.roughness)
     dielectric = reflectance_at_normal(surface.ior, surface.specular_level)
     metal = mean(surface.base_color)
@@ -77,9 +81,7 @@ def phong_of_surface(surface, ambient_light=BLACK):
         surface.alpha * (surface.metallic * c + (1.0 - surface.metallic) * dielectric)
         for c in surface.base_color
     )
-    reflectance = surface.alpha * (
-        surface.metallic * metal + (1.0 - surface.metallic) * dielectric
-    )
+    reflectance = surface.alpha * (surface.metallic * metal + (1.0 - surface.metallic) * dielectric)
     through = solid * surface.transmission * metal * (1.0 - dielectric)
     see_through = 1.0 - surface.alpha
     ior = surface.ior if through > 0.0 else 1.0
@@ -107,7 +109,8 @@ def _shininess(spread):
 
 
 def _peak(roughness):
-    """Height of the highlight of a point lamp in units of the reflectance: 1 / (4 alpha^2) (GGX)."""
+    """Height of the highlight of a point lamp in units of the reflectance: 1 / (4 alpha^2)
+    (GGX)."""
     return 1.0 / (4.0 * max(roughness, 0.05) ** 4)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from .decimal_text import number, vector
 
-LINE_WIDTH = 100
+LINE_WIDTH = 110
 
 
 @dataclass

@@ -20,8 +20,8 @@ _registered = False
 
 
 def fresh_scene(size=(64, 48)):
-    """Blender's default scene without cube and light, with our engine, and a camera 10 m in front of the
-    origin that looks along y, z up."""
+    """Blender's default scene without cube and light, with our engine, and a camera 10 m in front
+    of the origin that looks along y, z up."""
     global _registered
     bpy.ops.wm.read_factory_settings()
     bpy.context.preferences.filepaths.use_scripts_auto_execute = True

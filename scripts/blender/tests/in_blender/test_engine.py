@@ -9,6 +9,7 @@ from unittest import mock
 
 import bpy
 import numpy as np
+
 from slo_rt import engine, exports
 
 from . import blend
@@ -28,7 +29,8 @@ def false_program(body):
     path = os.path.join(blend.FOLDER, f"slo-rt-{abs(hash(body))}")
     with open(path, "w", encoding="utf-8") as file:
         file.write(
-            "#!/bin/sh\ncase $1 in --version) echo slo-rt 9.9; exit;; --help) echo; exit;; esac\n" + body
+            "#!/bin/sh\ncase $1 in --version) echo slo-rt 9.9; exit;; --help) echo; exit;; esac\n"
+            + body
         )
     os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR)
     return path
@@ -102,7 +104,9 @@ class EngineTest(unittest.TestCase):
 
     def test_missing_program(self):
         os.environ["SLO_RT"] = "/nowhere/slo-rt"
-        with self.assertRaisesRegex(RuntimeError, "There is no program /nowhere/slo-rt.*Preferences"):
+        with self.assertRaisesRegex(
+            RuntimeError, "There is no program /nowhere/slo-rt.*Preferences"
+        ):
             bpy.ops.render.render()
 
     def test_another_program(self):
@@ -111,7 +115,9 @@ class EngineTest(unittest.TestCase):
             bpy.ops.render.render()
 
     def test_errors_of_the_program_are_shown(self):
-        os.environ["SLO_RT"] = false_program("echo 'error: frame.txt:3:7: no such thing' >&2; exit 65")
+        os.environ["SLO_RT"] = false_program(
+            "echo 'error: frame.txt:3:7: no such thing' >&2; exit 65"
+        )
         with self.assertRaisesRegex(RuntimeError, "frame.txt:3:7: no such thing"):
             bpy.ops.render.render()
 
@@ -133,7 +139,9 @@ class EngineTest(unittest.TestCase):
         self.scene.slo_rt.samples = 600
         whole = result_pixels(self.scene)
         left = iter([False] * 3)
-        with mock.patch.object(engine.SloRtRenderEngine, "_should_stop", lambda self: next(left, True)):
+        with mock.patch.object(
+            engine.SloRtRenderEngine, "_should_stop", lambda self: next(left, True)
+        ):
             bpy.ops.render.render()
         folder = engine.work_folder(self.scene.name)
         states = [name for name in os.listdir(folder) if name.endswith(".state")]
@@ -184,9 +192,13 @@ class EngineTest(unittest.TestCase):
         blend.cube()
         bpy.ops.render.render()
         folder = os.path.join(engine.work_folder(self.scene.name), "frame")
-        before = {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}
+        before = {
+            name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)
+        }
         bpy.ops.render.render()
-        after = {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}
+        after = {
+            name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)
+        }
         self.assertEqual(before, after)
 
     def test_meshes_of_other_frames_are_removed(self):

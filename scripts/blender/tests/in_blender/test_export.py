@@ -29,7 +29,8 @@ def mesh_of(path):
 
 
 def volume(mesh):
-    """Signed volume of a closed mesh: positive if its triangles are counter-clockwise from outside."""
+    """Signed volume of a closed mesh: positive if its triangles are counter-clockwise from
+    outside."""
     a, b, c = (mesh["vertices"][mesh["faces"][:, i]] for i in range(3))
     return float(np.sum(a * np.cross(b, c)) / 6.0)
 
@@ -54,7 +55,11 @@ class MeshTest(unittest.TestCase):
 
     def test_scale_is_baked_and_mirrors_turn_triangles(self):
         thing = blend.cube()
-        for scale, expected in (((1.0, 2.0, 3.0), 48.0), ((-1.0, 2.0, 3.0), 48.0), ((-1, -1, -1), 8.0)):
+        for scale, expected in (
+            ((1.0, 2.0, 3.0), 48.0),
+            ((-1.0, 2.0, 3.0), 48.0),
+            ((-1, -1, -1), 8.0),
+        ):
             thing.scale = scale
             thing.rotation_euler = (0.3, 0.5, 0.7)
             thing.location = (5.0, 5.0, 5.0)
@@ -137,7 +142,10 @@ class SceneTest(unittest.TestCase):
         """The scene read back, its text and its folder; the program must find no mistake in it."""
         path = blend.export(**options)
         check = subprocess.run(
-            [blend.program(), "--check", "--scene", path], capture_output=True, text=True, check=False
+            [blend.program(), "--check", "--scene", path],
+            capture_output=True,
+            text=True,
+            check=False,
         )
         self.assertEqual(check.returncode, 0, check.stderr)
         self.assertEqual("warning" in check.stderr, bool(warning), check.stderr)

@@ -13,6 +13,7 @@ from . import blend
 
 POSITION = 1e-4  # of the size
 DIRECTION = math.radians(0.05)
+CUBE = 2.0 * math.sqrt(3.0)  # diagonal of the cube of side 2
 
 
 def moments(scene, count=150):
@@ -20,7 +21,9 @@ def moments(scene, count=150):
     random.seed(5)
     first, last = scene.frame_start, scene.frame_end
     whole = [float(frame) for frame in range(first, last + 1)]
-    return whole + [f + 0.5 for f in whole[:-1]] + [random.uniform(first, last) for _ in range(count)]
+    return (
+        whole + [f + 0.5 for f in whole[:-1]] + [random.uniform(first, last) for _ in range(count)]
+    )
 
 
 def matrix_at(scene, thing, time):
@@ -49,7 +52,7 @@ class MotionTest(unittest.TestCase):
     def setUp(self):
         self.scene = blend.fresh_scene()
 
-    def check(self, thing, size=2.0 * math.sqrt(3.0), most_keys=None):
+    def check(self, thing, size=CUBE, most_keys=None):
         text = blend.export_text()
         position, direction = worst(self.scene, thing, text, size, moments(self.scene))
         keys = text.count("addKframe")
@@ -103,7 +106,11 @@ class MotionTest(unittest.TestCase):
     def test_noisy_driver(self):
         thing = blend.cube()
         for index, expression in enumerate(
-            ("sin(frame * 1.7) * 0.5", "sin(frame ** 1.3) * cos(frame * 4.1)", "cos(frame * 2.3) ** 3 * 0.7")
+            (
+                "sin(frame * 1.7) * 0.5",
+                "sin(frame ** 1.3) * cos(frame * 4.1)",
+                "cos(frame * 2.3) ** 3 * 0.7",
+            )
         ):
             thing.driver_add("location", index).driver.expression = expression
         thing.driver_add("rotation_euler", 2).driver.expression = "sin(frame * 3.1) + sin(frame)"
@@ -113,8 +120,7 @@ class MotionTest(unittest.TestCase):
         thing = blend.cube()
         thing.driver_add("location", 0).driver.expression = "abs(cos(frame * 2.3))"
         text = blend.export_text()
-        size = 2.0 * math.sqrt(3.0)
-        position, direction = worst(self.scene, thing, text, size, moments(self.scene))
+        position, direction = worst(self.scene, thing, text, CUBE, moments(self.scene))
         self.assertLessEqual(position, 5.0 * POSITION)
         self.assertLessEqual(direction, DIRECTION)
         self.assertIn("moves too wildly", text)
@@ -142,7 +148,9 @@ class MotionTest(unittest.TestCase):
         self.assertEqual([round(time, 4) for time in times[:4]], [1.0, 8.0, 15.0, 25.0])
         for block, frame in zip(element.all("addKframe"), (1, 8, 15)):
             nex = block.one("nex").vector("pivot")
-            for axis, curve in enumerate(c for c in blend.curves(thing) if c.data_path == "location"):
+            for axis, curve in enumerate(
+                c for c in blend.curves(thing) if c.data_path == "location"
+            ):
                 point = next(p for p in curve.keyframe_points if p.co[0] == frame)
                 self.assertAlmostEqual(nex[axis], point.handle_right[1], delta=2e-6)
 
@@ -154,7 +162,9 @@ class MotionTest(unittest.TestCase):
         text = blend.export_text()
         element = scene_reader.read(text).one("mesh", "Cube")
         for frame, x in ((9.99, 0.0), (10.0, 5.0), (19.99, 5.0), (20.0, -5.0)):
-            self.assertAlmostEqual(scene_reader.placement(element, frame / 24.0)[0][0], x, delta=1e-5)
+            self.assertAlmostEqual(
+                scene_reader.placement(element, frame / 24.0)[0][0], x, delta=1e-5
+            )
         self.assertNotIn("wildly", text[:1000])
 
     def test_scale_is_baked_and_its_changes_told(self):
@@ -193,7 +203,9 @@ class CameraTest(unittest.TestCase):
                 self.assertAlmostEqual(ours["time"] * render.fps, time, delta=1e-6)
                 matrix = matrix_at(scene, camera, time)
                 # The cube is at the origin.
-                away = np.linalg.norm(matrix[:3, 3] - ours["position"]) / np.linalg.norm(matrix[:3, 3])
+                away = np.linalg.norm(matrix[:3, 3] - ours["position"]) / np.linalg.norm(
+                    matrix[:3, 3]
+                )
                 misses["position"] = max(misses["position"], float(away))
                 for axis, name in ((-matrix[:3, 2], "forward"), (matrix[:3, 1], "up")):
                     chord = np.linalg.norm(axis / np.linalg.norm(axis) - ours[name])
@@ -270,8 +282,12 @@ class CameraTest(unittest.TestCase):
             self.scene.timeline_markers.new(name, frame=frame).camera = camera
         text = blend.export_text()
         described = scene_reader.read(text)
-        self.assertAlmostEqual(scene_reader.camera(described, 10, 0.0)["position"][1], -10.0, delta=1e-5)
-        self.assertAlmostEqual(scene_reader.camera(described, 11, 0.0)["position"][2], 20.0, delta=1e-5)
+        self.assertAlmostEqual(
+            scene_reader.camera(described, 10, 0.0)["position"][1], -10.0, delta=1e-5
+        )
+        self.assertAlmostEqual(
+            scene_reader.camera(described, 11, 0.0)["position"][2], 20.0, delta=1e-5
+        )
         self.assertEqual(text.count("CamSegment"), 2)
 
     def test_focus_and_lens(self):

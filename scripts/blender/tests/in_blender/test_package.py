@@ -4,9 +4,13 @@
 import os
 import subprocess
 import sys
+import types
 import unittest
 
 import bpy
+
+import slo_rt
+from slo_rt import engine, panels, preferences
 
 from . import blend
 
@@ -35,7 +39,10 @@ class PackageTest(unittest.TestCase):
         run_tool("build", "--source-dir", EXTENSION, "--output-filepath", package)
         run_tool("validate", package)
         listing = subprocess.run(
-            [sys.executable, "-m", "zipfile", "-l", package], capture_output=True, text=True, check=True
+            [sys.executable, "-m", "zipfile", "-l", package],
+            capture_output=True,
+            text=True,
+            check=True,
         ).stdout
         for name in ("blender_manifest.toml", "LICENSE", "engine.py", "fit/motion.py"):
             self.assertIn(name, listing)
@@ -65,22 +72,96 @@ os._exit(0)
         environment = {**os.environ, "BLENDER_USER_RESOURCES": os.path.join(blend.FOLDER, "user")}
         environment.pop("SLO_RT", None)
         done = subprocess.run(
-            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False
+            [sys.executable, "-c", script],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertGreater(os.path.getsize(picture), 100)
 
 
+class Layout:
+    """Stands for a layout of Blender, which there is only in a window; notes what is drawn, and
+    refuses properties that do not exist."""
+
+    def __init__(self, drawn):
+        self.drawn = drawn
+
+    def prop(self, owner, name, **_options):
+        assert name in owner.bl_rna.properties, (owner, name)
+        self.drawn.append(name)
+
+    def label(self, text="", **_options):
+        self.drawn.append(text)
+
+    def operator(self, name, **_options):
+        category, operator = name.split(".")
+        assert hasattr(getattr(bpy.ops, category), operator)
+        self.drawn.append(name)
+
+    def column(self, **_options):
+        return Layout(self.drawn)
+
+    row = column
+
+
 class PanelTest(unittest.TestCase):
+    def setUp(self):
+        self.scene = blend.fresh_scene()
+        blend.program()
+        self.material = bpy.data.materials.new("Paint")
+        self.light = bpy.data.lights.new("Lamp", "AREA")
+        self.context = types.SimpleNamespace(
+            engine="SLO_RT", scene=self.scene, material=self.material, light=self.light
+        )
+
+    def draw(self, panel):
+        drawn = []
+        owner = types.SimpleNamespace(
+            layout=Layout(drawn),
+            **{
+                name: value
+                for name, value in vars(panel).items()
+                if isinstance(value, staticmethod)
+            },
+        )
+        panel.draw(owner, self.context)
+        return drawn
+
+    def test_every_panel_draws(self):
+        engine.last_notes[:] = ['light "Spot": not carried']
+        for panel in panels.classes:
+            self.assertTrue(self.draw(panel), panel)
+            if hasattr(panel, "draw_header"):
+                panel.draw_header(types.SimpleNamespace(layout=Layout([])), self.context)
+        self.assertIn("not carried", self.draw(panels.SLO_RT_PT_notes))
+        self.assertEqual(self.draw(panels.SLO_RT_PT_light), ["brightness", "distance"])
+
+    def test_own_values_and_missing_lights(self):
+        self.material.slo_rt.use_own = True
+        self.assertIn("reflectance", self.draw(panels.SLO_RT_PT_material))
+        self.light.type = "SPOT"
+        self.context.light = bpy.data.lights["Lamp"]
+        self.assertEqual(self.draw(panels.SLO_RT_PT_light), ["slo-rt has no spot lights"])
+
+    def test_preferences_say_what_is_found(self):
+        drawn = []
+        owner = types.SimpleNamespace(layout=Layout(drawn))
+        owner.layout.prop = lambda *_: None
+        preferences.SloRtPreferences.draw(owner, self.context)
+        self.assertIn(blend.PROGRAM, drawn[-1])
+        os.environ["SLO_RT"] = "/nowhere"
+        preferences.SloRtPreferences.draw(owner, self.context)
+        self.assertIn("There is no program /nowhere", drawn)
+
     def test_panels_of_blender_come_and_go(self):
-        blend.fresh_scene()
         from bl_ui.properties_data_camera import DATA_PT_camera_dof
         from bl_ui.properties_output import RENDER_PT_format
 
         for panel in (DATA_PT_camera_dof, RENDER_PT_format):
             self.assertIn("SLO_RT", panel.COMPAT_ENGINES)
-        import slo_rt
-
         slo_rt.unregister()
         self.assertNotIn("SLO_RT", RENDER_PT_format.COMPAT_ENGINES)
         self.assertFalse(hasattr(bpy.types.Scene, "slo_rt"))

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Our picture of a scene against that of Cycles: where things are, how sharp, how blurred, how bright.
+"""Our picture of a scene against that of Cycles: where things are, how sharp, how blurred, how
+bright.
 
 Shading differs, so things are white lamps of their own before black, and silhouettes are compared.
 """
 
 import math
 import os
+import subprocess
 import unittest
 
 import bpy
 import numpy as np
+
+from slo_rt import engine, exports
 
 from . import blend
 
@@ -64,12 +68,15 @@ def picture(scene, engine, samples):
 
 
 def moments(grey):
-    """Light in all, its centre (x, y) in pixels, and its spread along both axes and between them."""
+    """Light in all, its centre (x, y) in pixels, and its spread along both axes and between
+    them."""
     total = float(grey.sum())
     y, x = np.mgrid[: grey.shape[0], : grey.shape[1]] + 0.5
     center = np.array([(grey * x).sum(), (grey * y).sum()]) / total
     dx, dy = x - center[0], y - center[1]
-    spread = np.array([(grey * dx * dx).sum(), (grey * dy * dy).sum(), (grey * dx * dy).sum()]) / total
+    spread = (
+        np.array([(grey * dx * dx).sum(), (grey * dy * dy).sum(), (grey * dx * dy).sum()]) / total
+    )
     return total, center, spread
 
 
@@ -86,7 +93,8 @@ class PictureTest(unittest.TestCase):
         return ours, theirs
 
     def compare(self, samples=64, center=0.1, spread=0.03, overlap=0.99):
-        """Silhouettes: the same light, its centre within `center` pixels, its spread within a fraction."""
+        """Silhouettes: the same light, its centre within `center` pixels, its spread within a
+        fraction."""
         ours, theirs = self.both(samples)
         (light, place, width), (light2, place2, width2) = moments(ours), moments(theirs)
         shared = np.minimum(ours, theirs).sum() / np.maximum(ours, theirs).sum()
@@ -188,6 +196,33 @@ class PictureTest(unittest.TestCase):
         self.scene.render.motion_blur_shutter = 1.0
         self.scene.frame_set(5)
         self.compare(samples=256, overlap=0.93, spread=0.04)
+
+    def test_exported_animation_is_what_f12_shows(self):
+        """The fit over all frames and that of one shutter agree."""
+        thing = blend.cube(size=1.0)
+        thing.scale = (3.0, 0.4, 0.4)
+        self.glow_all()
+        for frame, turn, x in ((1, 0.0, -2.0), (12, 2.0, 1.0), (25, 7.0, 0.0)):
+            blend.key(thing, "rotation_euler", frame, (0.3, turn, 0.0))
+            blend.key(thing, "location", frame, (x, 0.0, 0.0))
+        blend.key(self.scene.camera, "location", 1, (0.0, -10.0, 0.0))
+        blend.key(self.scene.camera, "location", 25, (1.0, -8.0, 1.0))
+        self.scene.render.use_motion_blur = True
+        self.scene.slo_rt.samples = 64
+        path = os.path.join(blend.FOLDER, "all.txt")
+        exports.export_scene(self.scene, path, 1, 25, "all_", "EXR_IMAGE")
+        for frame in (3, 17):
+            self.scene.frame_set(frame)
+            shown = picture(self.scene, "SLO_RT", 64)
+            subprocess.run(
+                [blend.PROGRAM, "-q", "-s", path, f"--frame={frame}", "-od", blend.FOLDER],
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
+            name = os.path.join(blend.FOLDER, f"all_{frame:05d}.exr")
+            rendered = engine.linear_pixels(name)[..., :3].mean(axis=2)
+            self.assertGreater(shown.sum(), 50.0)
+            self.assertLess(np.abs(shown - rendered).sum(), 0.002 * shown.sum())
 
     def test_brightness_of_lights(self):
         """A plane at the distance for which lights are carried over is as bright as in Cycles."""

@@ -5,6 +5,7 @@ import math
 import unittest
 
 import numpy as np
+
 from slo_rt.convert.settings import Shutter
 from slo_rt.fit import bezier, camera, motion, rigid
 
@@ -115,7 +116,9 @@ class MotionTest(unittest.TestCase):
         self.assertEqual([key.time for key in keys], [1.0, 25.0])
 
     def test_straight_motion_needs_no_handles(self):
-        keys = self.check(placements(lambda t: (t, 2 * t, 0.0), (0, 0, 1), lambda t: 0.0), 1.0, most=2)
+        keys = self.check(
+            placements(lambda t: (t, 2 * t, 0.0), (0, 0, 1), lambda t: 0.0), 1.0, most=2
+        )
         self.assertIsNone(keys[0].nex)
         self.assertIsNone(keys[1].pre)
 

@@ -77,7 +77,9 @@ class ProcessTest(unittest.TestCase):
 
     def test_much_talk_does_not_block(self):
         line = "x" * 99
-        outcome, _ = self.run_script(f"i=0; while [ $i -lt 3000 ]; do echo {line} >&2; i=$((i+1)); done")
+        outcome, _ = self.run_script(
+            f"i=0; while [ $i -lt 3000 ]; do echo {line} >&2; i=$((i+1)); done"
+        )
         self.assertEqual(len(outcome.messages), 3000)
 
     def test_stop_is_asked_for_first(self):
@@ -103,7 +105,15 @@ class ProcessTest(unittest.TestCase):
         self.assertLess(time.monotonic() - begin, 30.0)
 
     def test_lines_that_are_not_progress(self):
-        for line in ("", "{", "{]", "[1]", '{"fraction": "x"}', '{"fraction": true}', '{"event": "ended"}'):
+        for line in (
+            "",
+            "{",
+            "{]",
+            "[1]",
+            '{"fraction": "x"}',
+            '{"fraction": true}',
+            '{"event": "ended"}',
+        ):
             self.assertIn(process.fraction_of(line), (None, 1.0))
         self.assertEqual(process.fraction_of('{"fraction": 7}'), 1.0)
 
@@ -131,7 +141,7 @@ class PassesTest(unittest.TestCase):
         for goes_on in (False, True):
             for fixed, each, limit in ((0.5, 0.1, 10.0), (0.0, 0.001, 60.0), (3.0, 2.0, 5.0)):
 
-                def duration(before, count):
+                def duration(before, count, fixed=fixed, each=each):
                     return fixed + each * (count - before)
 
                 counts, spent = self.limited(limit, 4096, goes_on, duration)
@@ -160,4 +170,6 @@ class PhongTest(unittest.TestCase):
 
     def test_text_leaves_defaults_out(self):
         element = phong_of_surface(Surface(specular_level=0.0)).element("p")
-        self.assertEqual({key for key, _ in element.body}, {"diffuse", "shininess", "diffuse_reflection"})
+        self.assertEqual(
+            {key for key, _ in element.body}, {"diffuse", "shininess", "diffuse_reflection"}
+        )

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Numbers, names, elements, meshes and images as files."""
 
+import itertools
 import os
 import tempfile
 import unittest
 import zlib
 
 import numpy as np
-from slo_rt.format import png16, slo_mesh
+
+from slo_rt.fit import bezier, rigid
+from slo_rt.fit.motion import KeyFrame
+from slo_rt.format import key_frames, png16, slo_mesh
 from slo_rt.format.decimal_text import decimal_lines, integer_lines, number
 from slo_rt.format.names import Names, plain
 from slo_rt.format.scene_text import Element, block, seconds, write
@@ -93,10 +97,35 @@ class SceneTextTest(unittest.TestCase):
         )
         text = write([thing], ["first line", "", "# { } in a comment"])
         self.assertTrue(text.startswith("# first line\n#\n# # { }"))
-        self.assertLessEqual(max(len(line) for line in text.splitlines()), 100)
+        self.assertLessEqual(max(len(line) for line in text.splitlines()), 110)
         mesh = scene_reader.read(text).one("mesh", "m")
         self.assertEqual(mesh.values["filename"], [["m.slo"]])
         self.assertEqual(scene_reader.placement(mesh, 0.5)[0], [1.0, 2.0, 3.0])
+
+
+class KeyFrameTest(unittest.TestCase):
+    def test_what_is_left_out_comes_back(self):
+        random = np.random.default_rng(6)
+        for moves in itertools.product((False, True), repeat=3):
+            bends = np.repeat(moves, 3)
+            keys = []
+            for time in (1.0, 4.0, 5.0):
+                rest = np.array([1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0])
+                values = rest + np.where(bends, random.uniform(-0.3, 0.3, (3, 9)), 0.0)
+                keys.append(KeyFrame(time, values[0], values[1], values[2]))
+            text = write([Element("mesh", "m", key_frames.moving(keys, 24.0))])
+            self.assertEqual("pre" in text, any(moves))
+            mesh = scene_reader.read(text).one("mesh")
+            for a, b in itertools.pairwise(keys):
+                for u in (0.0, 0.2, 0.7, 1.0):
+                    time = (a.time + (b.time - a.time) * u) / 24.0
+                    control = np.array([a.key, a.nex, b.pre, b.key])
+                    expected = bezier.evaluate(control, np.array([u]))[0]
+                    pivot, (right, _, up) = scene_reader.placement(mesh, time)
+                    axes = rigid.axes_of(expected[3:6], expected[6:9])
+                    np.testing.assert_allclose(pivot, expected[:3], atol=1e-6)
+                    np.testing.assert_allclose(right, axes[:, 0], atol=1e-6)
+                    np.testing.assert_allclose(up, axes[:, 2], atol=1e-6)
 
 
 class FileTest(unittest.TestCase):
@@ -118,7 +147,8 @@ class FileTest(unittest.TestCase):
         triangle = np.array([[0, 0, 0], [1, np.nan, 0], [0, 1.5, 0]], np.float32)
         with self.assertRaisesRegex(ValueError, "vertices is not finite"):
             slo_mesh.write(
-                os.path.join(self.folder, "m.slo"), slo_mesh.MeshArrays(triangle, np.array([[0, 1, 2]]))
+                os.path.join(self.folder, "m.slo"),
+                slo_mesh.MeshArrays(triangle, np.array([[0, 1, 2]])),
             )
         self.assertEqual(os.listdir(self.folder), [])
 
@@ -149,9 +179,7 @@ class ReportTest(unittest.TestCase):
             report.note(name, "is lost")
             report.note(name, "is lost")
         report.note("a", "is grey")
-        self.assertEqual(
-            report.lines(), ["a, b, c, d, e, f and 2 more: is lost", "a: is grey"]
-        )
+        self.assertEqual(report.lines(), ["a, b, c, d, e, f and 2 more: is lost", "a: is grey"])
 
 
 if __name__ == "__main__":

@@ -1,0 +1,214 @@
+//! What can go wrong while frames are rendered: nothing is lost, and nothing wrong has a final name.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+
+use super::{Folder, Run, SCENE};
+
+/// Four frames of a fifth of a second.
+fn folder() -> Folder {
+    let text = SCENE.replace("imageSamples 2", "imageSamples 60");
+    Folder::with_scene(&text.replace("width 16 height 9", "width 100 height 70"))
+}
+
+const FRAMES: &str = "-q -s scene.txt -f 0-3 --checkpoint 1";
+
+/// The frames, rendered in peace.
+fn expected() -> Vec<(String, Vec<u8>)> {
+    let folder = folder();
+    let printed = folder.printed(FRAMES);
+    printed.lines().map(|name| (name.to_owned(), folder.read(name))).collect()
+}
+
+/// What has a final name is right.
+fn check_names(folder: &Folder, expected: &[(String, Vec<u8>)]) {
+    for (name, bytes) in expected {
+        let path = folder.path().join(name);
+        assert!(!path.exists() || fs::read(&path).unwrap() == *bytes, "{name}: other bytes");
+    }
+}
+
+fn check_all(folder: &Folder, expected: &[(String, Vec<u8>)]) {
+    for (name, bytes) in expected {
+        assert!(folder.read(name) == *bytes, "{name}: other bytes");
+    }
+}
+
+#[test]
+fn killed_at_fifty_random_moments() {
+    let (expected, folder) = (expected(), folder());
+    let mut random = StdRng::seed_from_u64(50);
+    let mut kills = 0;
+    while kills < 50 {
+        let mut child = folder.command(FRAMES).stdout(Stdio::null()).spawn().unwrap();
+        sleep(Duration::from_millis(random.random_range(1..400)));
+        let done = child.try_wait().unwrap().is_some();
+        let _ = child.kill();
+        child.wait().unwrap();
+        kills += 1;
+        check_names(&folder, &expected);
+        if done {
+            let frame = random.random_range(0..expected.len());
+            fs::remove_file(folder.path().join(&expected[frame].0)).unwrap();
+        }
+    }
+    folder.printed(FRAMES);
+    check_all(&folder, &expected);
+    assert!(!folder.names().iter().any(|name| name.ends_with(".state")), "{:?}", folder.names());
+}
+
+#[test]
+fn several_processes_on_one_folder() {
+    let (expected, folder) = (expected(), folder());
+    let start = |order: &str| {
+        let typed = format!("{FRAMES} --order {order}");
+        folder.command(&typed).stdout(Stdio::null()).spawn().unwrap()
+    };
+    let mut children = ["forward", "reverse", "coarse"].map(start);
+    let _ = children[1].kill();
+    for (i, child) in children.iter_mut().enumerate() {
+        let status = child.wait().unwrap();
+        assert!(i == 1 || status.success(), "process {i}");
+    }
+    check_all(&folder, &expected);
+}
+
+#[test]
+fn files_that_were_damaged_are_rendered_again() {
+    let (expected, folder) = (expected(), folder());
+    folder.printed(FRAMES);
+    let mut random = StdRng::seed_from_u64(7);
+    for _ in 0..20 {
+        let (name, whole) = &expected[random.random_range(0..expected.len())];
+        // A head with a bit flipped, or no end. What is flipped in the middle `verify` finds.
+        let mut damaged = whole.clone();
+        if random.random() {
+            damaged.truncate(random.random_range(0..whole.len()));
+        } else {
+            damaged[random.random_range(0..8)] ^= 1 << random.random_range(0..8);
+        }
+        folder.write(name, damaged);
+        folder.printed(FRAMES);
+        check_all(&folder, &expected);
+    }
+}
+
+#[test]
+fn a_clock_that_goes_backwards() {
+    let (expected, folder) = (expected(), folder());
+    folder.printed("-q -s scene.txt -f 0-1");
+    // Files from the future, and a scene that is younger than all.
+    for (name, _) in &expected[..2] {
+        let file = fs::File::options().write(true).open(folder.path().join(name)).unwrap();
+        file.set_modified(std::time::SystemTime::now() + Duration::from_secs(1 << 30)).unwrap();
+    }
+    let plan = folder.printed(&format!("{FRAMES} --dry-run"));
+    let states: Vec<_> = plan.lines().map(|line| line.rsplit('\t').next().unwrap()).collect();
+    assert_eq!(states, ["finished", "finished", "missing", "missing"]);
+    folder.printed(FRAMES);
+    check_all(&folder, &expected);
+}
+
+/// Whether this user is stopped by permissions: root is not.
+fn permissions_count(folder: &Path) -> bool {
+    fs::write(folder.join("probe"), "").is_err()
+}
+
+#[test]
+fn a_folder_that_can_only_be_read() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    let out = folder.path().join("out");
+    fs::create_dir(&out).unwrap();
+    fs::set_permissions(&out, fs::Permissions::from_mode(0o555)).unwrap();
+    if permissions_count(&out) {
+        let run = folder.run(&format!("{FRAMES} -od out"));
+        assert_eq!((run.exit, &*run.printed), (73, ""), "{}", run.said);
+        assert!(run.said.contains("can't create `out/ball_00000.png`"), "{}", run.said);
+    } else {
+        eprintln!("SKIPPED: this user may write to folders that can only be read");
+    }
+    fs::set_permissions(&out, fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+/// A file system of a few kilobytes, gone with the value.
+struct SmallDisk(std::path::PathBuf);
+
+impl SmallDisk {
+    fn mount(at: std::path::PathBuf, size: &str) -> Option<Self> {
+        fs::create_dir(&at).unwrap();
+        let mut mount = Command::new("mount");
+        mount.args(["-t", "tmpfs", "-o", size, "tmpfs"]).arg(&at).stderr(Stdio::null());
+        mount.status().is_ok_and(|status| status.success()).then_some(Self(at))
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg("-l").arg(&self.0).status();
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_waited_for() {
+    let (expected, folder) = (expected(), folder());
+    let Some(disk) = SmallDisk::mount(folder.path().join("small"), "size=64k") else {
+        eprintln!("SKIPPED: this user may not mount a file system");
+        return;
+    };
+    // 16 pages of 4 KiB, of which two are left: a frame each.
+    assert!(expected.iter().all(|(_, bytes)| bytes.len() <= 4096));
+    fs::write(disk.0.join("ballast"), vec![0; 14 * 4096]).unwrap();
+    let mut command = folder.command(&format!("-s scene.txt -f 0-3 -od {}", disk.0.display()));
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let second = disk.0.join(&expected[1].0);
+    let deadline = Instant::now() + Duration::from_secs(100);
+    while !second.exists() && Instant::now() < deadline {
+        sleep(Duration::from_millis(50));
+    }
+    sleep(Duration::from_secs(2));
+    assert!(child.try_wait().unwrap().is_none(), "it waits");
+    for (name, bytes) in &expected {
+        let path = disk.0.join(name);
+        assert!(!path.exists() || fs::read(&path).unwrap() == *bytes, "{name}");
+    }
+    fs::remove_file(disk.0.join("ballast")).unwrap();
+    let run = Run::of(child.wait_with_output().unwrap());
+    assert_eq!(run.exit, 0, "{}", run.said);
+    assert!(run.said.contains("waiting until it works, nothing is lost"), "{}", run.said);
+    assert!(run.said.contains("the output folder has"), "{}", run.said);
+    for (name, bytes) in &expected {
+        assert!(fs::read(disk.0.join(name)).unwrap() == *bytes, "{name}");
+    }
+}
+
+#[test]
+fn a_folder_that_vanishes_is_waited_for() {
+    let (expected, folder) = (expected(), folder());
+    let mut command = folder.command("-s scene.txt -f 0-3 -od out --checkpoint 0");
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let out = folder.path().join("out");
+    let deadline = Instant::now() + Duration::from_secs(100);
+    while !out.join(&expected[0].0).exists() && Instant::now() < deadline {
+        sleep(Duration::from_millis(20));
+    }
+    fs::rename(&out, folder.path().join("elsewhere")).unwrap();
+    sleep(Duration::from_millis(1500));
+    if !out.exists() && child.try_wait().unwrap().is_none() {
+        fs::rename(folder.path().join("elsewhere"), &out).unwrap();
+    }
+    let run = Run::of(child.wait_with_output().unwrap());
+    assert_eq!(run.exit, 0, "{}", run.said);
+    for (name, bytes) in &expected {
+        let there = [out.join(name), folder.path().join("elsewhere").join(name)];
+        let found = there.iter().find_map(|path| fs::read(path).ok());
+        assert!(found.as_ref() == Some(bytes), "{name}");
+    }
+}
