@@ -106,7 +106,7 @@ impl Wave {
         frame.isa.run(Send { points, lobe, set, share, rays, least, to: sent });
         frame.isa.run(Name { points, purpose, place: [i, count], next });
         chosen.set(len, |i| sent.weight.get(i) != Vec3::ZERO && wanted(lobe.inverse.0[i]));
-        bounces[depth as usize + 1].append(sent, next, chosen);
+        bounces[depth as usize + 1].append(frame.isa, sent, next, chosen);
     }
 }
 
@@ -120,8 +120,8 @@ pub(super) fn glossy_samples(settings: &Settings, purpose: Purpose, depth: u32) 
 }
 
 /// Rays of less weight are left out at random, and the others made heavier: what they could add is
-/// small against the noise of a picture, what they cost is not.
-const LEAST_WEIGHT: f32 = 1.0 / 32.0;
+/// less than a step of a PNG's channel, what they cost is not.
+const LEAST_WEIGHT: f32 = 1.0 / 256.0;
 
 impl Lobes {
     fn of(&self, purpose: Purpose) -> &Lobe {

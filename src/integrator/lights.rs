@@ -89,7 +89,7 @@ impl Wave {
         }
         chosen.set(points.surfaces.len, |i| sent.weight.get(i) != Vec3::ZERO);
         let kind = if depth == 0 { ShadowKind::FromPrimary } else { ShadowKind::FromDeeper };
-        self.shadows[kind as usize].append(sent, &points.labels, chosen);
+        self.shadows[kind as usize].append(frame.isa, sent, &points.labels, chosen);
     }
 }
 

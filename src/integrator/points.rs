@@ -90,7 +90,7 @@ impl Lanewise for FromRays<'_> {
 fn fetch<T: Copy>(from: &[T], ray: &Column<u32>, len: usize, to: &mut Column<T>) {
     let Some(from) = from.first_chunk::<BATCH>() else { return };
     for i in lanes(len) {
-        to[i] = from[ray[i] as usize % BATCH];
+        to[i] = from[(ray[i] as usize).min(BATCH - 1)];
     }
 }
 

@@ -1,6 +1,6 @@
 //! Weighted rays that wait to be traced, and the batches that they are traced in.
 
-use crate::accel::Rays;
+use crate::accel::{Isa, Lanewise, Rays};
 use crate::math::columns::{BATCH, Chosen, Column, Vec3s};
 
 /// What goes with a ray besides its geometry.
@@ -108,25 +108,8 @@ impl RayQueue {
     }
 
     /// Adds the chosen ones of the rays that were sent.
-    pub(super) fn append(&mut self, sent: &Sent, labels: &Labels, chosen: &Chosen) {
-        let start = self.rays.len();
-        self.rays.set_len(start + chosen.len());
-        let new = start..start + chosen.len();
-        for (axis, (origin, direction)) in
-            sent.origin.columns().into_iter().zip(sent.direction.columns()).enumerate()
-        {
-            chosen.copy(origin, &mut self.rays.origin[axis][new.clone()]);
-            chosen.copy(direction, &mut self.rays.direction[axis][new.clone()]);
-        }
-        chosen.copy(&sent.t_max, &mut self.rays.t_max[new]);
-        for (to, from) in self.weight.iter_mut().zip(sent.weight.columns()) {
-            chosen.append(from, to);
-        }
-        chosen.append(&sent.density, &mut self.density);
-        chosen.append(&labels.time, &mut self.time);
-        chosen.append(&labels.slot, &mut self.slot);
-        chosen.append(&labels.path, &mut self.path);
-        chosen.append(&labels.index, &mut self.index);
+    pub(super) fn append(&mut self, isa: Isa, sent: &Sent, labels: &Labels, chosen: &Chosen) {
+        isa.run(Append { queue: self, sent, labels, chosen });
     }
 
     /// Moves the last rays, a batch at most, to `batch`, their order kept.
@@ -143,6 +126,40 @@ impl RayQueue {
         move_to(&mut self.slot, start, &mut labels.slot);
         move_to(&mut self.path, start, &mut labels.path);
         move_to(&mut self.index, start, &mut labels.index);
+    }
+}
+
+struct Append<'a> {
+    queue: &'a mut RayQueue,
+    sent: &'a Sent,
+    labels: &'a Labels,
+    chosen: &'a Chosen,
+}
+
+impl Lanewise for Append<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { queue, sent, labels, chosen } = self;
+        let start = queue.rays.len();
+        queue.rays.set_len(start + chosen.len());
+        let new = start..start + chosen.len();
+        for (axis, (origin, direction)) in
+            sent.origin.columns().into_iter().zip(sent.direction.columns()).enumerate()
+        {
+            chosen.copy(origin, &mut queue.rays.origin[axis][new.clone()]);
+            chosen.copy(direction, &mut queue.rays.direction[axis][new.clone()]);
+        }
+        chosen.copy(&sent.t_max, &mut queue.rays.t_max[new]);
+        for (to, from) in queue.weight.iter_mut().zip(sent.weight.columns()) {
+            chosen.append(from, to);
+        }
+        chosen.append(&sent.density, &mut queue.density);
+        chosen.append(&labels.time, &mut queue.time);
+        chosen.append(&labels.slot, &mut queue.slot);
+        chosen.append(&labels.path, &mut queue.path);
+        chosen.append(&labels.index, &mut queue.index);
     }
 }
 

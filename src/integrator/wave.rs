@@ -214,7 +214,7 @@ impl Wave {
             next.slot[i] = batch.labels.slot[ray];
         }
         chosen.set(surfaces.len, |_| true);
-        self.shadows[kind as usize].append(sent, next, chosen);
+        self.shadows[kind as usize].append(frame.isa, sent, next, chosen);
     }
 
     /// Makes sure that there is a queue for rays with `depth` bounces behind them.

@@ -80,14 +80,16 @@ impl Chosen {
     #[inline(always)]
     pub(crate) fn copy<T: Copy>(&self, from: &Column<T>, to: &mut [T]) {
         for (to, &i) in to.iter_mut().zip(&self.numbers) {
-            *to = from[usize::from(i) % BATCH];
+            *to = from[usize::from(i).min(BATCH - 1)];
         }
     }
 
     /// Adds the chosen entries of a column to the end of a vector.
     #[inline(always)]
     pub(crate) fn append<T: Copy>(&self, from: &Column<T>, to: &mut Vec<T>) {
-        to.extend(self.numbers.iter().map(|&i| from[usize::from(i) % BATCH]));
+        let start = to.len();
+        to.resize(start + self.numbers.len(), from[0]);
+        self.copy(from, &mut to[start..]);
     }
 }
 

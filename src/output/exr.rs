@@ -1,9 +1,11 @@
-//! OpenEXR: one part, R, G, B as 32-bit floats, linear and unclamped, ZIP.
+//! OpenEXR: one part, R, G, B as 32-bit floats, linear and unclamped, run lengths.
 
 use std::io::{self, Seek, Write};
 
-use exr::image::{Encoding, Image, Layer, SpecificChannels};
+use exr::compression::Compression;
+use exr::image::{Blocks, Encoding, Image, Layer, SpecificChannels};
 use exr::math::Vec2;
+use exr::meta::attribute::LineOrder;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::LayerAttributes;
 use exr::prelude::WritableImage;
@@ -26,7 +28,11 @@ pub(super) fn write(picture: &Picture, out: impl Write + Seek) -> io::Result<()>
         attributes(picture.recipe)?,
         // Noise hardly compresses: more than run lengths costs a tenth of a quick frame's time
         // and saves a tenth of its size.
-        Encoding::FAST_LOSSLESS,
+        Encoding {
+            compression: Compression::RLE,
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        },
         SpecificChannels::rgb(pixel),
     );
     let written = Image::from_layer(layer).write().non_parallel().to_unbuffered(out);

@@ -62,6 +62,8 @@ pub(crate) struct Shot {
     pub(crate) recursion: u32,
     /// More settings.
     pub(crate) settings: String,
+    /// Whether no ray is left out for its small weight, so that sums are exact.
+    pub(crate) plain: bool,
 }
 
 impl Default for Shot {
@@ -77,6 +79,7 @@ impl Default for Shot {
             samples: 64,
             recursion: 3,
             settings: String::new(),
+            plain: false,
         }
     }
 }
@@ -107,7 +110,10 @@ impl Shot {
 
     /// The picture of a scene seen this way.
     pub(crate) fn take(&self, elements: &str) -> Picture {
-        Picture(expose(&describe(&self.of(elements)), Isa::best()).image())
+        let scene = describe(&self.of(elements));
+        let frame = FrameScene::build(&scene, 0, Isa::best()).expect("the frame can be built");
+        let frame = if self.plain { frame.plain() } else { frame };
+        Picture(expose_frame(&scene, &frame).image())
     }
 }
 

@@ -189,7 +189,7 @@ impl Lanewise for Facing<'_> {
 #[inline(always)]
 fn face(directions: [&Column<f32>; 3], to: &mut Surfaces) {
     for i in lanes(to.len) {
-        let ray = to.ray[i] as usize % BATCH;
+        let ray = (to.ray[i] as usize).min(BATCH - 1);
         let outward = to.n_geo.get(i);
         let direction = Vec3::new(directions[0][ray], directions[1][ray], directions[2][ray]);
         let from_outside = direction.dot(outward) < 0.0;

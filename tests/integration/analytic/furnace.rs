@@ -6,7 +6,7 @@ use crate::support::{Shot, material};
 /// One object in a world of light 1.
 fn furnace(recursion: u32, samples: u32) -> Shot {
     let settings = "background { 1 1 1 }".to_owned();
-    Shot { fov: 0.2, recursion, samples, settings, ..Shot::default() }
+    Shot { fov: 0.2, recursion, samples, settings, plain: true, ..Shot::default() }
 }
 
 const SPHERE: &str = "sphere s { material m center { 0 0 0 } radius 1.5 }";

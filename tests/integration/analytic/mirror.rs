@@ -44,7 +44,7 @@ fn recursion_counts_bounces_after_the_first_hit() {
         let (own, reflectance) = if recursion % 2 == 0 { (0.3, 0.5) } else { (0.7, 0.25) };
         expected += weight * own;
         weight *= reflectance;
-        let shot = Shot { recursion, samples: 1, ..Shot::default() };
+        let shot = Shot { recursion, samples: 1, plain: true, ..Shot::default() };
         shot.take(&scene).assert_is([expected; 3], 1e-6);
     }
 }

@@ -51,7 +51,7 @@ struct Branch {
 }
 
 /// Rays that count less are left out at random.
-const LEAST_WEIGHT: f64 = 1.0 / 32.0;
+const LEAST_WEIGHT: f64 = 1.0 / 256.0;
 
 /// What there is to shade.
 struct Hit<'a> {
