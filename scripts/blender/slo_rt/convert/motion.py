@@ -9,9 +9,10 @@ from ..fit.motion import Break
 
 def instance_key(instance):
     """What tells an instance of the dependency graph from all others, at all times."""
-    parent = instance.parent.original.name_full if instance.parent else ""
     name = instance.object.original.name_full
-    return (name, parent, tuple(instance.persistent_id) if instance.is_instance else ())
+    if not instance.is_instance:
+        return (name, "", ())
+    return (name, instance.parent.original.name_full, tuple(instance.persistent_id))
 
 
 class Timeline:
@@ -50,9 +51,10 @@ class Timeline:
                 continue
             key = instance_key(instance)
             self._seen[key] = self._seen.get(key, 0) + 1
-            matrix = np.array(instance.matrix_world, np.float32)
+            # Blender's own matrices compare and copy many times quicker than arrays are made.
+            matrix = instance.matrix_world.copy()
             first = self._first.setdefault(key, matrix)
-            if first is not matrix and not np.array_equal(first, matrix):
+            if first != matrix:
                 self._changed.setdefault(key, {})[time] = matrix
         for camera in self._cameras:
             values = self._read_camera(camera, self._depsgraph)

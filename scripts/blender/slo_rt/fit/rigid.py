@@ -36,13 +36,20 @@ def axes_of(up, right):
     """
     right = _unit(right)
     up = _unit(_across(up, right))
-    return np.stack([right, np.cross(up, right), up], axis=-1)
+    return np.stack([right, cross(up, right), up], axis=-1)
 
 
 def angle_between(axes_a, axes_b):
     """Largest angle in radians between corresponding columns, for small angles."""
     chord = np.linalg.norm(axes_a - axes_b, axis=-2).max(axis=-1)
     return 2.0 * np.arcsin(np.clip(chord / 2.0, 0.0, 1.0))
+
+
+def cross(a, b):
+    """Vector products, shape (..., 3); many times quicker than numpy's for few vectors."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def _across(vector, direction):
