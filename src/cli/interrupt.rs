@@ -19,12 +19,13 @@ static GUARDED: AtomicBool = AtomicBool::new(false);
 #[cfg(target_os = "linux")]
 pub(super) fn listen() {
     use ctrlc::Signal;
+    let mut signals = Signal::SIGINT | Signal::SIGTERM | Signal::SIGHUP | Signal::SIGUSR1;
     let ignored = ignored_signals();
-    let is_heard = |signal: &Signal| (ignored >> (*signal as i32 - 1)) & 1 == 0;
-    let signals = [Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP, Signal::SIGUSR1];
-    let mut heard = signals.into_iter().filter(is_heard);
-    let Some(first) = heard.next() else { return };
-    let signals = heard.fold(first | first, |set, signal| set | signal);
+    for signal in [Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP, Signal::SIGUSR1] {
+        if (ignored >> (signal as i32 - 1)) & 1 == 1 {
+            signals.remove(signal);
+        }
+    }
     // Blocked in this thread and all that it starts, they wait for the one that asks for them.
     if signals.thread_block().is_ok() {
         let wait = move || {

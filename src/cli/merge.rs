@@ -57,7 +57,7 @@ impl Part {
         let recipe = serde_json::from_str(&subject.recipe).unwrap_or(Value::Null);
         let part = Self { path: path.to_owned(), subject, recipe };
         match part.recipe["version"].as_str() {
-            Some(version) if version == env!("CARGO_PKG_VERSION") => Ok(part),
+            Some(env!("CARGO_PKG_VERSION")) => Ok(part),
             other => {
                 let version = other.unwrap_or("no version");
                 let message = format!(

@@ -144,8 +144,8 @@ mod tests {
             let curved = read(format, Encoding::Srgb);
             assert_eq!(curved.values, Values::Srgb);
             for (i, rgb) in image.rgb.iter().enumerate().filter(|(i, _)| *i != 7) {
-                for c in 0..3 {
-                    let expected = rgb[c].clamp(0.0, 1.0);
+                for (c, radiance) in rgb.iter().enumerate() {
+                    let expected = radiance.clamp(0.0, 1.0);
                     assert!((raw.image.rgb[i][c] - expected).abs() <= 0.51 / steps);
                     assert!((curved.linear().rgb[i][c] - expected).abs() <= 1.3 / steps, "{i}");
                     assert!((exr.shown().rgb[i][c] - srgb(expected)).abs() < 1e-6);
