@@ -1,6 +1,7 @@
 //! How radiance is seen: the transfer curve of the picture, and errors as the viewer sees them.
 
 use super::Pixel;
+use crate::math::elementary::power;
 
 /// What a channel's radiance becomes on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +45,7 @@ pub fn srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 {
         12.92 * linear
     } else {
-        1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055
+        1.055 * power(linear, 1.0 / 2.4) - 0.055
     }
 }
 

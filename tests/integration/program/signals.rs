@@ -18,7 +18,7 @@ fn long() -> Folder {
 /// A second or a few of rendering.
 fn short(settings: &str) -> Folder {
     let text = SCENE.replace("imageSamples 2", settings);
-    Folder::with_scene(&text.replace("width 16 height 9", "width 150 height 90"))
+    Folder::with_scene(&text.replace("width 16 height 9", "width 250 height 150"))
 }
 
 /// Whether this process, and so its children, ignore SIGINT: `nohup` and background jobs of
@@ -104,7 +104,7 @@ fn check_resumed(settings: &str) {
     whole.printed("-q -s scene.txt");
     let folder = short(settings);
     let mut stops = 0;
-    for pause in (0..).map(|i| Duration::from_millis(150 + 40 * i)) {
+    for pause in (0..).map(|i| Duration::from_millis(30 + 30 * i)) {
         let mut child = start(&folder, "-s scene.txt -q");
         sleep(pause);
         if child.try_wait().unwrap().is_none() {
