@@ -188,7 +188,7 @@ fn a_picture_gets_more_samples() {
         let line = said.lines().find(|line| line.contains("rays: ")).unwrap().to_owned();
         line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
     };
-    let pixels = 150 * 90;
+    let pixels = 250 * 150;
     assert_eq!(rays("--samples 64 --keep-state"), 64 * pixels);
     assert_eq!(rays("--samples 100 --keep-state -od other"), 100 * pixels);
     assert_eq!(rays("--samples 256"), (256 - 64) * pixels, "it goes on from 64");
