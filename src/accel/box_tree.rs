@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 
+use super::{Isa, Lanewise, Rays};
 use crate::math::{Bounds, rounding::gamma};
 
 /// A binary tree over boxes, split at the median centre of the longest axis.
@@ -53,10 +54,43 @@ impl BoxTree {
         self.add(boxes, second);
     }
 
+    /// Lists for each box the rays that enter it before `reach`, in their order, and perhaps some
+    /// that miss it by a rounding error; a ray whose reach is negative enters none.
+    ///
+    /// `reach` is as long as the arrays of `rays`.
+    pub(crate) fn gather(
+        &self,
+        isa: Isa,
+        rays: &Rays,
+        reach: &[f32],
+        entering: &mut [Vec<u32>],
+        scratch: &mut BoxScratch,
+    ) {
+        entering.iter_mut().for_each(Vec::clear);
+        let Some(root) = self.nodes.first() else { return };
+        let BoxScratch { inverse, enters } = scratch;
+        isa.run(Invert { rays, to: inverse });
+        if self.nodes.len() < 2 * FEW {
+            for leaf in self.nodes.iter().filter(|node| node.is_leaf) {
+                let bounds = &leaf.bounds;
+                isa.run(Enter { bounds, rays, inverse, reach, to: enters });
+                let list = &mut entering[leaf.index as usize];
+                list.extend((0u32..).zip(&*enters).filter(|(_, is)| **is).map(|(i, _)| i));
+            }
+            return;
+        }
+        isa.run(Enter { bounds: &root.bounds, rays, inverse, reach, to: enters });
+        for i in (0..rays.len()).filter(|&i| enters[i]) {
+            self.visit(rays.origin(i), rays.direction(i), reach[i], |number| {
+                entering[number as usize].push(i as u32);
+            });
+        }
+    }
+
     /// Calls `visit` with the number of every box that the ray enters before `t_max`, and perhaps
     /// of some that it misses by a rounding error. The order is the tree's.
     #[inline]
-    pub fn visit(&self, origin: Vec3, direction: Vec3, t_max: f32, mut visit: impl FnMut(u32)) {
+    fn visit(&self, origin: Vec3, direction: Vec3, t_max: f32, mut visit: impl FnMut(u32)) {
         if self.nodes.is_empty() {
             return;
         }
@@ -81,11 +115,71 @@ impl BoxTree {
     }
 }
 
+/// So few boxes are tested for all rays at once, rather than the tree ray by ray.
+const FEW: usize = 16;
+
+/// Working memory of [`BoxTree::gather`].
+#[derive(Debug, Default)]
+pub(crate) struct BoxScratch {
+    /// 1 / direction of each ray.
+    inverse: [Vec<f32>; 3],
+    /// Whether each ray enters.
+    enters: Vec<bool>,
+}
+
+struct Invert<'a> {
+    rays: &'a Rays,
+    to: &'a mut [Vec<f32>; 3],
+}
+
+impl Lanewise for Invert<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let len = self.rays.len();
+        for (from, to) in self.rays.direction.iter().zip(self.to) {
+            to.resize(len, 0.0);
+            for (to, x) in to.iter_mut().zip(&from[..len]) {
+                *to = 1.0 / x;
+            }
+        }
+    }
+}
+
+/// [`enters`] for all rays.
+struct Enter<'a> {
+    bounds: &'a Bounds,
+    rays: &'a Rays,
+    inverse: &'a [Vec<f32>; 3],
+    reach: &'a [f32],
+    to: &'a mut Vec<bool>,
+}
+
+impl Lanewise for Enter<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let len = self.rays.len();
+        self.to.resize(len, false);
+        let to = &mut self.to[..len];
+        let [ox, oy, oz] = [0, 1, 2].map(|axis: usize| &self.rays.origin[axis][..len]);
+        let [ix, iy, iz] = [0, 1, 2].map(|axis: usize| &self.inverse[axis][..len]);
+        let reach = &self.reach[..len];
+        for i in 0..len {
+            let (origin, inverse) =
+                (Vec3::new(ox[i], oy[i], oz[i]), Vec3::new(ix[i], iy[i], iz[i]));
+            to[i] = reach[i] >= 0.0 && enters(self.bounds, origin, inverse, reach[i]);
+        }
+    }
+}
+
 /// Slab test that errs on the side of entering.
 ///
 /// Source: T. Ize, "Robust BVH Ray Traversal" (JCGT 2013): the far distances are enlarged by the
 /// error of the near ones.
-#[inline]
+#[inline(always)]
 fn enters(bounds: &Bounds, origin: Vec3, inverse: Vec3, t_max: f32) -> bool {
     const ENLARGE: f32 = 1.0 + 2.0 * gamma(3);
     let (mut near, mut far) = (0.0f32, t_max);
@@ -93,10 +187,11 @@ fn enters(bounds: &Bounds, origin: Vec3, inverse: Vec3, t_max: f32) -> bool {
         let a = (bounds.min[axis] - origin[axis]) * inverse[axis];
         let b = (bounds.max[axis] - origin[axis]) * inverse[axis];
         // A ray inside a slab's plane gives 0 * infinity: that slab excludes nothing.
-        if !(a.is_nan() || b.is_nan()) {
-            near = near.max(a.min(b));
-            far = far.min(a.max(b) * ENLARGE);
-        }
+        let counts = !(a.is_nan() || b.is_nan());
+        let (low, high) = if a < b { (a, b) } else { (b, a) };
+        near = if counts && low > near { low } else { near };
+        let high = high * ENLARGE;
+        far = if counts && high < far { high } else { far };
     }
     near <= far
 }
@@ -132,6 +227,33 @@ mod tests {
                     .collect();
                 assert_eq!(found, expected);
             }
+        }
+    }
+
+    #[test]
+    fn batches_enter_the_same_boxes() {
+        let mut rng = StdRng::seed_from_u64(2);
+        for (n, isa) in [0usize, 1, 5, 15, 16, 17, 60]
+            .into_iter()
+            .flat_map(|n| Isa::available().into_iter().map(move |isa| (n, isa)))
+        {
+            let boxes: Vec<_> = (0..n).map(|_| random_box(&mut rng)).collect();
+            let (tree, mut rays, mut reach) = (BoxTree::new(&boxes), Rays::default(), Vec::new());
+            for i in 0..101 {
+                let mut v =
+                    || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-6.0f32..6.0)));
+                rays.push(v(), v(), f32::INFINITY);
+                reach.push([1.5, f32::INFINITY, -1.0][i % 3]);
+            }
+            let mut entering = vec![Vec::new(); n];
+            tree.gather(isa, &rays, &reach, &mut entering, &mut BoxScratch::default());
+            let mut expected = vec![Vec::new(); n];
+            for i in (0..101).filter(|&i| reach[i] > 0.0) {
+                tree.visit(rays.origin(i), rays.direction(i), reach[i], |number| {
+                    expected[number as usize].push(i as u32);
+                });
+            }
+            assert_eq!(entering, expected, "{n} boxes, {isa}");
         }
     }
 

@@ -18,6 +18,7 @@ mod rays;
 mod simd;
 pub mod triangle;
 
+pub(crate) use box_tree::BoxScratch;
 pub use box_tree::BoxTree;
 pub use isa::Isa;
 pub(crate) use isa::Lanewise;

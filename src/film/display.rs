@@ -42,11 +42,7 @@ impl Display {
 ///
 /// Source: IEC 61966-2-1:1999, 5.3.
 pub fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * power(linear, 1.0 / 2.4) - 0.055
-    }
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * power(linear, 1.0 / 2.4) - 0.055 }
 }
 
 /// sRGB -> linear light; the inverse of [`srgb`].

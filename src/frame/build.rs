@@ -117,7 +117,7 @@ impl FrameScene {
         };
         Ok(Self {
             camera,
-            world: World::new(still, parts.instances),
+            world: World::new(still, parts.instances, isa),
             materials: scene.materials.iter().map(Material::from).collect(),
             lights: scene.lights.iter().map(|light| Light::new(light, origin)).collect(),
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),

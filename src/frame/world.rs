@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::accel::{BoxTree, Coherence, Hits, NO_HIT, Rays, Scratch, Structure};
+use crate::accel::{BoxScratch, BoxTree, Coherence, Hits, Isa, NO_HIT, Rays, Scratch, Structure};
 use crate::math::rounding::gamma;
 use crate::math::{Bounds, Rigid};
 
@@ -18,6 +18,7 @@ pub(crate) struct World {
     pub(super) still: Arc<Structure>,
     pub(super) instances: Vec<Instance>,
     boxes: BoxTree,
+    isa: Isa,
 }
 
 /// An object that moves within the shutter.
@@ -68,6 +69,9 @@ pub(crate) struct WorldHits {
 #[derive(Debug, Default)]
 pub(crate) struct WorldScratch {
     accel: Scratch,
+    /// How far each ray counts.
+    reach: Vec<f32>,
+    boxes: BoxScratch,
     /// For each instance the rays that enter its box.
     entering: Vec<Vec<u32>>,
     local: Rays,
@@ -76,9 +80,9 @@ pub(crate) struct WorldScratch {
 }
 
 impl World {
-    pub(super) fn new(still: Arc<Structure>, instances: Vec<Instance>) -> Self {
+    pub(super) fn new(still: Arc<Structure>, instances: Vec<Instance>, isa: Isa) -> Self {
         let boxes: Vec<_> = instances.iter().map(Instance::bounds).collect();
-        Self { still, instances, boxes: BoxTree::new(&boxes) }
+        Self { still, instances, boxes: BoxTree::new(&boxes), isa }
     }
 
     /// The first hit of every ray at its own time in `[0, 1]`.
@@ -97,7 +101,9 @@ impl World {
             return;
         }
         let reach = |t: f32, i: usize| t.min(rays.t_max[i]);
-        self.gather(rays, &mut scratch.entering, |i| Some(reach(found.hits.t[i], i)));
+        scratch.reach.clear();
+        scratch.reach.extend((0..rays.len()).map(|i| reach(found.hits.t[i], i)));
+        self.gather(rays, scratch);
         for (number, instance) in self.instances.iter().enumerate() {
             let entering = &scratch.entering[number];
             if entering.is_empty() {
@@ -137,7 +143,10 @@ impl World {
         if self.instances.is_empty() {
             return;
         }
-        self.gather(rays, &mut scratch.entering, |i| (!blocked[i]).then_some(rays.t_max[i]));
+        let reach = |i: usize| if blocked[i] { -1.0 } else { rays.t_max[i] };
+        scratch.reach.clear();
+        scratch.reach.extend((0..rays.len()).map(reach));
+        self.gather(rays, scratch);
         for (number, instance) in self.instances.iter().enumerate() {
             let entering = &mut scratch.entering[number];
             entering.retain(|&i| !blocked[i as usize]);
@@ -158,22 +167,11 @@ impl World {
         }
     }
 
-    /// Lists for each instance the rays that enter its box before `reach(ray)`, in order.
-    fn gather(
-        &self,
-        rays: &Rays,
-        entering: &mut Vec<Vec<u32>>,
-        reach: impl Fn(usize) -> Option<f32>,
-    ) {
+    /// Lists for each instance the rays that enter its box within their reach, in order.
+    fn gather(&self, rays: &Rays, scratch: &mut WorldScratch) {
+        let WorldScratch { reach, boxes, entering, .. } = scratch;
         entering.resize_with(self.instances.len(), Vec::new);
-        entering.iter_mut().for_each(Vec::clear);
-        for i in 0..rays.len() {
-            if let Some(t_max) = reach(i) {
-                self.boxes.visit(rays.origin(i), rays.direction(i), t_max, |number| {
-                    entering[number as usize].push(i as u32);
-                });
-            }
-        }
+        self.boxes.gather(self.isa, rays, reach, entering, boxes);
     }
 
     /// Bytes of all structures and poses.

@@ -31,6 +31,10 @@ pub(in crate::cli) struct MergeArgs {
     /// Say nothing but warnings and errors
     #[arg(short, long)]
     pub(in crate::cli) quiet: bool,
+
+    /// Help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
 }
 
 /// `verify`
@@ -60,6 +64,10 @@ pub(in crate::cli) struct VerifyArgs {
     /// Threads [all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(in crate::cli) threads: Option<u32>,
+
+    /// Help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
 }
 
 /// `compare`
@@ -90,6 +98,10 @@ pub(in crate::cli) struct CompareArgs {
     /// Fail where the mean of FLIP is larger
     #[arg(long, value_name = "X")]
     pub(in crate::cli) max_flip: Option<f64>,
+
+    /// Help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
 }
 
 /// `sheet`
@@ -111,4 +123,8 @@ pub(in crate::cli) struct SheetArgs {
     #[arg(long, value_name = "N", default_value_t = 240)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(in crate::cli) width: u32,
+
+    /// Help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
 }

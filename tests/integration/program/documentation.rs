@@ -54,3 +54,13 @@ fn the_scene_of_the_readme_renders() {
     let run = folder.run("-s scene.txt -f 50 --size 16x9 --samples 1 -q");
     assert_eq!((run.exit, &*run.printed, &*run.said), (0, "ball_00050.png\n", ""));
 }
+
+#[test]
+fn every_command_tells_about_itself() {
+    for command in ["merge", "verify", "compare", "sheet"] {
+        for flag in ["-h", "--help"] {
+            let help = Folder::new().printed(&format!("{command} {flag}"));
+            assert!(help.contains(&format!("Usage: slo-rt {command}")), "{help}");
+        }
+    }
+}
