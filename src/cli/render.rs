@@ -15,7 +15,7 @@ use super::{Exit, interrupt, load, patience};
 use crate::film::{Film, TooLarge};
 use crate::frame::FrameScene;
 use crate::output::{Outcome, check_free, check_writable};
-use crate::render::{Observer, Statistics, Steps, render, render_until};
+use crate::render::{Exposed, Observer, Statistics, Steps, render, render_until};
 use crate::scene::SceneDescription;
 
 /// Nanoseconds that encoding and writing a pixel take, about.
@@ -52,21 +52,13 @@ impl Studio<'_> {
         find_out_if_writable(expected, before.is_none())?;
         let watch =
             Watch { progress: progress.frame(frame, expected), checkpoint: self.checkpoint(frame) };
-        let begin = Instant::now();
-        let (film, least) = watch.checkpoint.film().map_err(too_large)?;
         let start = Instant::now();
+        let deadline = self.deadline(start);
         let built = load::frame(self.job, self.scene, frame, before.take())?;
         let building = start.elapsed();
         let start = Instant::now();
         let size = Size::of(&built);
-        let (exposed, steps) = match self.deadline(begin) {
-            None => (render(&built, self.target.plan(), film, &watch), None),
-            Some(end) => {
-                let plan = self.target.plan();
-                let (exposed, steps) = render_until(&built, plan, film, &watch, end, least);
-                (exposed, Some(steps))
-            }
-        };
+        let (exposed, steps) = self.expose(&built, deadline, &watch)?;
         let rendering = start.elapsed();
         let checkpoint = watch.checkpoint;
         if !exposed.is_complete {
@@ -90,6 +82,25 @@ impl Studio<'_> {
             Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
         *before = Some(built);
         Ok(Done { path, times, statistics: exposed.statistics, size, outcome })
+    }
+
+    /// Goes on from what is known of a frame, to the end of the plan or of the time; with time, how
+    /// far it came.
+    fn expose(
+        &self,
+        frame: &FrameScene,
+        deadline: Option<Instant>,
+        watch: &Watch,
+    ) -> Result<(Exposed, Option<Steps>), Problem> {
+        let plan = self.target.plan();
+        let (film, least) = watch.checkpoint.film().map_err(too_large)?;
+        Ok(match deadline {
+            None => (render(frame, plan, film, watch), None),
+            Some(deadline) => {
+                let (exposed, steps) = render_until(frame, plan, film, watch, deadline, least);
+                (exposed, Some(steps))
+            }
+        })
     }
 
     fn checkpoint(&self, frame: i64) -> Checkpoint {

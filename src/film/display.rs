@@ -1,7 +1,16 @@
 //! How radiance is seen: the transfer curve of the picture, and errors as the viewer sees them.
 
+use std::sync::LazyLock;
+
 use super::Pixel;
 use crate::math::elementary::power;
+
+/// Pieces that the curve is made of where errors are estimated.
+const PIECES: usize = 4096;
+
+/// The sRGB curve at the ends of the pieces.
+static CURVE: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..=PIECES).map(|i| srgb(i as f32 / PIECES as f32)).collect());
 
 /// What a channel's radiance becomes on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,12 +24,17 @@ pub enum Display {
 }
 
 impl Display {
-    /// The value that is shown for a channel of linear radiance.
-    pub fn value(self, radiance: f32) -> f32 {
+    /// The value that is shown for a channel of linear radiance, within 2e-5: what an error needs.
+    fn value(self, radiance: f32) -> f32 {
         match self {
             Self::Raw => radiance.clamp(0.0, 1.0),
-            Self::Srgb => srgb(radiance.clamp(0.0, 1.0)),
-            Self::Unclamped => srgb(radiance.max(0.0)),
+            Self::Unclamped if radiance > 1.0 => srgb(radiance),
+            Self::Srgb | Self::Unclamped => {
+                let at = radiance.clamp(0.0, 1.0) * PIECES as f32;
+                let piece = (at as usize).min(PIECES - 1);
+                let (low, high) = (CURVE[piece], CURVE[piece + 1]);
+                low + (high - low) * (at - piece as f32)
+            }
         }
     }
 
@@ -61,6 +75,15 @@ mod tests {
             pixel.add([Fixed::new(value).unwrap(); 3], 1);
         }
         pixel
+    }
+
+    #[test]
+    fn the_curve_in_pieces_is_the_curve() {
+        for i in 0..=100_000 {
+            let x = i as f32 / 50_000.0;
+            let (shown, expected) = (Display::Unclamped.value(x), srgb(x));
+            assert!((shown - expected).abs() < 2e-5, "{x}: {shown} {expected}");
+        }
     }
 
     #[test]

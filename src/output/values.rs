@@ -1,5 +1,7 @@
 //! Radiance -> the values of a file.
 
+use std::sync::LazyLock;
+
 use crate::film::srgb;
 use crate::scene::Encoding;
 
@@ -8,9 +10,36 @@ pub(super) fn finite(radiance: f32) -> f32 {
     if radiance.is_finite() { radiance } else { 0.0 }
 }
 
+/// For each value of 8 bits the least linear light that is rounded to it, 0 left out.
+static LEAST_OF_8_BITS: LazyLock<Vec<f32>> = LazyLock::new(|| (1..=255).map(least_of).collect());
+
+/// The least linear light that is rounded to `value` of 8 bits on the sRGB curve.
+fn least_of(value: u16) -> f32 {
+    // Floats that are not negative are ordered as their bits are.
+    let (mut below, mut from) = (0, 1.0f32.to_bits());
+    while below + 1 < from {
+        let middle = below + (from - below) / 2;
+        if rounded(f32::from_bits(middle), Encoding::Srgb, 255) < value {
+            below = middle;
+        } else {
+            from = middle;
+        }
+    }
+    f32::from_bits(from)
+}
+
 /// A channel as an integer from 0 to `max`, rounded to the nearest.
 pub(super) fn quantised(radiance: f32, encoding: Encoding, max: u16) -> u16 {
     let clamped = finite(radiance).clamp(0.0, 1.0);
+    if encoding == Encoding::Srgb && max == 255 {
+        // The same as below, without the power.
+        return LEAST_OF_8_BITS.partition_point(|least| *least <= clamped) as u16;
+    }
+    rounded(clamped, encoding, max)
+}
+
+/// A channel from 0 to 1 as an integer from 0 to `max`, rounded to the nearest.
+fn rounded(clamped: f32, encoding: Encoding, max: u16) -> u16 {
     let encoded = match encoding {
         Encoding::Raw => clamped,
         Encoding::Srgb => srgb(clamped),
@@ -42,6 +71,14 @@ mod tests {
     fn what_is_no_number_is_black() {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             check(bad, 0, 0);
+        }
+    }
+
+    #[test]
+    fn eight_bits_are_rounded_as_the_curve_says() {
+        for i in 0..=200_000 {
+            let x = i as f32 / 200_000.0;
+            assert_eq!(quantised(x, Encoding::Srgb, 255), rounded(x, Encoding::Srgb, 255), "{x}");
         }
     }
 
