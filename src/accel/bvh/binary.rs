@@ -66,7 +66,7 @@ pub(super) struct BinaryTree {
 
 impl BinaryTree {
     /// Builds the hierarchy; ids from `first_curved` are of curved surfaces, which never share a
-    /// leaf. `extent` is the box about all references and the one about their [centres]
+    /// leaf. `extent` is the box about all references and the one about their centres
     /// (Reference::center).
     pub(super) fn build(
         mut references: Vec<Reference>,
