@@ -17,11 +17,11 @@ pub struct Distances {
     pub relative_mse: f64,
     /// Decibels of a range of 1 over `rmse`; infinite for the same values.
     pub psnr: f64,
-    /// Mean of [`flip`].
+    /// Mean of [`flip()`].
     pub flip: f64,
 }
 
-/// The distances, and the map of [`flip`], row by row; `None` where the sizes differ.
+/// The distances, and the map of [`flip()`], row by row; `None` where the sizes differ.
 pub fn compare(picture: &Raster, reference: &Raster) -> Option<(Distances, Vec<f32>)> {
     let size = |raster: &Raster| (raster.image.width, raster.image.height);
     if size(picture) != size(reference) {
