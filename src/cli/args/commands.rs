@@ -61,7 +61,7 @@ pub(in crate::cli) struct VerifyArgs {
     #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     pub(in crate::cli) tiles: u32,
 
-    /// Threads; all of the machine if not given
+    /// Threads (all)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(in crate::cli) threads: Option<u32>,
 
