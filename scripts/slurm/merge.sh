@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# The job that puts the parts together, which submit.sh submits with the variables in front.
+# shellcheck disable=SC2154
+
+failed=0
+for picture in "${pictures[@]}"; do
+    name=${picture##*/}
+    files=("$outdir/parts/${name%.*}".*-of-"$parts".part)
+    if "$program" merge "${files[@]}" --outdir "$outdir"; then
+        rm -f -- "${files[@]}"
+    else
+        failed=$?
+    fi
+done
+rmdir -- "$outdir/parts" 2>/dev/null
+exit "$failed"

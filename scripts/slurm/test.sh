@@ -1,0 +1,172 @@
+#!/usr/bin/env bash
+# Renders on a Slurm of two nodes, both on this machine, and kills one of them in the middle of a frame.
+set -euo pipefail
+
+usage='usage: test.sh [--install]
+
+Starts munged, slurmctld and two slurmd with a configuration of their own in a temporary folder,
+renders a short sequence by submit.sh, kills a node in the middle of a frame, and compares all
+pictures with those of a local run; then a frame in parts, one of them stopped as by a time limit.
+Needs root, and Debian'\''s slurm-wlm and munge; --install gets them with apt-get.
+The program is $SLO_RT, or slo-rt of this checkout (target/release).
+Exit code: 0 all is right; 1 something is wrong; 2 wrong usage; 3 what it needs is not there.'
+
+case ${1-} in
+'' | --install) ;;
+-h | --help) printf '%s\n' "$usage" && exit 0 ;;
+*) printf '%s\n' "$usage" >&2 && exit 2 ;;
+esac
+lack() {
+    printf 'SKIPPED: the test of Slurm needs %s\n' "$1" >&2
+    exit 3
+}
+((EUID == 0)) || lack root
+needed() { type -P munged slurmctld slurmd sbatch >/dev/null; }
+if ! needed && [[ ${1-} == --install ]]; then
+    export DEBIAN_FRONTEND=noninteractive RUNLEVEL=1
+    { timeout 120 apt-get update && timeout 120 apt-get install -y --no-install-recommends slurm-wlm munge; } \
+        >/dev/null 2>&1 || lack 'apt-get that can install slurm-wlm and munge'
+fi
+needed || lack 'slurm-wlm and munge, which --install installs'
+
+here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+SLO_RT=$(realpath -- "${SLO_RT:-$here/../../target/release/slo-rt}")
+export SLO_RT
+[[ -x $SLO_RT ]] || lack 'slo-rt, built by cargo build --release'
+cd -- "$here/../.."
+scene=scenes/default.txt
+
+folder=$(mktemp -d)
+chmod 755 "$folder"
+export SLURM_CONF=$folder/slurm.conf
+# Whatever this test has started knows its configuration; nothing else does.
+processes() { grep -lzFx "SLURM_CONF=$SLURM_CONF" /proc/[0-9]*/environ 2>/dev/null | cut -d / -f 3; }
+finish() {
+    local code=$? pids
+    trap - EXIT
+    if ((code != 0)); then
+        tail -n 20 "$folder"/*.log "$folder"/*/log/* >&2 || true
+    fi
+    # Jobs are killed by their nodes, and started by the controller: more than one round.
+    for _ in 1 2 3; do
+        mapfile -t pids < <(processes)
+        kill -KILL "${pids[@]}" 2>/dev/null || true
+    done
+    rm -rf "$folder"
+    exit "$code"
+}
+trap finish EXIT
+fail() {
+    printf 'test.sh: %s\n' "$1" >&2
+    exit 1
+}
+say() { printf '%3ds %s\n' "$SECONDS" "$1"; }
+await() {
+    local seconds=$1 what=$2
+    shift 2
+    local end=$((SECONDS + seconds))
+    until "$@" >/dev/null 2>&1; do
+        ((SECONDS < end)) || fail "waited ${seconds} s for $what"
+        sleep 0.2
+    done
+}
+
+port=$((20000 + RANDOM % 20000))
+host=$(hostname -s)
+cat >"$SLURM_CONF" <<END
+ClusterName=test
+SlurmctldHost=$host(127.0.0.1)
+SlurmctldPort=$port
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/munge
+AuthInfo=socket=$folder/munge.socket,cred_expire=5
+StateSaveLocation=$folder/state
+SlurmdSpoolDir=$folder/%n.spool
+SlurmctldPidFile=$folder/slurmctld.pid
+SlurmdPidFile=$folder/%n.pid
+SlurmctldLogFile=$folder/slurmctld.log
+SlurmdLogFile=$folder/%n.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/linear
+MpiDefault=none
+ReturnToService=2
+SlurmdTimeout=6
+KillWait=5
+SlurmdParameters=config_overrides
+SchedulerParameters=sched_interval=2,bf_interval=2
+NodeName=n1 NodeHostname=$host NodeAddr=127.0.0.1 Port=$((port + 1)) CPUs=1
+NodeName=n2 NodeHostname=$host NodeAddr=127.0.0.1 Port=$((port + 2)) CPUs=1
+PartitionName=all Nodes=n1,n2 Default=YES MaxTime=INFINITE State=UP
+END
+# Versions before 23.02 take none for an answer, but use none with proctrack/linuxproc.
+IFS=' .' read -r _ major minor _ < <(sbatch --version)
+if ((10#$major * 100 + 10#$minor >= 2302)); then cgroup=disabled; else cgroup=cgroup/v1; fi
+echo "CgroupPlugin=$cgroup" >"$folder/cgroup.conf"
+mkdir "$folder/state" "$folder/n1.spool" "$folder/n2.spool"
+
+(umask 077 && head -c 1024 /dev/urandom >"$folder/munge.key")
+start() {
+    "$@" >/dev/null 2>&1 &
+    disown
+}
+start munged --force --foreground --socket="$folder/munge.socket" --key-file="$folder/munge.key" \
+    --pid-file="$folder/munge.pid" --log-file="$folder/munge.log" --seed-file="$folder/munge.seed"
+await 10 munged munge -n -S "$folder/munge.socket"
+start slurmctld -D -i
+await 20 slurmctld scontrol ping
+start slurmd -D -N n1
+node=$!
+start slurmd -D -N n2
+idle() { [[ $(sinfo -h -n "$1" -o %T) == idle ]]; }
+await 30 'node n1' idle n1
+await 30 'node n2' idle n2
+say 'two nodes are there'
+
+options=(--size 256x144 --checkpoint 1)
+all_done() { [[ -z $(squeue -h -o %i) ]]; }
+# Task and job on node n1, once a checkpoint shows that it is in the middle of its frame.
+mid_frame() {
+    read -r task job < <(squeue -h -t R -w n1 -o '%K %A') && compgen -G "$1"
+}
+check() {
+    local path count=0
+    while read -r path; do
+        cmp -- "$folder/local/${path##*/}" "$folder/farm/${path##*/}" ||
+            fail "${path##*/} is not the one of a local run"
+        count=$((count + 1))
+    done
+    [[ -z $(find "$folder/farm" -name '.slo-rt-*') ]] || fail 'a checkpoint was left'
+    say "$count pictures, byte for byte those of a local run"
+}
+
+frames=-1-2
+array=$("$here/submit.sh" "$scene" "$frames" "${options[@]}" --outdir "$folder/farm")
+# The first tasks of the array, frames -1 and 0, start on the two nodes.
+await 60 'a checkpoint on node n1' mid_frame "$folder/farm/.slo-rt-*.state"
+mapfile -t killed < <(grep -lzFx "SLURM_JOB_ID=$job" $(processes | sed 's|.*|/proc/&/environ|') 2>/dev/null |
+    cut -d / -f 3)
+mapfile -t steps < <(pgrep -f "^slurmstepd: \[$job\.")
+kill -KILL "$node" "${killed[@]}" "${steps[@]}"
+say "node n1 is killed in task $task"
+await 150 'all frames' all_done
+grep -q ', run 2$' "$folder/farm/log/slurm-${array}_$task.log" || fail "task $task was not queued again"
+"$SLO_RT" -q --scene "$scene" --frame="$frames" "${options[@]}" --outdir "$folder/local" | check
+again=$("$here/submit.sh" "$scene" "$frames" "${options[@]}" --outdir "$folder/farm" 2>&1)
+[[ $again == *'all frames are finished' ]] || fail "submitted again: $again"
+
+start slurmd -D -N n1
+await 30 'node n1' idle n1
+options+=(--samples 200)
+array=$("$here/submit.sh" --parts 3 "$scene" 5 "${options[@]}" --outdir "$folder/farm")
+# The second line is the job that merges.
+array=${array%%$'\n'*}
+await 60 'a checkpoint on node n1' mid_frame "$folder/farm/parts/.slo-rt-*.state"
+# What Slurm does before the time limit.
+scancel --batch --signal=USR1 "$job"
+say "task $task is stopped"
+await 150 'all parts' all_done
+grep -q ', run 2$' "$folder/farm/log/slurm-${array}_$task.log" || fail "task $task was not queued again"
+"$SLO_RT" -q --scene "$scene" --frame=5 "${options[@]}" --outdir "$folder/local" | check
+[[ ! -e $folder/farm/parts ]] || fail 'parts were left'
