@@ -14,6 +14,7 @@
 //!
 //! Prints a line of JSON for the structure, and one for each set.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -201,7 +202,7 @@ fn run(options: &Options) -> Result<(), String> {
     let structure = Structure::build(accelerator, Primitives { triangles, curved: vec![] }, isa);
     let build = start.elapsed().as_secs_f64();
     let bytes = structure.memory() as f64 / count.max(1) as f64;
-    println!(r#"{{"build_s":{build:.4},"bytes_per_triangle":{bytes:.1}}}"#);
+    print(&format!(r#"{{"build_s":{build:.4},"bytes_per_triangle":{bytes:.1}}}"#))?;
     for (i, set) in sets.iter().enumerate() {
         let coherence = if i < COHERENT_SETS { Coherence::Coherent } else { Coherence::Incoherent };
         let rays = set.stored.len();
@@ -220,11 +221,16 @@ fn run(options: &Options) -> Result<(), String> {
             .fold(f64::INFINITY, f64::min);
         let speed = rays as f64 / best / 1e6;
         let share = disagreements as f64 / rays.max(1) as f64;
-        println!(
+        print(&format!(
             r#"{{"set":{i},"rays":{rays},"mrays_per_s":{speed:.3},"disagreement":{share:.3e}}}"#
-        );
+        ))?;
     }
     Ok(())
+}
+
+/// Prints a line; whoever reads may have gone.
+fn print(line: &str) -> Result<(), String> {
+    writeln!(std::io::stdout(), "{line}").map_err(|error| format!("can't print: {error}"))
 }
 
 fn main() -> ExitCode {
