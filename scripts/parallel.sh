@@ -5,8 +5,8 @@ set -euo pipefail
 usage='usage: parallel.sh [options] SCENE FRAMES [options of slo-rt]
 
 Renders the frames of SCENE that are not finished yet, a run of slo-rt for each.
-  parallel.sh --hosts anna,bert,: table.txt 1-800 -od output/table
-  parallel.sh --jobs 2 table.txt 1-800 -od output/table --threads 4
+  parallel.sh --hosts anna,bert,: table.txt 1-100 -od output/table
+  parallel.sh --jobs 2 table.txt 1-100 -od output/table --threads 4
 
 The hosts share this folder under the same path, and ssh reaches them without a password. The same
 command again renders what is missing; a frame whose host or connection dies is tried on another
@@ -21,7 +21,7 @@ the same path. Prints the paths of the pictures. Exit code: 0 all frames are the
 frames failed, 101 more of them; 2 wrong usage, too; that of slo-rt where the scene has errors.'
 
 fail_usage() {
-    printf 'parallel.sh: %s\n\n%s\n' "$1" "$usage" >&2
+    printf 'parallel.sh: %s; --help says more\n' "$1" >&2
     exit 2
 }
 
@@ -53,7 +53,8 @@ program=${SLO_RT:-$here/../target/release/slo-rt}
 program=$(type -P -- "$program") || fail_usage 'there is no slo-rt; $SLO_RT says where it is'
 
 run=("$(realpath -- "$program")" --scene "$scene" --skip-existing "$@")
-plan=$("${run[@]}" -q --frame="$frames" --dry-run)
+[[ " $* " == *' --progress'* ]] || run+=(--progress none)
+plan=$("${run[@]}" --frame="$frames" --dry-run)
 # A mistake in the scene has shown by now, here and not on a host; what is missing is one task each.
 missing=$(awk -F '\t' '$3 != "finished" { print $1 }' <<<"$plan")
 if [[ -z $missing ]]; then
@@ -62,4 +63,4 @@ if [[ -z $missing ]]; then
 fi
 # TERM first, so that frames are kept when this script is stopped.
 parallel --will-cite --sshlogin "$hosts" --workdir "$PWD" --jobs "$jobs" --retries "$retries" \
-    --line-buffer --termseq TERM,10000,KILL,25 "${run[@]@Q}" --progress none --frame={} <<<"$missing"
+    --line-buffer --termseq TERM,10000,KILL,25 "${run[@]@Q}" --frame={} <<<"$missing"

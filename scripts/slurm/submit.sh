@@ -5,8 +5,8 @@ set -euo pipefail
 usage='usage: submit.sh [options] SCENE FRAMES [options of slo-rt]
 
 Submits the frames of SCENE that are not finished yet to Slurm: an array of jobs, a frame each.
-  submit.sh table.txt 1-800 -od output/table
-  submit.sh --chunk 10 --sbatch --partition=render table.txt 1-800 -od output/table
+  submit.sh table.txt 1-100 -od output/table
+  submit.sh --chunk 10 --sbatch --partition=render table.txt 1-100 -od output/table
   submit.sh --parts 40 table.txt 15 -od output/table --size 15360x8640
 
 Needs a folder that all nodes share, under the same path. The same command again submits what is
@@ -22,11 +22,12 @@ goes on from there; so is one whose node dies.
 Each job has a node to itself; with --sbatch --cpus-per-task=8 it has 8 processors of a node.
 Logs are in the folder `log` of the output folder. The program is $SLO_RT, or slo-rt of this
 checkout (target/release), or slo-rt of the path.
-Prints the numbers of the jobs. Exit code: 0 submitted, or nothing is to do; 2 wrong usage; that of
-slo-rt where the scene has errors; that of sbatch.'
+Prints the numbers of the jobs. Exit code: 0 submitted, or nothing is to do; 2 wrong usage, or
+nothing but frames that the scene does not have; that of slo-rt where the scene has errors; that of
+sbatch.'
 
 fail_usage() {
-    printf 'submit.sh: %s\n\n%s\n' "$1" "$usage" >&2
+    printf 'submit.sh: %s; --help says more\n' "$1" >&2
     exit 2
 }
 
@@ -87,19 +88,22 @@ program=${SLO_RT:-$here/../../target/release/slo-rt}
 program=$(type -P -- "$program") || fail_usage 'there is no slo-rt; $SLO_RT says where it is'
 
 # slo-rt says which frames are to be rendered; a mistake in the scene shows here and not on a node.
-plan=$("$program" -q --scene "$scene" --frame="$frames" --outdir "$outdir" \
+plan=$("$program" --scene "$scene" --frame="$frames" --outdir "$outdir" \
     ${options[@]+"${options[@]}"} --skip-existing --dry-run)
-missing=() pictures=()
+missing=() pictures=() absent=0
 while IFS=$'\t' read -r frame path state; do
     case $state in
     finished) ;;
-    'no such frame') printf 'submit.sh: the scene has no frame %s\n' "$frame" >&2 ;;
+    'no such frame')
+        printf 'submit.sh: the scene has no frame %s\n' "$frame" >&2
+        absent=2
+        ;;
     *) missing+=("$frame") pictures+=("$path") ;;
     esac
 done <<<"$plan"
 if ((${#missing[@]} == 0)); then
-    printf 'submit.sh: all frames are finished\n' >&2
-    exit 0
+    ((absent != 0)) || printf 'submit.sh: all frames are finished\n' >&2
+    exit "$absent"
 fi
 
 # An element for each job of the array: its frames, and with --parts which part.
