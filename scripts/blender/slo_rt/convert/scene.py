@@ -77,7 +77,7 @@ class _Writer:
             raise ValueError("the scene has no camera")
         os.makedirs(self.folder, exist_ok=True)
         job.set_frame(float(job.first))
-        self.background = world.background(self.scene.world, self.report)
+        self.background = world.background(self._now(self.scene.world), self.report)
         collector = Collector(self._store_mesh, self._uv_map_of, self.report)
         found = collector.take_stock(job.depsgraph)
         self._measure(found.things)
@@ -94,6 +94,10 @@ class _Writer:
         text = scene_text.write(head + elements + objects, self._comments())
         _write_text(job.scene_path, text)
         return self.report
+
+    def _now(self, item):
+        """An item of Blender's data with the values of the frame that is evaluated; None for None."""
+        return item.evaluated_get(self.job.depsgraph) if item else None
 
     def _comments(self):
         lines = [
@@ -237,7 +241,7 @@ class _Writer:
         if key not in self.finishes:
             ambient = [c * self.values.world_light for c in self.background]
             name = self.names["material"].new(item.name if item else "no_material")
-            self.finishes[key] = name, material.finish(item, ambient, self.report)
+            self.finishes[key] = name, material.finish(self._now(item), ambient, self.report)
         return self.finishes[key]
 
     def _material_name(self, item):
@@ -288,7 +292,7 @@ class _Writer:
         for lamp in lamps:
             elements += light.elements_of_light(
                 names.new(lamp.name),
-                lamp.light,
+                self._now(lamp.light),
                 lamp.matrix,
                 self.center,
                 self.diagonal,

@@ -342,6 +342,27 @@ class SceneTest(unittest.TestCase):
         self.assertEqual(self.scene.render.engine, "CYCLES")
         self.assertEqual(self.scene.frame_current, 7)
 
+    def test_what_changes_is_as_at_the_first_frame_whatever_frame_is_shown(self):
+        lamp = bpy.data.lights.new("Lamp", "POINT")
+        thing = bpy.data.objects.new("Lamp", lamp)
+        thing.location = (0.0, -3.0, 3.0)
+        self.scene.collection.objects.link(thing)
+        material, shader = self.material()
+        blend.cube().data.materials.append(material)
+        color = shader.inputs["Base Color"]
+        for frame, energy, rgb in ((1, 1000.0, (1.0, 0.0, 0.0)), (25, 10.0, (0.0, 0.0, 1.0))):
+            lamp.energy = energy
+            lamp.keyframe_insert("energy", frame=frame)
+            color.default_value = (*rgb, 1.0)
+            color.keyframe_insert("default_value", frame=frame)
+        texts = []
+        for shown in (1, 25):
+            self.scene.frame_set(shown)
+            texts.append(blend.export_text())
+        self.assertEqual(*texts)
+        info = scene_reader.read(texts[0]).all("phong_info")[0]
+        self.assertGreater(info.values["diffuse"][0][0], info.values["diffuse"][0][2])
+
     def test_no_camera_is_an_error(self):
         blend.cube()
         self.scene.camera = None
