@@ -23,13 +23,26 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
 /// Finds out whether anything but a file is in the way of a file at `path`.
 ///
 /// # Errors
-/// `path` is a folder, or can't be one of a file.
+/// `path` is a folder, a device, a pipe or a link to one, or can't be one of a file.
 pub fn check_free(path: &Path) -> io::Result<()> {
-    match fs::symlink_metadata(path) {
+    match fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(there) if !there.is_file() => Err(not_regular()),
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => Ok(()),
     }
+}
+
+/// Opens a file to be read, but nothing that would keep the reader waiting.
+///
+/// # Errors
+/// What the system says; `path` is a device or a pipe.
+pub(super) fn open_regular(path: &Path) -> io::Result<File> {
+    if fs::metadata(path)?.is_file() { File::open(path) } else { Err(not_regular()) }
+}
+
+fn not_regular() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, "a device, a pipe or a folder is there, no file")
 }
 
 /// Has `write` fill a new file beside `path`, then gives it that name; an older file of that name
@@ -41,6 +54,7 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> io::Result<()> {
+    check_free(path)?;
     let mut temporary = temporary_beside(path)?;
     write(temporary.as_file_mut())?;
     temporary.as_file().sync_all()?;
@@ -122,6 +136,25 @@ mod tests {
         let long = "x".repeat(300);
         assert!(check_writable(&folder.path().join(long)).is_err());
         assert!(write_atomically(&folder.path().join("none/a.png"), |_| Ok(())).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_pipes_are_neither_replaced_nor_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink("/dev/null", &link).unwrap();
+        for path in [&pipe, &link] {
+            assert!(check_writable(path).is_err());
+            assert!(write_atomically(path, |_| Ok(())).is_err());
+            assert!(open_regular(path).is_err());
+        }
+        let mut names = names(folder.path());
+        names.sort_unstable();
+        assert_eq!(names, ["link", "pipe"]);
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use super::file::open_regular;
 use super::recipe::{RecipeError, read_recipe, steps_of, with_steps};
 use super::{read_state, without_outcome};
 use crate::film::Subject;
@@ -32,7 +33,7 @@ pub fn find_picture(path: &Path, recipe: &str) -> Found {
         Err(RecipeError::NoRecipe) => return Found::Stale("no recipe of slo-rt".into()),
         Err(_) => return Found::Damaged,
     };
-    if !File::open(path).and_then(is_whole).unwrap_or(false) {
+    if !open_regular(path).and_then(is_whole).unwrap_or(false) {
         Found::Damaged
     } else if found == recipe {
         Found::Finished

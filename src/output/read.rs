@@ -1,11 +1,11 @@
 //! Pictures that are there already -> their values.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
 use exr::prelude::{ReadChannels, ReadLayers};
 
+use super::file::open_regular;
 use crate::film::{Image, linear, srgb};
 
 /// What the values of a file mean.
@@ -34,7 +34,7 @@ impl Raster {
     /// # Errors
     /// What the system says, or what is wrong with the file.
     pub fn read(path: &Path) -> Result<Self, String> {
-        let file = File::open(path).map_err(|error| error.to_string())?;
+        let file = open_regular(path).map_err(|error| error.to_string())?;
         Self::decode(BufReader::new(file))
     }
 

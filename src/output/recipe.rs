@@ -11,6 +11,7 @@ use std::path::Path;
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 
+use super::file::open_regular;
 use crate::film::Area;
 use crate::render::Steps;
 use crate::sampling::Generator;
@@ -230,7 +231,7 @@ impl std::error::Error for RecipeError {}
 /// # Errors
 /// See [`RecipeError`].
 pub fn read_recipe(path: &Path) -> Result<String, RecipeError> {
-    let mut file = File::open(path).map_err(RecipeError::Io)?;
+    let mut file = open_regular(path).map_err(RecipeError::Io)?;
     let mut magic = Vec::new();
     Read::take(&mut file, 4).read_to_end(&mut magic).map_err(RecipeError::Io)?;
     file.rewind().map_err(RecipeError::Io)?;

@@ -19,6 +19,7 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
+use super::file::open_regular;
 use super::write_atomically;
 use crate::film::{Area, Film, Fixed, Pixel, Spread, State, Subject};
 
@@ -101,7 +102,7 @@ fn put_color(out: &mut impl Write, color: [Fixed; 3]) -> io::Result<()> {
 /// # Errors
 /// What the system says, and `InvalidData` with what is wrong.
 pub fn read_state(path: &Path) -> io::Result<State> {
-    read(File::open(path)?).map_err(cut_off)
+    read(open_regular(path)?).map_err(cut_off)
 }
 
 /// What the state at `path` is of, and whether it is complete; its samples are not looked at.
@@ -109,7 +110,7 @@ pub fn read_state(path: &Path) -> io::Result<State> {
 /// # Errors
 /// As [`read_state`].
 pub fn read_subject(path: &Path) -> io::Result<(Subject, bool)> {
-    let header = Header::read(&mut BufReader::new(File::open(path)?)).map_err(cut_off)?;
+    let header = Header::read(&mut BufReader::new(open_regular(path)?)).map_err(cut_off)?;
     header.check(u64::MAX)?;
     Ok((header.subject, header.is_complete))
 }
