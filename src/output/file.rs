@@ -38,11 +38,12 @@ pub fn check_free(path: &Path) -> io::Result<()> {
 /// # Errors
 /// What the system says; `path` is a device or a pipe.
 pub(super) fn open_regular(path: &Path) -> io::Result<File> {
-    if fs::metadata(path)?.is_file() { File::open(path) } else { Err(not_regular()) }
+    let there = fs::metadata(path)?;
+    if there.is_file() || there.is_dir() { File::open(path) } else { Err(not_regular()) }
 }
 
 fn not_regular() -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidInput, "a device, a pipe or a folder is there, no file")
+    io::Error::new(io::ErrorKind::InvalidInput, "a device or a pipe is there, no file")
 }
 
 /// Has `write` fill a new file beside `path`, then gives it that name; an older file of that name
