@@ -23,8 +23,9 @@ def unregister():
     """Called by Blender when the extension is switched off."""
     import bpy
 
-    from . import operators, panels, properties
+    from . import engine, operators, panels, properties
 
+    engine.remove_work_folders()
     panels.leave_shared_panels()
     bpy.types.TOPBAR_MT_file_export.remove(operators.draw_export_menu)
     properties.detach()

@@ -26,9 +26,10 @@ def fcurves(animation_data):
 
 
 def is_animated(owner):
-    """Whether F-curves or drivers act on `owner`."""
+    """Whether F-curves, strips of the nonlinear animation or drivers act on `owner`."""
     animation = owner.animation_data
-    return bool(animation and (fcurves(animation) or animation.drivers))
+    strips = animation and any(track.strips for track in animation.nla_tracks)
+    return bool(animation and (strips or fcurves(animation) or animation.drivers))
 
 
 def node_tree(owner):

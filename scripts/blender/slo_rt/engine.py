@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine: writes the frame as a scene, runs slo-rt, shows its picture."""
 
+import hashlib
 import math
 import os
+import shutil
 import tempfile
 import time
 
@@ -30,12 +32,14 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
     bl_use_preview = False
     bl_use_eevee_viewport = True
     bl_use_postprocess = True
+    hint = ""  # what the line above the picture warns of
 
     def render(self, depsgraph):
         """Called by Blender for each frame and view layer."""
-        request = exports.take_request()
+        request = exports.request()
         if request:
-            self._export(depsgraph, request)
+            if request.view_layer == depsgraph.view_layer.name:
+                self._export(depsgraph, request)
             return
         try:
             self._render_frame(depsgraph)
@@ -54,6 +58,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             last=request.last,
             prefix=request.prefix,
             output=request.output,
+            notes=request.notes,
         )
         try:
             request.report = write_scene(job)
@@ -71,7 +76,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         found = program.find(preferences.preferred_path())
         scene = depsgraph.scene
         frame = scene.frame_current
-        folder = work_folder(scene.name)
+        folder = work_folder(scene.name, depsgraph.view_layer.name)
         self.update_stats("slo-rt", f"Writing frame {frame}")
         job = Job(
             depsgraph=depsgraph,
@@ -83,14 +88,15 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             output="EXR_IMAGE",
             by_content=True,
         )
-        self._tell(write_scene(job), scene, frame)
+        self._tell(write_scene(job), frame == scene.frame_start)
         self._set_frame(float(frame))
         remove_stale_meshes(job.scene_path)
         self._run_passes(Run(found, job, scene.render), depsgraph)
 
-    def _tell(self, report, scene, frame):
+    def _tell(self, report, is_first):
         last_notes[:] = report.lines()
-        if not self.is_animation or frame == scene.frame_start:
+        self.hint = report.hint
+        if not self.is_animation or is_first:
             for line in last_notes:
                 self.report({"INFO"}, f"slo-rt: {line}")
 
@@ -129,12 +135,21 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             self.update_stats("slo-rt", "Stopped")
             return False
         if not outcome.succeeded:
-            raise RenderFailed(f"slo-rt: {outcome.complaint()}\n(scene: {run.job.scene_path})")
+            raise RenderFailed(
+                f"slo-rt: {outcome.complaint()}\n"
+                f"(frame {run.job.first} of scene {run.job.scene_path})"
+            )
         return True
 
     def _show_progress(self, fraction, samples):
         self.update_progress(fraction)
-        self.update_stats("slo-rt", f"{samples} samples, {100.0 * fraction:.0f} %")
+        self.update_stats("slo-rt", self._info(fraction, samples))
+
+    def _info(self, fraction, samples):
+        """What the line above the picture says."""
+        count = "1 sample" if samples == 1 else f"{samples} samples"
+        parts = [self.hint, count, f"{100.0 * fraction:.0f} %"]
+        return ", ".join(part for part in parts if part)
 
     def _should_stop(self):
         return self.test_break()
@@ -147,7 +162,10 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         # Blender cuts the result down to the border.
         right, top = run.left + result.resolution_x, run.bottom + result.resolution_y
         shown = np.ascontiguousarray(pixels[run.bottom : top, run.left : right])
-        result.layers[0].passes["Combined"].rect.foreach_set(shown.ravel())
+        # With stereo there is one for each view.
+        for combined in result.layers[0].passes:
+            if combined.name == "Combined":
+                combined.rect.foreach_set(shown.ravel())
         self.end_result(result)
         os.remove(run.picture)
 
@@ -173,8 +191,8 @@ class Run:
 
     def _use_border(self, render):
         width, height = picture_size(render)
-        left, right = (int(x * width) for x in (render.border_min_x, render.border_max_x))
-        bottom, top = (int(y * height) for y in (render.border_min_y, render.border_max_y))
+        left, right = (_pixel(x, width) for x in (render.border_min_x, render.border_max_x))
+        bottom, top = (_pixel(y, height) for y in (render.border_min_y, render.border_max_y))
         if self.found.can("--region"):
             self.region = f"{right - left}x{top - bottom}+{left}+{height - top}"
         else:
@@ -196,6 +214,11 @@ class Run:
         """Removes what was kept from pass to pass."""
         if os.path.exists(f"{self.picture}.state"):
             os.remove(f"{self.picture}.state")
+
+
+def _pixel(fraction, size):
+    """A border in pixels, in single precision and cut off as in Blender."""
+    return int(np.float32(fraction) * np.float32(size))
 
 
 def linear_pixels(path):
@@ -227,14 +250,26 @@ def remove_stale_meshes(scene_path):
 _session_folder = None
 
 
-def work_folder(scene_name):
-    """A folder for the files of a scene, which lasts as long as Blender runs."""
+def work_folder(scene, view_layer):
+    """A folder for the files of a view layer of a scene, by their names, which lasts as long as
+    Blender runs."""
     global _session_folder
     if _session_folder is None or not os.path.isdir(_session_folder):
         _session_folder = tempfile.mkdtemp(prefix="slo-rt-", dir=bpy.app.tempdir or None)
-    folder = os.path.join(_session_folder, plain(scene_name))
+    names = hashlib.blake2b(
+        f"{scene}\n{view_layer}".encode(errors="replace"), digest_size=4
+    ).hexdigest()
+    folder = os.path.join(_session_folder, f"{plain(scene)}_{names}")
     os.makedirs(folder, exist_ok=True)
     return folder
+
+
+def remove_work_folders():
+    """Removes all files of this session."""
+    global _session_folder
+    if _session_folder is not None:
+        shutil.rmtree(_session_folder, ignore_errors=True)
+        _session_folder = None
 
 
 classes = (SloRtRenderEngine,)

@@ -18,11 +18,13 @@ ENGINE = "SLO_RT"
 class Request:
     """What the engine is to write; `report` or `error` is set when it is done."""
 
+    view_layer: str
     scene_path: str
     first: int
     last: int
     prefix: str
     output: str
+    notes: list
     report: object = None
     error: Exception | None = None
 
@@ -30,30 +32,46 @@ class Request:
 _pending = None
 
 
-def take_request():
+def request():
     """The export that the engine is to do instead of a rendering, or None."""
     return _pending
 
 
-def export_scene(scene, scene_path, first, last, prefix, output="PNG_IMAGE"):
-    """Writes frames `first` to `last` of `scene` to a scene text. Returns the `Report`.
+def export_scene(scene, view_layer, scene_path, first, last, prefix, output="PNG_IMAGE"):
+    """Writes frames `first` to `last` of a view layer of `scene` to a scene text. Returns the
+    `Report`.
 
     # Errors `OSError`, `ValueError` as `convert.scene.write_scene`; `RuntimeError` of Blender where
     it does not render, as without a camera.
     """
     global _pending
-    request = Request(scene_path, first, last, prefix, output)
-    _pending = request
+    notes = []
+    if scene.render.use_freestyle and view_layer.use_freestyle:
+        # Blender draws them into its own picture, and crashes where there is none.
+        notes.append(("scene", "Freestyle's lines are not carried"))
+    wanted = Request(view_layer.name, scene_path, first, last, prefix, output, notes)
+    _pending = wanted
     try:
-        with _as_our_scene(scene):
+        with _as_our_scene(scene), _switched_on(view_layer):
             bpy.ops.render.render(scene=scene.name)
     finally:
         _pending = None
-    if request.error:
-        raise request.error
-    if request.report is None:
+    if wanted.error:
+        raise wanted.error
+    if wanted.report is None:
         raise RuntimeError("Blender did not start the export")
-    return request.report
+    return wanted.report
+
+
+@contextlib.contextmanager
+def _switched_on(view_layer):
+    """The view layer with its rendering on, put back at the end."""
+    before = view_layer.use
+    view_layer.use = True
+    try:
+        yield
+    finally:
+        view_layer.use = before
 
 
 @contextlib.contextmanager
@@ -66,6 +84,8 @@ def _as_our_scene(scene):
         "use_compositing": False,
         "use_border": False,
         "use_multiview": False,
+        "use_single_layer": False,
+        "use_freestyle": False,
     }
     before = {name: getattr(render, name) for name in wanted}
     frame = scene.frame_current, scene.frame_subframe

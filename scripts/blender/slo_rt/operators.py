@@ -10,10 +10,28 @@ from bpy_extras.io_utils import ExportHelper
 
 from . import engine, exports
 from .convert import mesh as meshes
+from .convert.checks import finite
 from .convert.things import SOLID
 from .fit.rigid import split_matrix
 from .format import slo_mesh
-from .format.names import plain
+from .format.names import Names, plain
+
+
+def target_path(filepath, ending):
+    """The file to write by what the artist typed: absolute, with its ending, never a `.blend`.
+
+    # Errors `ValueError` where that names no file.
+    """
+    if filepath.startswith("//") and not bpy.data.filepath:
+        raise ValueError("// is the folder of the .blend file: save that first")
+    path = os.path.abspath(os.path.expanduser(bpy.path.abspath(filepath)))
+    stem, typed = os.path.splitext(path)
+    if typed.lower() == ".blend":
+        path = stem
+    path = bpy.path.ensure_ext(path, ending)
+    if os.path.isdir(path) or os.path.basename(path) == ending or filepath.endswith(("/", os.sep)):
+        raise ValueError(f"{filepath!r} names no file")
+    return path
 
 
 class SLO_RT_OT_export_scene(bpy.types.Operator, ExportHelper):
@@ -37,15 +55,16 @@ class SLO_RT_OT_export_scene(bpy.types.Operator, ExportHelper):
         first, last = scene.frame_start, scene.frame_end
         if not self.animation:
             first = last = scene.frame_current
-        prefix = plain(os.path.splitext(os.path.basename(self.filepath))[0]) + "_"
         try:
-            report = exports.export_scene(scene, self.filepath, first, last, prefix)
+            path = target_path(self.filepath, self.filename_ext)
+            prefix = plain(os.path.splitext(os.path.basename(path))[0]) + "_"
+            report = exports.export_scene(scene, context.view_layer, path, first, last, prefix)
         except (OSError, ValueError, RuntimeError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         for line in report.lines():
             self.report({"WARNING"}, line)
-        self.report({"INFO"}, f"Wrote {self.filepath}")
+        self.report({"INFO"}, f"Wrote {path}")
         return {"FINISHED"}
 
 
@@ -67,28 +86,38 @@ class SLO_RT_OT_export_mesh(bpy.types.Operator, ExportHelper):
     def execute(self, context):
         depsgraph = context.evaluated_depsgraph_get()
         things = [thing for thing in context.selected_objects if thing.type in SOLID]
-        written = 0
-        for thing in things:
-            path = self.filepath
-            if len(things) > 1:
-                path = f"{os.path.splitext(path)[0]}_{plain(thing.name)}.slo"
-            try:
-                triangles = arrays_of_object(thing.evaluated_get(depsgraph))
-                if triangles is None:
-                    self.report({"WARNING"}, f"{thing.name} has no faces")
-                    continue
-                slo_mesh.write(path, triangles)
-            except (OSError, ValueError) as error:
-                self.report({"ERROR"}, f"{thing.name}: {error}")
-                return {"CANCELLED"}
-            written += 1
-            self.report({"INFO"}, f"Wrote {path}: {len(triangles.faces)} triangles")
+        try:
+            stem = os.path.splitext(target_path(self.filepath, self.filename_ext))[0]
+            names, written = Names(), 0
+            for thing in things:
+                path = stem + (f"_{names.new(thing.name)}" if len(things) > 1 else "") + ".slo"
+                written += self._write(path, thing.evaluated_get(depsgraph))
+        except (OSError, ValueError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         return {"FINISHED"} if written else {"CANCELLED"}
+
+    def _write(self, path, thing):
+        """Writes an evaluated object; whether it has triangles."""
+        triangles = arrays_of_object(thing)
+        if triangles is None:
+            self.report({"WARNING"}, f"{thing.name} has no faces")
+            return False
+        try:
+            slo_mesh.write(path, triangles)
+        except ValueError as error:
+            raise ValueError(f'object "{thing.name}": {error}') from error
+        self.report({"INFO"}, f"Wrote {path}: {len(triangles.faces)} triangles")
+        return True
 
 
 def arrays_of_object(thing):
-    """Triangles of an evaluated object in its own space, scale baked in; None without faces."""
-    _, shape = split_matrix(np.array(thing.matrix_world, np.float64))
+    """Triangles of an evaluated object in its own space, scale baked in; None without faces.
+
+    # Errors `ValueError` where its scale is no finite number.
+    """
+    matrix = finite(np.array(thing.matrix_world, np.float64), f'object "{thing.name}"')
+    _, shape = split_matrix(matrix)
     is_scaled = not np.allclose(shape, np.eye(3), rtol=0.0, atol=1e-6)
     mesh = thing.to_mesh()
     try:

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import engine, preferences, program
+from . import engine, preferences
 from .convert.material import finish
 from .exports import ENGINE
 from .report import Report
@@ -29,16 +29,19 @@ class _Panel:
         return context.engine == ENGINE
 
 
-class SLO_RT_PT_sampling(_Panel, bpy.types.Panel):
+class _RenderPanel(_Panel):
+    bl_context = "render"
+
+
+class SLO_RT_PT_sampling(_RenderPanel, bpy.types.Panel):
     """How many samples, from where, for how long"""
 
     bl_label = "Sampling"
-    bl_context = "render"
 
     def draw(self, context):
         layout, values = self.layout, context.scene.slo_rt
         layout.use_property_split = True
-        _draw_program(layout)
+        preferences.draw_program(layout)
         layout.prop(values, "samples")
         column = layout.column(align=True)
         column.prop(values, "noise")
@@ -51,11 +54,10 @@ class SLO_RT_PT_sampling(_Panel, bpy.types.Panel):
         layout.prop(values, "show_early")
 
 
-class SLO_RT_PT_light_paths(_Panel, bpy.types.Panel):
+class SLO_RT_PT_light_paths(_RenderPanel, bpy.types.Panel):
     """How far rays go"""
 
     bl_label = "Light Paths"
-    bl_context = "render"
 
     def draw(self, context):
         layout, values = self.layout, context.scene.slo_rt
@@ -70,11 +72,10 @@ class SLO_RT_PT_light_paths(_Panel, bpy.types.Panel):
         layout.prop(values, "world_light")
 
 
-class SLO_RT_PT_motion_blur(_Panel, bpy.types.Panel):
+class SLO_RT_PT_motion_blur(_RenderPanel, bpy.types.Panel):
     """The shutter"""
 
     bl_label = "Motion Blur"
-    bl_context = "render"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw_header(self, context):
@@ -88,11 +89,10 @@ class SLO_RT_PT_motion_blur(_Panel, bpy.types.Panel):
         layout.prop(render, "motion_blur_shutter", text="Shutter")
 
 
-class SLO_RT_PT_performance(_Panel, bpy.types.Panel):
+class SLO_RT_PT_performance(_RenderPanel, bpy.types.Panel):
     """What changes the speed and not the picture"""
 
     bl_label = "Performance"
-    bl_context = "render"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
@@ -102,11 +102,10 @@ class SLO_RT_PT_performance(_Panel, bpy.types.Panel):
         layout.prop(values, "threads")
 
 
-class SLO_RT_PT_notes(_Panel, bpy.types.Panel):
+class SLO_RT_PT_notes(_RenderPanel, bpy.types.Panel):
     """What the last rendering or export could not carry over"""
 
     bl_label = "Not Carried Over"
-    bl_context = "render"
 
     @classmethod
     def poll(cls, context):
@@ -187,16 +186,6 @@ class SLO_RT_PT_light(_Panel, bpy.types.Panel):
         layout.prop(light.slo_rt, "brightness")
         if light.type != "SUN":
             layout.prop(light.slo_rt, "distance")
-
-
-def _draw_program(layout):
-    try:
-        program.find(preferences.preferred_path())
-    except program.ProgramMissing as error:
-        column = layout.column()
-        column.alert = True
-        for sentence in str(error).split(". "):
-            column.label(text=sentence)
 
 
 def _shared_panels():

@@ -19,25 +19,28 @@ class SloRtPreferences(bpy.types.AddonPreferences):
 
     def draw(self, _context):
         self.layout.prop(self, "program_path")
-        try:
-            found = program.find(preferred_path())
-        except program.ProgramMissing as error:
-            column = self.layout.column()
-            column.alert = True
-            for sentence in str(error).split(". "):
-                column.label(
-                    text=sentence,
-                    icon="ERROR" if sentence == str(error).split(". ")[0] else "BLANK1",
-                )
-            return
-        self.layout.label(text=f"{found.version}: {found.path}", icon="CHECKMARK")
+        found = draw_program(self.layout)
+        if found:
+            self.layout.label(text=f"{found.version}: {found.path}", icon="CHECKMARK")
+
+
+def draw_program(layout):
+    """Draws what is wrong with the program, if anything is; returns it, or None."""
+    try:
+        return program.find(preferred_path())
+    except program.ProgramMissing as error:
+        column = layout.column()
+        column.alert = True
+        for i, sentence in enumerate(str(error).split(". ")):
+            column.label(text=sentence, icon="BLANK1" if i else "ERROR")
+        return None
 
 
 def preferred_path():
     """The path that the user chose, absolute; empty if none."""
     addon = bpy.context.preferences.addons.get(__package__)
     path = addon.preferences.program_path if addon and addon.preferences else ""
-    return bpy.path.abspath(path) if path else ""
+    return bpy.path.abspath(path) if path.startswith("//") else path
 
 
 classes = (SloRtPreferences,)

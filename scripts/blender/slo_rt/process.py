@@ -34,7 +34,20 @@ class Outcome:
     def complaint(self):
         """What went wrong, in the program's words."""
         text = "\n".join(self.messages).strip()
-        return text or f"slo-rt ended with exit code {self.code}"
+        return "\n".join(part for part in (text, self._end()) if part)
+
+    def _end(self):
+        """How a program ended that did not say why."""
+        if self.code < 0:
+            return f"slo-rt was ended by {_signal_name(-self.code)}"
+        return "" if self.messages else f"slo-rt ended with exit code {self.code}"
+
+
+def _signal_name(number):
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
 
 
 def run(command, on_progress, should_stop):

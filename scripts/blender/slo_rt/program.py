@@ -9,6 +9,7 @@ import subprocess
 from dataclasses import dataclass
 
 NAME = "slo-rt"
+ANSWER_SECONDS = 5.0
 WHAT_TO_DO = (
     "Install it (cargo install --path . in its sources), or name its path in "
     "Edit > Preferences > Add-ons > slo-rt."
@@ -58,18 +59,36 @@ def find(preferred):
     # Errors
     `ProgramMissing`.
     """
-    wanted = preferred or os.environ.get("SLO_RT", "")
+    wanted = _as_meant(preferred) or _as_meant(os.environ.get("SLO_RT", ""))
     path = shutil.which(wanted or NAME)
     if path is None and wanted:
         raise ProgramMissing(f"There is no program {wanted}. {WHAT_TO_DO}")
     if path is None:
         raise ProgramMissing(f"{NAME} is not on the PATH. {WHAT_TO_DO}")
     path = os.path.abspath(path)
-    return _examined(path, os.stat(path).st_mtime_ns)
+    found = _examined(path, os.stat(path).st_mtime_ns)
+    if isinstance(found, ProgramMissing):
+        raise found
+    return found
+
+
+def _as_meant(path):
+    """A path as people paste it: with quotes around it, `~` for their folder, or the folder that
+    holds the program."""
+    path = os.path.expanduser(path.strip().strip("\"'").strip())
+    return os.path.join(path, NAME) if os.path.isdir(path) else path
 
 
 @functools.lru_cache(maxsize=8)
 def _examined(path, _modified):
+    """A `Program`, or the `ProgramMissing` that says why it is none; panels ask often."""
+    try:
+        return _examine(path)
+    except ProgramMissing as error:
+        return error
+
+
+def _examine(path):
     version = _output(path, "--version").strip()
     if not version.startswith(NAME):
         raise ProgramMissing(
@@ -82,7 +101,7 @@ def _examined(path, _modified):
 def _output(path, option):
     try:
         done = subprocess.run(
-            [path, option], capture_output=True, text=True, timeout=20, check=True
+            [path, option], capture_output=True, text=True, timeout=ANSWER_SECONDS, check=True
         )
     except (OSError, subprocess.SubprocessError) as error:
         raise ProgramMissing(f"{path} does not run: {error}. {WHAT_TO_DO}") from error

@@ -12,40 +12,56 @@ from bpy.props import (
 )
 
 
+MOST_SAMPLES = 65535
+
+
+def _samples(name, description, default=1, soft_max=64):
+    return IntProperty(
+        name=name,
+        description=description,
+        default=default,
+        min=1,
+        max=MOST_SAMPLES,
+        soft_max=soft_max,
+    )
+
+
+def _number(name, description, default=0.0, soft_max=1.0, **options):
+    options.setdefault("min", 0.0)
+    return FloatProperty(
+        name=name, description=description, default=default, soft_max=soft_max, **options
+    )
+
+
+def _color(name, description, default):
+    return FloatVectorProperty(
+        name=name,
+        description=description,
+        subtype="COLOR",
+        default=(default, default, default),
+        min=0.0,
+        soft_max=1.0,
+    )
+
+
 class RenderSettings(bpy.types.PropertyGroup):
     """Settings of a scene (`scene.slo_rt`)."""
 
-    samples: IntProperty(
-        name="Samples",
-        description="Camera samples per pixel: pixel, shutter and lens all at once",
-        default=64,
-        min=1,
-        max=65535,
-        soft_max=4096,
+    samples: _samples(
+        "Samples", "Camera samples per pixel: pixel, shutter and lens all at once", 64, 4096
     )
-    noise: FloatProperty(
-        name="Noise",
-        description="Error at which a pixel is done before all samples are taken; 0: take all",
-        default=0.0,
-        min=0.0,
+    noise: _number(
+        "Noise",
+        "Error at which a pixel is done before all samples are taken; 0: take all",
         soft_max=0.1,
         precision=4,
         step=0.1,
     )
-    min_samples: IntProperty(
-        name="Minimum",
-        description="Samples before a pixel may be done",
-        default=16,
-        min=1,
-        max=65535,
-        soft_max=1024,
-    )
-    time: FloatProperty(
-        name="Time",
-        description="Seconds that a frame may take, more or less: fewer samples are taken if need be. "
+    min_samples: _samples("Minimum", "Samples before a pixel may be done", 16, 1024)
+    time: _number(
+        "Time",
+        "Seconds that a frame may take, more or less: fewer samples are taken if need be. "
         "0: as long as it takes. Frames then depend on the machine",
-        default=0.0,
-        min=0.0,
         soft_max=3600.0,
         subtype="TIME_ABSOLUTE",
     )
@@ -57,30 +73,9 @@ class RenderSettings(bpy.types.PropertyGroup):
         max=1000,
         soft_max=32,
     )
-    shadow_samples: IntProperty(
-        name="Shadow",
-        description="Shadow rays per area light at the first hit",
-        default=1,
-        min=1,
-        max=65535,
-        soft_max=64,
-    )
-    reflection_samples: IntProperty(
-        name="Reflection",
-        description="Rays for each rough reflection at the first hit",
-        default=1,
-        min=1,
-        max=65535,
-        soft_max=64,
-    )
-    refraction_samples: IntProperty(
-        name="Refraction",
-        description="Rays for each rough refraction at the first hit",
-        default=1,
-        min=1,
-        max=65535,
-        soft_max=64,
-    )
+    shadow_samples: _samples("Shadow", "Shadow rays per area light at the first hit")
+    reflection_samples: _samples("Reflection", "Rays for each rough reflection at the first hit")
+    refraction_samples: _samples("Refraction", "Rays for each rough refraction at the first hit")
     generator: EnumProperty(
         name="Generator",
         description="Where sample points come from",
@@ -119,13 +114,11 @@ class RenderSettings(bpy.types.PropertyGroup):
         ],
         default="TRANSPARENT",
     )
-    world_light: FloatProperty(
-        name="World Light",
-        description="How much of the background's light reaches every surface, wherever it is; "
+    world_light: _number(
+        "World Light",
+        "How much of the background's light reaches every surface, wherever it is; "
         "slo-rt has no light that bounces from surface to surface",
-        default=1.0,
-        min=0.0,
-        soft_max=1.0,
+        1.0,
     )
     threads: IntProperty(
         name="Threads",
@@ -153,84 +146,30 @@ class MaterialSettings(bpy.types.PropertyGroup):
         description="Use the values below, not what the nodes say; a texture of the nodes stays",
         default=False,
     )
-    ambient: FloatVectorProperty(
-        name="Ambient",
-        description="Light that the surface has by itself",
-        subtype="COLOR",
-        default=(0.0, 0.0, 0.0),
-        min=0.0,
-        soft_max=1.0,
-    )
-    diffuse: FloatVectorProperty(
-        name="Diffuse", subtype="COLOR", default=(0.8, 0.8, 0.8), min=0.0, soft_max=1.0
-    )
-    specular: FloatVectorProperty(
-        name="Specular",
-        description="Colour of highlights",
-        subtype="COLOR",
-        default=(0.2, 0.2, 0.2),
-        min=0.0,
-        soft_max=1.0,
-    )
-    shininess: FloatProperty(
-        name="Shininess",
-        description="Exponent of highlights: the more, the smaller",
-        default=50.0,
-        min=0.0,
-        soft_max=1000.0,
-    )
-    reflectance: FloatProperty(
-        name="Reflectance",
-        description="How much of a mirrored ray is added",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-    )
-    diffuse_reflection: FloatProperty(
-        name="Spread",
-        description="Spread of mirrored rays in radians; 0 is a mirror",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-    )
-    refraction: FloatProperty(
-        name="Refraction",
-        description="How much of a refracted ray is added",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-    )
-    diffuse_refraction: FloatProperty(
-        name="Spread",
-        description="Spread of refracted rays in radians; 0 is clear",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-    )
-    refraction_index: FloatProperty(
-        name="Index",
-        description="Refraction index inside: glass 1.5, water 1.33",
-        default=1.5,
-        min=0.01,
-        soft_max=3.0,
+    ambient: _color("Ambient", "Light that the surface has by itself", 0.0)
+    diffuse: _color("Diffuse", "Colour in the light", 0.8)
+    specular: _color("Specular", "Colour of highlights", 0.2)
+    shininess: _number("Shininess", "Exponent of highlights: the more, the smaller", 50.0, 1000.0)
+    reflectance: _number("Reflectance", "How much of a mirrored ray is added")
+    diffuse_reflection: _number("Spread", "Spread of mirrored rays in radians; 0 is a mirror")
+    refraction: _number("Refraction", "How much of a refracted ray is added")
+    diffuse_refraction: _number("Spread", "Spread of refracted rays in radians; 0 is clear")
+    refraction_index: _number(
+        "Index", "Refraction index inside: glass 1.5, water 1.33", 1.5, 3.0, min=0.01
     )
 
 
 class LightSettings(bpy.types.PropertyGroup):
     """How a light is carried over (`light.slo_rt`)."""
 
-    distance: FloatProperty(
-        name="Bright at",
-        description="Light does not fall off with distance in slo-rt. At this distance it is as bright "
+    distance: _number(
+        "Bright at",
+        "Light does not fall off with distance in slo-rt. At this distance it is as bright "
         "as in Blender; 0: at the middle of the scene",
-        default=0.0,
-        min=0.0,
         soft_max=100.0,
         subtype="DISTANCE",
     )
-    brightness: FloatProperty(
-        name="Brightness", description="Multiplies the light", default=1.0, min=0.0, soft_max=10.0
-    )
+    brightness: _number("Brightness", "Multiplies the light", 1.0, 10.0)
 
 
 classes = (RenderSettings, MaterialSettings, LightSettings)

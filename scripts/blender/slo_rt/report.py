@@ -7,11 +7,13 @@ class Report:
 
     def __init__(self):
         self._notes = {}
+        self.hint = ""
 
-    def note(self, subject, message):
+    def note(self, subject, message, hint=""):
         """Notes that `subject` (such as `material "Gold"`) is carried over differently or not at
-        all."""
+        all. `hint` says in two words why the picture may not be what anybody wants."""
         self._notes.setdefault((subject, message))
+        self.hint = self.hint or hint
 
     def lines(self):
         """One line per message: the subjects that it concerns, then the message."""

@@ -4,9 +4,13 @@
 import numpy as np
 
 from ..fit.camera import CameraSamples, fit_segments
+from ..fit.rigid import axes_of
 from ..format.scene_text import Element, seconds
 
 MILLIMETRE = 1e-3  # Blender counts lenses in millimetres and the scene in metres
+SMALLEST_SCALE = 1e-20
+SMALLEST_FSTOP = 1e-3
+DEFAULT_CLIP_START = 0.1
 
 
 class CameraReader:
@@ -22,10 +26,16 @@ class CameraReader:
 
     def __call__(self, camera, depsgraph):
         """Position, direction of view, up (world space), half the height of the view at distance 1,
-        focus distance, lens radius; 12 numbers."""
+        focus distance, lens radius; 12 numbers.
+
+        # Errors `ValueError` for a camera without directions.
+        """
         evaluated = camera.evaluated_get(depsgraph)
         matrix = np.array(evaluated.matrix_world, np.float64)
-        axes = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
+        lengths = np.linalg.norm(matrix[:3, :3], axis=0)
+        if lengths.min() <= SMALLEST_SCALE:
+            raise ValueError(f'camera "{camera.name}" is scaled to nothing: it looks nowhere')
+        axes = matrix[:3, :3] / lengths
         position, forward = matrix[:3, 3], -axes[:, 2]
         projection = np.array(evaluated.calc_matrix_camera(depsgraph, **self._size))
         optics = evaluated.data
@@ -46,8 +56,10 @@ class CameraReader:
             distance = abs(float(np.dot(np.array(target) - position, forward)))
         else:
             distance = dof.focus_distance
-        radius = optics.lens * MILLIMETRE / (2.0 * dof.aperture_fstop) if dof.use_dof else 0.0
-        return max(distance, 1e-6), radius
+        if not dof.use_dof:
+            return max(distance, 1e-6), 0.0
+        fstop = max(dof.aperture_fstop, SMALLEST_FSTOP)
+        return max(distance, 1e-6), optics.lens * MILLIMETRE / (2.0 * fstop)
 
 
 def samples_of(times, rows):
@@ -128,4 +140,30 @@ def note_limits(camera, render, report):
     if optics.dof.use_dof and (optics.dof.aperture_blades or optics.dof.aperture_ratio != 1.0):
         report.note(subject, "the aperture is a circle, whatever its blades and ratio")
     if render.pixel_aspect_x != render.pixel_aspect_y:
-        report.note(subject, "pixels are square in slo-rt; the picture is stretched")
+        change = "less" if render.pixel_aspect_x > render.pixel_aspect_y else "more"
+        report.note(
+            subject,
+            f"pixels are square in slo-rt: the picture shows {change} at its sides than Blender's",
+        )
+
+
+def note_clipping(camera, values, things, report):
+    """Notes what lies before the start or behind the end of a camera's clipping, which Blender does
+    not show; `values` is what `CameraReader` says of it."""
+    if not things:
+        return
+    optics, subject = camera.data, f'camera "{camera.name}"'
+    placements = np.array([thing.placement for thing in things])
+    boxes = np.array([thing.box for thing in things])
+    axes = axes_of(placements[:, 3:6], placements[:, 6:9])
+    position, forward = values[:3], values[3:6]
+    eye = np.einsum("nji,nj->ni", axes, position - placements[:, :3])
+    gaps = np.linalg.norm(eye - np.clip(eye, boxes[:, 0], boxes[:, 1]), axis=1)
+    gaze = np.einsum("nji,j->ni", axes, forward)
+    farthest = np.where(gaze > 0.0, boxes[:, 1], boxes[:, 0]) - eye
+    if np.sum(farthest * gaze, axis=1).max() > optics.clip_end:
+        report.note(subject, f"what is behind its clip end, {optics.clip_end:g} m, is seen too")
+    # Around a camera in a room is a box, whose walls are farther off.
+    outside = (gaps > 0.0) | (optics.clip_start > DEFAULT_CLIP_START * 1.001)
+    if (outside & (gaps < optics.clip_start)).any():
+        report.note(subject, f"what is before its clip start, {optics.clip_start:g} m, is seen too")

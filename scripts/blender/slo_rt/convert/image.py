@@ -33,8 +33,11 @@ def write_linear(image, path, report):
         report.note(subject, f"its colour space, {space}, is taken for linear")
     if channels == 4 and image.alpha_mode != "NONE" and pixels[..., 3].min() < 1.0:
         report.note(subject, "the transparency of an image is not carried")
-    if rgb.max(initial=0.0) > 1.0:
-        report.note(subject, "values above 1 are cut off")
+    if not np.isfinite(rgb).all():
+        report.note(subject, "what is no finite number in it is black")
+        rgb = np.where(np.isfinite(rgb), rgb, 0.0)
+    if rgb.max(initial=0.0) > 1.0 or rgb.min(initial=0.0) < 0.0:
+        report.note(subject, "values below 0 and above 1 are cut off")
     png16.write(path, rgb[::-1])
     return True
 

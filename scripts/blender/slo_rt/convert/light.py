@@ -31,6 +31,9 @@ def elements_of_light(name, light, matrix, center, diagonal, report):
     distance = light.slo_rt.distance or max(float(np.linalg.norm(center - position)), 1e-3)
     power, color = compat.light_strength(light)
     power *= light.slo_rt.brightness
+    if getattr(getattr(light, "cycles", None), "is_portal", False) and light.type == "AREA":
+        report.note(subject, "portals are not carried: they give no light of their own")
+        return []
     _note_limits(light, subject, report)
 
     if light.type == "POINT":
@@ -66,6 +69,10 @@ def _rectangle(name, light, color, brightness, matrix, subject, report):
     for i, (x, y) in enumerate(corners):
         corner = matrix @ np.array([x * width / 2.0, y * height / 2.0, 0.0, 1.0])
         body.append((f"vertex{i}", tuple(corner[:3])))
+    if abs(np.dot(matrix[:3, 0], matrix[:3, 1])) > 1e-4 * np.linalg.norm(
+        matrix[:3, 0]
+    ) * np.linalg.norm(matrix[:3, 1]):
+        report.note(subject, "skewed in Blender; slo-rt's corners have right angles")
     return Element("light_rectangle", name, body)
 
 
@@ -77,3 +84,5 @@ def _note_limits(light, subject, report):
         report.note(subject, "throws shadows in slo-rt")
     if not getattr(light, "normalize", True):
         report.note(subject, "its power is taken as watts, whatever its size")
+    if light.type == "AREA" and light.spread < math.pi - 1e-4:
+        report.note(subject, "shines in all directions, whatever its spread")

@@ -16,8 +16,11 @@ _SILENT_AT = {
     "Sheen Weight": 0.0,
     "Thin Film Thickness": 0.0,
     "Diffuse Roughness": 0.0,
+    "Anisotropy": 0.0,
+    "Specular Tint": (1.0, 1.0, 1.0, 1.0),
 }
 _SIMPLE_SHADERS = {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_METALLIC", "BSDF_GLASS", "EMISSION"}
+_TRANSPARENT = "BSDF_TRANSPARENT"
 
 
 @dataclass
@@ -94,6 +97,8 @@ class _Reader:
             self.note("has no surface; rendered black")
             return Finish(Phong())
         surface, texture = self.surface(shader)
+        if surface.emission != BLACK:
+            self.note("shines by itself, and on nothing else: only lights light other things")
         if texture and surface.emission != BLACK:
             self.note("the texture colours what the surface emits, too")
         if texture and (surface.metallic > 0.0 or surface.transmission > 0.0):
@@ -118,24 +123,32 @@ class _Reader:
 
     def _shader_behind(self, socket):
         node = _source_node(socket)
-        if node is None or node.type == "BSDF_PRINCIPLED" or node.type in _SIMPLE_SHADERS:
+        if node is None or _is_known(node):
             return node
-        for inner in node.inputs:
-            if inner.type == "SHADER" and inner.is_linked:
-                self.note(f"{node.bl_label} is not carried, its first shader is")
-                return self._shader_behind(inner)
-        self.note(f"{node.bl_label} is not carried")
-        return None
+        inner = [i for i in node.inputs if i.type == "SHADER" and i.is_linked]
+        if not inner:
+            self.note(f"{node.bl_label} is not carried")
+            return None
+        # Of a mix of something with nothing, something is what the artist looks at.
+        inner.sort(key=lambda i: getattr(_source_node(i), "type", None) == _TRANSPARENT)
+        self.note(f"{node.bl_label} is not carried, one of its shaders is")
+        found = (self._shader_behind(i) for i in inner)
+        return next((shader for shader in found if shader), None)
 
     def surface(self, node):
         """`(Surface, Texture or None)` of a shader node."""
+        self._note_silent(node)
         if node.type == "BSDF_PRINCIPLED":
             return self._principled(node)
-        if node.inputs.get("Normal") and node.inputs["Normal"].is_linked:
-            self.note("normal and bump maps are not carried")
         color, texture = self.color(node.inputs.get("Color") or node.inputs["Base Color"])
         roughness = self.value(node, "Roughness", 0.5)
+        if node.type == _TRANSPARENT:
+            if texture or any(c < 1.0 for c in color):
+                self.note("what is seen through it keeps its colour")
+            return Surface(alpha=0.0), None
         if node.type == "BSDF_DIFFUSE":
+            if roughness != 0.0:
+                self.note("Diffuse Roughness is not carried")
             return Surface(color, specular_level=0.0), texture
         if node.type == "EMISSION":
             strength = self.value(node, "Strength", 1.0)
@@ -144,7 +157,19 @@ class _Reader:
         if node.type == "BSDF_GLASS":
             ior = self.value(node, "IOR", 1.5)
             return Surface(color, roughness=roughness, ior=ior, transmission=1.0), texture
+        if node.type == "BSDF_METALLIC":
+            self.note("of the Metallic BSDF, Base Color and Roughness are carried")
         return Surface(color, metallic=1.0, roughness=roughness), texture
+
+    def _note_silent(self, node):
+        """Notes sockets that do something in Blender and nothing in slo-rt."""
+        for name, silent in _SILENT_AT.items():
+            socket = node.inputs.get(name)
+            if socket and (socket.is_linked or _plain(socket.default_value) != silent):
+                self.note(f"{name} is not carried")
+        for name in ("Normal", "Coat Normal"):
+            if node.inputs.get(name) and node.inputs[name].is_linked:
+                self.note("normal and bump maps are not carried")
 
     def _principled(self, node):
         color, texture = self.color(node.inputs["Base Color"])
@@ -153,13 +178,6 @@ class _Reader:
         if strength > 0.0:
             emission_color, _ = self.color(node.inputs["Emission Color"], textured=False)
             emission = tuple(c * strength for c in emission_color)
-        for name, silent in _SILENT_AT.items():
-            socket = node.inputs.get(name)
-            if socket and (socket.is_linked or socket.default_value != silent):
-                self.note(f"{name} is not carried")
-        for name in ("Normal", "Coat Normal"):
-            if node.inputs.get(name) and node.inputs[name].is_linked:
-                self.note("normal and bump maps are not carried")
         surface = Surface(
             base_color=color,
             metallic=self.value(node, "Metallic", 0.0),
@@ -225,6 +243,15 @@ class _Reader:
         return tuple(scale.default_value[:2])
 
 
+def _is_known(node):
+    return node.type in _SIMPLE_SHADERS or node.type in {"BSDF_PRINCIPLED", _TRANSPARENT}
+
+
+def _plain(value):
+    """A socket's value as number or tuple."""
+    return tuple(value) if hasattr(value, "__len__") else value
+
+
 def _source_node(socket):
     """The node that feeds a socket, reroutes followed, or None."""
     while socket.is_linked:
@@ -233,6 +260,18 @@ def _source_node(socket):
             return node
         socket = node.inputs[0]
     return None
+
+
+def with_node_trees(owner):
+    """`owner` (a material, world, light or scene), its node tree, and all groups in there."""
+    found, open_ = [], [owner, getattr(owner, "node_tree", None)]
+    while open_:
+        tree = open_.pop()
+        if tree is None or tree in found:
+            continue
+        found.append(tree)
+        open_ += [getattr(node, "node_tree", None) for node in getattr(tree, "nodes", ())]
+    return found
 
 
 def _first_image_node(node):

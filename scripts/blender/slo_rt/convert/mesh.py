@@ -24,7 +24,8 @@ def arrays(mesh, shape=None, uv_map=None):
     corners = _read(mesh.loop_triangles, "loops", count, 3, np.int32)
     material = _materials(mesh, count)
 
-    mirrored = shape is not None and np.linalg.det(shape) < 0.0
+    flattened = shape is not None and is_flat(shape)
+    mirrored = shape is not None and not flattened and np.linalg.det(shape) < 0.0
     if mirrored:
         corners = corners[:, ::-1]
     uvs, corner_uv = _uvs(mesh, corner_vertex, uv_map)
@@ -33,7 +34,7 @@ def arrays(mesh, shape=None, uv_map=None):
         vertices = vertices[source]
     if shape is not None:
         vertices = (vertices @ shape.T).astype(np.float32)
-        normals = None if normals is None else _unit(normals @ np.linalg.pinv(shape))
+        normals = None if normals is None or flattened else _unit(normals @ np.linalg.inv(shape))
     result = MeshArrays(
         vertices=vertices,
         faces=vertex_of_corner[corners],
@@ -42,6 +43,12 @@ def arrays(mesh, shape=None, uv_map=None):
         normals=normals,
     )
     return result, material
+
+
+def is_flat(matrix):
+    """Whether the columns of a matrix (3, 3) span no space."""
+    lengths = np.linalg.norm(matrix, axis=0)
+    return abs(np.linalg.det(matrix)) <= 1e-9 * np.prod(lengths)
 
 
 def part(mesh, chosen):

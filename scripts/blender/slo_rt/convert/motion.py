@@ -5,6 +5,7 @@ import numpy as np
 
 from .. import compat
 from ..fit.motion import Break
+from .checks import finite
 
 
 def instance_key(instance):
@@ -58,6 +59,7 @@ class Timeline:
                 self._changed.setdefault(key, {})[time] = matrix
         for camera in self._cameras:
             values = self._read_camera(camera, self._depsgraph)
+            finite(values, f'camera "{camera.name}"', f"its place or its lens at frame {time:g}")
             self._camera_values[camera.name_full, time] = values
 
     def moves(self, key):
@@ -69,10 +71,15 @@ class Timeline:
         return [key for key, count in self._seen.items() if count < len(self._times)]
 
     def matrices(self, key, times):
-        """Matrices to world space (n, 4, 4) of a thing at times (n,)."""
+        """Matrices to world space (n, 4, 4) of a thing at times (n,).
+
+        # Errors `ValueError` where one is not finite.
+        """
         self.visit(times)
         changed, first = self._changed.get(key, {}), self._first[key]
-        return np.array([changed.get(time, first) for time in times], np.float64)
+        matrices = np.array([changed.get(time, first) for time in times], np.float64)
+        when = f"between frames {times[0]:g} and {times[-1]:g}"
+        return finite(matrices, f'object "{key[0]}"', f"its place {when}")
 
     def camera_values(self, camera, times):
         """What `read_camera` said of a camera at times (n,), one row each."""

@@ -14,11 +14,13 @@ from ..format.names import Names, plain
 from ..format.scene_text import Element
 from ..report import Report
 from . import camera as cameras
-from . import image, light, material, motion, settings, world
+from . import image, light, limits, material, motion, settings, world
 from .things import Collector, outlines
 
 # Shapes whose entries change by more, in parts of the thing's size, count as changing.
 SHAPE_TOLERANCE = 1e-4
+# At how many times deforming things are looked at, at most.
+OUTLINE_TIMES = 32
 
 
 @dataclass
@@ -28,7 +30,8 @@ class Job:
     `depsgraph` is the dependency graph and `set_frame(frame)` takes it to a time in frames.
     `scene_path` is the file to write; meshes and textures go to a folder beside it with its name.
     `first` to `last`: the frames, whole numbers. `output`: the Film's. `by_content` names meshes by
-    what is in them, so that they need not be written twice.
+    what is in them, so that they need not be written twice. `notes`: pairs of subject and message
+    that the report begins with.
     """
 
     depsgraph: object
@@ -39,6 +42,7 @@ class Job:
     prefix: str
     output: str = "PNG_IMAGE"
     by_content: bool = False
+    notes: tuple = ()
 
     @property
     def single(self):
@@ -59,11 +63,14 @@ class _Writer:
     def __init__(self, job):
         self.job = job
         self.scene = job.depsgraph.scene
+        self.layer = job.depsgraph.view_layer
         self.render = self.scene.render
         self.values = self.scene.slo_rt
         self.report = Report()
+        for note in job.notes:
+            self.report.note(*note)
         self.fps = settings.frames_per_second(self.render)
-        self.shutter = settings.Shutter.of(self.render)
+        self.shutter = settings.Shutter.of(self.render, self.layer)
         beside, filename = os.path.split(job.scene_path)
         self.folder_name = plain(os.path.splitext(filename)[0])
         self.folder = os.path.join(beside, self.folder_name)
@@ -77,19 +84,23 @@ class _Writer:
             raise ValueError("the scene has no camera")
         os.makedirs(self.folder, exist_ok=True)
         job.set_frame(float(job.first))
-        self.background = world.background(self._now(self.scene.world), self.report)
-        collector = Collector(self._store_mesh, self._uv_map_of, self.report)
+        self.world = (self.layer.world_override or self.scene.world) if self.layer.use_sky else None
+        self.background = world.background(self._now(self.world), self.report)
+        is_blurred = self.shutter.duration > 0.0
+        collector = Collector(self._store_mesh, self._uv_map_of, is_blurred, self.report)
         found = collector.take_stock(job.depsgraph)
         self._measure(found.things)
-        elements = [
-            *self._lights(found.lamps),
-            *self._materials(found.things),
-        ]
-        timeline = self._timeline()
+        lights = self._lights(found.lamps)
+        self._note_darkness(lights)
+        elements = [*lights, *self._materials(found.things)]
+        timeline = self._timeline(found.things)
         camera = self._camera(timeline)
         objects = [e for thing in found.things for e in self._thing(thing, timeline)]
         self._note_changes(found, timeline)
-        settings.note_limits(self.scene, self.report)
+        limits.note_view_layer(self.layer, self.report)
+        limits.note_scene(self.scene, self.report)
+        if job.output != "EXR_IMAGE":
+            limits.note_export(self.scene, self.layer, self.report)
         head = [settings.settings_element(self.values, self.background), camera]
         text = scene_text.write(head + elements + objects, self._comments())
         _write_text(job.scene_path, text)
@@ -98,6 +109,14 @@ class _Writer:
     def _now(self, item):
         """An item of Blender's data with the values of the frame that is evaluated; None for None."""
         return item.evaluated_get(self.job.depsgraph) if item else None
+
+    def _note_darkness(self, lights):
+        """Notes that nothing is lit, which explains a black picture."""
+        if lights:
+            return
+        ambient = self.values.world_light * max(self.background)
+        seen = "surfaces are as bright as the world is" if ambient > 0.0 else "surfaces are black"
+        self.report.note("scene", f"there is no light for slo-rt: {seen}", hint="No light")
 
     def _comments(self):
         lines = [
@@ -108,7 +127,7 @@ class _Writer:
 
     # Time
 
-    def _timeline(self):
+    def _timeline(self, things):
         shots = cameras.shots(self.scene, self.job.first, self.job.last)
         used = {camera.name_full: camera for camera, _, _ in shots}.values()
         for camera in used:
@@ -116,7 +135,11 @@ class _Writer:
         size = settings.picture_size(self.render)
         reader = cameras.CameraReader(self.render, *size)
         timeline = motion.Timeline(self.job.depsgraph, self.job.set_frame, list(used), reader)
-        timeline.visit([float(self.job.first)])
+        start = float(self.job.first)
+        timeline.visit([start])
+        for camera in used:
+            values = timeline.camera_values(camera, [start])[0]
+            cameras.note_clipping(camera, values, things, self.report)
         if self._moving:
             timeline.visit(sample_times(*self._span))
         return timeline
@@ -315,26 +338,37 @@ class _Writer:
                 f'object "{key[0]}"', f"appears or vanishes; it is as at frame {self.job.first}"
             )
         deforming = {thing.key: thing for thing in found.things if thing.outline is not None}
-        first, last = self._span
-        for time in ((first + last) / 2.0, last) if deforming else ():
+        for time in self._outline_times():
+            if not deforming:
+                break
             self.job.set_frame(time)
             for key, outline in outlines(self.job.depsgraph, deforming).items():
                 if outline != deforming[key].outline:
-                    name = deforming[key].name
+                    subject = f'object "{deforming.pop(key).name}"'
                     self.report.note(
-                        f'object "{name}"', f"changes its shape; it is as at frame {self.job.first}"
+                        subject, f"changes its shape; it is as at frame {self.job.first}"
                     )
 
+    def _outline_times(self):
+        """Times (frames) at which deforming things are looked at: the last, and whole frames, all
+        or so scattered that no swing has its period."""
+        first, last = self._span
+        frames = np.arange(self.job.first + 1, self.job.last)
+        if len(frames) > OUTLINE_TIMES:
+            golden = (np.arange(OUTLINE_TIMES) * 0.6180339887498949) % 1.0
+            frames = frames[np.unique((golden * len(frames)).astype(int))]
+        return [last, (first + last) / 2.0, *frames.astype(float)]
+
     def _note_animated_data(self, found):
-        owners = {lamp.light for lamp in found.lamps}
-        owners |= {part.material for thing in found.things for part in thing.parts if part.material}
-        for owner in owners:
-            for animated in (owner, owner.node_tree):
-                if animated and compat.is_animated(animated):
-                    self.report.note(
-                        f'{owner.bl_rna.name.lower()} "{owner.name}"',
-                        f"its changes over time are not carried; it is as at frame {self.job.first}",
-                    )
+        owners = {lamp.light for lamp in found.lamps} | {self.world, self.scene}
+        owners |= {part.material for thing in found.things for part in thing.parts}
+        for owner in owners - {None}:
+            if any(compat.is_animated(each) for each in material.with_node_trees(owner)):
+                kind = owner.bl_rna.name.lower().split()[-1]  # a point light is a light
+                self.report.note(
+                    f'{kind} "{owner.name}"',
+                    f"its changes over time are not carried; it is as at frame {self.job.first}",
+                )
 
 
 class _Frozen:

@@ -15,9 +15,9 @@ class Shutter:
     duration: float
 
     @classmethod
-    def of(cls, render):
+    def of(cls, render, view_layer):
         """The shutter of Blender's render settings."""
-        if not render.use_motion_blur:
+        if not (render.use_motion_blur and view_layer.use_motion_blur):
             return cls(0.0, 0.0)
         duration = render.motion_blur_shutter
         before = {"START": 0.0, "CENTER": 0.5, "END": 1.0}[render.motion_blur_position]
@@ -31,8 +31,9 @@ def frames_per_second(render):
 
 def picture_size(render):
     """Width and height of the picture in pixels."""
-    scale = render.resolution_percentage / 100.0
-    return int(render.resolution_x * scale), int(render.resolution_y * scale)
+    percentage = render.resolution_percentage
+    sides = (render.resolution_x * percentage // 100, render.resolution_y * percentage // 100)
+    return max(sides[0], 1), max(sides[1], 1)
 
 
 def settings_element(values, background):
@@ -68,18 +69,3 @@ def film_element(size, prefix, output):
     """`Film`; PNG files get sRGB values, as pictures for people have."""
     body = [("width", size[0]), ("height", size[1]), ("prefix", prefix), ("output", output)]
     return Element("Film", "film", body + ([] if output == "EXR_IMAGE" else [("encoding", "SRGB")]))
-
-
-def note_limits(scene, report):
-    """Notes what of the render settings slo-rt has no word for."""
-    render = scene.render
-    if render.film_transparent:
-        report.note("scene", "the background is not transparent in slo-rt")
-    if render.use_multiview:
-        report.note("scene", "one view is rendered, not two for stereo")
-    if render.frame_map_old != render.frame_map_new:
-        report.note("scene", "time remapping is not carried")
-    if render.use_motion_blur and getattr(render, "motion_blur_shutter_curve", None):
-        points = render.motion_blur_shutter_curve.curves[0].points
-        if any(abs(point.location[1] - 1.0) > 1e-3 for point in points):
-            report.note("scene", "the shutter opens and closes at once, whatever its curve")

@@ -6,12 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..fit.rigid import split_matrix
+from ..fit.rigid import axes_of, split_matrix
+from . import limits
 from . import mesh as meshes
+from .checks import finite
 from .motion import instance_key
 
 SOLID = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-UNSEEN = {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "SPEAKER", "LIGHT", "LIGHT_PROBE"}
+# What is never seen itself. The surfaces of curves, texts and metaballs are instances of meshes.
+UNSEEN = SOLID | {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "SPEAKER", "LIGHT", "LIGHT_PROBE"}
+# Triangles with a smaller part of their size squared as area are none.
+NO_AREA = 1e-12
 
 
 @dataclass
@@ -26,8 +31,9 @@ class Part:
 @dataclass
 class Thing:
     """A thing with triangles: where it is (`placement`: pivot, up, right), what is left of its
-    transform (`shape`, baked into its files), its diagonal and middle in world units, and, where
-    its vertices may move in its own space, a hash of them (`outline`)."""
+    transform (`shape`, baked into its files), the low and the high corner of the `box` around what
+    is in its files, and, where its vertices may move in its own space, a hash of them
+    (`outline`)."""
 
     key: tuple
     name: str
@@ -35,9 +41,19 @@ class Thing:
     placement: np.ndarray
     shape: np.ndarray
     parts: list
-    diagonal: float
-    center: np.ndarray
+    box: np.ndarray
     outline: bytes | None
+
+    @property
+    def diagonal(self):
+        """Length of the diagonal of its box."""
+        return float(np.linalg.norm(self.box[1] - self.box[0]))
+
+    @property
+    def center(self):
+        """The middle of its box in world space."""
+        placement = self.placement
+        return placement[:3] + axes_of(placement[3:6], placement[6:9]) @ self.box.mean(axis=0)
 
 
 @dataclass
@@ -59,45 +75,76 @@ class Inventory:
 
 
 class Collector:
-    """Takes stock of an evaluated scene; meshes go to `store(name, arrays) -> filename`."""
+    """Takes stock of an evaluated scene; meshes go to `store(name, arrays) -> filename`.
 
-    def __init__(self, store, uv_map_of, report):
+    `is_blurred`: whether the shutter is open for a while.
+    """
+
+    def __init__(self, store, uv_map_of, is_blurred, report):
         self._store = store
         self._uv_map_of = uv_map_of
+        self._is_blurred = is_blurred
         self._report = report
         self._known = {}
+        self._noted = set()
 
     def take_stock(self, depsgraph):
-        """The things and lights of `depsgraph` as they are now."""
+        """The things and lights of `depsgraph` as they are now.
+
+        # Errors `ValueError` where a place is no finite number.
+        """
         found = Inventory()
+        layer = depsgraph.view_layer
+        override = layer.material_override
         for instance in depsgraph.object_instances:
             thing = instance.object
+            self._note_limits(instance, layer)
             if not instance.show_self:
                 continue
-            if thing.type in SOLID:
-                found.things += self._solid(instance)
+            if thing.type == "MESH" and layer.use_solid:
+                found.things += self._solid(instance, override)
             elif thing.type == "LIGHT":
-                matrix = np.array(instance.matrix_world, np.float64)
-                found.lamps.append(
-                    Lamp(instance_key(instance), thing.name, thing.data.original, matrix)
-                )
+                found.lamps += self._lamp(instance)
             elif thing.type not in UNSEEN:
                 kind = thing.type.lower().replace("_", " ")
                 self._report.note(f'object "{thing.name}"', f"{kind} objects are not carried")
         return found
 
-    def _solid(self, instance):
+    def _note_limits(self, instance, layer):
+        """Notes what slo-rt has no word for, once for all instances of an object."""
         thing = instance.object
-        placement, shape = split_matrix(np.array(instance.matrix_world, np.float64))
-        if abs(np.linalg.det(shape)) < 1e-18:
-            self._report.note(f'object "{thing.name}"', "is scaled to nothing and left out")
+        what = thing.name, instance.show_self, instance.show_particles
+        if what in self._noted:
+            return
+        self._noted.add(what)
+        if instance.show_particles and layer.use_strand:
+            limits.note_particles(thing, self._report)
+        if instance.show_self and thing.type in SOLID | {"LIGHT"}:
+            limits.note_object(thing, layer, self._report)
+            if self._is_blurred:
+                limits.note_blur(thing, self._report)
+
+    def _lamp(self, instance):
+        thing = instance.object
+        matrix = _matrix(instance)
+        if thing.data.type != "POINT" and meshes.is_flat(matrix[:3, :3]):
+            self._note_nothing(thing)
             return []
+        return [Lamp(instance_key(instance), thing.name, thing.data.original, matrix)]
+
+    def _note_nothing(self, thing):
+        subject = "light" if thing.type == "LIGHT" else "object"
+        self._report.note(f'{subject} "{thing.name}"', "is scaled to nothing and left out")
+
+    def _solid(self, instance, override):
+        thing = instance.object
+        placement, shape = split_matrix(_matrix(instance))
         if np.allclose(shape, np.eye(3), rtol=0.0, atol=1e-6):
             shape = np.eye(3)
         key = self._shape_key(thing, shape)
         if key not in self._known:
-            self._known[key] = self._files(thing, shape)
-        parts, diagonal, center, outline = self._known[key]
+            self._known[key] = self._files(thing, shape, override)
+        parts, box, outline = self._known[key]
         if not parts:
             return []
         parent = [instance.parent.original] if instance.parent else []
@@ -109,8 +156,7 @@ class Collector:
                 placement=placement,
                 shape=shape,
                 parts=parts,
-                diagonal=diagonal,
-                center=np.array(instance.matrix_world, np.float64)[:3, :3] @ center + placement[:3],
+                box=box,
                 outline=outline,
             )
         ]
@@ -120,17 +166,18 @@ class Collector:
         materials = tuple(
             slot.material.name_full if slot.material else "" for slot in thing.material_slots
         )
-        data = thing.data.as_pointer() if thing.type == "MESH" else thing.as_pointer()
-        return data, materials, tuple(np.round(shape, 6).ravel())
+        return thing.data.as_pointer(), materials, tuple(np.round(shape, 6).ravel())
 
-    def _files(self, thing, shape):
-        """Parts of a thing, its diagonal, its middle in object space, and its outline."""
-        nothing = [], 0.0, np.zeros(3), None
+    def _files(self, thing, shape, override):
+        """Parts of a thing, its box, and its outline."""
+        nothing = [], np.zeros((2, 3)), None
         mesh = thing.to_mesh()
         if mesh is None:
             return nothing
         try:
             materials = materials_of(thing, mesh)
+            if override:
+                materials = [override] * len(materials)
             uv_map = self._uv_map_of(materials)
             scale = None if np.array_equal(shape, np.eye(3)) else shape
             result = meshes.arrays(mesh, scale, uv_map)
@@ -140,35 +187,58 @@ class Collector:
         if result is None:
             return nothing
         triangles, material_index = result
-        low, high = triangles.vertices.min(axis=0), triangles.vertices.max(axis=0)
-        center = np.linalg.solve(shape, (low + high).astype(np.float64) / 2.0)
-        parts = list(self._parts(thing.name, triangles, material_index, materials))
-        return parts, float(np.linalg.norm(high - low)), center, outline
+        for what in ("vertices", "uvs", "normals"):
+            array = getattr(triangles, what)
+            if array is not None:
+                finite(array, f'object "{thing.name}"', f"a number of its {what}")
+        vertices = triangles.vertices
+        box = np.array([vertices.min(axis=0), vertices.max(axis=0)], np.float64)
+        if _has_no_area(triangles, box):
+            self._note_nothing(thing)
+            return nothing
+        return list(self._parts(thing.name, triangles, material_index, materials)), box, outline
 
     def _parts(self, name, triangles, material_index, materials):
-        used = np.unique(np.clip(material_index, 0, len(materials) - 1))
+        first_like = np.array([materials.index(material) for material in materials])
+        material_index = first_like[np.clip(material_index, 0, len(materials) - 1)]
+        used = np.unique(material_index)
         for index in used:
             material = materials[index]
             piece, piece_name = triangles, name
             if len(used) > 1:
-                chosen = np.clip(material_index, 0, len(materials) - 1) == index
+                chosen = material_index == index
                 piece = meshes.part(triangles, chosen)
                 piece_name = f"{name}_{material.name if material else index}"
             yield Part(self._store(piece_name, piece), material, piece.smooth)
 
 
+def _matrix(instance):
+    subject = "light" if instance.object.type == "LIGHT" else "object"
+    matrix = np.array(instance.matrix_world, np.float64)
+    return finite(matrix, f'{subject} "{instance.object.name}"')
+
+
+def _has_no_area(triangles, box):
+    """Whether no triangle has an area, as where all is scaled to a point or a line."""
+    a, b, c = (triangles.vertices[triangles.faces[:, i]].astype(np.float64) for i in range(3))
+    size = np.linalg.norm(box[1] - box[0])
+    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1).max()
+    return not doubled > NO_AREA * size * size
+
+
 def may_deform(thing):
     """Whether the vertices of an object may move in its own space from frame to frame."""
-    data = thing.original.data
+    original = thing.original
+    data = original.data
     shape_keys = getattr(data, "shape_keys", None)
-    return bool(thing.type != "MESH" or thing.modifiers or shape_keys or data.animation_data)
+    return bool(original.type != "MESH" or original.modifiers or shape_keys or data.animation_data)
 
 
 def outlines(depsgraph, keys):
     """Hashes of the vertices, as they are now, of the things with these keys."""
     found = {}
     for instance in depsgraph.object_instances:
-        key = instance_key(instance) if instance.object.type in SOLID else None
+        key = instance_key(instance) if instance.object.type == "MESH" else None
         if key in keys:
             found[key] = _hash(instance.object.to_mesh())
             instance.object.to_mesh_clear()

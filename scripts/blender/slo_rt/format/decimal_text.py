@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Numbers as text: single ones for people, millions of them for meshes."""
 
+import math
+
 import numpy as np
 
 ROWS_AT_ONCE = 1 << 14  # what stays in the cache
@@ -11,10 +13,14 @@ def number(value):
     enough.
 
     Whole numbers stay whole. Never exponents with a comma, never negative zero.
+
+    # Errors `ValueError` for infinity and what is not a number.
     """
     if isinstance(value, (bool, int, np.integer)):
         return str(int(value))
     value = float(value)
+    if not math.isfinite(value):
+        raise ValueError(f"{value} is not a finite number")
     short = f"{value:.7g}"
     text = short if abs(float(short) - value) <= 6e-8 * abs(value) else f"{value:.9g}"
     return "0" if float(text) == 0.0 else text

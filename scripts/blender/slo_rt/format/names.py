@@ -2,16 +2,21 @@
 """Names that the scene language and file systems accept."""
 
 import re
+import unicodedata
 
 # White space and braces end a name in the scene language; the others are refused by file systems.
-_UNFIT = re.compile(r"[\s\u00a0\x00-\x1f{}/\\:*?\"<>|]+")
+_UNSEEN = r"\s\u00a0\x00-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202f\ufeff\ud800-\udfff"
+_UNFIT = re.compile(rf"[{_UNSEEN}{{}}/\\:*?\"<>|]+")
 _RESERVED = {"con", "prn", "aux", "nul"} | {f"{n}{i}" for n in ("com", "lpt") for i in range(1, 10)}
+_LONGEST = 120  # bytes; file systems take 255, of which endings and counts need some
 
 
 def plain(name):
     """`name` as one word that can stand in a scene and as a file: `Cube 1/2` becomes `Cube_1_2`."""
-    word = _UNFIT.sub("_", name).lstrip("#").rstrip(".")[:80]
-    return f"{word}_" if word.lower() in _RESERVED else word or "unnamed"
+    word = _UNFIT.sub("_", unicodedata.normalize("NFC", name)).lstrip("#.")
+    word = word.encode()[:_LONGEST].decode(errors="ignore").rstrip(".") or "unnamed"
+    stem, dot, rest = word.partition(".")
+    return f"{stem}_{dot}{rest}" if stem.lower() in _RESERVED else word
 
 
 class Names:

@@ -35,11 +35,16 @@ def write(elements, comments=()):
     """The text of a scene: `comments` as lines on top, then the elements.
 
     Elements of one line stand together; an empty line sets off longer ones and changes of kind.
+
+    # Errors `ValueError` that names the element with a number that is not finite.
     """
     lines = [f"# {comment}".rstrip() for comment in comments]
     previous, long_before = None, True
     for element in elements:
-        text = _element(element, "")
+        try:
+            text = _element(element, "")
+        except ValueError as error:
+            raise ValueError(f"{element.kind} {element.name}: {error}") from error
         is_long = len(text) > 1
         if lines and (is_long or long_before or element.kind != previous):
             lines.append("")

@@ -11,6 +11,7 @@ import bpy
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 import slo_rt  # noqa: E402
 import slo_rt.compat  # noqa: E402
+import slo_rt.engine  # noqa: E402
 
 FOLDER = tempfile.mkdtemp(prefix="slo-rt-test-")
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(slo_rt.__path__[0])))
@@ -41,6 +42,7 @@ def fresh_scene(size=(64, 48)):
     scene.frame_start, scene.frame_end = 1, 25
     scene.frame_set(1)
     scene.slo_rt.samples = 4
+    scene.view_settings.view_transform = "Standard"
     return scene
 
 
@@ -50,6 +52,30 @@ def cube(name="Cube", size=2.0):
     thing = bpy.context.object
     thing.name = name
     return thing
+
+
+def lamp(name="Lamp", kind="POINT", location=(3.0, -5.0, 5.0), energy=500.0):
+    """A light; one of the kind POINT is all that slo-rt can carry over."""
+    light = bpy.data.lights.new(name, kind)
+    light.energy = energy
+    if kind == "POINT":
+        light.shadow_soft_size = 0.0
+    thing = bpy.data.objects.new(name, light)
+    thing.location = location
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+
+
+def paint(thing, name="Paint", **sockets):
+    """A material of the Principled BSDF for an object; returns its shader node."""
+    material = bpy.data.materials.new(name)
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
+    shader = material.node_tree.nodes["Principled BSDF"]
+    for socket, value in sockets.items():
+        shader.inputs[socket.replace("_", " ")].default_value = value
+    thing.data.materials.append(material)
+    return shader
 
 
 def key(thing, path, frame, value):
@@ -75,6 +101,11 @@ def export(name="scene", **options):
     path = os.path.join(tempfile.mkdtemp(dir=FOLDER), f"{name}.txt")
     assert bpy.ops.slo_rt.export_scene(filepath=path, **options) == {"FINISHED"}
     return path
+
+
+def work_folder():
+    """Where the engine keeps the files of the scene."""
+    return slo_rt.engine.work_folder(bpy.context.scene.name, bpy.context.view_layer.name)
 
 
 def export_text(**options):

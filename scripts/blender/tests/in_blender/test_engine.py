@@ -63,7 +63,9 @@ class EngineTest(unittest.TestCase):
         self.scene.collection.objects.link(lamp)
         shown = result_pixels(self.scene)
         path = os.path.join(blend.FOLDER, "same.txt")
-        exports.export_scene(self.scene, path, 1, 1, "same_", "EXR_IMAGE")
+        exports.export_scene(
+            self.scene, self.scene.view_layers[0], path, 1, 1, "same_", "EXR_IMAGE"
+        )
         subprocess.run(
             [blend.PROGRAM, "-q", "-s", path, "-f", "1", "-od", blend.FOLDER], check=True,
             stdout=subprocess.DEVNULL,
@@ -130,7 +132,7 @@ class EngineTest(unittest.TestCase):
         os.environ["SLO_RT"] = false_program(script)
         with mock.patch.object(engine.SloRtRenderEngine, "_should_stop", lambda self: True):
             bpy.ops.render.render()
-        kept = os.path.join(engine.work_folder(self.scene.name), "frame.checkpoint")
+        kept = os.path.join(blend.work_folder(), "frame.checkpoint")
         self.assertTrue(os.path.exists(kept))
         os.remove(kept)
 
@@ -143,7 +145,7 @@ class EngineTest(unittest.TestCase):
             engine.SloRtRenderEngine, "_should_stop", lambda self: next(left, True)
         ):
             bpy.ops.render.render()
-        folder = engine.work_folder(self.scene.name)
+        folder = blend.work_folder()
         states = [name for name in os.listdir(folder) if name.endswith(".state")]
         print("  kept:", states)
         np.testing.assert_array_equal(result_pixels(self.scene), whole)
@@ -191,7 +193,7 @@ class EngineTest(unittest.TestCase):
     def test_meshes_are_not_written_twice(self):
         blend.cube()
         bpy.ops.render.render()
-        folder = os.path.join(engine.work_folder(self.scene.name), "frame")
+        folder = os.path.join(blend.work_folder(), "frame")
         before = {
             name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)
         }
@@ -206,11 +208,107 @@ class EngineTest(unittest.TestCase):
         bpy.ops.render.render()
         thing.data.vertices[0].co.x -= 1.0
         bpy.ops.render.render()
-        folder = os.path.join(engine.work_folder(self.scene.name), "frame")
+        folder = os.path.join(blend.work_folder(), "frame")
         self.assertEqual(len([name for name in os.listdir(folder) if name.endswith(".slo")]), 1)
 
-    def test_what_is_lost_is_listed(self):
-        lamp = bpy.data.objects.new("Spot", bpy.data.lights.new("Spot", "SPOT"))
-        self.scene.collection.objects.link(lamp)
+    def test_each_view_layer_has_its_picture_and_its_folder(self):
+        names = [self.scene.view_layers[0].name, "Second"]
+        self.scene.view_layers.new("Second")
+        for name, x in zip(names, (-2.0, 2.0)):
+            inner = bpy.data.collections.new(name)
+            self.scene.collection.children.link(inner)
+            thing = blend.cube(f"Cube of {name}")
+            thing.location.x = x
+            for old in list(thing.users_collection):
+                old.objects.unlink(thing)
+            inner.objects.link(thing)
+            for layer in self.scene.view_layers:
+                layer.layer_collection.children[name].exclude = layer.name != name
+        self.scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
         bpy.ops.render.render()
-        self.assertEqual(engine.last_notes, ['light "Spot": spot lights are not carried'])
+        folders = [engine.work_folder(self.scene.name, name) for name in names]
+        self.assertNotEqual(*folders)
+        for folder, name in zip(folders, names):
+            with open(os.path.join(folder, "frame.txt"), encoding="utf-8") as file:
+                text = file.read()
+            for other in names:
+                self.assertEqual(f"mesh Cube_of_{other}" in text, other == name)
+        text = blend.export_text()
+        self.assertIn(f"mesh Cube_of_{names[0]}", text)
+        self.assertNotIn("mesh Cube_of_Second", text)
+
+    def test_both_views_of_stereo_have_the_picture(self):
+        blend.cube()
+        whole = result_pixels(self.scene)
+        self.scene.render.use_multiview = True
+        self.scene.render.image_settings.views_format = "INDIVIDUAL"
+        bpy.ops.render.render(write_still=True)
+        self.scene.render.use_multiview = False
+        for view in ("L", "R"):
+            path = os.path.join(blend.FOLDER, f"result_{view}.exr")
+            np.testing.assert_array_equal(engine.linear_pixels(path)[..., :3], whole)
+
+    def test_frames_below_zero(self):
+        thing = blend.cube()
+        blend.key(thing, "location", -9, (-2.0, 0.0, 0.0))
+        blend.key(thing, "location", -1, (2.0, 0.0, 0.0))
+        blend.lamp()
+        self.scene.frame_start, self.scene.frame_end = -9, -1
+        self.scene.frame_set(-3)
+        self.assertGreater(np.ptp(result_pixels(self.scene)), 0.1)
+
+    def test_borders_fall_on_blenders_pixels(self):
+        blend.cube()
+        self.scene.render.resolution_percentage = 57
+        render = self.scene.render
+        whole = result_pixels(self.scene)
+        self.assertEqual(whole.shape, (34, 45, 3))
+        render.use_border = render.use_crop_to_border = True
+        for low, high in ((0.1, 0.7), (0.3, 0.9), (0.0, 0.6)):
+            render.border_min_x = render.border_min_y = low
+            render.border_max_x = render.border_max_y = high
+            part = result_pixels(self.scene)
+            left, bottom = (int(np.float32(low) * np.float32(n)) for n in (45, 34))
+            height, width = part.shape[:2]
+            np.testing.assert_array_equal(
+                part, whole[bottom : bottom + height, left : left + width]
+            )
+
+    def test_the_line_above_the_picture_says_that_there_is_no_light(self):
+        blend.cube()
+        lines, whole_info = [], engine.SloRtRenderEngine._info
+
+        def info(self, fraction, samples):
+            lines.append(whole_info(self, fraction, samples))
+            return lines[-1]
+
+        with mock.patch.object(engine.SloRtRenderEngine, "_info", info):
+            bpy.ops.render.render()
+            self.assertIn("No light, 4 samples, 0 %", lines)
+            lines.clear()
+            blend.lamp()
+            bpy.ops.render.render()
+        self.assertIn("4 samples, 0 %", lines)
+        self.assertNotIn("No light", "".join(lines))
+
+    def test_a_crash_in_the_middle_of_a_frame_is_told_with_its_place(self):
+        os.environ["SLO_RT"] = false_program(
+            'echo \'{"event":"progress","fraction":0.5}\' >&2; kill -SEGV $$'
+        )
+        self.scene.frame_set(7)
+        with self.assertRaisesRegex(RuntimeError, "SIGSEGV\n.frame 7 of scene .*frame.txt"):
+            bpy.ops.render.render()
+
+    def test_files_go_when_the_extension_goes(self):
+        bpy.ops.render.render()
+        folder = os.path.dirname(blend.work_folder())
+        self.assertTrue(os.path.isdir(folder))
+        engine.remove_work_folders()
+        self.assertFalse(os.path.exists(folder))
+        bpy.ops.render.render()
+
+    def test_what_is_lost_is_listed(self):
+        blend.lamp("Spot", "SPOT")
+        bpy.ops.render.render()
+        dark = "scene: there is no light for slo-rt: surfaces are as bright as the world is"
+        self.assertEqual(engine.last_notes, ['light "Spot": spot lights are not carried', dark])

@@ -237,6 +237,7 @@ class SceneTest(unittest.TestCase):
 
     def test_texture(self):
         thing = blend.cube()
+        blend.lamp()
         material, shader = self.material()
         self.textured(shader)
         thing.data.materials.append(material)

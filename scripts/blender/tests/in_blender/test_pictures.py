@@ -210,7 +210,9 @@ class PictureTest(unittest.TestCase):
         self.scene.render.use_motion_blur = True
         self.scene.slo_rt.samples = 64
         path = os.path.join(blend.FOLDER, "all.txt")
-        exports.export_scene(self.scene, path, 1, 25, "all_", "EXR_IMAGE")
+        exports.export_scene(
+            self.scene, self.scene.view_layers[0], path, 1, 25, "all_", "EXR_IMAGE"
+        )
         for frame in (3, 17):
             self.scene.frame_set(frame)
             shown = picture(self.scene, "SLO_RT", 64)

@@ -44,6 +44,27 @@ class ProgramTest(unittest.TestCase):
         with self.assertRaisesRegex(program.ProgramMissing, "is not slo-rt"):
             program.find(script("echo grep 3"))
 
+    def test_paths_as_people_paste_them(self):
+        path = script("[ $1 = --version ] && echo slo-rt 9.9 || echo")
+        folder, name = os.path.split(path)
+        spaced = os.path.join(tempfile.mkdtemp(), "two words", name)
+        os.mkdir(os.path.dirname(spaced))
+        os.rename(path, spaced)
+        with mock.patch.dict(os.environ, {"HOME": os.path.dirname(spaced), "SLO_RT": ""}):
+            for typed in (
+                spaced, f'"{spaced}"', f" '{spaced}' ", f"~/{name}", "~", os.path.dirname(spaced)
+            ):  # fmt: skip
+                self.assertEqual(program.find(typed).path, spaced)
+
+    def test_a_program_that_fails_is_asked_once(self):
+        asked = os.path.join(tempfile.mkdtemp(), "asked")
+        path = script(f"echo again >>{asked}; exit 3")
+        for _ in range(3):
+            with self.assertRaisesRegex(program.ProgramMissing, "does not run"):
+                program.find(path)
+        with open(asked, encoding="utf-8") as file:
+            self.assertEqual(len(file.readlines()), 1)
+
     def test_picture_names(self):
         self.assertEqual(program.picture_name("a_", 7, "exr"), "a_00007.exr")
         self.assertEqual(program.picture_name("a_", -7, "exr"), "a_-00007.exr")
@@ -74,6 +95,8 @@ class ProcessTest(unittest.TestCase):
         self.assertFalse(outcome.succeeded)
         self.assertEqual(outcome.complaint(), "error: scene.txt:3:1\nframe 1: no light")
         self.assertIn("exit code 3", self.run_script("exit 3")[0].complaint())
+        crash = self.run_script("echo 'error: frame.txt:3:1' >&2; kill -SEGV $$")[0]
+        self.assertEqual(crash.complaint(), "error: frame.txt:3:1\nslo-rt was ended by SIGSEGV")
 
     def test_much_talk_does_not_block(self):
         line = "x" * 99

@@ -73,6 +73,11 @@ class NameTest(unittest.TestCase):
             ("##", "unnamed"),
             ("", "unnamed"),
             ("Con", "Con_"),
+            ("nul.001", "nul_.001"),
+            ("..", "unnamed"),
+            ("a\ud800b", "a_b"),
+            ("e\u0301", "é"),
+            ("馬" * 99, "馬" * 40),
             ("světlo", "světlo"),
         ):
             self.assertEqual(plain(name), word)

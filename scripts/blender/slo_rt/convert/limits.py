@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What of objects, view layers and render settings slo-rt has no word for."""
+
+import bpy
+
+# Rays from which Blender can hide an object.
+_RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
+# How particles may be shown, other than as objects.
+_PARTICLES = {"HALO": "halos", "LINE": "lines", "PATH": "paths"}
+# View settings that leave colours alone.
+_PLAIN_VIEW = {
+    "view_transform": "Standard",
+    "look": "None",
+    "exposure": 0.0,
+    "gamma": 1.0,
+    "use_curve_mapping": False,
+    "use_white_balance": False,
+}
+
+
+def note_object(thing, view_layer, report):
+    """Notes what of the visibility of `thing` (an evaluated object) slo-rt has no word for."""
+    is_light = thing.type == "LIGHT"
+    subject, original = f'{"light" if is_light else "object"} "{thing.name}"', thing.original
+    if not is_light:
+        if thing.is_holdout or original.holdout_get(view_layer=view_layer):
+            report.note(subject, "a holdout in Blender; it is seen in slo-rt")
+        if thing.is_shadow_catcher:
+            report.note(subject, "a shadow catcher in Blender; it is seen itself in slo-rt")
+        if original.indirect_only_get(view_layer=view_layer):
+            report.note(subject, "seen only indirectly in Blender; it is seen in slo-rt")
+    hidden = [ray for ray in _RAYS if not getattr(thing, f"visible_{ray}")]
+    if is_light and "camera" in hidden:
+        hidden.remove("camera")  # as all lights of Blender are; what shines and is seen is noted
+    if hidden:
+        report.note(subject, f"hidden from {', '.join(hidden)} rays in Blender, not in slo-rt")
+    linking = thing.light_linking
+    if linking and (linking.receiver_collection or linking.blocker_collection):
+        report.note(subject, "light linking is not carried: lights shine on everything")
+
+
+def note_particles(thing, report):
+    """Notes hair and particles of `thing` that are not shown as objects, which are no objects."""
+    for system in thing.particle_systems:
+        how = system.settings
+        subject = f'particle system "{system.name}" of object "{thing.name}"'
+        if how.render_type in _PARTICLES:
+            kind = "hair" if how.type == "HAIR" else f"particles as {_PARTICLES[how.render_type]}"
+            report.note(subject, f"{kind} not carried")
+
+
+def note_blur(thing, report):
+    """Notes an object that Cycles does not blur; only for an open shutter."""
+    if not getattr(getattr(thing, "cycles", None), "use_motion_blur", True):
+        report.note(f'object "{thing.name}"', "not blurred in Blender; it is in slo-rt")
+
+
+def note_view_layer(layer, report):
+    """Notes what of a view layer slo-rt has no word for."""
+    subject = f'view layer "{layer.name}"'
+    passes = [
+        each.name
+        for each in layer.bl_rna.properties
+        if each.identifier.startswith("use_pass_") and getattr(layer, each.identifier)
+        if each.identifier not in {"use_pass_combined", "use_pass_cryptomatte_accurate"}
+    ]
+    if passes or layer.aovs:
+        names = ", ".join(passes + [aov.name for aov in layer.aovs])
+        report.note(subject, f"there is only the picture, not its passes: {names}")
+
+
+def note_scene(scene, report):
+    """Notes what of the render settings slo-rt has no word for."""
+    render = scene.render
+    if render.film_transparent:
+        report.note("scene", "the background is not transparent in slo-rt")
+    if render.use_multiview:
+        report.note("scene", "one view is rendered, not two for stereo")
+    if render.frame_map_old != render.frame_map_new:
+        report.note("scene", "time remapping is not carried")
+    if render.use_motion_blur and getattr(render, "motion_blur_shutter_curve", None):
+        points = render.motion_blur_shutter_curve.curves[0].points
+        if any(abs(point.location[1] - 1.0) > 1e-3 for point in points):
+            report.note("scene", "the shutter opens and closes at once, whatever its curve")
+    space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
+    if space != "Linear Rec.709":
+        report.note("scene", f"its colours, {space}, are taken for linear Rec.709")
+
+
+def note_export(scene, layer, report):
+    """Notes what Blender does to a rendered picture or sequence, and slo-rt to an exported scene
+    does not."""
+    view = scene.view_settings
+    odd = [
+        f"{name.removeprefix('use_').replace('_', ' ')} {value}"
+        for name, plain in _PLAIN_VIEW.items()
+        for value in [getattr(view, name, plain)]
+        if value != plain
+    ]
+    if odd:
+        report.note(
+            "scene",
+            f"colours are plain sRGB here, and changed by {', '.join(odd)} in Blender; "
+            "View Transform Standard, without more, shows what slo-rt writes",
+        )
+    if scene.frame_step != 1:
+        report.note("scene", f"all frames are here; Blender renders one of {scene.frame_step}")
+    others = [other.name for other in scene.view_layers if other.use and other != layer]
+    if others:
+        report.note(
+            "scene", f'view layer "{layer.name}" is here, and not {", ".join(map(repr, others))}'
+        )
