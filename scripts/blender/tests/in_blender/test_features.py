@@ -368,7 +368,7 @@ FEATURES = {
     "world override": (world_override, CHANGES),
     "no surfaces": (sets("layer.use_solid", False), CHANGES),
     "no sky": (sets("layer.use_sky", False), CHANGES),
-    "passes": (sets("layer.use_pass_z", True), "not its passes: Depth"),
+    "passes": (sets("layer.use_pass_z", True), "only the picture, not its passes"),
     "other view layers": (other_view_layer, 'is here, and not \'Second\''),
     "frame step": (sets("scene.frame_step", 3), "renders one of 3"),
     "view transform": (sets("view.view_transform", "AgX"), "view transform AgX"),
