@@ -24,8 +24,9 @@ lack() {
 needed() { type -P munged slurmctld slurmd sbatch >/dev/null; }
 if ! needed && [[ ${1-} == --install ]]; then
     export DEBIAN_FRONTEND=noninteractive RUNLEVEL=1
-    { timeout 120 apt-get update && timeout 120 apt-get install -y --no-install-recommends slurm-wlm munge; } \
-        >/dev/null 2>&1 || lack 'apt-get that can install slurm-wlm and munge'
+    packages=(slurm-wlm munge)
+    timeout 120 sh -c 'apt-get update && apt-get install -y --no-install-recommends "$@"' - "${packages[@]}" \
+        >/dev/null 2>&1 || lack "apt-get that can install ${packages[*]} within two minutes"
 fi
 needed || lack 'slurm-wlm and munge, which --install installs'
 
@@ -113,18 +114,26 @@ start() {
 }
 start munged --force --foreground --socket="$folder/munge.socket" --key-file="$folder/munge.key" \
     --pid-file="$folder/munge.pid" --log-file="$folder/munge.log" --seed-file="$folder/munge.seed"
-await 10 munged munge -n -S "$folder/munge.socket"
+await 60 munged munge -n -S "$folder/munge.socket"
 start slurmctld -D -i
-await 20 slurmctld scontrol ping
+await 60 slurmctld scontrol ping
 start slurmd -D -N n1
 node=$!
 start slurmd -D -N n2
 idle() { [[ $(sinfo -h -n "$1" -o %T) == idle ]]; }
-await 30 'node n1' idle n1
-await 30 'node n2' idle n2
+await 60 'node n1' idle n1
+await 60 'node n2' idle n2
 say 'two nodes are there'
 
-options=(--size 256x144 --checkpoint 1)
+# A frame is killed in its middle, so that it has to take a thread some seconds, on any machine.
+trial() { "$SLO_RT" -q --scene "$scene" --frame=0 --size 128x72 --threads 1 --outdir "$folder/trial" >/dev/null; }
+TIMEFORMAT=%U
+seconds=$({ time trial; } 2>&1)
+size_of() {
+    awk -v all="$1" -v one="$seconds" 'BEGIN { s = sqrt(all / (one + 0.01)); printf "%dx%d", 128 * s, 72 * s }'
+}
+options=(--checkpoint 1 --size "$(size_of 5)")
+say "frames: ${options[*]}"
 all_done() { [[ -z $(squeue -h -o %i) ]]; }
 # Task and job on node n1, once a checkpoint shows that it is in the middle of its frame.
 mid_frame() {
@@ -141,32 +150,32 @@ check() {
     say "$count pictures, byte for byte those of a local run"
 }
 
-frames=-1-2
+frames=-1-1
 array=$("$here/submit.sh" "$scene" "$frames" "${options[@]}" --outdir "$folder/farm")
 # The first tasks of the array, frames -1 and 0, start on the two nodes.
-await 60 'a checkpoint on node n1' mid_frame "$folder/farm/.slo-rt-*.state"
+await 120 'a checkpoint on node n1' mid_frame "$folder/farm/.slo-rt-*.state"
 mapfile -t killed < <(grep -lzFx "SLURM_JOB_ID=$job" $(processes | sed 's|.*|/proc/&/environ|') 2>/dev/null |
     cut -d / -f 3)
 mapfile -t steps < <(pgrep -f "^slurmstepd: \[$job\.")
 kill -KILL "$node" "${killed[@]}" "${steps[@]}"
 say "node n1 is killed in task $task"
-await 150 'all frames' all_done
+await 300 'all frames' all_done
 grep -q ', run 2$' "$folder/farm/log/slurm-${array}_$task.log" || fail "task $task was not queued again"
 "$SLO_RT" -q --scene "$scene" --frame="$frames" "${options[@]}" --outdir "$folder/local" | check
 again=$("$here/submit.sh" "$scene" "$frames" "${options[@]}" --outdir "$folder/farm" 2>&1)
 [[ $again == *'all frames are finished' ]] || fail "submitted again: $again"
 
 start slurmd -D -N n1
-await 30 'node n1' idle n1
-options+=(--samples 200)
-array=$("$here/submit.sh" --parts 3 "$scene" 5 "${options[@]}" --outdir "$folder/farm")
+await 60 'node n1' idle n1
+options=(--checkpoint 1 --size "$(size_of 8)")
+array=$("$here/submit.sh" --parts 2 "$scene" 5 "${options[@]}" --outdir "$folder/farm")
 # The second line is the job that merges.
 array=${array%%$'\n'*}
-await 60 'a checkpoint on node n1' mid_frame "$folder/farm/parts/.slo-rt-*.state"
+await 120 'a checkpoint on node n1' mid_frame "$folder/farm/parts/.slo-rt-*.state"
 # What Slurm does before the time limit.
 scancel --batch --signal=USR1 "$job"
 say "task $task is stopped"
-await 150 'all parts' all_done
+await 300 'all parts' all_done
 grep -q ', run 2$' "$folder/farm/log/slurm-${array}_$task.log" || fail "task $task was not queued again"
 "$SLO_RT" -q --scene "$scene" --frame=5 "${options[@]}" --outdir "$folder/local" | check
 [[ ! -e $folder/farm/parts ]] || fail 'parts were left'

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::terminal::Terminal;
 use crate::film::{Film, State, Subject, TooLarge};
-use crate::output::{continues, read_state, steps_of, with_steps, write_state};
+use crate::output::{continues, read_state, remove_leftovers, steps_of, with_steps, write_state};
 use crate::render::Steps;
 
 /// A checkpoint may take this part of the time, at most: larger ones are written less often.
@@ -132,6 +132,11 @@ impl Checkpoint {
     fn recipe(&self, steps: Steps) -> String {
         let recipe = self.subject.recipe.clone();
         if self.is_timed { with_steps(recipe, steps) } else { recipe }
+    }
+
+    /// Removes what a run left that was killed as it wrote.
+    pub(super) fn remove_leftovers(&self) {
+        [&self.unfinished, &self.kept].into_iter().for_each(|path| remove_leftovers(path));
     }
 
     /// The picture is in place: nothing is left to go on with.

@@ -55,6 +55,9 @@ pub(super) struct Job {
     /// The frames asked for; `None`: 0.
     pub(super) frames: Option<Frames>,
     pub(super) order: Order,
+    /// Whether other processes render the same frames, and how long they let each other pass without
+    /// a sign of life.
+    pub(super) share: Option<Duration>,
     /// What of the picture is to be rendered; `None`: all of it.
     pub(super) region: Option<Region>,
     /// The part of it that is this run's, and what is shared out; `None`: all.
@@ -178,11 +181,12 @@ fn job(args: Args) -> Result<Job, Problem> {
         allow_outside: args.allow_outside,
         frames: args.frame,
         order: args.order,
+        share: args.share.map(|seconds| Duration::from_secs(seconds.into())),
         region: args.region,
         part: args.part.map(|part| (part, args.part_by)),
         outdir: args.outdir.unwrap_or_default(),
         info: args.info,
-        existing: match (args.skip_existing, args.overwrite) {
+        existing: match (args.skip_existing || args.share.is_some(), args.overwrite) {
             (true, _) => Existing::Skip,
             (_, true) => Existing::Overwrite,
             _ => Existing::Auto,
@@ -326,6 +330,7 @@ mod tests {
         check("", false);
         check("-f 5", false);
         check("-f 5 --skip-existing", true);
+        check("-f 5 --share", true);
         check("-f 5-5", true);
         check("-f 5,6 --overwrite", false);
     }

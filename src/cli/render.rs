@@ -14,7 +14,7 @@ use super::terminal::Terminal;
 use super::{Exit, interrupt, load, patience};
 use crate::film::{Film, TooLarge};
 use crate::frame::FrameScene;
-use crate::output::{Outcome, check_free, check_writable};
+use crate::output::{Outcome, check_free, check_writable, remove_leftovers};
 use crate::render::{Exposed, Observer, Statistics, Steps, render, render_until};
 use crate::scene::SceneDescription;
 
@@ -41,17 +41,19 @@ pub(super) struct Done {
 
 impl Studio<'_> {
     /// Builds, renders and saves a frame; `expected` is where its picture goes. `before` is what was
-    /// built for another frame, and then what was built for this one.
+    /// built for another frame, and then what was built for this one. Where `is_lost`, the frame is
+    /// another process's, and is stopped without keeping anything.
     pub(super) fn render(
         &self,
         frame: i64,
         expected: &Path,
         progress: &Progress,
         before: &mut Option<FrameScene>,
+        is_lost: &(dyn Fn() -> bool + Sync),
     ) -> Result<Done, Problem> {
         find_out_if_writable(expected, before.is_none())?;
-        let watch =
-            Watch { progress: progress.frame(frame, expected), checkpoint: self.checkpoint(frame) };
+        let (progress, checkpoint) = (progress.frame(frame, expected), self.checkpoint(frame));
+        let watch = Watch { progress, checkpoint, is_lost };
         let start = Instant::now();
         let deadline = self.deadline(start);
         let built = load::frame(self.job, self.scene, frame, before.take())?;
@@ -61,6 +63,10 @@ impl Studio<'_> {
         let (exposed, steps) = self.expose(&built, deadline, &watch)?;
         let rendering = start.elapsed();
         let checkpoint = watch.checkpoint;
+        if !exposed.is_complete && is_lost() {
+            *before = Some(built);
+            return Err(Problem::told(Exit::Stopped));
+        }
         if !exposed.is_complete {
             let steps = steps.unwrap_or_default();
             return Err(stopped(frame, &checkpoint, exposed.film, steps));
@@ -101,6 +107,17 @@ impl Studio<'_> {
                 (exposed, Some(steps))
             }
         })
+    }
+
+    /// Removes what another run, killed as it wrote, left of a frame whose picture was to be at `path`.
+    pub(super) fn clean_up(&self, frame: i64, path: &Path) {
+        remove_leftovers(path);
+        self.checkpoint(frame).remove_leftovers();
+    }
+
+    /// Removes what is known of a frame that is there.
+    pub(super) fn remove_checkpoint(&self, frame: i64) {
+        self.checkpoint(frame).remove();
     }
 
     fn checkpoint(&self, frame: i64) -> Checkpoint {
@@ -146,6 +163,7 @@ impl Studio<'_> {
 struct Watch<'a> {
     progress: FrameProgress<'a>,
     checkpoint: Checkpoint,
+    is_lost: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Observer for Watch<'_> {
@@ -158,7 +176,7 @@ impl Observer for Watch<'_> {
     }
 
     fn should_stop(&self) -> bool {
-        interrupt::requested()
+        interrupt::requested() || (self.is_lost)()
     }
 
     fn wants_film(&self) -> bool {
@@ -187,7 +205,7 @@ fn cant_write(path: &Path, error: &io::Error) -> Problem {
 
 /// The first frame makes the folder. One that vanishes later is waited for instead, since it may
 /// come back.
-fn find_out_if_writable(path: &Path, is_first: bool) -> Result<(), Problem> {
+pub(super) fn find_out_if_writable(path: &Path, is_first: bool) -> Result<(), Problem> {
     let check = if is_first { check_writable(path) } else { check_free(path) };
     check.map_err(|error| {
         Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()))

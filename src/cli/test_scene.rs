@@ -36,6 +36,7 @@ pub(super) fn job() -> Job {
         allow_outside: false,
         frames: None,
         order: Order::default(),
+        share: None,
         region: None,
         part: None,
         outdir: PathBuf::new(),

@@ -64,10 +64,32 @@ pub fn write_atomically(
     Ok(())
 }
 
+/// Removes what writers of `path` left that were killed. One that is still at it fails, as if the
+/// folder were gone.
+pub fn remove_leftovers(path: &Path) {
+    let beginning = temporary_beginning(path);
+    let is_leftover = |name: &str| name.starts_with(&beginning) && name.ends_with(TEMPORARY_END);
+    for entry in fs::read_dir(folder(path)).into_iter().flatten().flatten() {
+        if entry.file_name().to_str().is_some_and(is_leftover) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+const TEMPORARY_END: &str = ".part";
+
+/// Tells the name of the file that is to be, which may be as long as names can be, in short.
+fn temporary_beginning(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().as_encoded_bytes();
+    let hash = blake3::hash(name).to_hex();
+    format!(".slo-rt-{}-", &hash[..8])
+}
+
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     // `tempfile_in` would make a file for its owner only, and put its name into every error.
     let create = |path: &Path| File::create_new(path);
-    Builder::new().prefix(".slo-rt-").suffix(".part").make_in(folder(path), create)
+    let beginning = temporary_beginning(path);
+    Builder::new().prefix(&beginning).suffix(TEMPORARY_END).make_in(folder(path), create)
 }
 
 fn folder(path: &Path) -> &Path {
@@ -117,6 +139,21 @@ mod tests {
         });
         assert_eq!(failed.unwrap_err().kind(), io::ErrorKind::StorageFull);
         assert_eq!(fs::read(&path).unwrap(), b"older");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn leftovers_of_one_file_can_be_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let [one, other] = ["a.png", "b.png"].map(|name| folder.path().join(name));
+        let leave = |path| drop(temporary_beside(path).unwrap().keep().unwrap());
+        leave(&one);
+        leave(&one);
+        fs::write(&one, "whole").unwrap();
+        leave(&other);
+        remove_leftovers(&one);
+        assert_eq!(names(folder.path()).len(), 2);
+        remove_leftovers(&other);
         assert_eq!(names(folder.path()), ["a.png"]);
     }
 

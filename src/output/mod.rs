@@ -21,7 +21,7 @@ use std::io::{self, Seek, Write};
 use std::path::Path;
 
 pub use continuation::continues;
-pub use file::{check_free, check_writable, write_atomically};
+pub use file::{check_free, check_writable, remove_leftovers, write_atomically};
 pub use finished::{Found, find_picture, find_state, find_timed_picture};
 pub use map::{write_difference_map, write_error_map, write_sample_map};
 pub use name::{Info, check_prefix, file_name};

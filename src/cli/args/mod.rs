@@ -34,6 +34,8 @@ Examples:
   slo-rt                                the scene inside, to see that all works
   slo-rt -s table.txt -f 15             frame 15 of a scene
   slo-rt -s table.txt -f 0-100 -od out  a sequence; again: what is missing of it
+  slo-rt -s table.txt -f 0-100 -od out --share
+                                        the same on each of several machines
   slo-rt -s table.txt --check           find mistakes, render nothing
   slo-rt -s table.txt --size 320x180 --samples 4
                                         a quick draft
@@ -108,6 +110,17 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = Order::Forward, hide_default_value = true)]
     pub(super) order: Order,
+
+    /// Share the frames out with all that run this command on the folder
+    ///
+    /// On any machines. Each frame is rendered by one of them. A process that
+    /// gives no sign of life for so many seconds (60) is dead, and another one
+    /// goes on with its frame. Returns when all frames are there.
+    #[arg(long, value_name = "SECONDS", help_heading = WHAT, verbatim_doc_comment)]
+    #[arg(num_args = 0..=1, require_equals = true, default_missing_value = "60")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=86400))]
+    #[arg(conflicts_with_all = ["overwrite", "check"])]
+    pub(super) share: Option<u32>,
 
     /// A region of the picture, such as 320x180+0+90
     ///
@@ -487,6 +500,8 @@ mod tests {
             "-f 1-5 --order random",
             "--progress loud",
             "--overwrite --skip-existing",
+            "--overwrite --share",
+            "--share=0",
             "--checkpoint -1",
             "--time 0",
             "--time 5x",

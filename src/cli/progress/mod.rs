@@ -41,6 +41,7 @@ pub(super) enum ProgressForm {
 pub(super) struct Progress {
     view: View,
     estimate: Mutex<Estimate>,
+    is_shared: bool,
     frames: usize,
     /// Frames that are done.
     done: usize,
@@ -58,9 +59,10 @@ enum View {
 const STEPS: u64 = 10_000;
 
 impl Progress {
-    /// For a run that is to render `to_render` of `frames` frames.
+    /// For a run that is to render `to_render` of `frames` frames, alone or with others.
     pub(super) fn new(
         form: ProgressForm,
+        is_shared: bool,
         frames: usize,
         to_render: usize,
         terminal: Terminal,
@@ -79,7 +81,7 @@ impl Progress {
             _ => Pace::people(),
         };
         let (estimate, pace) = (Mutex::new(Estimate::new(to_render)), Mutex::new(pace));
-        let progress = Self { view, estimate, frames: to_render, done: 0, pace };
+        let progress = Self { view, estimate, is_shared, frames: to_render, done: 0, pace };
         progress.tell(Event::Sequence { frames, to_render });
         progress
     }
@@ -88,6 +90,9 @@ impl Progress {
     pub(super) fn found(&mut self, frame: i64, path: &Path, counted: bool) {
         if counted {
             self.done += 1;
+        }
+        // Those who share the work will go on as fast; others may be of help just once.
+        if counted && !self.is_shared {
             lock(&self.estimate).add_free(1.0);
         }
         self.tell(Event::Found { frame, path });
@@ -125,6 +130,14 @@ impl Progress {
         }
         let (exit, message) = (problem.exit as u8, &*problem.message);
         self.tell(Event::Failed { frame, exit, message });
+    }
+
+    /// Nothing is left but frames that other processes render.
+    pub(super) fn waiting(&self, frames: &[i64]) {
+        self.tell(Event::Waiting { frames });
+        if let View::Bar(bar) = &self.view {
+            bar.set_prefix("waiting for others");
+        }
     }
 
     /// The run is over after `time`.

@@ -23,6 +23,8 @@ pub(super) enum Event<'a> {
     Finished { frame: i64, path: &'a Path, time: Duration, outcome: Outcome, run: Moment },
     /// A frame can't be had.
     Failed { frame: i64, exit: u8, message: &'a str },
+    /// Nothing is left but frames that other processes render.
+    Waiting { frames: &'a [i64] },
     /// The run is over.
     Ended { rendered: usize, found: usize, failed: usize, time: Duration },
 }
@@ -60,6 +62,7 @@ fn object(event: Event) -> Value {
         Event::Failed { frame, exit, message } => {
             json!({ "event": "failed", "frame": frame, "exit": exit, "message": message })
         }
+        Event::Waiting { frames } => json!({ "event": "waiting", "frames": frames }),
         Event::Ended { rendered, found, failed, time } => json!({
             "event": "ended", "rendered": rendered, "found": found, "failed": failed,
             "seconds": seconds(time),
@@ -94,7 +97,7 @@ mod tests {
         left: Some(Duration::from_secs(7)),
     };
 
-    fn events() -> [Event<'static>; 7] {
+    fn events() -> [Event<'static>; 8] {
         let path = Path::new("out/a \"b\"_00007.png");
         [
             Event::Sequence { frames: 10, to_render: 8 },
@@ -109,6 +112,7 @@ mod tests {
                 run: MOMENT,
             },
             Event::Failed { frame: 8, exit: 65, message: "two\nlines" },
+            Event::Waiting { frames: &[9, 12] },
             Event::Ended { rendered: 1, found: 2, failed: 1, time: Duration::from_secs(20) },
         ]
     }
@@ -123,6 +127,7 @@ mod tests {
         {"elapsed":12.345,"event":"progress","fraction":0.333333,"frame":7,"left":7.0,"sequence":0.625}
         {"elapsed":12.345,"error":0.25,"event":"finished","frame":7,"left":7.0,"path":"out/a \"b\"_00007.png","samplesPerPixel":12.5,"seconds":1.235,"sequence":0.625}
         {"event":"failed","exit":65,"frame":8,"message":"two\nlines"}
+        {"event":"waiting","frames":[9,12]}
         {"event":"ended","failed":1,"found":2,"rendered":1,"seconds":20.0}
         "#);
     }

@@ -1,10 +1,14 @@
 //! Rendering the frames of a job, one after the other, in one process.
 
+mod claims;
 mod dry_run;
 mod frames;
 mod order;
 mod plan;
+mod shared;
 
+use std::fmt::Display;
+use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -58,14 +62,24 @@ fn render(
     let mut run = Run {
         studio,
         is_sequence: steps.len() > 1,
-        progress: Progress::new(job.progress, steps.len(), to_render(&steps), terminal),
+        progress: Progress::new(
+            job.progress,
+            job.share.is_some(),
+            steps.len(),
+            to_render(&steps),
+            terminal,
+        ),
         summary: Summary::new(loading, job.isa),
         found: 0,
         before: None,
         failures: Vec::new(),
+        unprinted: None,
     };
     let start = Instant::now();
-    let result = steps.into_iter().try_for_each(|step| run.step(step));
+    let result = match job.share {
+        Some(lease) => run.share(steps, lease),
+        None => steps.iter().try_for_each(|step| run.step(step)),
+    };
     let time = start.elapsed();
     run.progress.ended(run.summary.frames, run.found, run.failures.len(), time);
     result?;
@@ -85,57 +99,68 @@ struct Run<'a> {
     /// Frames that were there already.
     found: usize,
     failures: Vec<(i64, Problem)>,
+    /// Why a path could not be printed.
+    unprinted: Option<io::Error>,
     /// What was built for the last frame.
     before: Option<FrameScene>,
 }
 
 impl Run<'_> {
     /// Does what is to do for one frame. An error ends the run.
-    fn step(&mut self, step: Step) -> Result<(), Problem> {
-        let (job, target) = (self.studio.job, &self.studio.target);
-        match step.state {
+    fn step(&mut self, step: &Step) -> Result<(), Problem> {
+        match &step.state {
             State::Finished => self.keep(step.frame, &step.path, false),
-            State::None(error) => {
-                let problem = load::no_segment(&error);
-                self.fail(step.frame, problem, false);
-                Ok(())
-            }
-            // Another process may have been here since.
-            State::ToRender(_) => match plan::look(job, target, step.frame, &step.path) {
-                State::Finished => self.keep(step.frame, &step.path, true),
-                _ => self.render(step.frame, &step.path),
-            },
+            State::None(error) => self.fail(step.frame, load::no_segment(error), false),
+            State::ToRender(_) if self.is_there_now(step) => {}
+            State::ToRender(_) => drop(self.render(step.frame, &step.path, &|| false)?),
         }
+        Ok(())
     }
 
-    fn keep(&mut self, frame: i64, path: &Path, counted: bool) -> Result<(), Problem> {
+    /// Whether another process has finished the frame since.
+    fn is_there_now(&mut self, step: &Step) -> bool {
+        let (path, state) = plan::look_again(self.studio.job, &self.studio.target, step.frame);
+        let is_there = matches!(state, State::Finished);
+        if is_there {
+            self.keep(step.frame, &path, true);
+        }
+        is_there
+    }
+
+    fn keep(&mut self, frame: i64, path: &Path, counted: bool) {
         self.found += 1;
         self.progress.found(frame, path, counted);
         if !self.is_sequence {
-            let path = path.display();
-            self.studio.terminal.note(format_args!("`{path}` is there already"));
+            self.note(format_args!("`{}` is there already", path.display()));
         }
-        self.print(path)
+        self.print(path);
     }
 
-    fn render(&mut self, frame: i64, path: &Path) -> Result<(), Problem> {
+    /// Renders a frame, as long as it is this process's; false where it is not any more.
+    fn render(
+        &mut self,
+        frame: i64,
+        path: &Path,
+        is_lost: &(dyn Fn() -> bool + Sync),
+    ) -> Result<bool, Problem> {
         if interrupt::requested() {
             return Err(Problem::new(Exit::Stopped, format!("interrupted before frame {frame}"))
                 .with_help("the same command goes on from there"));
         }
-        match self.studio.render(frame, path, &self.progress, &mut self.before) {
+        match self.studio.render(frame, path, &self.progress, &mut self.before, is_lost) {
             Ok(done) => {
                 self.summary.add(&done);
                 let time = done.times.total();
                 self.progress.finished(frame, &done.path, time, done.outcome);
-                self.print(&done.path)
+                self.print(&done.path);
             }
-            Err(problem) if problem.exit == Exit::Stopped => Err(problem),
-            Err(problem) => {
-                self.fail(frame, problem, true);
-                Ok(())
+            Err(problem) if problem.exit == Exit::Stopped && interrupt::requested() => {
+                return Err(problem);
             }
+            Err(problem) if problem.exit == Exit::Stopped => return Ok(false),
+            Err(problem) => self.fail(frame, problem, true),
         }
+        Ok(true)
     }
 
     fn fail(&mut self, frame: i64, problem: Problem, counted: bool) {
@@ -148,11 +173,14 @@ impl Run<'_> {
         self.failures.push((frame, problem));
     }
 
-    fn print(&self, path: &Path) -> Result<(), Problem> {
+    /// Prints a picture's path. Pictures are rendered also where nobody can be told.
+    fn print(&mut self, path: &Path) {
         let printed = self.progress.suspended(|| print(path.as_os_str().as_encoded_bytes()));
-        printed.map_err(|error| {
-            Problem::new(Exit::Failed, format!("can't print the picture's path: {error}"))
-        })
+        self.unprinted = self.unprinted.take().or(printed.err());
+    }
+
+    fn note(&self, text: impl Display) {
+        self.progress.suspended(|| self.studio.terminal.note(text));
     }
 
     /// Says how the run went; an error where frames failed.
@@ -166,7 +194,7 @@ impl Run<'_> {
             terminal.note(format_args!("{} frames were there already", self.found));
         }
         match self.failures.len() {
-            0 => Ok(()),
+            0 => self.unprinted.map_or(Ok(()), |error| Err(cant_print(&error))),
             1 if !self.is_sequence => Err(self.failures.remove(0).1),
             failed => {
                 let frames: Vec<i64> = self.failures.iter().map(|failure| failure.0).collect();
@@ -176,6 +204,11 @@ impl Run<'_> {
             }
         }
     }
+}
+
+fn cant_print(error: &io::Error) -> Problem {
+    let message = format!("can't print the paths of the pictures: {error}");
+    Problem::new(Exit::Failed, message).with_help("the pictures are all there")
 }
 
 /// Where all frames failed alike there is nothing partial about it.

@@ -44,8 +44,15 @@ pub(super) fn steps(job: &Job, scene: &SceneDescription, target: &Target) -> Vec
     job.order.of(&job.frames().numbers).into_iter().map(step).collect()
 }
 
+/// What is there of a frame by now, and where.
+pub(super) fn look_again(job: &Job, target: &Target, frame: i64) -> (PathBuf, State) {
+    let path = Names::of(job).path(job, target, frame);
+    let state = look(job, target, frame, &path);
+    (path, state)
+}
+
 /// What is at `path` of a frame that the scene has.
-pub(super) fn look(job: &Job, target: &Target, frame: i64, path: &Path) -> State {
+fn look(job: &Job, target: &Target, frame: i64, path: &Path) -> State {
     match target.look(frame, path) {
         Found::Finished if job.skips_finished() => State::Finished,
         found => State::ToRender(found),

@@ -141,3 +141,14 @@ fn standard_output_is_full() {
     let output = folder.command("--recipe ball_00000.png").stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn pictures_are_rendered_even_where_their_paths_cannot_be_printed() {
+    let folder = Folder::new();
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let run = Run::of(folder.command("-s scene.txt -f 0-2 -q").stdout(full).output().unwrap());
+    assert_eq!(run.exit, 1);
+    assert!(run.said.contains("can't print the paths of the pictures"), "{}", run.said);
+    assert_eq!(folder.names(), ["ball_00000.png", "ball_00001.png", "ball_00002.png"]);
+}

@@ -13,6 +13,8 @@ mod pictures;
 #[cfg(unix)]
 mod sequence;
 #[cfg(unix)]
+mod shared;
+#[cfg(unix)]
 mod signals;
 mod tools;
 

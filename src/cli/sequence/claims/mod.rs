@@ -1,0 +1,174 @@
+//! Which of several processes on one folder renders which frame.
+//!
+//! A claim is a file beside the picture: whoever makes it first renders the frame. Its owner changes
+//! it all the time. Where it has not changed for as long as its owner promised, by the clock of
+//! whoever watches it, the owner is dead, and another process takes the frame over: clocks of two
+//! machines are never compared. No lock of the system is needed, so that it works wherever making
+//! a file that is not there yet, and renaming, are atomic: on local disks, NFS and SMB.
+//!
+//! What counts at any moment is whose token stands in the claim. Should two processes render one
+//! frame after all, both make the same picture.
+
+mod note;
+mod pulse;
+#[cfg(test)]
+mod tests;
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use note::Note;
+pub(in crate::cli) use note::Worker;
+use pulse::{Held, Pulse};
+
+/// Promises that a process can keep, and one that somebody would wait for.
+pub(in crate::cli) const SHORTEST_LEASE: Duration = Duration::from_secs(1);
+const LONGEST_LEASE: Duration = Duration::from_secs(86_400);
+
+/// The claims of a process. Dropped, it gives no more signs of life.
+#[derive(Debug)]
+pub(in crate::cli) struct Claims {
+    pulse: Arc<Pulse>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// A frame that is this process's to render. Dropped, it is free again.
+#[derive(Debug)]
+pub(in crate::cli) struct Claim {
+    held: Arc<Held>,
+    pulse: Arc<Pulse>,
+    /// Of whom it was taken over.
+    pub(super) dead: Option<Worker>,
+}
+
+/// What came of asking for a frame.
+#[derive(Debug)]
+pub(in crate::cli) enum Taken {
+    Mine(Claim),
+    /// Another process renders it; `None`: it has just ended.
+    Theirs(Option<Worker>),
+}
+
+impl Claims {
+    /// For a process that gives signs of life, and is taken for dead where there is none for `lease`.
+    ///
+    /// # Errors
+    /// What the system says: no thread can be started.
+    pub(super) fn new(lease: Duration) -> io::Result<Self> {
+        let pulse = Arc::new(Pulse::new(lease.clamp(SHORTEST_LEASE, LONGEST_LEASE)));
+        let beating = Arc::clone(&pulse);
+        let thread = std::thread::Builder::new().name("claims".into());
+        let thread = thread.spawn(move || beating.run())?;
+        Ok(Self { pulse, thread: Some(thread) })
+    }
+
+    /// How long to wait before others may have got on.
+    pub(super) fn pause(&self) -> Duration {
+        self.pulse.pause().min(Duration::from_millis(500))
+    }
+
+    /// Whether any process has the frame of `picture`, or has died with it.
+    pub(super) fn is_taken(&self, picture: &Path) -> bool {
+        path_of(picture).exists()
+    }
+
+    /// Takes the frame of `picture`, whose folder is there, where nobody alive has it.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn take(&self, picture: &Path) -> io::Result<Taken> {
+        let path = path_of(picture);
+        match self.make(&path) {
+            Ok(made) => return Ok(Taken::Mine(self.hold(path, made, None))),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+        let Some((dead, is_dead)) = self.pulse.look(&path)? else { return Ok(Taken::Theirs(None)) };
+        let made = if is_dead { self.take_over(&path, &dead)? } else { None };
+        Ok(match made {
+            Some(made) => Taken::Mine(self.hold(path, made, Some(dead.worker))),
+            None => Taken::Theirs(Some(dead.worker)),
+        })
+    }
+
+    /// Puts a claim in the place of a dead one; `None` where another process does, or its owner is
+    /// alive after all.
+    ///
+    /// It is made under a name that tells the dead one's token, which one process can do, and then
+    /// renamed, so that the frame is never without a claim. Who makes that name after the renaming
+    /// finds another token in the dead one's place.
+    fn take_over(&self, path: &Path, dead: &Note) -> io::Result<Option<(File, Note)>> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let heir = path.with_file_name(format!("{name}.{}", dead.token));
+        let made = match self.make(&heir) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                // An heir may have died, too, in the moment before its renaming.
+                if self.pulse.look(&heir)?.is_some_and(|(_, is_dead)| is_dead) {
+                    let _ = fs::remove_file(&heir);
+                }
+                return Ok(None);
+            }
+            made => made?,
+        };
+        if Note::read(path).is_ok_and(|there| there == *dead) {
+            let renamed = fs::rename(&heir, path);
+            renamed.inspect_err(|_| drop(fs::remove_file(&heir)))?;
+        } else {
+            fs::remove_file(&heir)?;
+        }
+        Ok(is_at(path, &made.1.token).then_some(made))
+    }
+
+    /// Makes a claim at a path where there is nothing.
+    fn make(&self, path: &Path) -> io::Result<(File, Note)> {
+        let mut file = File::create_new(path)?;
+        let note = Note::new(self.pulse.lease);
+        note.write(&mut file).inspect_err(|_| drop(fs::remove_file(path)))?;
+        Ok((file, note))
+    }
+
+    /// Keeps a claim alive that was made.
+    fn hold(&self, path: PathBuf, (file, note): (File, Note), dead: Option<Worker>) -> Claim {
+        let held = Arc::new(Held::new(path, file, note));
+        self.pulse.hold(&held);
+        Claim { held, pulse: Arc::clone(&self.pulse), dead }
+    }
+}
+
+impl Drop for Claims {
+    fn drop(&mut self) {
+        self.pulse.end();
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+impl Claim {
+    /// Whether another process has taken this one for dead, and renders the frame now.
+    pub(in crate::cli) fn is_lost(&self) -> bool {
+        self.held.is_lost()
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        self.pulse.let_go(&self.held);
+        if is_at(&self.held.path, &self.held.token) {
+            let _ = fs::remove_file(&self.held.path);
+        }
+    }
+}
+
+/// Where the claim on a picture lies.
+fn path_of(picture: &Path) -> PathBuf {
+    let name = picture.file_name().unwrap_or_default().to_string_lossy();
+    picture.with_file_name(format!(".slo-rt-{name}.claim"))
+}
+
+/// Whether the claim at `path` is the one with that token.
+fn is_at(path: &Path, token: &str) -> bool {
+    Note::read(path).is_ok_and(|there| there.token == token)
+}
