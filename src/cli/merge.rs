@@ -166,9 +166,11 @@ fn explain(error: MergeError, parts: &[Part]) -> Problem {
     let name = |i: usize| parts[i].path.display();
     let message = match error {
         MergeError::Gap { pixels, first: (x, y), samples } => {
-            let of = samples.map_or(String::new(), |range| {
-                format!(" of samples {} to {}", range.start, range.end - 1)
-            });
+            let of = match samples.map(|range| (range.start, range.end - 1)) {
+                None => String::new(),
+                Some((first, last)) if first == last => format!(" of sample {first}"),
+                Some((first, last)) => format!(" of samples {first} to {last}"),
+            };
             format!("a part{of} is missing: {pixels} pixels, the first in column {x} of row {y}")
         }
         MergeError::Overlap { parts: [a, b], at: (x, y) } => format!(
@@ -183,8 +185,9 @@ fn explain(error: MergeError, parts: &[Part]) -> Problem {
     };
     let names: Vec<String> = parts.iter().map(Part::stem).collect();
     let problem = Problem::new(Exit::BadInput, message);
-    match names.first() {
-        Some(stem) => problem.with_help(format!("of {} parts of `{stem}`", parts.len())),
-        None => problem,
+    match &names[..] {
+        [] => problem,
+        [stem] => problem.with_help(format!("there is one part of `{stem}`")),
+        [stem, ..] => problem.with_help(format!("there are {} parts of `{stem}`", parts.len())),
     }
 }

@@ -24,8 +24,31 @@ impl Problem {
         Self { exit, message: String::new(), help: Vec::new() }
     }
 
+    /// The message, which tells of which frame it is, once.
+    pub(super) fn of_frame(&self, frame: i64) -> String {
+        let (name, message) = (format!("frame {frame}"), &self.message);
+        let after = message.strip_prefix(&name);
+        let tells = after.is_some_and(|after| !after.starts_with(|c: char| c.is_ascii_digit()));
+        if tells { message.clone() } else { format!("{name}: {message}") }
+    }
+
     pub(super) fn with_help(mut self, help: impl Display) -> Self {
         self.help.push(help.to_string());
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_is_named_once() {
+        let check = |message: &str, expected: &str| {
+            assert_eq!(Problem::new(Exit::Failed, message).of_frame(10), expected);
+        };
+        check("can't be", "frame 10: can't be");
+        check("frame 10 is not in the scene", "frame 10 is not in the scene");
+        check("frame 101 is no 10", "frame 10: frame 101 is no 10");
     }
 }

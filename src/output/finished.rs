@@ -67,11 +67,16 @@ pub fn find_state(path: &Path, subject: &Subject) -> Found {
     }
 }
 
-/// The first line of `found` that is not in `recipe`.
+/// The first member of `found` that is not in `recipe`.
 fn first_difference(found: &str, recipe: &str) -> String {
-    let other = |line: &&str| !recipe.lines().any(|expected| expected == *line);
-    let line = found.lines().find(other).unwrap_or("a setting less");
-    line.trim().trim_end_matches(',').replace('"', "")
+    let expected: Vec<&str> = members(recipe).collect();
+    let other = members(found).find(|member| !expected.contains(member));
+    other.unwrap_or("a setting less").replace('"', "")
+}
+
+/// The members of a recipe, a line each; the last one has no comma.
+fn members(recipe: &str) -> impl Iterator<Item = &str> {
+    recipe.lines().map(|line| line.trim().trim_end_matches(','))
 }
 
 /// Whether a PNG or EXR file ends where its own beginning says, or its format.
@@ -149,6 +154,13 @@ mod tests {
     use crate::scene::{Encoding, OutputFormat};
 
     const RECIPE: &str = "{\n  \"frame\": 5,\n  \"seed\": 1\n}";
+
+    #[test]
+    fn a_member_at_the_end_is_no_difference() {
+        let longer = RECIPE.replace("\n}", ",\n  \"steps\": [7, 120]\n}");
+        assert_eq!(first_difference(&longer, RECIPE), "steps: [7, 120]");
+        assert_eq!(first_difference(RECIPE, &longer), "a setting less");
+    }
 
     #[test]
     fn finished_missing_damaged_and_stale_are_told_apart() {

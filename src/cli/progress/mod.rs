@@ -128,8 +128,7 @@ impl Progress {
         if counted {
             self.done += 1;
         }
-        let (exit, message) = (problem.exit as u8, &*problem.message);
-        self.tell(Event::Failed { frame, exit, message });
+        self.tell(Event::Failed { frame, problem });
     }
 
     /// Nothing is left but frames that other processes render.

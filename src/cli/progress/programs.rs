@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use super::super::problem::Problem;
 use super::estimate::Moment;
 use crate::output::Outcome;
 
@@ -22,7 +23,7 @@ pub(super) enum Event<'a> {
     /// A frame is in place.
     Finished { frame: i64, path: &'a Path, time: Duration, outcome: Outcome, run: Moment },
     /// A frame can't be had.
-    Failed { frame: i64, exit: u8, message: &'a str },
+    Failed { frame: i64, problem: &'a Problem },
     /// Nothing is left but frames that other processes render.
     Waiting { frames: &'a [i64] },
     /// The run is over.
@@ -59,7 +60,8 @@ fn object(event: Event) -> Value {
             "sequence": share(run.fraction), "elapsed": seconds(run.elapsed),
             "left": run.left.map(seconds),
         }),
-        Event::Failed { frame, exit, message } => {
+        Event::Failed { frame, problem: Problem { exit, message, .. } } => {
+            let exit = *exit as u8;
             json!({ "event": "failed", "frame": frame, "exit": exit, "message": message })
         }
         Event::Waiting { frames } => json!({ "event": "waiting", "frames": frames }),
@@ -78,9 +80,8 @@ pub(super) fn openjd_lines(event: Event) -> Vec<String> {
     match event {
         Event::Started { frame, .. } => vec![format!("openjd_status: frame {frame}")],
         Event::Progress { run, .. } | Event::Finished { run, .. } => vec![percent(run.fraction)],
-        Event::Failed { frame, message, .. } => {
-            let message = message.replace(['\n', '\r'], " ");
-            vec![format!("openjd_fail: frame {frame}: {message}")]
+        Event::Failed { problem, frame } => {
+            vec![format!("openjd_fail: {}", problem.of_frame(frame).replace(['\n', '\r'], " "))]
         }
         Event::Ended { failed: 0, .. } => vec![percent(1.0)],
         _ => Vec::new(),
@@ -89,6 +90,7 @@ pub(super) fn openjd_lines(event: Event) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::Exit;
     use super::*;
 
     const MOMENT: Moment = Moment {
@@ -97,7 +99,7 @@ mod tests {
         left: Some(Duration::from_secs(7)),
     };
 
-    fn events() -> [Event<'static>; 8] {
+    fn events(problem: &Problem) -> [Event<'_>; 8] {
         let path = Path::new("out/a \"b\"_00007.png");
         [
             Event::Sequence { frames: 10, to_render: 8 },
@@ -111,7 +113,7 @@ mod tests {
                 outcome: Outcome { samples: 12.5, error: Some(0.25) },
                 run: MOMENT,
             },
-            Event::Failed { frame: 8, exit: 65, message: "two\nlines" },
+            Event::Failed { frame: 8, problem },
             Event::Waiting { frames: &[9, 12] },
             Event::Ended { rendered: 1, found: 2, failed: 1, time: Duration::from_secs(20) },
         ]
@@ -119,7 +121,7 @@ mod tests {
 
     #[test]
     fn each_event_is_one_line_of_json() {
-        let lines = events().map(json_line).join("\n");
+        let lines = events(&Problem::new(Exit::BadInput, "two\nlines")).map(json_line).join("\n");
         insta::assert_snapshot!(lines, @r#"
         {"event":"sequence","frames":10,"toRender":8}
         {"event":"found","frame":-1,"path":"out/a \"b\"_00007.png"}
@@ -134,7 +136,10 @@ mod tests {
 
     #[test]
     fn openjd_reads_percent_status_and_failures() {
-        let lines = events().map(openjd_lines).concat().join("\n");
+        let lines = events(&Problem::new(Exit::BadInput, "two\nlines"))
+            .map(openjd_lines)
+            .concat()
+            .join("\n");
         insta::assert_snapshot!(lines, @r"
         openjd_status: frame 7
         openjd_progress: 62.5

@@ -31,7 +31,8 @@ use plan::{State, Step};
 /// Renders the job's frames, prints the paths of their pictures, and says how it went.
 pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
     let start = Instant::now();
-    let _guard = Guard::new();
+    // What would be rendered can be found out again.
+    let _guard = (!job.dry_run).then(Guard::new);
     let threads = load::threads(job.threads)?;
     let scene = threads.install(|| load::scene(job, terminal))?;
     let loading = start.elapsed();
@@ -166,7 +167,7 @@ impl Run<'_> {
     fn fail(&mut self, frame: i64, problem: Problem, counted: bool) {
         self.progress.failed(frame, &problem, counted);
         if self.is_sequence {
-            let message = format!("frame {frame}: {}", problem.message);
+            let message = problem.of_frame(frame);
             let terminal = self.studio.terminal;
             self.progress.suspended(|| terminal.error(message, &problem.help));
         }
