@@ -15,6 +15,7 @@ pub mod animation;
 pub mod camera;
 pub mod cli;
 pub mod compare;
+pub mod denoise;
 pub mod diagnostics;
 pub mod film;
 pub mod format;

@@ -236,6 +236,7 @@ pub(super) mod tests {
             prefix: "test".into(),
             output: OutputFormat::Png8,
             encoding: Encoding::Raw,
+            layers: Vec::new(),
         };
         Camera { fps, film, segments }
     }

@@ -72,6 +72,10 @@ impl Checkpoint {
     fn film_at(&self, path: &Path) -> Option<(Film, Steps)> {
         match read_state(path) {
             Ok(State { subject, film, .. }) => {
+                if subject.with_features != self.subject.with_features {
+                    self.say_other_layers(path, subject.with_features);
+                    return None;
+                }
                 let fits = subject.same_place(&self.subject);
                 let last = Steps { done: Steps::LAST, tiles: 0 };
                 let fits = fits && continues(&subject.recipe, &self.recipe(last));
@@ -84,6 +88,14 @@ impl Checkpoint {
                 None
             }
         }
+    }
+
+    fn say_other_layers(&self, path: &Path, has_layers: bool) {
+        let (has, wanted) = if has_layers { ("has", "does not") } else { ("has no", "does") };
+        let path = path.display();
+        self.terminal.warn(format_args!(
+            "`{path}` can't be used: it {has} layers, and this run {wanted} write them"
+        ));
     }
 
     /// Whether it is time to [`keep`](Self::keep) what is known. Whoever is told so has to do it.

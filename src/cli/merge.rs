@@ -11,8 +11,8 @@ use super::problem::Problem;
 use super::terminal::{Terminal, print};
 use crate::film::{Area, MergeError, Merger, Subject};
 use crate::output::{
-    Outcome, Picture, check_writable, read_state, read_subject, settings_of, with_outcome,
-    with_region,
+    Outcome, Picture, check_writable, layers_of, read_state, read_subject, settings_of,
+    with_outcome, with_region,
 };
 use crate::render::display_of;
 
@@ -109,7 +109,11 @@ fn check_alike(parts: &[Part]) -> Result<(), Problem> {
 /// Merges the parts of one frame; the path of its picture.
 fn picture(parts: &[Part], outdir: &Path) -> Result<PathBuf, Problem> {
     let (first, whole) = (&parts[0], whole(&parts[0])?);
-    let Some((format, encoding)) = settings_of(&first.recipe) else { return Err(no_recipe(first)) };
+    let (Some((format, encoding)), Some(layers)) =
+        (settings_of(&first.recipe), layers_of(&first.recipe))
+    else {
+        return Err(no_recipe(first));
+    };
     let region = first.subject.region;
     let is_region = region != whole && parts.iter().all(|part| part.subject.region == region);
     let region = if is_region { region } else { whole };
@@ -125,7 +129,9 @@ fn picture(parts: &[Part], outdir: &Path) -> Result<PathBuf, Problem> {
     let recipe = with_outcome(&recipe, &outcome);
     let image = film.image();
     let picture = Picture { image: &image, format, encoding, recipe: &recipe };
-    picture.save(&path).map_err(|error| {
+    let layers: Vec<_> =
+        layers.into_iter().map(|layer| (layer, film.layer_of(region, layer))).collect();
+    picture.save_with(&path, &layers).map_err(|error| {
         Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
     })?;
     Ok(path)

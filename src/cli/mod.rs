@@ -6,6 +6,7 @@ mod checkpoint;
 mod compare;
 mod crash;
 mod default_scene;
+mod denoise;
 mod interrupt;
 mod load;
 mod merge;
@@ -87,6 +88,7 @@ fn execute(Options { task, terminal }: Options) -> Exit {
         Task::Verify(args, job) => verify::run(&args, &job, terminal),
         Task::Compare(args) => compare::run(&args),
         Task::Sheet(args) => sheet::run(&args),
+        Task::Denoise(args) => denoise::run(&args, terminal),
         Task::Check(job) => check::run(&job, terminal),
         Task::Recipe(picture) => recipe::run(&picture),
     });

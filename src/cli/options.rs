@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use super::Exit;
 use super::args::{
-    Args, Command, CompareArgs, FramePath, MergeArgs, PartBy, Region, SheetArgs, Size, VerifyArgs,
+    Args, Command, CompareArgs, DenoiseArgs, FramePath, MergeArgs, PartBy, Region, SheetArgs, Size,
+    VerifyArgs,
 };
 use super::problem::Problem;
 use super::progress::ProgressForm;
@@ -14,7 +15,7 @@ use super::terminal::{Terminal, Verbosity};
 use crate::accel::{Accelerator, Isa};
 use crate::output::check_prefix;
 use crate::render::{Part, Steps};
-use crate::scene::SceneDescription;
+use crate::scene::{Layer, OutputFormat, SceneDescription};
 
 /// What the program is to do, and how.
 #[derive(Debug)]
@@ -39,6 +40,8 @@ pub(super) enum Task {
     Compare(CompareArgs),
     /// Make a contact sheet.
     Sheet(SheetArgs),
+    /// Take the noise out of pictures.
+    Denoise(DenoiseArgs),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -108,6 +111,9 @@ pub(super) enum Existing {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Overrides {
     pub(super) prefix: Option<String>,
+    /// Of EXR pictures; empty: none.
+    pub(super) layers: Vec<Layer>,
+    pub(super) format: Option<OutputFormat>,
     pub(super) size: Option<Size>,
     pub(super) samples: Option<u32>,
     pub(super) noise: Option<f32>,
@@ -138,6 +144,7 @@ impl From<Args> for Options {
         let Args { quiet, verbose, .. } = args;
         let quiet = match &args.command {
             Some(Command::Merge(merge)) => merge.quiet,
+            Some(Command::Denoise(denoise)) => denoise.quiet,
             _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
@@ -162,6 +169,7 @@ fn task(mut args: Args) -> Result<Task, Problem> {
             }
             Command::Compare(compare) => Task::Compare(compare),
             Command::Sheet(sheet) => Task::Sheet(sheet),
+            Command::Denoise(denoise) => Task::Denoise(denoise),
         });
     }
     match args.recipe.clone() {
@@ -200,6 +208,8 @@ fn job(args: Args) -> Result<Job, Problem> {
         progress: args.progress,
         overrides: Overrides {
             prefix: args.prefix,
+            layers: args.layers.into_iter().map(Layer::from).collect(),
+            format: args.format.map(OutputFormat::from),
             size: args.size,
             samples: args.samples,
             noise: args.noise,
@@ -232,6 +242,12 @@ impl Overrides {
         film.prefix = self.prefix.clone().unwrap_or_else(|| film.prefix.clone());
         if let Some(Size { width, height }) = self.size {
             (film.width, film.height) = (width, height);
+        }
+        film.output = self.format.unwrap_or(film.output);
+        if !self.layers.is_empty() {
+            film.layers.clone_from(&self.layers);
+            film.layers.sort_unstable();
+            film.layers.dedup();
         }
         let settings = &mut scene.settings;
         settings.noise = self.noise.or(settings.noise);
@@ -289,13 +305,14 @@ mod tests {
             size: Some(Size { width: 3, height: 2 }),
             seed: Some(7),
             accelerator: Some(Accelerator::None),
-            samples: None,
-            noise: None,
-            is_stepwise: false,
+            format: Some(OutputFormat::Exr),
+            layers: vec![Layer::Normal, Layer::Albedo, Layer::Normal],
+            ..Overrides::default()
         };
         overrides.apply(&mut scene);
         let film = &scene.camera.film;
         assert_eq!((film.width, film.height, &*film.prefix), (3, 2, "p"));
+        assert_eq!((film.output, &film.layers[..]), (OutputFormat::Exr, &Layer::ALL[..]));
         assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
     }
 

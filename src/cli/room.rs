@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use super::summary::megabytes;
 use super::terminal::Terminal;
-use crate::film::{Pixel, Spread, Subject};
+use crate::film::{Features, Layer, Pixel, Spread, Subject};
 use crate::scene::OutputFormat;
 
 /// Bytes that a run needs at most.
@@ -22,13 +22,17 @@ impl Needs {
     pub(super) fn of(subject: &Subject, format: OutputFormat, pictures: usize) -> Self {
         let region = subject.region.len() as u64;
         let spreads = if subject.with_spreads { size_of::<Spread>() } else { 0 };
-        let film = subject.area.len() as u64 * (size_of::<Pixel>() + spreads) as u64;
+        let (features, images) = match subject.with_features {
+            true => (size_of::<Features>(), 1 + Layer::ALL.len() as u64),
+            false => (0, 1),
+        };
+        let film = subject.area.len() as u64 * (size_of::<Pixel>() + spreads + features) as u64;
         let value = match format {
             OutputFormat::Png8 => 1,
             OutputFormat::Png16 => 2,
             OutputFormat::Exr => 4,
         };
-        let picture = region.saturating_mul(3 * value).saturating_add(4096);
+        let picture = region.saturating_mul(3 * value * images).saturating_add(4096);
         let disk = picture.saturating_mul(pictures as u64).saturating_add(film);
         Self { disk, memory: film.saturating_mul(2) }
     }
@@ -84,10 +88,20 @@ mod tests {
     fn needs_grow_with_pixels_and_pictures() {
         let area = Area::whole(100, 100);
         let recipe = String::new();
-        let subject = Subject { recipe, area, region: area, samples: None, with_spreads: false };
+        let mut subject = Subject {
+            recipe,
+            area,
+            region: area,
+            samples: None,
+            with_spreads: false,
+            with_features: false,
+        };
         let needs = Needs::of(&subject, OutputFormat::Png16, 10);
         assert_eq!(needs.memory, 2 * 10_000 * 56);
         assert_eq!(needs.disk, 10 * (60_000 + 4096) + 10_000 * 56);
+        subject.with_features = true;
+        let needs = Needs::of(&subject, OutputFormat::Exr, 1);
+        assert_eq!(needs.disk, 360_000 + 4096 + 10_000 * 104);
     }
 
     #[test]

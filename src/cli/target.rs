@@ -8,13 +8,13 @@ use super::Exit;
 use super::args::{PartBy, Region};
 use super::options::{Job, Maps};
 use super::problem::Problem;
-use crate::film::{Area, Film, State, Subject};
+use crate::film::{Area, Film, Layer, State, Subject};
 use crate::output::{
     Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state, find_timed_picture,
     with_outcome, with_region, with_steps, write_error_map, write_sample_map, write_state,
 };
 use crate::render::{Part, Plan, Steps};
-use crate::scene::SceneDescription;
+use crate::scene::{OutputFormat, SceneDescription};
 
 /// What is made of each frame of a job.
 #[derive(Clone, Debug)]
@@ -32,9 +32,15 @@ impl<'a> Target<'a> {
     /// What the job asks for.
     ///
     /// # Errors
-    /// A region that is not inside the picture, or parts that its samples do not have.
+    /// A region that is not inside the picture, parts that its samples do not have, or layers that
+    /// its file does not hold.
     pub(super) fn new(job: &'a Job, scene: &'a SceneDescription) -> Result<Self, Problem> {
         let film = &scene.camera.film;
+        if !film.layers.is_empty() && film.output != OutputFormat::Exr {
+            let message = "layers are written to EXR pictures only, and this is a PNG";
+            return Err(Problem::new(Exit::Usage, message)
+                .with_help("`--format exr` makes it one, or `output EXR_IMAGE` in the scene"));
+        }
         let whole = Area::whole(film.width, film.height);
         let region = match job.region {
             None => whole,
@@ -90,6 +96,7 @@ impl<'a> Target<'a> {
             region: self.region,
             samples: self.plan.samples(),
             with_spreads: self.plan.needs_spreads(),
+            with_features: !self.scene.camera.film.layers.is_empty(),
         }
     }
 
@@ -138,7 +145,11 @@ impl<'a> Target<'a> {
         let (format, encoding) = (settings.output, settings.encoding);
         let recipe = with_outcome(&self.recipe(frame, steps.or(self.job.steps)), &outcome);
         let picture = Picture { image: &image, format, encoding, recipe: &recipe };
-        picture.save(path).map(|()| Written { not_finite: picture.not_finite(), outcome })
+        let layer = |&layer: &Layer| (layer, film.layer_of(self.region, layer));
+        let layers: Vec<_> = settings.layers.iter().map(layer).collect();
+        picture
+            .save_with(path, &layers)
+            .map(|()| Written { not_finite: picture.not_finite(), outcome })
     }
 
     /// Writes the maps of a frame that were asked for.

@@ -16,6 +16,7 @@ pub(super) fn empty_scene() -> SceneDescription {
         prefix: "empty_".into(),
         output: OutputFormat::Png8,
         encoding: Encoding::Raw,
+        layers: Vec::new(),
     };
     SceneDescription {
         settings: Settings::default(),

@@ -13,11 +13,11 @@ use super::load;
 use super::options::Job;
 use super::problem::Problem;
 use super::terminal::{Terminal, print};
-use crate::film::{Area, Image};
+use crate::film::{Area, Film, Image};
 use crate::frame::FrameScene;
 use crate::output::{
-    Picture, Raster, Recipe, read_recipe, restore, steps_of, with_region, with_steps,
-    without_outcome,
+    Picture, Raster, Recipe, is_denoised, read_layers, read_recipe, restore, steps_of, with_region,
+    with_steps, without_outcome,
 };
 use crate::render::{Observer, Plan, Steps, render};
 use crate::scene::SceneDescription;
@@ -72,6 +72,9 @@ fn verify(
     let recipe = read_recipe(path).map_err(|error| bad(error.to_string()))?;
     let recipe = without_outcome(&recipe);
     let parsed: Value = serde_json::from_str(&recipe).map_err(|error| bad(error.to_string()))?;
+    if is_denoised(&parsed) {
+        return Err(bad("it is denoised: the picture that it was made of can be verified".into()));
+    }
     let (scene, frame) = restore(scene, &parsed).map_err(bad)?;
     let film = &scene.camera.film;
     let whole = Area::whole(film.width, film.height);
@@ -86,12 +89,19 @@ fn verify(
             env!("CARGO_PKG_VERSION")
         )));
     }
+    let layers = read_layers(path).map_err(bad)?;
+    if !layers.iter().map(|(layer, _)| layer).eq(&film.layers) {
+        return Err(bad("it does not have the layers of its recipe".into()));
+    }
+    let images: Vec<&Image> =
+        std::iter::once(&raster.image).chain(layers.iter().map(|(_, image)| image)).collect();
     let built = load::frame(job, &scene, frame, None)?;
     let chosen = choose(region.cells(TILE).collect(), tiles);
     let different = chosen
         .par_iter()
         .map(|&tile| {
-            again(&scene, &built, tile, steps).map(|again| again != cut(&raster, region, tile))
+            let cut = images.iter().map(|image| cut(image, region, tile));
+            again(&scene, &built, tile, steps).map(|again| !again.into_iter().eq(cut))
         })
         .collect::<Result<Vec<bool>, String>>()
         .map_err(bad)?;
@@ -133,33 +143,37 @@ impl Observer for Nobody {
     fn advanced(&self, _share: f64) {}
 }
 
-/// The values of a tile in a file, rendered now.
+/// The values of a tile in a file, rendered now: colours, then layers.
 fn again(
     scene: &SceneDescription,
     frame: &FrameScene,
     tile: Area,
     steps: Option<Steps>,
-) -> Result<Image, String> {
+) -> Result<Vec<Image>, String> {
     let settings = &scene.camera.film;
     let plan = Plan::new(scene);
     let plan = steps.map_or(plan.clone(), |steps| plan.in_steps(steps));
     let area = tile.in_blocks(&Area::whole(settings.width, settings.height));
-    let film = crate::film::Film::new(area, plan.needs_spreads())
-        .map_err(|error| format!("a tile needs {} bytes", error.bytes))?;
-    let image = render(frame, &plan, film, &Nobody).film.image_of(tile);
+    let film = Film::new(area, plan.needs_spreads());
+    let film = if settings.layers.is_empty() { film } else { film.and_then(Film::with_features) };
+    let film = film.map_err(|error| format!("a tile needs {} bytes", error.bytes))?;
+    let film = render(frame, &plan, film, &Nobody).film;
+    let image = film.image_of(tile);
     let (format, encoding) = (settings.output, settings.encoding);
     let mut bytes = std::io::Cursor::new(Vec::new());
     let picture = Picture { image: &image, format, encoding, recipe: "{}" };
     picture.write(&mut bytes).map_err(|error| error.to_string())?;
-    Raster::from_bytes(bytes.into_inner()).map(|raster| raster.image)
+    let colors = Raster::from_bytes(bytes.into_inner())?.image;
+    let layers = settings.layers.iter().map(|&layer| film.layer_of(tile, layer));
+    Ok(std::iter::once(colors).chain(layers).collect())
 }
 
 /// A tile of a picture of a region.
-fn cut(raster: &Raster, region: Area, tile: Area) -> Image {
-    let width = raster.image.width as usize;
+fn cut(image: &Image, region: Area, tile: Area) -> Image {
+    let width = image.width as usize;
     let row = |y: u32| {
         let start = (y - region.y0) as usize * width + (tile.x0 - region.x0) as usize;
-        &raster.image.rgb[start..start + tile.width() as usize]
+        &image.rgb[start..start + tile.width() as usize]
     };
     let rgb = (tile.y0..tile.y1).flat_map(row).copied().collect();
     Image { width: tile.width(), height: tile.height(), rgb }

@@ -42,12 +42,12 @@ pub struct Merger {
     /// Samples of a pixel, where they are shared out.
     all: u32,
     /// One for each share of the samples.
-    layers: Vec<Layer>,
+    shares: Vec<Share>,
 }
 
 /// Which part has which pixel.
 #[derive(Debug)]
-struct Layer {
+struct Share {
     samples: Range<u32>,
     /// Number of the part from 1 on, 0 for none.
     owners: Vec<u32>,
@@ -60,8 +60,8 @@ impl Merger {
     /// # Errors
     /// [`TooLarge`] where memory does not suffice.
     pub fn new(subject: &Subject, all: u32) -> Result<Self, TooLarge> {
-        let film = Film::new(subject.region, subject.with_spreads)?;
-        Ok(Self { film, all, layers: Vec::new() })
+        let film = subject.film_of(subject.region)?;
+        Ok(Self { film, all, shares: Vec::new() })
     }
 
     /// Adds part number `index`.
@@ -71,7 +71,7 @@ impl Merger {
     pub fn add(&mut self, index: usize, state: &State) -> Result<(), MergeError> {
         let area = self.film.area().common(&state.subject.region);
         let samples = state.subject.samples.clone().unwrap_or(0..self.all);
-        let layer = self.layer(samples)?;
+        let share = self.share(samples)?;
         let own = self.film.area();
         let cells = (area.y0..area.y1).flat_map(|y| (area.x0..area.x1).map(move |x| (x, y)));
         for at in cells {
@@ -79,7 +79,7 @@ impl Merger {
             if state.film.pixels()[from].samples == 0 {
                 continue;
             }
-            let owner = &mut self.layers[layer].owners[to];
+            let owner = &mut self.shares[share].owners[to];
             if *owner > 0 {
                 return Err(MergeError::Overlap { parts: [*owner as usize - 1, index], at });
             }
@@ -95,12 +95,17 @@ impl Merger {
         if let (Some(spread), Some(more)) = (spread, state.film.spreads().get(from)) {
             spread.unite(more);
         }
+        if let (Some(sum), Some(more)) =
+            (self.film.features_mut(to), state.film.features().get(from))
+        {
+            *sum = sum.checked_add(more).ok_or(MergeError::TooBright)?;
+        }
         Ok(())
     }
 
-    /// Index of the layer of a share of the samples.
-    fn layer(&mut self, samples: Range<u32>) -> Result<usize, MergeError> {
-        if let Some(found) = self.layers.iter().position(|layer| layer.samples == samples) {
+    /// Index of a share of the samples.
+    fn share(&mut self, samples: Range<u32>) -> Result<usize, MergeError> {
+        if let Some(found) = self.shares.iter().position(|share| share.samples == samples) {
             return Ok(found);
         }
         let pixels = self.film.pixels().len();
@@ -108,8 +113,8 @@ impl Merger {
         let mut owners = Vec::new();
         owners.try_reserve_exact(pixels).map_err(|_| TooLarge { bytes })?;
         owners.resize(pixels, 0);
-        self.layers.push(Layer { samples, owners });
-        Ok(self.layers.len() - 1)
+        self.shares.push(Share { samples, owners });
+        Ok(self.shares.len() - 1)
     }
 
     /// The film of the whole.
@@ -117,7 +122,7 @@ impl Merger {
     /// # Errors
     /// Samples of pixels that no part has, or that several have.
     pub fn finish(mut self) -> Result<Film, MergeError> {
-        self.layers.sort_by_key(|layer| (layer.samples.start, layer.samples.end));
+        self.shares.sort_by_key(|share| (share.samples.start, share.samples.end));
         let area = self.film.area();
         let (mut pixels, mut first) = (0, None);
         for i in 0..area.len() {
@@ -139,7 +144,7 @@ impl Merger {
     /// The first samples that a pixel lacks.
     fn missing(&self, pixel: usize, at: (u32, u32)) -> Result<Option<Range<u32>>, MergeError> {
         let (mut end, mut before) = (0, 0);
-        for Layer { samples, owners } in &self.layers {
+        for Share { samples, owners } in &self.shares {
             let owner = owners[pixel] as usize;
             if owner == 0 {
                 continue;
@@ -168,12 +173,20 @@ mod tests {
     fn state(region: Area, samples: Option<Range<u32>>) -> State {
         let area = region.in_blocks(&Area::whole(20, 20));
         let recipe = String::new();
-        let subject =
-            Subject { recipe, area, region, samples: samples.clone(), with_spreads: false };
+        let subject = Subject {
+            recipe,
+            area,
+            region,
+            samples: samples.clone(),
+            with_spreads: false,
+            with_features: true,
+        };
         let mut film = subject.film().unwrap();
         for i in 0..area.len() {
             let count = samples.clone().map_or(4, |range| range.len() as u32);
-            film.at_mut(i).0.add_later([Fixed::new(count as f32).unwrap(); 3], count);
+            let sum = [Fixed::new(count as f32).unwrap(); 3];
+            film.at_mut(i).0.add_later(sum, count);
+            film.features_mut(i).unwrap().normal = sum;
         }
         State { subject, film, is_complete: true }
     }

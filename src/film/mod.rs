@@ -6,6 +6,7 @@
 
 mod area;
 mod display;
+mod features;
 mod fixed;
 mod merge;
 mod pixel;
@@ -13,6 +14,7 @@ mod state;
 
 pub use area::{Area, BLOCK};
 pub use display::{Display, linear, srgb};
+pub use features::{Features, Layer};
 pub use fixed::Fixed;
 pub use merge::{MergeError, Merger};
 pub use pixel::{Pixel, Spread, base_end, split};
@@ -25,9 +27,11 @@ pub struct Film {
     pixels: Vec<Pixel>,
     /// Of each pixel; empty where no rule asks for it.
     spreads: Vec<Spread>,
+    /// Of each pixel; empty where no layer is asked for.
+    features: Vec<Features>,
 }
 
-/// A picture in linear radiance.
+/// A picture in linear radiance, or three other numbers for each pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     /// Pixels.
@@ -54,7 +58,15 @@ impl Film {
     pub fn new(area: Area, with_spreads: bool) -> Result<Self, TooLarge> {
         let pixels = filled(area)?;
         let spreads = if with_spreads { filled(area)? } else { Vec::new() };
-        Ok(Self { area, pixels, spreads })
+        Ok(Self { area, pixels, spreads, features: Vec::new() })
+    }
+
+    /// The same film, unexposed for all layers too.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where memory does not suffice.
+    pub fn with_features(self) -> Result<Self, TooLarge> {
+        Ok(Self { features: filled(self.area)?, ..self })
     }
 
     /// What of the picture it shows.
@@ -72,6 +84,17 @@ impl Film {
         &self.spreads
     }
 
+    /// What each pixel shows of surfaces, row by row; empty where nobody asked.
+    pub fn features(&self) -> &[Features] {
+        &self.features
+    }
+
+    /// What the pixel of row-major index `i` shows of surfaces, to be changed; `None` where nobody
+    /// asked.
+    pub(crate) fn features_mut(&mut self, i: usize) -> Option<&mut Features> {
+        self.features.get_mut(i)
+    }
+
     /// Pixel and spread of row-major index `i`, to be changed.
     pub(crate) fn at_mut(&mut self, i: usize) -> (&mut Pixel, Option<&mut Spread>) {
         (&mut self.pixels[i], self.spreads.get_mut(i))
@@ -82,10 +105,14 @@ impl Film {
         film.area = area;
         film.pixels.clear();
         film.spreads.clear();
+        film.features.clear();
         for row in self.rows(area) {
             film.pixels.extend_from_slice(&self.pixels[row.clone()]);
             if !self.spreads.is_empty() {
-                film.spreads.extend_from_slice(&self.spreads[row]);
+                film.spreads.extend_from_slice(&self.spreads[row.clone()]);
+            }
+            if !self.features.is_empty() {
+                film.features.extend_from_slice(&self.features[row]);
             }
         }
     }
@@ -97,7 +124,10 @@ impl Film {
             let from = i * width..(i + 1) * width;
             self.pixels[row.clone()].copy_from_slice(&film.pixels[from.clone()]);
             if !self.spreads.is_empty() {
-                self.spreads[row].copy_from_slice(&film.spreads[from]);
+                self.spreads[row.clone()].copy_from_slice(&film.spreads[from.clone()]);
+            }
+            if !self.features.is_empty() {
+                self.features[row].copy_from_slice(&film.features[from]);
             }
         }
     }
@@ -122,6 +152,17 @@ impl Film {
         Image { width: area.width(), height: area.height(), rgb }
     }
 
+    /// A layer of an area inside this film's; black where no layer was asked for.
+    pub fn layer_of(&self, area: Area, layer: Layer) -> Image {
+        let nothing = Features::default();
+        let mean = |i: usize| {
+            let features = self.features.get(i).unwrap_or(&nothing);
+            layer.mean(features, self.pixels[i].samples)
+        };
+        let rgb = self.rows(area).flatten().map(mean).collect();
+        Image { width: area.width(), height: area.height(), rgb }
+    }
+
     /// The pixels of an area inside this film's, row by row.
     pub fn pixels_of(&self, area: Area) -> impl Iterator<Item = &Pixel> {
         self.rows(area).flat_map(|row| &self.pixels[row])
@@ -135,7 +176,12 @@ impl Film {
 
 impl Default for Film {
     fn default() -> Self {
-        Self { area: Area::whole(0, 0), pixels: Vec::new(), spreads: Vec::new() }
+        Self {
+            area: Area::whole(0, 0),
+            pixels: Vec::new(),
+            spreads: Vec::new(),
+            features: Vec::new(),
+        }
     }
 }
 
@@ -165,6 +211,26 @@ mod tests {
         assert!(film.pixels_of(Area { x0: 4, ..area }).map(|p| p.samples).eq([2, 4]));
         let image = film.image_of(area);
         assert_eq!((image.width, image.height, image.rgb.len()), (2, 2, 4));
+    }
+
+    #[test]
+    fn features_go_where_pixels_go() {
+        let mut film = Film::new(Area::whole(4, 3), false).unwrap().with_features().unwrap();
+        let area = Area { x0: 1, y0: 1, x1: 3, y1: 3 };
+        let mut part = Film::default();
+        film.copy_to(area, &mut part);
+        for i in 0..4 {
+            part.at_mut(i).0.samples = 1;
+            part.features_mut(i).unwrap().albedo = [Fixed::new(i as f32 / 4.0).unwrap(); 3];
+        }
+        film.put(&part);
+        let layer = film.layer_of(Area { x0: 1, ..film.area() }, Layer::Albedo);
+        let expected = [0.0, 0.0, 0.0, 0.0, 0.25, 0.0, 0.5, 0.75, 0.0];
+        assert_eq!(layer.rgb, expected.map(|albedo| [albedo; 3]));
+        let plain = Film::new(area, false).unwrap();
+        assert_eq!(plain.layer_of(area, Layer::Normal).rgb, [[0.0; 3]; 4]);
+        film.copy_to(area, &mut part);
+        assert_eq!(part.features().len(), 4);
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub struct Subject {
     pub samples: Option<Range<u32>>,
     /// Whether the smallest and largest sample of a pixel count.
     pub with_spreads: bool,
+    /// Whether what is seen of surfaces counts.
+    pub with_features: bool,
 }
 
 impl Subject {
@@ -26,12 +28,19 @@ impl Subject {
     /// # Errors
     /// [`TooLarge`] where memory does not suffice.
     pub fn film(&self) -> Result<Film, TooLarge> {
-        Film::new(self.area, self.with_spreads)
+        self.film_of(self.area)
+    }
+
+    /// The same of another area.
+    pub(super) fn film_of(&self, area: Area) -> Result<Film, TooLarge> {
+        let film = Film::new(area, self.with_spreads)?;
+        if self.with_features { film.with_features() } else { Ok(film) }
     }
 
     /// Whether films of both show the same samples of the same pixels, the recipes aside.
     pub fn same_place(&self, other: &Self) -> bool {
-        let place = |s: &Self| (s.area, s.region, s.samples.clone(), s.with_spreads);
+        let known = |s: &Self| (s.with_spreads, s.with_features);
+        let place = |s: &Self| (s.area, s.region, s.samples.clone(), known(s));
         place(self) == place(other)
     }
 }

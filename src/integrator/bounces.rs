@@ -89,7 +89,7 @@ impl Wave {
         depth: u32,
     ) {
         self.queue_at(depth as usize + 1);
-        let Self { points, lobes, set, sent, chosen, bounces, next, .. } = self;
+        let Self { points, lobes, set, sent, chosen, bounces, next, features, .. } = self;
         let (lobe, len) = (lobes.of(purpose), points.surfaces.len);
         let names = SetNames {
             seed: &points.seed,
@@ -105,6 +105,9 @@ impl Wave {
         let share = 1.0 / count as f32;
         frame.isa.run(Send { points, lobe, set, share, rays, least, to: sent });
         frame.isa.run(Name { points, purpose, place: [i, count], next });
+        if features.are_wanted() {
+            features.leave(lobe, len, next);
+        }
         chosen.set(len, |i| sent.weight.get(i) != Vec3::ZERO && wanted(lobe.inverse.0[i]));
         bounces[depth as usize + 1].append(frame.isa, sent, next, chosen);
     }

@@ -7,13 +7,14 @@
 
 mod bounces;
 mod camera_rays;
+mod features;
 mod lights;
 mod points;
 mod queue;
 mod sums;
 mod wave;
 
-use crate::film::Fixed;
+use crate::film::{Features, Fixed};
 
 pub use wave::Wave;
 
@@ -32,6 +33,17 @@ pub struct Work {
 
 /// Sum of the radiances of camera samples.
 pub type SampleSum = [Fixed; 3];
+
+/// What came of camera samples, for each entry of the work, in its order.
+#[derive(Clone, Copy, Debug)]
+pub struct Traced<'a> {
+    /// Exact sums of light.
+    pub sums: &'a [SampleSum],
+    /// Exact sums of what was seen of surfaces; empty where nobody asked.
+    pub features: &'a [Features],
+    /// What was traced.
+    pub statistics: Statistics,
+}
 
 /// What was traced: counts for the log, never part of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

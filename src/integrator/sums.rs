@@ -29,6 +29,16 @@ impl Sums {
         &self.sums
     }
 
+    /// Adds the sums from `len` on to the first ones, and leaves those.
+    pub(super) fn fold(&mut self, len: usize) {
+        let len = len.min(self.sums.len());
+        let (first, rest) = self.sums.split_at_mut(len);
+        for (to, more) in first.iter_mut().zip(rest) {
+            to.iter_mut().zip(more).for_each(|(to, more)| *to += *more);
+        }
+        self.sums.truncate(len);
+    }
+
     /// Adds the first `len` radiances, each to its slot; comes back with how many numbers were left
     /// out, because they were not finite or beyond the film's range.
     pub(super) fn add(

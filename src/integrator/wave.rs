@@ -4,11 +4,12 @@ use glam::Vec3;
 
 use super::bounces::Lobes;
 use super::camera_rays::{CameraRays, Place};
+use super::features::FeatureSums;
 use super::lights::tries;
 use super::points::Points;
 use super::queue::{Batch, Labels, RayQueue, Sent, ShadowKind};
 use super::sums::Sums;
-use super::{SampleSum, Statistics, Work};
+use super::{Statistics, Traced, Work};
 use crate::accel::{Coherence, NO_HIT};
 use crate::frame::{FrameScene, Look, SurfaceScratch, Surfaces, WorldHits, WorldScratch};
 use crate::math::columns::{BATCH, Chosen, Vec3s};
@@ -25,10 +26,11 @@ pub struct Wave {
     pub(super) bounces: Vec<RayQueue>,
     /// Rays to lights, by [`ShadowKind`].
     pub(super) shadows: [RayQueue; 2],
-    /// Seed of the pixel of each entry of the work.
+    /// Seed of the pixel of each slot.
     seeds: Vec<PixelSeed>,
     counts: Statistics,
     sums: Box<Sums>,
+    pub(super) features: FeatureSums,
     camera_rays: Box<CameraRays>,
     batch: Box<Batch>,
     /// What each ray of a batch brings by itself.
@@ -46,12 +48,16 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// Traces camera samples to the end: one exact sum for each entry of `work`, in its order.
-    pub fn trace(&mut self, frame: &FrameScene, work: &[Work]) -> (&[SampleSum], Statistics) {
+    /// Traces camera samples to the end; `with_features`: notes what is seen of surfaces too.
+    pub fn trace(&mut self, frame: &FrameScene, work: &[Work], with_features: bool) -> Traced<'_> {
         self.counts = Statistics::default();
-        self.sums.reset(work.len());
         self.seeds.clear();
         self.seeds.extend(work.iter().map(|w| frame.sampler.pixel(w.x, w.y)));
+        if with_features {
+            self.seeds.extend_from_within(..);
+        }
+        self.sums.reset(self.seeds.len());
+        self.features.reset(if with_features { work.len() } else { 0 });
         let mut place = Place::default();
         loop {
             let Self { camera_rays, seeds, batch, .. } = self;
@@ -64,7 +70,9 @@ impl Wave {
             self.work_off(frame, BATCH);
         }
         self.work_off(frame, 1);
-        (self.sums.get(), self.counts)
+        self.sums.fold(work.len());
+        let Self { sums, features, counts, .. } = self;
+        Traced { sums: sums.get(), features: features.get(), statistics: *counts }
     }
 
     /// Traces batches until no queue holds `least` rays or more.
@@ -106,6 +114,10 @@ impl Wave {
         let Self { sums, batch, brought, .. } = self;
         self.counts.refused_contributions +=
             sums.add(frame.isa, brought, &batch.labels.slot, batch.rays.len());
+        if self.features.are_wanted() {
+            let Self { features, batch, found, points, .. } = self;
+            features.add(frame, batch, found, points);
+        }
         let glossy = self.find_lobes(frame, depth);
         self.ask_lights(frame, glossy, depth);
         if glossy {

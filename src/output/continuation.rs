@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 /// Members of a recipe that say how many samples are taken, or how they are shown, and nothing
 /// about what a sample is.
-const OF_THE_PLAN: [&str; 9] = [
+const OF_THE_PLAN: [&str; 10] = [
     "steps",
     "imageSamples",
     "imageMinSamples",
@@ -14,6 +14,7 @@ const OF_THE_PLAN: [&str; 9] = [
     "noise",
     "output",
     "encoding",
+    "layers",
 ];
 
 /// Whether a film that was exposed for recipe `old`, wholly or in part, can go on to recipe `new`
@@ -112,6 +113,13 @@ mod tests {
         check(&uniform, &uniform.replace("\"seed\": 1", "\"seed\": 2"), false);
         check(&uniform, &recipe(16, 64, ""), false);
         check(&recipe(16, 64, ""), &recipe(64, 64, ""), false);
+    }
+
+    #[test]
+    fn layers_say_nothing_about_samples() {
+        let layers = |names: &str| recipe(64, 64, &format!(", \"layers\": {names}"));
+        check(&layers("[\"albedo\"]"), &layers("[\"albedo\", \"normal\"]"), true);
+        check(&layers("[\"albedo\"]"), &recipe(64, 64, ""), true);
     }
 
     #[test]

@@ -1,9 +1,11 @@
-//! OpenEXR: one part, R, G, B as 32-bit floats, linear and unclamped, run lengths.
+//! OpenEXR: one part, R, G, B as 32-bit floats, linear and unclamped, run lengths; layers as further
+//! channels of the same part, which every program reads.
 
 use std::io::{self, Seek, Write};
 
 use exr::compression::Compression;
-use exr::image::{Blocks, Encoding, Image, Layer, SpecificChannels};
+use exr::image::write::channels::WritableChannels;
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, SpecificChannels};
 use exr::math::Vec2;
 use exr::meta::attribute::LineOrder;
 use exr::meta::attribute::{AttributeValue, Text};
@@ -12,30 +14,65 @@ use exr::prelude::WritableImage;
 
 use super::values::finite;
 use super::{KEYWORD, Picture};
+use crate::film::{self, Layer};
 
-/// Writes `picture`.
-pub(super) fn write(picture: &Picture, out: impl Write + Seek) -> io::Result<()> {
-    let size = (picture.image.width as usize, picture.image.height as usize);
-    if size.0 == 0 || size.1 == 0 {
+/// Writes `picture`, and `layers` of the same size.
+pub(super) fn write(
+    picture: &Picture,
+    layers: &[(Layer, film::Image)],
+    out: impl Write + Seek,
+) -> io::Result<()> {
+    let image = picture.image;
+    let width = image.width as usize;
+    if width == 0 || image.height == 0 {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "the picture has no pixels"));
     }
-    let pixel = |Vec2(x, y): Vec2<usize>| {
-        let [r, g, b] = picture.image.rgb[y * size.0 + x].map(finite);
-        (r, g, b)
+    if layers.is_empty() {
+        let pixel = |Vec2(x, y): Vec2<usize>| {
+            let [r, g, b] = image.rgb[y * width + x].map(finite);
+            (r, g, b)
+        };
+        let colors = with_header(picture, SpecificChannels::rgb(pixel))?;
+        return said(Image::from_layer(colors).write().non_parallel().to_unbuffered(out));
+    }
+    let colors = ["R", "G", "B"].map(str::to_owned);
+    let images = layers.iter().map(|(layer, image)| (channel_names(*layer), image));
+    let channels = std::iter::once((colors, image)).chain(images).flat_map(|(names, image)| {
+        names.into_iter().enumerate().map(move |(c, name)| {
+            let values = image.rgb.iter().map(|pixel| finite(pixel[c])).collect();
+            AnyChannel::new(&*name, FlatSamples::F32(values))
+        })
+    });
+    let all = with_header(picture, AnyChannels::sort(channels.collect()))?;
+    said(Image::from_layer(all).write().non_parallel().to_unbuffered(out))
+}
+
+/// The channels of a layer.
+pub(super) fn channel_names(layer: Layer) -> [String; 3] {
+    let components = match layer {
+        Layer::Albedo => ["R", "G", "B"],
+        Layer::Normal => ["X", "Y", "Z"],
     };
-    let layer = Layer::new(
-        size,
-        attributes(picture.recipe)?,
-        // Noise hardly compresses: more than run lengths costs a tenth of a quick frame's time
-        // and saves a tenth of its size.
-        Encoding {
-            compression: Compression::RLE,
-            blocks: Blocks::ScanLines,
-            line_order: LineOrder::Increasing,
-        },
-        SpecificChannels::rgb(pixel),
-    );
-    let written = Image::from_layer(layer).write().non_parallel().to_unbuffered(out);
+    components.map(|component| format!("{}.{component}", layer.name()))
+}
+
+/// Channels with all that a file says about them.
+fn with_header<'c, C: WritableChannels<'c> + 'c>(
+    picture: &Picture,
+    channels: C,
+) -> io::Result<exr::image::Layer<C>> {
+    let size = (picture.image.width as usize, picture.image.height as usize);
+    // Noise hardly compresses: more than run lengths costs a tenth of a quick frame's time and
+    // saves a tenth of its size.
+    let encoding = Encoding {
+        compression: Compression::RLE,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    Ok(exr::image::Layer::new(size, attributes(picture.recipe)?, encoding, channels))
+}
+
+fn said(written: exr::error::UnitResult) -> io::Result<()> {
     written.map_err(|error| match error {
         exr::error::Error::Io(error) => error,
         other => io::Error::other(other),

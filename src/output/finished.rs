@@ -174,6 +174,8 @@ mod tests {
             assert_eq!(find_picture(&path, RECIPE), Found::Finished, "{format:?}");
             let other = RECIPE.replace("1", "2");
             assert_eq!(find_picture(&path, &other), Found::Stale("seed: 1".into()));
+            let fewer = RECIPE.replace(",\n  \"seed\": 1", "");
+            assert_eq!(find_picture(&path, &fewer), Found::Stale("seed: 1".into()));
             let whole = std::fs::read(&path).unwrap();
             for length in 0..whole.len() {
                 std::fs::write(&path, &whole[..length]).unwrap();

@@ -7,6 +7,7 @@ mod continuation;
 mod exr;
 mod file;
 mod finished;
+mod layers;
 mod map;
 mod name;
 mod outcome;
@@ -23,18 +24,19 @@ use std::path::Path;
 pub use continuation::continues;
 pub use file::{check_free, check_writable, remove_leftovers, write_atomically};
 pub use finished::{Found, find_picture, find_state, find_timed_picture};
+pub use layers::read_layers;
 pub use map::{write_difference_map, write_error_map, write_sample_map};
 pub use name::{Info, check_prefix, file_name};
-pub use outcome::{Outcome, with_outcome, without_outcome};
+pub use outcome::{Outcome, is_denoised, with_denoiser, with_outcome, without_outcome};
 pub use read::{Raster, Values};
 pub use recipe::{
-    KEYWORD, Recipe, RecipeError, encoding_keyword, output_keyword, read_recipe, settings_of,
-    steps_of, with_region, with_steps,
+    KEYWORD, Recipe, RecipeError, encoding_keyword, layers_of, output_keyword, read_recipe,
+    settings_of, steps_of, with_region, with_steps,
 };
 pub use restore::restore;
 pub use state_file::{read_state, read_subject, write_state};
 
-use crate::film::Image;
+use crate::film::{Image, Layer};
 use crate::scene::{Encoding, OutputFormat};
 
 /// An image with all that decides its file's bytes.
@@ -56,7 +58,15 @@ impl Picture<'_> {
     /// # Errors
     /// What the system says of creating, writing or renaming; a picture without pixels.
     pub fn save(&self, path: &Path) -> io::Result<()> {
-        write_atomically(path, |file| self.write(file))
+        self.save_with(path, &[])
+    }
+
+    /// The same, with layers of the same size beside the colours; a PNG holds none.
+    ///
+    /// # Errors
+    /// As [`save`](Self::save).
+    pub fn save_with(&self, path: &Path, layers: &[(Layer, Image)]) -> io::Result<()> {
+        write_atomically(path, |file| self.write_with(file, layers))
     }
 
     /// Writes the file's bytes.
@@ -64,9 +74,17 @@ impl Picture<'_> {
     /// # Errors
     /// Those of `out`; a picture without pixels.
     pub fn write(&self, out: impl Write + Seek) -> io::Result<()> {
+        self.write_with(out, &[])
+    }
+
+    /// The same, with layers of the same size beside the colours; a PNG holds none.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn write_with(&self, out: impl Write + Seek, layers: &[(Layer, Image)]) -> io::Result<()> {
         match self.format {
             OutputFormat::Png8 | OutputFormat::Png16 => png::write(self, out),
-            OutputFormat::Exr => exr::write(self, out),
+            OutputFormat::Exr => exr::write(self, layers, out),
         }
     }
 

@@ -88,7 +88,14 @@ mod tests {
     use crate::scene::Encoding;
 
     fn film(output: OutputFormat) -> Film {
-        Film { width: 320, height: 240, prefix: "šach_".into(), output, encoding: Encoding::Raw }
+        Film {
+            width: 320,
+            height: 240,
+            prefix: "šach_".into(),
+            output,
+            encoding: Encoding::Raw,
+            layers: Vec::new(),
+        }
     }
 
     fn check(frame: i64, output: OutputFormat, expected: &str) {

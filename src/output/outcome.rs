@@ -46,6 +46,21 @@ pub fn without_outcome(recipe: &str) -> String {
     }
 }
 
+/// A recipe of a picture whose noise was taken away, and by what: that of no picture that is
+/// rendered.
+pub fn with_denoiser(recipe: &str, denoiser: &str) -> String {
+    let denoised = format!(",\n  \"denoised\": \"{denoiser}\"");
+    match recipe.rsplit_once(&format!(",\n{RESULT}")) {
+        Some((made, outcome)) => format!("{made}{denoised},\n{RESULT}{outcome}"),
+        None => format!("{}{denoised}\n}}", recipe.strip_suffix("\n}").unwrap_or(recipe)),
+    }
+}
+
+/// Whether a recipe is of a picture whose noise was taken away.
+pub fn is_denoised(recipe: &serde_json::Value) -> bool {
+    recipe.get("denoised").is_some()
+}
+
 const RESULT: &str = "  \"result\": ";
 
 #[cfg(test)]
@@ -68,6 +83,22 @@ mod tests {
         assert_eq!(without_outcome(&full), recipe);
         assert_eq!(without_outcome(recipe), recipe);
         assert!(with_outcome(recipe, &Outcome { error: None, ..outcome }).contains("null"));
+    }
+
+    #[test]
+    fn a_denoised_picture_is_no_rendered_one() {
+        let recipe = "{\n  \"frame\": 5\n}";
+        let outcome = Outcome { samples: 4.0, error: None };
+        for rendered in [recipe.to_owned(), with_outcome(recipe, &outcome)] {
+            let denoised = with_denoiser(&rendered, "Some Denoiser 1.2.3: albedo");
+            let parsed: serde_json::Value = serde_json::from_str(&denoised).unwrap();
+            assert_eq!(parsed["denoised"], "Some Denoiser 1.2.3: albedo");
+            assert_eq!(parsed["frame"], 5);
+            let rendered: serde_json::Value = serde_json::from_str(&rendered).unwrap();
+            assert_eq!(parsed.get("result"), rendered.get("result"));
+            assert!(is_denoised(&parsed) && !is_denoised(&rendered));
+            assert!(without_outcome(&denoised) != recipe);
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 
 use super::file::open_regular;
-use crate::film::Area;
+use crate::film::{Area, Layer};
 use crate::render::Steps;
 use crate::sampling::Generator;
 use crate::scene::{
@@ -76,11 +76,27 @@ pub fn settings_of(recipe: &serde_json::Value) -> Option<(OutputFormat, Encoding
     Some((format, encodings.into_iter().find(|&e| encoding_keyword(e) == encoding)?))
 }
 
+/// The layers that a recipe asks for, in its order; `None` where it names one that there is not.
+pub fn layers_of(recipe: &serde_json::Value) -> Option<Vec<Layer>> {
+    let layer = |name: &serde_json::Value| {
+        let name = name.as_str()?;
+        Layer::ALL.into_iter().find(|layer| layer.name() == name)
+    };
+    match recipe.get("layers") {
+        None => Some(Vec::new()),
+        Some(names) => names.as_array()?.iter().map(layer).collect(),
+    }
+}
+
 fn add_film(json: &mut Members, film: &Film) {
     json.number("width", film.width);
     json.number("height", film.height);
     json.text("output", output_keyword(film.output));
     json.text("encoding", encoding_keyword(film.encoding));
+    if !film.layers.is_empty() {
+        let names: Vec<_> = film.layers.iter().map(|layer| layer.name()).collect();
+        json.number("layers", format_args!("{names:?}"));
+    }
 }
 
 /// Every setting that can change a picture. The pattern names all of them, so that a new one has
@@ -279,6 +295,7 @@ mod tests {
             prefix: "ignored".into(),
             output: OutputFormat::Png16,
             encoding: Encoding::Srgb,
+            layers: Vec::new(),
         };
         SceneDescription {
             settings: Settings::default(),
@@ -362,6 +379,7 @@ mod tests {
         check(|s| s.camera.film.height = 1);
         check(|s| s.camera.film.output = OutputFormat::Exr);
         check(|s| s.camera.film.encoding = Encoding::Raw);
+        check(|s| s.camera.film.layers = vec![Layer::Normal]);
     }
 
     #[test]
@@ -376,6 +394,21 @@ mod tests {
         let parsed: serde_json::Value =
             serde_json::from_str(&with_steps(json(&scene()), steps)).unwrap();
         assert_eq!((steps_of(&parsed), steps_of(&serde_json::Value::Null)), (Some(steps), None));
+    }
+
+    #[test]
+    fn layers_are_named_where_there_are_any() {
+        let mut scene = scene();
+        let layers =
+            |scene: &SceneDescription| layers_of(&serde_json::from_str(&json(scene)).unwrap());
+        assert!(!json(&scene).contains("layers"));
+        assert_eq!(layers(&scene), Some(Vec::new()));
+        scene.camera.film.layers = Layer::ALL.to_vec();
+        assert!(json(&scene).contains("\n  \"layers\": [\"albedo\", \"normal\"],\n"));
+        assert_eq!(layers(&scene), Some(Layer::ALL.to_vec()));
+        for bad in [serde_json::json!(["depth"]), serde_json::json!("albedo")] {
+            assert_eq!(layers_of(&serde_json::json!({ "layers": bad })), None);
+        }
     }
 
     #[test]

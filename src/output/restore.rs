@@ -3,7 +3,8 @@
 use serde_json::Value;
 
 use super::recipe::{
-    contrast_keyword, generator_keyword, light_sampling_keyword, settings_of, shadow_keyword,
+    contrast_keyword, generator_keyword, layers_of, light_sampling_keyword, settings_of,
+    shadow_keyword,
 };
 use crate::sampling::Generator;
 use crate::scene::{Contrast, LightSampling, SceneDescription, ShadowMode};
@@ -33,6 +34,7 @@ fn set(scene: &mut SceneDescription, recipe: &Value) -> Option<i64> {
     let side = |key: &str| number(key).filter(|side| (1..=65_536).contains(side));
     (film.width, film.height) = (side("width")?, side("height")?);
     (film.output, film.encoding) = settings_of(recipe)?;
+    film.layers = layers_of(recipe)?;
     let settings = &mut scene.settings;
     settings.seed = recipe["seed"].as_u64()?;
     settings.generator = word(

@@ -10,9 +10,9 @@
 //! | 16 | area of the film: x0, y0, x1, y1 |
 //! | 16 | region that was asked for |
 //! | 8 | numbers of the first sample and one past the last, 0 and 0 where samples are not shared out |
-//! | 4 | 1 with spreads, 2 complete |
+//! | 4 | 1 with spreads, 2 complete, 4 with features |
 //! | 4 each | how many samples each pixel has, row by row |
-//! | 24, 24, 48 each | of the pixels that have any: sums; of those with more than one or a share of samples: base; with spreads: least and most |
+//! | 24, 24, 48, 48 each | of the pixels that have any: sums; of those with more than one or a share of samples: base; with spreads: least and most; with features: albedo and normal |
 //! | 32 | BLAKE3 over all before |
 
 use std::fs::File;
@@ -21,7 +21,7 @@ use std::path::Path;
 
 use super::file::open_regular;
 use super::write_atomically;
-use crate::film::{Area, Film, Fixed, Pixel, Spread, State, Subject};
+use crate::film::{Area, Features, Film, Fixed, Pixel, Spread, State, Subject};
 
 /// Changes with the layout of the file.
 const VERSION: u32 = 1;
@@ -29,6 +29,7 @@ const MAGIC: [u8; 8] = *b"slo-rt\0\0";
 const LONGEST_RECIPE: u32 = 1 << 16;
 const WITH_SPREADS: u32 = 1;
 const COMPLETE: u32 = 2;
+const WITH_FEATURES: u32 = 4;
 /// Length of the hash at the end.
 const HASH: u64 = 32;
 const BUFFER: usize = 1 << 16;
@@ -60,8 +61,12 @@ fn write_header(out: &mut impl Write, state: &State) -> io::Result<()> {
     let range = subject.samples.clone().unwrap_or(0..0);
     put(out, range.start)?;
     put(out, range.end)?;
-    let spreads = if subject.with_spreads { WITH_SPREADS } else { 0 };
-    put(out, spreads | if state.is_complete { COMPLETE } else { 0 })
+    let flags = [
+        (subject.with_spreads, WITH_SPREADS),
+        (state.is_complete, COMPLETE),
+        (subject.with_features, WITH_FEATURES),
+    ];
+    put(out, flags.iter().filter(|(is_set, _)| *is_set).map(|(_, flag)| flag).sum())
 }
 
 fn write_pixels(out: &mut impl Write, state: &State) -> io::Result<()> {
@@ -75,6 +80,10 @@ fn write_pixels(out: &mut impl Write, state: &State) -> io::Result<()> {
         if let Some(spread) = state.film.spreads().get(i) {
             put_color(out, spread.least)?;
             put_color(out, spread.most)?;
+        }
+        if let Some(features) = state.film.features().get(i) {
+            put_color(out, features.albedo)?;
+            put_color(out, features.normal)?;
         }
     }
     Ok(())
@@ -164,8 +173,12 @@ impl Header {
         let (area, region) = (get_area(input)?, get_area(input)?);
         let samples = Some(get(input)?..get(input)?).filter(|range| *range != (0..0));
         let flags = get(input)?;
+        if flags >= WITH_FEATURES << 1 {
+            return Err(bad("it is of another version of slo-rt"));
+        }
         let with_spreads = flags & WITH_SPREADS != 0;
-        let subject = Subject { recipe, area, region, samples, with_spreads };
+        let with_features = flags & WITH_FEATURES != 0;
+        let subject = Subject { recipe, area, region, samples, with_spreads, with_features };
         Ok(Self { subject, is_complete: flags & COMPLETE != 0 })
     }
 
@@ -196,6 +209,9 @@ fn read_film(input: &mut impl Read, subject: &Subject) -> io::Result<Film> {
         let (pixel, spread) = film.at_mut(i);
         if pixel.samples > 0 {
             read_pixel(input, pixel, spread, subject.samples.is_some())?;
+            if let Some(features) = film.features_mut(i) {
+                *features = Features { albedo: get_color(input)?, normal: get_color(input)? };
+            }
         }
     }
     Ok(film)
@@ -280,6 +296,9 @@ mod tests {
     fn state(with_spreads: bool, samples: Option<std::ops::Range<u32>>) -> State {
         let area = Area { x0: 8, y0: 0, x1: 16, y1: 5 };
         let mut film = Film::new(area, with_spreads).unwrap();
+        if with_spreads {
+            film = film.with_features().unwrap();
+        }
         for i in 0..area.len() {
             let (pixel, spread) = film.at_mut(i);
             let value = |k: usize| [Fixed::from_units((i * k) as i64 - 50); 3];
@@ -288,10 +307,15 @@ mod tests {
                 let base = if samples > 1 { value(3) } else { [Fixed::default(); 3] };
                 *pixel = Pixel { sum: value(7), base, samples };
                 spread.into_iter().for_each(|spread| spread.add(value(2)));
+                if let Some(features) = film.features_mut(i) {
+                    *features = Features { albedo: value(5), normal: value(11) };
+                }
             }
         }
         let region = Area { x0: 9, y0: 1, x1: 12, y1: 4 };
-        let subject = Subject { recipe: "{}".into(), area, region, samples, with_spreads };
+        let recipe = "{}".into();
+        let with_features = with_spreads;
+        let subject = Subject { recipe, area, region, samples, with_spreads, with_features };
         State { subject, film, is_complete: with_spreads }
     }
 

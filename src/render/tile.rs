@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::Plan;
 use crate::film::{Area, BLOCK, Film, base_end, split};
 use crate::frame::FrameScene;
-use crate::integrator::{SampleSum, Statistics, Wave, Work};
+use crate::integrator::{SampleSum, Statistics, Traced, Wave, Work};
 
 /// Camera samples traced in one go, at most: their sums stay in the second-level cache, and enough
 /// of them are there to fill the batches of deep bounces.
@@ -125,10 +125,17 @@ impl TileRenderer {
 
     /// Traces what is queued and adds it to the film.
     fn trace(&mut self, frame: &FrameScene, plan: &Plan) {
-        let (sums, statistics) = self.wave.trace(frame, &self.work);
+        let with_features = !self.film.features().is_empty();
+        let Traced { sums, features, statistics } =
+            self.wave.trace(frame, &self.work, with_features);
         self.statistics += statistics;
         for ((work, &pixel), &sum) in self.work.iter().zip(&self.pixels).zip(sums) {
             add(&mut self.film, plan, pixel, work, sum);
+        }
+        for (&pixel, &more) in self.pixels.iter().zip(features) {
+            if let Some(sum) = self.film.features_mut(pixel as usize) {
+                *sum += more;
+            }
         }
         self.work.clear();
         self.pixels.clear();

@@ -15,6 +15,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 pub use crate::accel::Accelerator;
+pub use crate::film::Layer;
 pub use crate::sampling::Generator;
 pub use files::Files;
 pub use load::{Loaded, load};
@@ -190,6 +191,8 @@ pub struct Film {
     pub output: OutputFormat,
     /// Transfer curve of PNG values.
     pub encoding: Encoding,
+    /// What an EXR file holds beside the colours; ascending, each once.
+    pub layers: Vec<Layer>,
 }
 
 /// The `Camera` element.

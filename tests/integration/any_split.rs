@@ -11,7 +11,7 @@ use slo_rt::film::{Area, Film, Merger, State, Subject};
 use slo_rt::frame::FrameScene;
 use slo_rt::output::{Picture, Recipe, read_state, write_state};
 use slo_rt::render::{Observer, Part, Plan, render};
-use slo_rt::scene::SceneDescription;
+use slo_rt::scene::{Layer, OutputFormat, SceneDescription};
 
 use crate::support::{describe, expose};
 
@@ -50,8 +50,10 @@ fn file(scene: &SceneDescription, film: &Film) -> Vec<u8> {
     let settings = &scene.camera.film;
     let (format, encoding) = (settings.output, settings.encoding);
     let picture = Picture { image: &image, format, encoding, recipe: &recipe };
+    let layers: Vec<_> =
+        settings.layers.iter().map(|&layer| (layer, film.layer_of(film.area(), layer))).collect();
     let mut out = std::io::Cursor::new(Vec::new());
-    picture.write(&mut out).unwrap();
+    picture.write_with(&mut out, &layers).unwrap();
     out.into_inner()
 }
 
@@ -112,6 +114,7 @@ fn state(scene: &SceneDescription, share: &Share, folder: &Path, random: &mut St
         region: *region,
         samples: plan.samples(),
         with_spreads: plan.needs_spreads(),
+        with_features: !scene.camera.film.layers.is_empty(),
     };
     let frame = FrameScene::build(scene, 0, Isa::best()).unwrap();
     let threads = rayon::ThreadPoolBuilder::new().num_threads(random.random_range(1..4));
@@ -135,13 +138,17 @@ fn state(scene: &SceneDescription, share: &Share, folder: &Path, random: &mut St
 fn any_split_any_order_any_stops_give_the_same_file() {
     let mut random = StdRng::seed_from_u64(2011);
     let folder = tempfile::tempdir().unwrap();
-    let scenes = [
+    let mut scenes = [
         "imageSamples 7",
         "imageSamples 8",
         "imageSamples 5 imageMinSamples 2 imageContrastLimit 0.1",
         "imageSamples 24 imageMinSamples 4 noise 0.03",
     ]
     .map(scene);
+    for scene in &mut scenes[1..3] {
+        scene.camera.film.output = OutputFormat::Exr;
+        scene.camera.film.layers = Layer::ALL.to_vec();
+    }
     let expected = scenes.each_ref().map(|scene| {
         let film = expose(scene, Isa::best());
         (file(scene, &film), film)
@@ -165,6 +172,7 @@ fn any_split_any_order_any_stops_give_the_same_file() {
             region: whole(scene),
             samples: None,
             with_spreads: Plan::new(scene).needs_spreads(),
+            with_features: !scene.camera.film.layers.is_empty(),
         };
         let all = scene.settings.image_samples;
         let mut merger = Merger::new(&subject, all).unwrap();

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use slo_rt::accel::{Accelerator, Isa};
 use slo_rt::film::Film;
 use slo_rt::output::{Picture, Recipe};
-use slo_rt::scene::{OutputFormat, SceneDescription, Settings};
+use slo_rt::scene::{Layer, OutputFormat, SceneDescription, Settings};
 
 use crate::support::{Shot, describe, expose, material};
 
@@ -73,7 +73,10 @@ fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
         let (image, encoding) = (&film.image(), scene.camera.film.encoding);
         let recipe = &Recipe { scene: &scene, frame: 0 }.to_json();
         let mut file = Cursor::new(Vec::new());
-        Picture { image, format, encoding, recipe }.write(&mut file).unwrap();
+        let layers = &scene.camera.film.layers;
+        let layers: Vec<_> =
+            layers.iter().map(|&layer| (layer, film.layer_of(film.area(), layer))).collect();
+        Picture { image, format, encoding, recipe }.write_with(&mut file, &layers).unwrap();
         file.into_inner()
     })
 }
@@ -105,6 +108,20 @@ fn assert_one_file(scene: &SceneDescription) {
 #[test]
 fn one_file_with_a_fixed_number_of_samples() {
     assert_one_file(&everything());
+}
+
+#[test]
+fn one_file_with_layers() {
+    let mut scene = everything();
+    let colors = expose(&scene, Isa::best()).image();
+    scene.camera.film.layers = Layer::ALL.to_vec();
+    let film = expose(&scene, Isa::best());
+    assert!(film.image() == colors, "layers change the colours");
+    for layer in Layer::ALL {
+        let image = film.layer_of(film.area(), layer);
+        assert!(image.rgb.iter().any(|value| *value != image.rgb[0]), "{layer:?} is flat");
+    }
+    assert_one_file(&scene);
 }
 
 /// Two to seven samples per pixel; the test would say little if all pixels took the same number.

@@ -6,7 +6,7 @@ use slo_rt::accel::Isa;
 use slo_rt::film::{Area, Film, Image};
 use slo_rt::frame::FrameScene;
 use slo_rt::render::{Observer, Plan, render};
-use slo_rt::scene::{Files, SceneDescription, load};
+use slo_rt::scene::{Files, Layer, SceneDescription, load};
 
 struct Unwatched;
 
@@ -32,6 +32,8 @@ pub(crate) fn expose_frame(scene: &SceneDescription, frame: &FrameScene) -> Film
     let (plan, picture) = (Plan::new(scene), &scene.camera.film);
     let area = Area::whole(picture.width, picture.height);
     let film = Film::new(area, plan.needs_spreads()).expect("small enough");
+    let film = if picture.layers.is_empty() { Ok(film) } else { film.with_features() };
+    let film = film.expect("small enough");
     let exposed = render(frame, &plan, film, &Unwatched);
     assert!(exposed.is_complete);
     assert_eq!(exposed.statistics.refused_contributions, 0);
@@ -110,10 +112,22 @@ impl Shot {
 
     /// The picture of a scene seen this way.
     pub(crate) fn take(&self, elements: &str) -> Picture {
-        let scene = describe(&self.of(elements));
-        let frame = FrameScene::build(&scene, 0, Isa::best()).expect("the frame can be built");
+        Picture(self.film(&describe(&self.of(elements))).image())
+    }
+
+    /// The same with the layers of albedo and normals.
+    pub(crate) fn take_layers(&self, elements: &str) -> [Picture; 3] {
+        let mut scene = describe(&self.of(elements));
+        scene.camera.film.layers = Layer::ALL.to_vec();
+        let film = self.film(&scene);
+        let layer = |layer| Picture(film.layer_of(film.area(), layer));
+        [Picture(film.image()), layer(Layer::Albedo), layer(Layer::Normal)]
+    }
+
+    fn film(&self, scene: &SceneDescription) -> Film {
+        let frame = FrameScene::build(scene, 0, Isa::best()).expect("the frame can be built");
         let frame = if self.plain { frame.plain() } else { frame };
-        Picture(expose_frame(&scene, &frame).image())
+        expose_frame(scene, &frame)
     }
 }
 

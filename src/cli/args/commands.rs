@@ -15,6 +15,8 @@ pub(in crate::cli) enum Command {
     Compare(CompareArgs),
     /// Make a contact sheet of pictures
     Sheet(SheetArgs),
+    /// Take the noise out of pictures, by Open Image Denoise
+    Denoise(DenoiseArgs),
 }
 
 /// `merge`
@@ -98,6 +100,34 @@ pub(in crate::cli) struct CompareArgs {
     /// Fail where the mean of FLIP is larger
     #[arg(long, value_name = "X")]
     pub(in crate::cli) max_flip: Option<f64>,
+
+    /// Help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
+}
+
+/// `denoise`
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct DenoiseArgs {
+    /// Pictures of slo-rt: EXR, best with `--layers albedo,normal`, or PNG
+    #[arg(value_name = "PICTURES", required = true)]
+    pub(in crate::cli) pictures: Vec<PathBuf>,
+
+    /// Folder for what comes out, under the same names (short: -od) [beside, NAME_denoised]
+    #[arg(long, value_name = "DIR", alias = "outdit")]
+    pub(in crate::cli) outdir: Option<PathBuf>,
+
+    /// The library, libOpenImageDenoise.so.2 or so [where the system finds it]
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) library: Option<PathBuf>,
+
+    /// Threads (all)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(in crate::cli) threads: Option<u32>,
+
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    pub(in crate::cli) quiet: bool,
 
     /// Help
     #[arg(short, long, action = clap::ArgAction::Help)]

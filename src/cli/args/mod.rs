@@ -11,13 +11,14 @@ use std::time::Duration;
 use clap::builder::Styles;
 use clap::{Parser, ValueEnum};
 
-pub(super) use commands::{Command, CompareArgs, MergeArgs, SheetArgs, VerifyArgs};
+pub(super) use commands::{Command, CompareArgs, DenoiseArgs, MergeArgs, SheetArgs, VerifyArgs};
 pub(super) use frame_path::FramePath;
 
 use super::progress::ProgressForm;
 use super::sequence::{Frames, Order};
+use crate::film::Layer;
 use crate::render::{Part, Steps};
-use crate::scene::Accelerator;
+use crate::scene::{Accelerator, OutputFormat};
 
 const ABOUT: &str = "Renders frames of a scene file: motion blur, depth of field, soft shadows, \
                      glossy surfaces.";
@@ -44,6 +45,7 @@ Examples:
   slo-rt -s table.txt --part 3/10       the third of ten parts, for the third machine
   slo-rt merge *.part                   and the pictures of all of them
   slo-rt sheet out/*.png                small copies of all, to look at
+  slo-rt denoise draft_00015.exr        a picture without its noise
   slo-rt --recipe default_00000.png     how a picture was made
 
 The pictures' paths go to standard output, all else to standard error.";
@@ -203,6 +205,18 @@ pub(super) struct Args {
     /// Write the estimated error of each pixel; #### is the frame
     #[arg(long, value_name = "FILE", help_heading = WHERE)]
     pub(super) error_map: Option<FramePath>,
+
+    /// What an EXR picture holds beside colours: albedo, normal
+    ///
+    /// For denoisers: the share of light that surfaces send back, and the
+    /// directions that they face, as channels of the same file.
+    #[arg(long, value_name = "NAMES", help_heading = WHERE, hide_possible_values = true)]
+    #[arg(value_enum, value_delimiter = ',', verbatim_doc_comment)]
+    pub(super) layers: Vec<LayerName>,
+
+    /// File format: png, png16 or exr
+    #[arg(long, value_name = "NAME", help_heading = DRAFT, hide_possible_values = true)]
+    pub(super) format: Option<FormatName>,
 
     /// Size of the picture in pixels, such as 320x180
     #[arg(long, value_name = "WxH", help_heading = DRAFT, value_parser = size)]
@@ -378,6 +392,40 @@ pub(super) struct Size {
     pub(super) height: u32,
 }
 
+/// `--layers`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LayerName {
+    Albedo,
+    Normal,
+}
+
+impl From<LayerName> for Layer {
+    fn from(name: LayerName) -> Self {
+        match name {
+            LayerName::Albedo => Self::Albedo,
+            LayerName::Normal => Self::Normal,
+        }
+    }
+}
+
+/// `--format`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum FormatName {
+    Png,
+    Png16,
+    Exr,
+}
+
+impl From<FormatName> for OutputFormat {
+    fn from(name: FormatName) -> Self {
+        match name {
+            FormatName::Png => Self::Png8,
+            FormatName::Png16 => Self::Png16,
+            FormatName::Exr => Self::Exr,
+        }
+    }
+}
+
 /// `--accelerator`, as the scene language names them.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum AcceleratorName {
@@ -483,6 +531,7 @@ mod tests {
         assert!(parse("compare a.png b.png --max-flip 0.1 --map c.png").is_ok());
         assert!(parse("verify a.png -s scene.txt --tiles 3").is_ok());
         assert!(parse("sheet a.png b.png --columns 2").is_ok());
+        assert!(parse("denoise a.exr b.png --outdir out --library lib.so --threads 2").is_ok());
         for bad in ["merge", "merge a -f 3", "-f 3 merge a", "help", "compare a", "sheet", "verify"]
         {
             assert!(parse(bad).is_err(), "{bad}");
@@ -522,6 +571,10 @@ mod tests {
             "--seed -1",
             "--accelerator tree",
             "--color blue",
+            "--layers depth",
+            "--layers albedo,",
+            "--layers",
+            "--format jpeg",
             "--indir x",
             "--quiet --verbose",
             "scene.txt",

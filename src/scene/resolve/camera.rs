@@ -59,7 +59,8 @@ fn film(fields: &mut Fields<'_, '_, '_>) -> Option<Film> {
     let prefix = prefix(fields);
     let output = fields.choice("output", &OUTPUTS).unwrap_or_default();
     let encoding = fields.choice("encoding", &ENCODINGS).unwrap_or_default();
-    Some(Film { width: width?.value, height: height?.value, prefix, output, encoding })
+    let layers = Vec::new();
+    Some(Film { width: width?.value, height: height?.value, prefix, output, encoding, layers })
 }
 
 fn prefix(fields: &mut Fields<'_, '_, '_>) -> String {

@@ -3,6 +3,7 @@
 mod expectation;
 mod far_away;
 mod furnace;
+mod layers;
 mod lens;
 mod light;
 mod mirror;

@@ -8,6 +8,7 @@ mod exit_codes;
 #[cfg(unix)]
 mod failures;
 mod frames;
+mod layers;
 mod parts;
 mod pictures;
 #[cfg(unix)]

@@ -1,0 +1,99 @@
+//! `--layers`, and `denoise` where there is no denoiser.
+
+use super::{Folder, SCENE};
+
+fn folder() -> Folder {
+    let text = SCENE.replace("imageSamples 2", "imageSamples 8");
+    Folder::with_scene(&text.replace("width 16 height 9", "width 100 height 70"))
+}
+
+const LAYERS: &str = "--format exr --layers albedo,normal";
+
+/// Names of the channels of an EXR file.
+fn channels(bytes: &[u8]) -> Vec<String> {
+    let meta = exr::meta::MetaData::read_from_buffered(bytes, false).unwrap();
+    meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string()).collect()
+}
+
+#[test]
+fn layers_are_channels_of_the_same_file() {
+    let folder = folder();
+    assert_eq!(folder.printed(&format!("-q -s scene.txt {LAYERS}")), "ball_00000.exr\n");
+    let expected =
+        ["B", "G", "R", "albedo.B", "albedo.G", "albedo.R", "normal.X", "normal.Y", "normal.Z"];
+    assert_eq!(channels(&folder.read("ball_00000.exr")), expected);
+    let recipe = folder.printed("--recipe ball_00000.exr");
+    assert!(recipe.contains("\"layers\": [\"albedo\", \"normal\"]"), "{recipe}");
+    let verified = folder.printed("verify ball_00000.exr -s scene.txt --tiles 99");
+    assert_eq!(verified, "same\tball_00000.exr\t12 tiles\n");
+    folder.printed("-q -s scene.txt -f 1 --format exr --layers normal,normal");
+    assert_eq!(channels(&folder.read("ball_00001.exr"))[3..], expected[6..]);
+    folder.printed("-q -s scene.txt -f 2 --format exr");
+    assert_eq!(channels(&folder.read("ball_00002.exr")), expected[..3]);
+    assert!(!folder.printed("--recipe ball_00002.exr").contains("layers"));
+    // The colours are the same; a sequence knows that the layers are not.
+    folder.printed("-q -s scene.txt --format exr -od plain");
+    let same = "compare ball_00000.exr plain/ball_00000.exr --max-pixels 0";
+    assert!(folder.printed(same).starts_with("pixels\t0\n"));
+    let found = folder.printed(&format!("-s scene.txt -f 0-0 {LAYERS} -od plain --dry-run"));
+    assert!(found.contains("stale (") || found.contains("layers"), "{found}");
+}
+
+#[test]
+fn a_png_has_no_layers() {
+    let folder = folder();
+    let run = folder.run("-s scene.txt --layers albedo");
+    assert_eq!(run.exit, 2, "{}", run.said);
+    assert!(run.said.contains("EXR") && run.said.contains("--format exr"), "{}", run.said);
+    assert_eq!(folder.names(), Vec::<String>::new());
+}
+
+#[test]
+fn parts_and_more_samples_make_the_same_layers() {
+    let folder = folder();
+    folder.printed(&format!("-q -s scene.txt {LAYERS} -od whole"));
+    let whole = folder.read("whole/ball_00000.exr");
+    for by in ["pixels", "samples"] {
+        let mut parts = String::new();
+        for number in [2, 1, 3] {
+            let part = format!("--part {number}/3 --part-by {by}");
+            parts += &folder.printed(&format!("-q -s scene.txt {LAYERS} {part} -od parts"));
+        }
+        folder.printed(&format!("merge -q -od merged {}", parts.replace('\n', " ")));
+        assert!(folder.read("merged/ball_00000.exr") == whole, "{by}");
+    }
+    folder.printed(&format!("-q -s scene.txt {LAYERS} --samples 3 --keep-state"));
+    let run = folder.run(&format!("-v -s scene.txt {LAYERS} --samples 8"));
+    assert!(run.said.contains("35000 "), "five of eight samples are new: {}", run.said);
+    folder.printed(&format!("-q -s scene.txt {LAYERS} --samples 8 -od anew"));
+    assert!(folder.read("ball_00000.exr") == folder.read("anew/ball_00000.exr"));
+}
+
+#[test]
+fn states_with_and_without_layers_do_not_mix() {
+    let folder = folder();
+    folder.printed("-q -s scene.txt --format exr --samples 3 --keep-state");
+    let run = folder.run(&format!("-s scene.txt {LAYERS} --keep-state"));
+    assert_eq!(run.exit, 0, "{}", run.said);
+    assert!(run.said.contains("it has no layers, and this run does"), "{}", run.said);
+    folder.printed(&format!("-q -s scene.txt {LAYERS} -od anew"));
+    assert!(folder.read("ball_00000.exr") == folder.read("anew/ball_00000.exr"));
+    let run = folder.run("-s scene.txt --format exr --samples 16");
+    assert!(run.said.contains("it has layers, and this run does not"), "{}", run.said);
+    folder.printed("-q -s scene.txt --format exr --part 1/2");
+    folder.printed(&format!("-q -s scene.txt {LAYERS} --part 2/2"));
+    let run = folder.run("merge ball_00000.pixels-1-of-2.part ball_00000.pixels-2-of-2.part -od m");
+    assert_eq!(run.exit, 65, "{}", run.said);
+    assert!(run.said.contains("another picture") && run.said.contains("layers"), "{}", run.said);
+}
+
+#[test]
+fn without_a_denoiser_it_says_what_to_do() {
+    let folder = folder();
+    folder.printed("-q -s scene.txt");
+    let run = folder.run("denoise ball_00000.png --library none.so");
+    assert_eq!((run.exit, &*run.printed), (1, ""));
+    assert!(run.said.contains("Open Image Denoise can't be loaded"), "{}", run.said);
+    assert!(run.said.contains("docs/denoising.md"), "{}", run.said);
+    assert_eq!(folder.names(), ["ball_00000.png"]);
+}
