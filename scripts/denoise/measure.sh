@@ -2,7 +2,7 @@
 # The tables of docs/denoising.md: how far pictures of few samples are from one of many, as they are,
 # denoised by their colours alone, and denoised with layers. SIZE and REFERENCE (samples) make it quick.
 #
-#     scripts/denoise/measure.sh default depth_of_field glossy_reflection
+#     SIZE=480x270 REFERENCE=512 scripts/denoise/measure.sh default depth_of_field
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.."
 program=$(realpath -- "${SLO_RT:-target/release/slo-rt}")
