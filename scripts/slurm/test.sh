@@ -159,7 +159,7 @@ mapfile -t killed < <(grep -lzFx "SLURM_JOB_ID=$job" $(processes | sed 's|.*|/pr
 mapfile -t steps < <(pgrep -f "^slurmstepd: \[$job\.")
 kill -KILL "$node" "${killed[@]}" "${steps[@]}"
 say "node n1 is killed in task $task"
-await 300 'all frames' all_done
+await 900 'all frames' all_done
 grep -q ', run 2$' "$folder/farm/log/slurm-${array}_$task.log" || fail "task $task was not queued again"
 "$SLO_RT" -q --scene "$scene" --frame="$frames" "${options[@]}" --outdir "$folder/local" | check
 again=$("$here/submit.sh" "$scene" "$frames" "${options[@]}" --outdir "$folder/farm" 2>&1)
@@ -175,7 +175,7 @@ await 120 'a checkpoint on node n1' mid_frame "$folder/farm/parts/.slo-rt-*.stat
 # What Slurm does before the time limit.
 scancel --batch --signal=USR1 "$job"
 say "task $task is stopped"
-await 300 'all parts' all_done
+await 900 'all parts' all_done
 grep -q ', run 2$' "$folder/farm/log/slurm-${array}_$task.log" || fail "task $task was not queued again"
 "$SLO_RT" -q --scene "$scene" --frame=5 "${options[@]}" --outdir "$folder/local" | check
 [[ ! -e $folder/farm/parts ]] || fail 'parts were left'
