@@ -21,7 +21,7 @@ pub(super) fn trace(bvh: &Bvh, rays: &Rays, mut ray: Ray, any: bool) -> Ray {
         }
         if child.is_leaf() {
             test_leaf(bvh, rays, child, &mut ray, any);
-            if any && ray.is_hit {
+            if any && ray.is_hit != 0 {
                 break;
             }
         } else {

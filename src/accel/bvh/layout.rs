@@ -1,5 +1,6 @@
 //! What the hierarchy is made of in memory.
 
+use super::stops::Stops;
 use crate::accel::triangle::POSITION_ERROR;
 use crate::accel::{Triangle, pages};
 use crate::math::{Bounds, rounding::UNIT_ROUNDOFF};
@@ -100,14 +101,14 @@ impl Child {
     /// Whether it is a block of triangles.
     #[inline(always)]
     pub(super) fn is_block(self) -> bool {
-        // All other leaves are above the blocks.
-        (self.0 as i32) < (Self::LEAF | Self::CURVED << Self::KIND_SHIFT) as i32
+        self.kind() == Stops::BLOCKS
     }
 
-    /// Whether it is a curved surface or the end.
+    /// Which of the lists of [`Stops`] it belongs to.
     #[inline(always)]
-    pub(super) fn is_other(self) -> bool {
-        self.0 >= Self::LEAF | Self::CURVED << Self::KIND_SHIFT
+    pub(super) fn kind(self) -> usize {
+        const { assert!(Self::INDEX < 1 << 30 && Self::CURVED << Self::KIND_SHIFT == 1 << 30) };
+        (self.0 >> 30) as usize
     }
 
     /// Index of the node, first slot, or index of the curved surface.

@@ -17,6 +17,7 @@ mod packet;
 mod plan;
 mod ray;
 mod steps;
+mod stops;
 mod stream;
 #[cfg(test)]
 mod tests;

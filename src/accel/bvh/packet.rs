@@ -435,7 +435,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 let mut ray = Ray::new(self.prepared, self.base + lane);
                 [ray.t, ray.u, ray.v] = [state[0][lane], state[1][lane], state[2][lane]];
                 ray.primitive = state[3][lane].to_bits();
-                ray.is_hit = self.found >> lane & 1 == 1;
+                ray.is_hit = self.found >> lane & 1;
                 let ray = around.flights.park(ray, child);
                 for i in 0..top {
                     let Rest { node, set } = *around.stack.rests.get_unchecked(i);

@@ -4,7 +4,9 @@ use glam::Vec3;
 
 use super::layout::BOX_ERROR;
 use super::steps::Steps;
+use crate::accel::simd::Quads;
 use crate::accel::triangle::ShearedRay;
+use crate::accel::triangle::turned::{Turned, lanes_from, larger};
 use crate::accel::{LANES, Rays};
 
 /// Scenes whose coordinates, and rays whose origins, stay below this are tame: no distance to a
@@ -80,7 +82,7 @@ impl Prepared {
         }
         self.are_neighbours = true;
         self.t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
-        self.derive(lanes_of(&rays.origin, first), lanes_of(&rays.direction, first));
+        self.derive(lanes_from(&rays.origin, first), lanes_from(&rays.direction, first));
     }
 
     /// Makes sixteen rays of a batch ready.
@@ -110,26 +112,12 @@ impl Prepared {
         for lane in 0..LANES {
             let [ox, oy, oz] = [origin[0][lane], origin[1][lane], origin[2][lane]];
             let [dx, dy, dz] = [direction[0][lane], direction[1][lane], direction[2][lane]];
-            let [ax, ay, az] = [dx.abs(), dy.abs(), dz.abs()];
-            let x_is_largest = ax >= ay && ax >= az;
-            let y_is_largest = !x_is_largest && ay >= az;
-            let turn = |x: f32, y: f32, z: f32| {
-                if x_is_largest {
-                    [y, z, x]
-                } else if y_is_largest {
-                    [z, x, y]
-                } else {
-                    [x, y, z]
-                }
-            };
-            let [sx, sy, sz] = turn(dx, dy, dz);
-            let shear = [sx / sz, sy / sz, 1.0 / sz];
-            let turned = turn(ox, oy, oz);
-            let largest = sz.abs();
-            let reach = max(max(ox.abs(), oy.abs()), oz.abs());
+            let turned = Turned::new([ox, oy, oz], [dx, dy, dz]);
+            let largest = turned.largest;
+            let reach = larger(larger(ox.abs(), oy.abs()), oz.abs());
             for axis in 0..3 {
                 let (o, d) = ([ox, oy, oz][axis], [dx, dy, dz][axis]);
-                let size = 1.0 / max(d.abs(), largest * LEAST_COMPONENT);
+                let size = 1.0 / larger(d.abs(), largest * LEAST_COMPONENT);
                 let forward = f32::from_bits(o.to_bits() ^ d.to_bits() & 1 << 31);
                 let error = BOX_ERROR * reach;
                 self.entering[axis][lane] = forward + error;
@@ -138,10 +126,10 @@ impl Prepared {
                 self.inverse[axis][lane] = size.copysign(d);
                 self.near[axis][lane] = (forward + error) * size;
                 self.far[axis][lane] = (forward - error) * size;
-                self.origin[axis][lane] = turned[axis];
-                self.shear[axis][lane] = shear[axis];
+                self.origin[axis][lane] = turned.origin[axis];
+                self.shear[axis][lane] = turned.shear[axis];
             }
-            self.z_axis[lane] = if x_is_largest { 0 } else { 2 - u32::from(y_is_largest) };
+            self.z_axis[lane] = turned.z_axis;
             self.octant[lane] =
                 dx.to_bits() >> 31 | dy.to_bits() >> 31 << 1 | dz.to_bits() >> 31 << 2;
             self.is_tame[lane] = u32::from(reach <= TAME_COORDINATE)
@@ -151,51 +139,37 @@ impl Prepared {
     }
 }
 
-/// The larger; `b` where one is NaN. A single instruction, where `f32::max` is several.
-#[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn lanes_of(arrays: &[Vec<f32>; 3], first: usize) -> [[f32; LANES]; 3] {
-    let mut lanes = [[0.0; LANES]; 3];
-    for axis in 0..3 {
-        lanes[axis].copy_from_slice(&arrays[axis][first..first + LANES]);
-    }
-    lanes
-}
-
-/// A ray that is being traced, with all that tests of boxes and triangles ask for.
+/// A ray that is being traced, with all that tests of boxes and triangles ask for: rows of four
+/// numbers, some of which are loaded as a whole.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Ray {
     /// See [`Prepared`], as the following.
     pub(super) inverse: [f32; 3],
-    pub(super) near: [f32; 3],
-    pub(super) far: [f32; 3],
     /// Distance of the best hit, or the end of the ray.
     pub(super) t: f32,
+    pub(super) near: [f32; 3],
     /// Four times the octant: by how much orders are shifted.
     pub(super) order_shift: u32,
-    /// Byte offsets of the three planes where the ray enters, in a node; it leaves through those
-    /// 32 bytes on or back.
-    pub(super) entries: [u32; 3],
-    /// Where the distance of the next entry of its stack goes.
-    pub(super) top: *mut f32,
+    pub(super) far: [f32; 3],
+    /// Its place in the batch.
+    pub(super) index: u32,
     pub(super) origin: [f32; 3],
+    pub(super) u: f32,
     pub(super) shear: [f32; 3],
+    pub(super) v: f32,
     /// Which axes of space the sheared ones are.
     pub(super) axes: [u32; 3],
-    pub(super) u: f32,
-    pub(super) v: f32,
     /// Id of the best hit; 0 before the first, so that nothing at the very end of the ray is taken
     /// for an equal of lower id.
     pub(super) primitive: u32,
-    /// Whether there is a hit.
-    pub(super) is_hit: bool,
-    /// Its place in the batch.
-    pub(super) index: u32,
+    /// Byte offsets of the three planes where the ray enters, in a node; it leaves through those
+    /// 32 bytes on or back.
+    pub(super) entries: [u32; 3],
+    /// 1 if there is a hit, 0 if not.
+    pub(super) is_hit: u32,
+    /// Where the distance of the next entry of its stack goes.
+    pub(super) top: *mut f32,
 }
 
 impl Ray {
@@ -206,24 +180,78 @@ impl Ray {
         let z_axis = rays.z_axis[lane] as usize;
         Self {
             inverse: [rays.inverse[0][lane], rays.inverse[1][lane], rays.inverse[2][lane]],
-            near: [rays.near[0][lane], rays.near[1][lane], rays.near[2][lane]],
-            far: [rays.far[0][lane], rays.far[1][lane], rays.far[2][lane]],
             t: rays.t_max[lane],
+            near: [rays.near[0][lane], rays.near[1][lane], rays.near[2][lane]],
             order_shift: 4 * octant,
-            entries: Self::entries(octant),
-            top: std::ptr::null_mut(),
-            origin: [rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]],
-            shear: [rays.shear[0][lane], rays.shear[1][lane], rays.shear[2][lane]],
-            axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z_axis],
-            u: 0.0,
-            v: 0.0,
-            primitive: 0,
-            is_hit: false,
+            far: [rays.far[0][lane], rays.far[1][lane], rays.far[2][lane]],
             index: rays.index[lane],
+            origin: [rays.origin[0][lane], rays.origin[1][lane], rays.origin[2][lane]],
+            u: 0.0,
+            shear: [rays.shear[0][lane], rays.shear[1][lane], rays.shear[2][lane]],
+            v: 0.0,
+            axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z_axis],
+            primitive: 0,
+            entries: Self::entries(octant),
+            is_hit: 0,
+            top: std::ptr::null_mut(),
+        }
+    }
+
+    /// Sixteen rays as [`new`](Self::new) makes them, but for `top`, transposed by wide registers.
+    ///
+    /// # Safety
+    /// The CPU has the instructions of `L`.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    #[inline(always)]
+    pub(super) unsafe fn deal<L: Quads>(rays: &Prepared, to: &mut [Self; LANES]) {
+        let mut entries = [[0u32; LANES]; 3];
+        let mut axes = [[0u32; LANES]; 3];
+        let mut shifts = [0u32; LANES];
+        for lane in 0..LANES {
+            let (octant, z) = (rays.octant[lane], rays.z_axis[lane]);
+            shifts[lane] = 4 * octant;
+            let [x, y, z_entry] = Self::entries(octant);
+            (entries[0][lane], entries[1][lane], entries[2][lane]) = (x, y, z_entry);
+            axes[0][lane] = if z == 2 { 0 } else { z + 1 };
+            axes[1][lane] = if z == 0 { 2 } else { z - 1 };
+            axes[2][lane] = z;
+        }
+        let zero = [0u32; LANES];
+        let bits = |row: &[u32; LANES]| row.as_ptr().cast::<f32>();
+        let three = |rows: &[[f32; LANES]; 3], last| {
+            [rows[0].as_ptr(), rows[1].as_ptr(), rows[2].as_ptr(), last]
+        };
+        let three_bits =
+            |rows: &[[u32; LANES]; 3], last| [bits(&rows[0]), bits(&rows[1]), bits(&rows[2]), last];
+        let rows = [
+            three(&rays.inverse, rays.t_max.as_ptr()),
+            three(&rays.near, bits(&shifts)),
+            three(&rays.far, bits(&rays.index)),
+            three(&rays.origin, bits(&zero)),
+            three(&rays.shear, bits(&zero)),
+            three_bits(&axes, bits(&zero)),
+            three_bits(&entries, bits(&zero)),
+        ];
+        const { assert!(std::mem::offset_of!(Self, top) == 7 * 16) };
+        for base in (0..LANES).step_by(L::COUNT) {
+            for (i, row) in rows.iter().enumerate() {
+                // SAFETY: the caller's; rows have sixteen numbers, and rays seven times four.
+                unsafe {
+                    let four = [
+                        L::load(row[0].add(base)),
+                        L::load(row[1].add(base)),
+                        L::load(row[2].add(base)),
+                        L::load(row[3].add(base)),
+                    ];
+                    let to = to.as_mut_ptr().add(base).cast::<f32>().add(4 * i);
+                    L::store_columns(four, to, size_of::<Self>() / 4);
+                }
+            }
         }
     }
 
     /// See the field.
+    #[inline(always)]
     pub(super) fn entries(octant: u32) -> [u32; 3] {
         [(octant & 1) << 5, 64 | (octant & 2) << 4, 128 | (octant & 4) << 3]
     }
@@ -243,7 +271,7 @@ impl Ray {
     pub(super) fn offer(&mut self, t: f32, u: f32, v: f32, primitive: u32) {
         if t < self.t || (t == self.t && primitive < self.primitive) {
             (self.t, self.u, self.v, self.primitive) = (t, u, v, primitive);
-            self.is_hit = true;
+            self.is_hit = 1;
         }
     }
 }

@@ -45,19 +45,28 @@ pub(super) trait Steps {
         kept
     }
 
-    /// Which triangles of a block the ray hits no farther than at `ray.t`, and where: bit `lane` of
-    /// the result tells whether lane `lane` of `hits` counts.
-    ///
-    /// # Safety
-    /// The CPU has the instruction set; `block` is the first row of a block of `count` triangles,
-    /// and 4 elements beyond its rows are readable.
-    unsafe fn triangles(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32;
+    /// How many blocks [`blocks`](Self::blocks) tests at once.
+    const BLOCKS: usize;
 
-    /// Whether the ray hits a triangle of a block before `ray.t`.
+    /// Which triangles of the first [`BLOCKS`](Self::BLOCKS) blocks their rays hit, and where: no
+    /// farther than at `ray.t`, or before it if `any` hit will do. Bit `lane` of the result tells
+    /// whether lane `lane` of `hits` counts; a block has [`BLOCK`] lanes.
     ///
     /// # Safety
-    /// As [`triangles`](Self::triangles).
-    unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool;
+    /// The CPU has the instruction set; all are blocks and rays, and 4 elements beyond a block's
+    /// rows are readable.
+    unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32;
+
+    /// Sixteen rays, without stacks.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set.
+    #[inline(always)]
+    unsafe fn deal(prepared: &Prepared, rays: &mut [Ray; LANES]) {
+        for (lane, ray) in rays.iter_mut().enumerate() {
+            *ray = Ray::new(prepared, lane);
+        }
+    }
 
     /// Sixteen elements of an array.
     ///
@@ -113,12 +122,34 @@ pub(super) trait Steps {
     }
 }
 
-/// Where triangles of a block are hit.
+/// Blocks that are tested at once, at most.
+pub(super) const MOST_BLOCKS: usize = LANES / BLOCK;
+
+/// A block of triangles, by its first row, and a ray that may hit some of them.
+#[derive(Clone, Copy)]
+pub(super) struct Meeting {
+    pub(super) block: *const f32,
+    pub(super) count: usize,
+    pub(super) ray: *mut Ray,
+}
+
+/// Where triangles of blocks are hit.
 #[derive(Default)]
 pub(super) struct BlockHits {
-    pub(super) t: [f32; BLOCK],
-    pub(super) u: [f32; BLOCK],
-    pub(super) v: [f32; BLOCK],
+    pub(super) t: [f32; LANES],
+    /// Weights of the second and third corner, and what to divide them by.
+    pub(super) weights: [[f32; LANES]; 2],
+    pub(super) sum: [f32; LANES],
+}
+
+impl BlockHits {
+    /// t, u and v of a lane.
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> [f32; 3] {
+        let lane = lane % LANES;
+        let sum = self.sum[lane];
+        [self.t[lane], self.weights[0][lane] / sum, self.weights[1][lane] / sum]
+    }
 }
 
 /// Plain Rust.
@@ -162,29 +193,26 @@ impl Steps for Portable {
         count
     }
 
+    const BLOCKS: usize = 1;
+
     #[inline(always)]
-    unsafe fn triangles(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
+    unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32 {
+        let Meeting { block, count, ray } = meetings[0];
         // SAFETY: the caller's.
-        let block = unsafe { std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE) };
+        let (block, ray) =
+            unsafe { (std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE), &*ray) };
         let sheared = ray.sheared();
+        let t_max = if any { ray.t } else { ray.t.next_up() };
         let mut set = 0;
         for lane in 0..count {
             let triangle = block_triangle(block, count, lane);
-            if let Some(hit) = triangle::intersect(&sheared, &triangle, ray.t.next_up()) {
-                (hits.t[lane], hits.u[lane], hits.v[lane]) = (hit.t, hit.u, hit.v);
+            if let Some(hit) = triangle::intersect(&sheared, &triangle, t_max) {
+                hits.t[lane] = hit.t;
+                (hits.weights[0][lane], hits.weights[1][lane]) = (hit.u, hit.v);
+                hits.sum[lane] = 1.0;
                 set |= 1 << lane;
             }
         }
         set
-    }
-
-    #[inline(always)]
-    unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool {
-        // SAFETY: the caller's.
-        let block = unsafe { std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE) };
-        let sheared = ray.sheared();
-        (0..count).any(|lane| {
-            triangle::intersect(&sheared, &block_triangle(block, count, lane), ray.t).is_some()
-        })
     }
 }

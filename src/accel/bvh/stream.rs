@@ -11,12 +11,10 @@ use super::layout::{Child, Corners, Node, WIDTH};
 use super::order::{Order, Sixteen};
 use super::packet::{self, Surroundings, UseOfLanes};
 use super::ray::{Prepared, Ray};
-use super::steps::{BlockHits, Steps};
-use crate::accel::simd::SetLanes;
+use super::steps::{BlockHits, MOST_BLOCKS, Meeting, Steps};
+use super::stops::{IN_FLIGHT, Lists, Stop, Stops};
+use crate::accel::simd::{SetLanes, lanes_of};
 use crate::accel::{Coherence, LANES, Rays};
-
-/// Rays in flight.
-const IN_FLIGHT: usize = 32;
 
 /// What is asked of a ray.
 pub(super) trait Query {
@@ -39,7 +37,7 @@ pub(super) trait Query {
     /// Takes a ray that is done.
     #[inline(always)]
     fn finish(&mut self, ray: &Ray) {
-        if ray.is_hit {
+        if ray.is_hit != 0 {
             self.accept(ray.index as usize, [ray.t, ray.u, ray.v], ray.primitive);
         }
     }
@@ -49,39 +47,35 @@ pub(super) trait Query {
 #[derive(Debug)]
 pub(super) struct Stream {
     prepared: Prepared,
+    /// Sixteen rays.
+    ready: [Line; LANES * RAY_LINES],
     packets: packet::Stack,
     order: Order,
     /// For each place the ray itself, then its stack: distances, then what to visit.
     lines: Vec<Line>,
     free: Vec<u32>,
     parked: Vec<Stop>,
-    lists: [[Stop; IN_FLIGHT]; 4],
+    lists: Lists,
 }
+
+/// Lines of a [`Ray`].
+const RAY_LINES: usize = 2;
 
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct Line([u8; 64]);
 
-/// A ray in flight and what it stands before.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(8))]
-pub(super) struct Stop {
-    /// Where it is.
-    place: u32,
-    child: Child,
-}
-
 impl Default for Stream {
     fn default() -> Self {
-        let stop = Stop { place: 0, child: Child::DONE };
         Self {
             prepared: Prepared::EMPTY,
+            ready: [Line([0; 64]); LANES * RAY_LINES],
             packets: packet::Stack::default(),
             order: Order::default(),
             lines: vec![],
             free: vec![],
             parked: vec![],
-            lists: [[stop; IN_FLIGHT]; 4],
+            lists: [[Stop::NONE; IN_FLIGHT]; 4],
         }
     }
 }
@@ -95,8 +89,6 @@ pub(super) fn stack_size(depth: usize) -> usize {
 /// The places for rays in flight, each with a stack behind it.
 pub(super) struct Flights<'a> {
     first: *mut Line,
-    /// From one place to the next, in lines.
-    lines: usize,
     memory: Memory,
     free: &'a mut Vec<u32>,
     /// Rays that left a packet and are not in a list yet.
@@ -109,12 +101,12 @@ impl Flights<'_> {
     /// # Safety
     /// A place is free.
     #[inline(always)]
-    unsafe fn put(&mut self, ray: Ray) -> u32 {
+    unsafe fn put(&mut self, ray: &Ray) -> u32 {
         // SAFETY: places lie within the lines, and have room for a ray and its stack.
         unsafe {
             let place = self.free.pop().unwrap_unchecked();
             let home = self.ray(place);
-            *home = ray;
+            *home = *ray;
             let first = home.add(1).cast::<f32>();
             *first = f32::NEG_INFINITY;
             *first.add(self.memory.stack).cast() = Child::DONE;
@@ -131,8 +123,8 @@ impl Flights<'_> {
     pub(super) unsafe fn park(&mut self, ray: Ray, child: Child) -> *mut Ray {
         // SAFETY: the caller's.
         unsafe {
-            let place = self.put(ray);
-            self.parked.push(Stop { place, child });
+            let place = self.put(&ray);
+            self.parked.push(Stop::new(place, child));
             self.ray(place)
         }
     }
@@ -142,7 +134,7 @@ impl Flights<'_> {
     #[inline(always)]
     unsafe fn ray(&self, place: u32) -> *mut Ray {
         // SAFETY: the caller's.
-        unsafe { self.first.add(place as usize * self.lines).cast() }
+        unsafe { self.first.byte_add(place as usize).cast() }
     }
 }
 
@@ -150,6 +142,8 @@ impl Flights<'_> {
 struct Pending<'a> {
     around: Surroundings<'a>,
     prepared: &'a mut Prepared,
+    /// The same rays one by one, if any is left.
+    ready: &'a mut [Ray; LANES],
     /// Whether rays that go the same way are traced together.
     packets: bool,
     order: &'a Order,
@@ -181,8 +175,8 @@ impl Pending<'_> {
         let lane = self.left.trailing_zeros() as usize;
         self.left &= self.left - 1;
         // SAFETY: no ray is parked, and there are more places than rays in flight.
-        let place = unsafe { self.around.flights.put(Ray::new(self.prepared, lane)) };
-        Some(Stop { place, child: Child::node(0) })
+        let place = unsafe { self.around.flights.put(&self.ready[lane % LANES]) };
+        Some(Stop::new(place, Child::node(0)))
     }
 
     /// Makes sixteen rays ready, and traces those that can't go into flight, or go in packets.
@@ -222,6 +216,10 @@ impl Pending<'_> {
         } else {
             tame
         };
+        if self.left != 0 {
+            // SAFETY: the caller's.
+            unsafe { S::deal(self.prepared, self.ready) };
+        }
     }
 }
 
@@ -237,19 +235,21 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     query: &mut Q,
     stream: &mut Stream,
 ) {
-    const { assert!(size_of::<Ray>() == 128) };
+    const { assert!(size_of::<Ray>() == RAY_LINES * size_of::<Line>()) };
     // An odd number of lines, so that stacks do not compete for the same places of a cache.
-    let lines = (2 + bvh.stack.div_ceil(8)) | 1;
-    let Stream { prepared, packets: stack, order, lines: room, free, parked, lists } = stream;
+    let lines = (RAY_LINES + bvh.stack.div_ceil(8)) | 1;
+    let Stream { prepared, ready, packets: stack, order, lines: room, free, parked, lists } =
+        stream;
     const PLACES: usize = IN_FLIGHT + LANES;
     room.resize(room.len().max(PLACES * lines), Line([0; 64]));
     free.clear();
-    free.extend((0..PLACES as u32).rev());
+    let place = |i: usize| (i * lines * size_of::<Line>()) as u32;
+    free.extend((0..PLACES).rev().map(place));
     parked.clear();
     stack.prepare(bvh.stack);
     let memory =
         Memory { nodes: bvh.nodes.as_ptr(), rows: bvh.corners.rows().as_ptr(), stack: bvh.stack };
-    let flights = Flights { first: room.as_mut_ptr(), lines, memory, free, parked };
+    let flights = Flights { first: room.as_mut_ptr(), memory, free, parked };
     let packets = coherence == Coherence::Coherent;
     if packets {
         // SAFETY: the caller's.
@@ -259,11 +259,10 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     }
     let use_of_lanes = UseOfLanes::default();
     let around = Surroundings { bvh, rays, memory, stack, flights, use_of_lanes };
-    let mut pending = Pending { around, prepared, packets, order, next: 0, left: 0 };
-    let [first, second, leaves, others] = lists;
-    let mut nodes = List::new(first);
-    let mut stops =
-        Stops { nodes: List::new(second), leaves: List::new(leaves), others: List::new(others) };
+    // SAFETY: any bits are a ray; lines are aligned as rays are, and as long as sixteen.
+    let ready = unsafe { &mut *ready.as_mut_ptr().cast::<[Ray; LANES]>() };
+    let mut pending = Pending { around, prepared, ready, packets, order, next: 0, left: 0 };
+    let mut stops = Stops::new(lists);
     // SAFETY:
     // Lists: a ray stands in one list only, and there are as many rays as a list has places.
     // Stacks: there is room for `bvh.stack` entries behind each ray.
@@ -271,114 +270,104 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     unsafe {
         for _ in 0..IN_FLIGHT {
             let Some(stop) = pending.start::<S, Q>(query) else { break };
-            stops.push(stop.place, stop.child);
+            stops.push(stop);
         }
-        std::mem::swap(&mut nodes, &mut stops.nodes);
-        loop {
-            for i in 0..nodes.len {
-                let Stop { place, child } = nodes.get(i);
-                let ray = &mut *pending.around.flights.ray(place);
-                let node = &*memory.nodes.add(child.0 as usize);
+        while !stops.are_none() {
+            for i in 0..stops.take(Stops::NODES) {
+                let stop = stops.get(Stops::NODES, i);
+                let ray = &mut *pending.around.flights.ray(stop.place());
+                let node = &*memory.nodes.add(stop.child().0 as usize);
                 memory.push_children::<S>(node, ray, u8::MAX);
-                stops.push(place, memory.pop(ray));
+                stops.push(Stop::new(stop.place(), memory.pop(ray)));
             }
-            for i in 0..stops.leaves.take() {
-                let Stop { place, child } = stops.leaves.get(i);
-                let ray = &mut *pending.around.flights.ray(place);
-                let t = ray.t;
-                let is_done = test_leaf::<S, Q>(bvh, &memory, child, ray);
-                if ray.t < t {
-                    memory.cull::<S>(ray);
-                }
-                let next = if is_done { Child::DONE } else { memory.pop(ray) };
-                stops.push(place, next);
-            }
-            for i in 0..stops.others.take() {
-                let Stop { place, child } = stops.others.get(i);
+            test_blocks::<S, Q>(bvh, &memory, &pending.around.flights, &mut stops);
+            for i in 0..stops.take(Stops::OTHERS) {
+                let stop = stops.get(Stops::OTHERS, i);
+                let (place, child) = (stop.place(), stop.child());
                 let ray = &mut *pending.around.flights.ray(place);
                 if child != Child::DONE {
                     bvh.test_curved(rays, child, ray);
                     memory.cull::<S>(ray);
-                    if !(Q::ANY && ray.is_hit) {
-                        stops.push(place, memory.pop(ray));
+                    if !(Q::ANY && ray.is_hit != 0) {
+                        stops.push(Stop::new(place, memory.pop(ray)));
                         continue;
                     }
                 }
                 query.finish(ray);
                 pending.around.flights.free.push(place);
                 if let Some(stop) = pending.start::<S, Q>(query) {
-                    stops.push(stop.place, stop.child);
+                    stops.push(stop);
                 }
-            }
-            std::mem::swap(&mut nodes, &mut stops.nodes);
-            stops.nodes.len = 0;
-            if nodes.len + stops.leaves.len + stops.others.len == 0 {
-                break;
             }
         }
     }
 }
 
-/// Stops of a kind.
-struct List {
-    stops: *mut Stop,
-    len: usize,
-}
-
-impl List {
-    fn new(stops: &mut [Stop; IN_FLIGHT]) -> Self {
-        Self { stops: stops.as_mut_ptr(), len: 0 }
-    }
-
-    /// Empties the list; how long it was. What it held can be read until others are pushed over
-    /// it, which happens no sooner than it was read.
-    #[inline(always)]
-    fn take(&mut self) -> usize {
-        std::mem::take(&mut self.len)
-    }
-
-    /// # Safety
-    /// `i` is less than the length is or was.
-    #[inline(always)]
-    unsafe fn get(&self, i: usize) -> Stop {
-        // SAFETY: the caller's.
-        unsafe { *self.stops.add(i) }
-    }
-
-    /// Writes behind the list, and makes that its end if asked.
-    ///
-    /// # Safety
-    /// The list is not full.
-    #[inline(always)]
-    unsafe fn push(&mut self, stop: Stop, keep: bool) {
-        // SAFETY: the caller's.
-        unsafe { *self.stops.add(self.len) = stop };
-        self.len += usize::from(keep);
-    }
-}
-
-/// Where rays stand next, by kind.
-struct Stops {
-    nodes: List,
-    /// Blocks of triangles.
-    leaves: List,
-    /// Curved surfaces, and the end.
-    others: List,
-}
-
-impl Stops {
-    /// Puts a ray into the list that is right for its next stop, without a branch.
-    ///
-    /// # Safety
-    /// No list is full.
-    #[inline(always)]
-    unsafe fn push(&mut self, place: u32, child: Child) {
-        let stop = Stop { place, child };
-        // SAFETY: the caller's.
-        unsafe {
-            self.nodes.push(stop, !child.is_leaf());
-            self.leaves.push(stop, child.is_block());
-            self.others.push(stop, child.is_other());
+/// Takes rays that stand before blocks of triangles past them, several at once; if rays stand before
+/// nodes, those that are left over wait for others.
+///
+/// # Safety
+/// As [`trace`].
+#[inline(always)]
+unsafe fn test_blocks<S: Steps, Q: Query>(
+    bvh: &Bvh,
+    memory: &Memory,
+    flights: &Flights,
+    stops: &mut Stops,
+) {
+    let may_wait = stops.len(Stops::NODES) > 0;
+    let len = stops.take(Stops::BLOCKS);
+    let now = if may_wait { len - len % S::BLOCKS } else { len };
+    let mut hits = BlockHits::default();
+    // SAFETY: stops of this list are blocks, and rays in flight.
+    unsafe {
+        let meeting = |stop: Stop| Meeting {
+            block: memory.rows.add(stop.child().index() * Corners::PER_TRIANGLE),
+            count: stop.child().block_len(),
+            ray: flights.ray(stop.place()),
+        };
+        for first in (0..now).step_by(S::BLOCKS) {
+            let count = (now - first).min(S::BLOCKS);
+            // Where there are too few, the last are taken again.
+            let stop = |i: usize| stops.get(Stops::BLOCKS, first + i.min(count - 1));
+            let mut group = [stop(0); MOST_BLOCKS];
+            let mut meetings = [meeting(group[0]); MOST_BLOCKS];
+            for i in 1..S::BLOCKS {
+                group[i] = stop(i);
+                meetings[i] = meeting(group[i]);
+            }
+            let set = S::blocks(&meetings, Q::ANY, &mut hits) & ((1 << (BLOCK * count)) - 1);
+            if Q::ANY {
+                for (i, meeting) in meetings[..count].iter().enumerate() {
+                    let ray = &mut *meeting.ray;
+                    ray.is_hit = u32::from(of_block(set, i) != 0);
+                    let next = memory.pop(ray);
+                    let next = if ray.is_hit != 0 { Child::DONE } else { next };
+                    stops.push(Stop::new(group[i].place(), next));
+                }
+                continue;
+            }
+            let mut left = set;
+            while left != 0 {
+                let i = left.trailing_zeros() as usize / BLOCK % MOST_BLOCKS;
+                let ray = &mut *meetings[i].ray;
+                let t = ray.t;
+                for lane in lanes_of(of_block(left, i)) {
+                    let [t, u, v] = hits.get(i * BLOCK + lane);
+                    let id = *bvh.ids.get_unchecked(group[i].child().index() + lane);
+                    ray.offer(t, u, v, id);
+                }
+                if ray.t < t {
+                    memory.cull::<S>(ray);
+                }
+                left &= u32::MAX << (BLOCK * i) << BLOCK;
+            }
+            for (stop, meeting) in group[..count].iter().zip(&meetings) {
+                stops.push(Stop::new(stop.place(), memory.pop(&mut *meeting.ray)));
+            }
+        }
+        for i in now..len {
+            stops.push(stops.get(Stops::BLOCKS, i));
         }
     }
 }
@@ -456,33 +445,8 @@ impl Memory {
     }
 }
 
-/// Tests a block of triangles; whether the ray is done.
-///
-/// # Safety
-/// The CPU has the instruction set; `child` is a block.
+/// The lanes of the `i`-th block.
 #[inline(always)]
-unsafe fn test_leaf<S: Steps, Q: Query>(
-    bvh: &Bvh,
-    memory: &Memory,
-    child: Child,
-    ray: &mut Ray,
-) -> bool {
-    let (first, count) = (child.index(), child.block_len());
-    // SAFETY: the caller's; slots of a block have ids.
-    unsafe {
-        let block = memory.rows.add(first * Corners::PER_TRIANGLE);
-        if Q::ANY {
-            ray.is_hit = S::any_triangle(block, count, ray);
-            return ray.is_hit;
-        }
-        let mut hits = BlockHits::default();
-        let mut set = S::triangles(block, count, ray, &mut hits);
-        while set != 0 {
-            let lane = set.trailing_zeros() as usize & (BLOCK - 1);
-            let id = *bvh.ids.get_unchecked(first + lane);
-            ray.offer(hits.t[lane], hits.u[lane], hits.v[lane], id);
-            set &= set - 1;
-        }
-    }
-    false
+fn of_block(lanes: u32, i: usize) -> u32 {
+    lanes >> (BLOCK * i) & ((1 << BLOCK) - 1)
 }

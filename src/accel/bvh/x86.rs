@@ -2,13 +2,14 @@
 
 use std::arch::x86_64::*;
 
+use super::binary::BLOCK;
 use super::layout::{Child, Node, triangle_at};
 use super::packet::{self, Beam, PacketSteps, Surroundings};
 use super::ray::{Prepared, Ray};
-use super::steps::{BlockHits, Steps};
+use super::steps::{BlockHits, MOST_BLOCKS, Meeting, Steps};
 use super::stream::Query;
 use crate::accel::LANES;
-use crate::accel::simd::Lanes;
+use crate::accel::simd::Quads;
 use crate::accel::triangle::lanes::Tested;
 
 /// AVX2 with fused multiply-add.
@@ -228,15 +229,17 @@ impl Steps for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn triangles(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
+    unsafe fn deal(prepared: &Prepared, rays: &mut [Ray; LANES]) {
         // SAFETY: the caller's.
-        unsafe { report(block, count, ray, hits) }
+        unsafe { Ray::deal::<__m512>(prepared, rays) }
     }
 
+    const BLOCKS: usize = 4;
+
     #[inline(always)]
-    unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool {
+    unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32 {
         // SAFETY: the caller's.
-        unsafe { is_hit(block, count, ray) }
+        unsafe { blocks::<__m512>(meetings, any, hits) }
     }
 }
 
@@ -312,71 +315,89 @@ impl Steps for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn triangles(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
+    unsafe fn deal(prepared: &Prepared, rays: &mut [Ray; LANES]) {
         // SAFETY: the caller's.
-        unsafe { report(block, count, ray, hits) }
+        unsafe { Ray::deal::<__m256>(prepared, rays) }
     }
+
+    const BLOCKS: usize = 2;
 
     #[inline(always)]
-    unsafe fn any_triangle(block: *const f32, count: usize, ray: &Ray) -> bool {
+    unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32 {
         // SAFETY: the caller's.
-        unsafe { is_hit(block, count, ray) }
+        unsafe { blocks::<__m256>(meetings, any, hits) }
     }
 }
 
-/// The triangles of a block, one to a lane, against a ray.
+/// As [`Steps::blocks`].
 ///
 /// # Safety
-/// The CPU has AVX2 and FMA; otherwise as [`Steps::triangles`].
+/// The CPU has the instructions of `L`; otherwise as [`Steps::blocks`].
 #[inline(always)]
-unsafe fn test(block: *const f32, count: usize, ray: &Ray) -> Tested<__m128> {
-    // SAFETY: rows and what is read beyond the last are readable, as the caller promises.
+unsafe fn blocks<L: Quads>(
+    meetings: &[Meeting; MOST_BLOCKS],
+    any: bool,
+    hits: &mut BlockHits,
+) -> u32 {
+    let quads = L::COUNT / BLOCK;
+    // SAFETY: rows and what is read beyond the last are readable, as the caller promises; arrays
+    // of hits have as many places as there are lanes, or more.
     unsafe {
-        let mut corners = [[_mm_setzero_ps(); 3]; 3];
+        let mut corners = [[L::splat(0.0); 3]; 3];
+        let mut lines = [[std::ptr::null::<f32>(); MOST_BLOCKS]; 3];
+        let mut lanes = 0;
+        for (i, meeting) in meetings[..quads].iter().enumerate() {
+            let axes = &(*meeting.ray).axes;
+            for k in 0..3 {
+                lines[k][i] = meeting.block.add(axes[k] as usize * meeting.count);
+            }
+            lanes |= ((1 << meeting.count) - 1) << (BLOCK * i);
+        }
         for (c, corner) in corners.iter_mut().enumerate() {
             for (k, row) in corner.iter_mut().enumerate() {
-                *row = _mm_loadu_ps(block.add((3 * c + ray.axes[k] as usize) * count));
+                let mut rows = lines[k];
+                for i in 0..quads {
+                    rows[i] = rows[i].add(3 * c * meetings[i].count);
+                }
+                *row = L::quads(&rows);
             }
         }
-        let (origin, shear) = (splat3(&ray.origin), splat3(&ray.shear));
-        let lanes = (1 << count) - 1;
-        let tested = Tested::new(corners, origin, shear, _mm_set1_ps(ray.t), lanes);
-        tested.settle(|lane| (ray.sheared(), triangle_at(block, count, lane)))
-    }
-}
-
-/// # Safety
-/// The CPU has the instructions of `L`.
-#[inline(always)]
-unsafe fn splat3<L: Lanes>(v: &[f32; 3]) -> [L; 3] {
-    // SAFETY: the caller's.
-    unsafe { [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])] }
-}
-
-/// # Safety
-/// As [`test()`].
-#[inline(always)]
-unsafe fn report(block: *const f32, count: usize, ray: &Ray, hits: &mut BlockHits) -> u32 {
-    // SAFETY: the arrays have four elements.
-    unsafe {
-        let tested = test(block, count, ray);
-        if tested.hits != 0 {
-            let [u, v] = tested.weights();
-            tested.t.store(hits.t.as_mut_ptr());
-            u.store(hits.u.as_mut_ptr());
-            v.store(hits.v.as_mut_ptr());
+        let mut fields = [[std::ptr::null::<f32>(); MOST_BLOCKS]; 3];
+        for (i, meeting) in meetings[..quads].iter().enumerate() {
+            fields[0][i] = (&raw const (*meeting.ray).origin).cast();
+            fields[1][i] = (&raw const (*meeting.ray).shear).cast();
+            fields[2][i] = &raw const (*meeting.ray).t;
         }
-        tested.hits
-    }
-}
-
-/// # Safety
-/// As [`test()`].
-#[inline(always)]
-unsafe fn is_hit(block: *const f32, count: usize, ray: &Ray) -> bool {
-    // SAFETY: the caller's.
-    unsafe {
-        let tested = test(block, count, ray);
-        tested.hits & tested.t.lt(__m128::splat(ray.t)) != 0
+        let (origin, shear) = (L::quads(&fields[0]), L::quads(&fields[1]));
+        let origin = [
+            origin.splat_in_quads::<0>(),
+            origin.splat_in_quads::<0x55>(),
+            origin.splat_in_quads::<0xaa>(),
+        ];
+        let shear = [
+            shear.splat_in_quads::<0>(),
+            shear.splat_in_quads::<0x55>(),
+            shear.splat_in_quads::<0xaa>(),
+        ];
+        let t_max = L::splat_quads(&fields[2]);
+        let tested = Tested::new(corners, origin, shear, t_max, lanes);
+        let mut set = tested.hits;
+        if set == 0 {
+            return 0;
+        }
+        let tested = tested.settle(|lane| {
+            let Meeting { block, count, ray } = meetings[lane / BLOCK];
+            ((*ray).sheared(), triangle_at(block, count, lane % BLOCK))
+        });
+        set = tested.hits;
+        if any {
+            return set & tested.t.lt(t_max);
+        }
+        tested.t.store(hits.t.as_mut_ptr());
+        let [u, v, sum] = tested.parts();
+        u.store(hits.weights[0].as_mut_ptr());
+        v.store(hits.weights[1].as_mut_ptr());
+        sum.store(hits.sum.as_mut_ptr());
+        set
     }
 }

@@ -11,11 +11,12 @@
 
 use super::leaf::{Best, corners_of, triangle_at};
 use super::node::{Chunk, Node};
-use super::ray::{Prepared, larger, smaller};
+use super::ray::Prepared;
 use super::single::{self, Kernel, Visit};
 use super::{KdTree, MAX_DEPTH};
 use crate::accel::simd::{Lanes, lanes_of, load3};
 use crate::accel::triangle::lanes::Tested;
+use crate::accel::triangle::turned::{larger, smaller};
 use crate::accel::{LANES, Rays};
 
 /// With so many lanes or fewer, rays go on one by one.

@@ -1,5 +1,6 @@
 //! Rays made ready to walk through the tree, sixteen at a time.
 
+use crate::accel::triangle::turned::{Turned, lanes_from, larger, smaller};
 use crate::accel::triangle::{POSITION_ERROR, ShearedRay};
 use crate::accel::{LANES, Rays};
 use crate::math::Bounds;
@@ -64,35 +65,21 @@ impl<const N: usize> Prepared<N> {
     /// Inlined, so that the lanes become those of the instruction set it is compiled for.
     #[inline(always)]
     pub(super) fn fill(&mut self, rays: &Rays, first: usize, bounds: &Bounds) {
-        let origin = lanes_of(&rays.origin, first);
-        let direction = lanes_of(&rays.direction, first);
+        let origin = lanes_from(&rays.origin, first);
+        let direction = lanes_from(&rays.direction, first);
         let mut t_max = [0.0f32; LANES];
         t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
         let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
         for lane in 0..LANES {
             let [ox, oy, oz] = [origin[0][lane], origin[1][lane], origin[2][lane]];
             let [dx, dy, dz] = [direction[0][lane], direction[1][lane], direction[2][lane]];
-            let [ax, ay, az] = [dx.abs(), dy.abs(), dz.abs()];
-            let x_is_largest = ax >= ay && ax >= az;
-            let y_is_largest = !x_is_largest && ay >= az;
-            let turn = |x: f32, y: f32, z: f32| {
-                if x_is_largest {
-                    [y, z, x]
-                } else if y_is_largest {
-                    [z, x, y]
-                } else {
-                    [x, y, z]
-                }
-            };
-            let [sx, sy, sz] = turn(dx, dy, dz);
-            let shear = [sx / sz, sy / sz, 1.0 / sz];
-            let turned = turn(ox, oy, oz);
+            let turned = Turned::new([ox, oy, oz], [dx, dy, dz]);
             let mut reach = 0.0f32;
             for axis in 0..3 {
                 let o = [ox, oy, oz][axis];
                 reach = larger((min[axis] - o).abs(), larger((max[axis] - o).abs(), reach));
             }
-            let least = SMALLEST_SLOPE * sz.abs();
+            let least = SMALLEST_SLOPE * turned.largest;
             let t = f32::from_bits(t_max[lane].to_bits().wrapping_sub(1));
             let (mut near, mut far) = (0.0f32, t);
             let mut octant = 0;
@@ -115,13 +102,13 @@ impl<const N: usize> Prepared<N> {
                 self.inverse[axis][lane] = inverse;
                 self.early[axis][lane] = early;
                 self.late[axis][lane] = late;
-                self.origin[axis][lane] = turned[axis];
-                self.shear[axis][lane] = shear[axis];
+                self.origin[axis][lane] = turned.origin[axis];
+                self.shear[axis][lane] = turned.shear[axis];
             }
             self.near[lane] = near;
             self.far[lane] = far;
             self.t[lane] = t;
-            self.z_axis[lane] = if x_is_largest { 0 } else { 2 - u32::from(y_is_largest) };
+            self.z_axis[lane] = turned.z_axis;
             self.octant[lane] = octant;
             self.index[lane] = (first + lane) as u32;
         }
@@ -150,27 +137,6 @@ impl<const N: usize> Prepared<N> {
             axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z_axis],
         }
     }
-}
-
-/// The larger; `b` where one is NaN. A single instruction, where `f32::max` is several.
-#[inline(always)]
-pub(super) fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// The smaller; `b` where one is NaN.
-#[inline(always)]
-pub(super) fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn lanes_of(arrays: &[Vec<f32>; 3], first: usize) -> [[f32; LANES]; 3] {
-    let mut lanes = [[0.0; LANES]; 3];
-    for axis in 0..3 {
-        lanes[axis].copy_from_slice(&arrays[axis][first..first + LANES]);
-    }
-    lanes
 }
 
 /// What the test of triangles needs of a ray, in sheared axes.

@@ -2,10 +2,11 @@
 
 use super::leaf::{Best, test_triangles};
 use super::node::{Chunk, Node};
-use super::ray::{Line, Prepared, larger, smaller};
+use super::ray::{Line, Prepared};
 use super::{KdTree, MAX_DEPTH};
 use crate::accel::Rays;
 use crate::accel::triangle::TriangleHit;
+use crate::accel::triangle::turned::{larger, smaller};
 
 /// What differs between instruction sets.
 pub(super) trait Kernel {

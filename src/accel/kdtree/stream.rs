@@ -11,11 +11,12 @@ use std::mem::MaybeUninit;
 
 use super::leaf::Best;
 use super::node::Node;
-use super::ray::{Prepared, smaller};
+use super::ray::Prepared;
 use super::x86::{self, Avx512};
 use super::{KdTree, MAX_DEPTH, NO_HIT};
 use crate::accel::simd::lanes_of;
 use crate::accel::triangle::lanes::Tested;
+use crate::accel::triangle::turned::smaller;
 use crate::accel::{LANES, Rays};
 
 /// Groups of sixteen rays under way: while one waits for memory, the others step.

@@ -1,4 +1,4 @@
-//! Vectors of 4, 8 and 16 numbers, so that a kernel is written once for all of them.
+//! Vectors of 8 and 16 numbers, so that a kernel is written once for all of them.
 //!
 //! Nothing here is reordered or approximated: a lane gives the bits that the same operations give
 //! in plain Rust.
@@ -13,7 +13,7 @@ use super::LANES;
 /// Functions are inlined into a kernel that is compiled for the CPU's instruction set.
 ///
 /// # Safety
-/// That set must have the type's instructions: AVX2 and FMA for 4 and 8 lanes, AVX-512 F, DQ and VL
+/// That set must have the type's instructions: AVX2 and FMA for 8 lanes, AVX-512 F, DQ and VL
 /// for 16. Pointers must be valid for all lanes; they need no alignment.
 pub(in crate::accel) trait Lanes: Copy {
     const COUNT: usize;
@@ -56,6 +56,21 @@ pub(in crate::accel) trait SetLanes: Lanes {
     unsafe fn store_set(self, to: *mut f32, set: u32);
     /// Stores lane `i` of a set at `to[indices[i]]`; all indices are readable.
     unsafe fn scatter_set(self, to: *mut f32, indices: *const u32, set: u32);
+}
+
+/// Vectors as rows of four lanes each.
+///
+/// # Safety
+/// As [`Lanes`].
+pub(in crate::accel) trait Quads: Lanes {
+    /// Four lanes from each pointer, of the first `COUNT / 4`.
+    unsafe fn quads(from: &[*const f32; LANES / 4]) -> Self;
+    /// The number at each pointer, of the first `COUNT / 4`, four times.
+    unsafe fn splat_quads(from: &[*const f32; LANES / 4]) -> Self;
+    /// In each four lanes the one that `LANE` tells, which is two bits four times.
+    unsafe fn splat_in_quads<const LANE: i32>(self) -> Self;
+    /// Stores lane `i` of each of four vectors at `to + i * stride`.
+    unsafe fn store_columns(four: [Self; 4], to: *mut f32, stride: usize);
 }
 
 /// The lanes of a set, lowest first.

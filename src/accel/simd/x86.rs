@@ -4,7 +4,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{Lanes, SetLanes, lanes_of};
+use super::{Lanes, Quads, SetLanes, lanes_of};
 
 /// A function for each of a type's instructions.
 macro_rules! lanes {
@@ -94,27 +94,6 @@ macro_rules! lanes {
 }
 
 lanes!(
-    __m128,
-    4,
-    _mm_set1_ps,
-    _mm_loadu_ps,
-    _mm_storeu_ps,
-    _mm_add_ps,
-    _mm_sub_ps,
-    _mm_mul_ps,
-    _mm_div_ps,
-    _mm_fmadd_ps,
-    _mm_fmsub_ps,
-    _mm_fnmadd_ps,
-    _mm_min_ps,
-    _mm_max_ps,
-    _mm_and_ps,
-    compare4,
-    replace4,
-    quarters4,
-    leasts4
-);
-lanes!(
     __m256,
     8,
     _mm256_set1_ps,
@@ -157,6 +136,94 @@ lanes!(
     leasts16
 );
 
+impl Quads for __m256 {
+    #[inline(always)]
+    unsafe fn quads(from: &[*const f32; 4]) -> Self {
+        unsafe { _mm256_set_m128(_mm_loadu_ps(from[1]), _mm_loadu_ps(from[0])) }
+    }
+
+    #[inline(always)]
+    unsafe fn splat_quads(from: &[*const f32; 4]) -> Self {
+        unsafe { _mm256_set_m128(_mm_broadcast_ss(&*from[1]), _mm_broadcast_ss(&*from[0])) }
+    }
+
+    #[inline(always)]
+    unsafe fn splat_in_quads<const LANE: i32>(self) -> Self {
+        unsafe { _mm256_permute_ps::<LANE>(self) }
+    }
+
+    #[inline(always)]
+    unsafe fn store_columns([a, b, c, d]: [Self; 4], to: *mut f32, stride: usize) {
+        unsafe {
+            use _mm256_castps_pd as pd;
+            let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+            let (ab_high, cd_high) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+            let columns = [
+                _mm256_unpacklo_pd(pd(ab), pd(cd)),
+                _mm256_unpackhi_pd(pd(ab), pd(cd)),
+                _mm256_unpacklo_pd(pd(ab_high), pd(cd_high)),
+                _mm256_unpackhi_pd(pd(ab_high), pd(cd_high)),
+            ];
+            for (i, column) in columns.into_iter().enumerate() {
+                let column = _mm256_castpd_ps(column);
+                let to = to.add(i * stride);
+                _mm_storeu_ps(to, _mm256_castps256_ps128(column));
+                _mm_storeu_ps(to.add(4 * stride), _mm256_extractf128_ps::<1>(column));
+            }
+        }
+    }
+}
+
+impl Quads for __m512 {
+    #[inline(always)]
+    unsafe fn quads(from: &[*const f32; 4]) -> Self {
+        unsafe {
+            let lanes = _mm512_castps128_ps512(_mm_loadu_ps(from[0]));
+            let lanes = _mm512_mask_broadcast_f32x4(lanes, 0xf0, _mm_loadu_ps(from[1]));
+            let lanes = _mm512_mask_broadcast_f32x4(lanes, 0xf00, _mm_loadu_ps(from[2]));
+            _mm512_mask_broadcast_f32x4(lanes, 0xf000, _mm_loadu_ps(from[3]))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn splat_quads(from: &[*const f32; 4]) -> Self {
+        unsafe {
+            let lanes = _mm512_set1_ps(*from[0]);
+            let lanes = _mm512_mask_broadcastss_ps(lanes, 0xf0, _mm_load_ss(from[1]));
+            let lanes = _mm512_mask_broadcastss_ps(lanes, 0xf00, _mm_load_ss(from[2]));
+            _mm512_mask_broadcastss_ps(lanes, 0xf000, _mm_load_ss(from[3]))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn splat_in_quads<const LANE: i32>(self) -> Self {
+        unsafe { _mm512_permute_ps::<LANE>(self) }
+    }
+
+    #[inline(always)]
+    unsafe fn store_columns([a, b, c, d]: [Self; 4], to: *mut f32, stride: usize) {
+        unsafe {
+            use _mm512_castps_pd as pd;
+            let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+            let (ab_high, cd_high) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+            let columns = [
+                _mm512_unpacklo_pd(pd(ab), pd(cd)),
+                _mm512_unpackhi_pd(pd(ab), pd(cd)),
+                _mm512_unpacklo_pd(pd(ab_high), pd(cd_high)),
+                _mm512_unpackhi_pd(pd(ab_high), pd(cd_high)),
+            ];
+            for (i, column) in columns.into_iter().enumerate() {
+                let column = _mm512_castpd_ps(column);
+                let to = to.add(i * stride);
+                _mm_storeu_ps(to, _mm512_castps512_ps128(column));
+                _mm_storeu_ps(to.add(4 * stride), _mm512_extractf32x4_ps::<1>(column));
+                _mm_storeu_ps(to.add(8 * stride), _mm512_extractf32x4_ps::<2>(column));
+                _mm_storeu_ps(to.add(12 * stride), _mm512_extractf32x4_ps::<3>(column));
+            }
+        }
+    }
+}
+
 impl SetLanes for __m256 {
     #[inline(always)]
     unsafe fn store_set(self, to: *mut f32, set: u32) {
@@ -191,11 +258,6 @@ impl SetLanes for __m512 {
 }
 
 #[inline(always)]
-unsafe fn compare4<const HOW: i32>(a: __m128, b: __m128) -> u32 {
-    unsafe { _mm_movemask_ps(_mm_cmp_ps::<HOW>(a, b)) as u32 }
-}
-
-#[inline(always)]
 unsafe fn compare8<const HOW: i32>(a: __m256, b: __m256) -> u32 {
     unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<HOW>(a, b)) as u32 }
 }
@@ -203,15 +265,6 @@ unsafe fn compare8<const HOW: i32>(a: __m256, b: __m256) -> u32 {
 #[inline(always)]
 unsafe fn compare16<const HOW: i32>(a: __m512, b: __m512) -> u32 {
     unsafe { u32::from(_mm512_cmp_ps_mask::<HOW>(a, b)) }
-}
-
-#[inline(always)]
-unsafe fn replace4(a: __m128, set: u32, b: __m128) -> __m128 {
-    unsafe {
-        let bits = _mm_setr_epi32(1, 2, 4, 8);
-        let set = _mm_and_si128(_mm_set1_epi32(set as i32), bits);
-        _mm_blendv_ps(a, b, _mm_castsi128_ps(_mm_cmpeq_epi32(set, bits)))
-    }
 }
 
 #[inline(always)]
@@ -234,11 +287,6 @@ unsafe fn replace16(a: __m512, set: u32, b: __m512) -> __m512 {
 }
 
 /// Four vectors of four lanes that hold all lanes, some of them more than once.
-#[inline(always)]
-unsafe fn quarters4(a: __m128) -> [[__m128; 2]; 2] {
-    [[a; 2]; 2]
-}
-
 #[inline(always)]
 unsafe fn quarters8(a: __m256) -> [[__m128; 2]; 2] {
     unsafe { [[_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a)]; 2] }

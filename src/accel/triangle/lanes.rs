@@ -144,6 +144,12 @@ impl<L: Lanes> Tested<L> {
         // SAFETY: the caller's.
         unsafe { [self.area_b.div(self.determinant), self.area_c.div(self.determinant)] }
     }
+
+    /// Weights of the second and third corner before they are divided by the last.
+    #[inline(always)]
+    pub(in crate::accel) fn parts(&self) -> [L; 3] {
+        [self.area_b, self.area_c, self.determinant]
+    }
 }
 
 /// A corner in sheared coordinates.

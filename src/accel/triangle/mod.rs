@@ -15,6 +15,7 @@
 
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 pub(super) mod lanes;
+pub(super) mod turned;
 
 use glam::{DVec3, Vec3};
 
