@@ -1,15 +1,21 @@
 #!/usr/bin/env python3
-"""How fast the noise of each effect falls with the number of samples, by generator.
+"""How fast the noise of each effect falls with the number of samples, by generator; or what adaptive sampling saves.
 
     python3 scripts/convergence.py [--program slo-rt] [--size 96x54] [--samples 4,16,64,256] [--reference 4096]
+    python3 scripts/convergence.py --noise 0.02,0.01
 
 Renders shipped scenes of one effect each, compares them with a reference of another seed by the program's own
-`compare`, and prints a Markdown table of relative mean square errors; the last columns are the exponent of the error
-(root mean square) in the number of samples, -0.5 for independent ones, and how many samples PSEUDO takes for the error
-that this generator has at the largest number. Needs Python 3.8 and nothing else.
+`compare`, and prints a Markdown table of relative mean square errors. The last columns are the exponent of the error
+(root mean square) in the number of samples, -0.5 for independent ones; how many samples PSEUDO takes for the error
+that this generator has at the largest number; and FLIP, the difference as seen, at the second number.
+
+With --noise the table is of pictures rendered by `--noise E`: how many samples a pixel they took, how many as many
+for every pixel would take for the same error, and the mean of the picture over the reference's. Needs Python 3.8 and
+nothing else.
 """
 
 import argparse
+import json
 import math
 import re
 import subprocess
@@ -40,25 +46,22 @@ def run(program, *arguments):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def render(options, scene, generator, samples, seed, outdir):
+def render(options, scene, generator, samples, seed, outdir, *more):
     """Path of the picture."""
     # Beside the scenes, so that their paths to meshes and textures hold.
     with tempfile.NamedTemporaryFile("w", dir=ROOT / "scenes", suffix=".txt", encoding="utf-8") as file:
         file.write(variant(scene, generator))
         file.flush()
-        out = Path(outdir) / f"{scene}_{generator}_{samples}_{seed}"
+        out = Path(outdir) / "_".join(map(str, [scene, generator, samples, seed, *more]))
         arguments = ["-q", "-s", file.name, "--allow-outside", "--size", options.size]
-        arguments += ["--samples", samples, "--seed", seed, "--outdir", out]
+        arguments += ["--samples", samples, "--seed", seed, "--outdir", out, *more]
         return run(options.program, *arguments).strip()
 
 
-def error(options, picture, reference):
-    """Relative mean square error."""
-    for line in run(options.program, "compare", picture, reference).splitlines():
-        name, value = line.split()
-        if name == "relative-mse":
-            return float(value)
-    raise SystemExit("`compare` tells no relative-mse")
+def compare(options, picture, reference):
+    """What `compare` prints, by name."""
+    lines = run(options.program, "compare", picture, reference).splitlines()
+    return {name: float(value) for name, value in map(str.split, lines)}
 
 
 def slope(counts, errors):
@@ -69,30 +72,59 @@ def slope(counts, errors):
     return sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / sum((x - mx) ** 2 for x in xs)
 
 
+def samples_for(error, counts, errors):
+    """How many samples give an error, between those that were measured; None outside of them."""
+    for (n0, e0), (n1, e1) in zip(zip(counts, errors), zip(counts[1:], errors[1:])):
+        if e1 <= error <= e0:
+            return n0 * (n1 / n0) ** (math.log(e0 / error) / math.log(e0 / e1))
+    return None
+
+
+def generators(options, effect, scene, counts, reference, outdir):
+    pseudo = None
+    for generator in GENERATORS:
+        pictures = [render(options, scene, generator, n, 0, outdir) for n in counts]
+        found = [compare(options, picture, reference) for picture in pictures]
+        errors = [figures["relative-mse"] for figures in found]
+        pseudo = pseudo or errors
+        figures = [f"{e:.2e}" for e in errors] + [f"{slope(counts, errors):.2f}", f"{pseudo[-1] / errors[-1]:.1f} x"]
+        print(f"| {effect} | {generator} |", " | ".join(figures), f"| {found[1]['flip']:.4f} |", flush=True)
+
+
+def adaptive(options, effect, scene, counts, reference, outdir):
+    pictures = [render(options, scene, "QUASI", n, 0, outdir) for n in counts]
+    errors = [compare(options, picture, reference)["relative-mse"] for picture in pictures]
+    for noise in options.noise.split(","):
+        picture = render(options, scene, "QUASI", counts[-1], 0, outdir, "--noise", noise)
+        found = compare(options, picture, reference)
+        taken = json.loads(run(options.program, "--recipe", picture))["result"]["samplesPerPixel"]
+        uniform = samples_for(found["relative-mse"], counts, errors)
+        figures = [noise, f"{taken:.0f}", f"{found['relative-mse']:.1e}"]
+        figures += [f"{uniform:.0f}", f"{taken / uniform:.2f}"] if uniform else ["-", "-"]
+        print(f"| {effect} |", " | ".join(figures), f"| {found['mean-ratio']:.5f} |", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", default=str(ROOT / "target/release/slo-rt"))
     parser.add_argument("--size", default="96x54")
     parser.add_argument("--samples", default="4,16,64,256")
     parser.add_argument("--reference", type=int, default=4096)
-    parser.add_argument("--only", help="one effect, by a part of its name")
+    parser.add_argument("--noise", metavar="E,...", help="errors to stop at, instead of the generators")
+    parser.add_argument("--only", default="", help="one effect, by a part of its name")
     options = parser.parse_args()
     counts = [int(n) for n in options.samples.split(",")]
-    print("| effect | generator |", " | ".join(map(str, counts)), "| exponent | PSEUDO needs |")
-    print("|---|---|" + "---|" * (len(counts) + 2))
+    if options.noise:
+        head = ["effect", "`--noise`", "samples a pixel", "relative-mse", "uniform", "ratio", "mean over the reference's"]
+    else:
+        head = ["effect", "generator", *map(str, counts), "exponent", "PSEUDO needs", f"FLIP at {counts[1]}"]
+    print("|", " | ".join(head), "|\n|" + "---|" * len(head))
     for effect, scene in EFFECTS.items():
-        if options.only and options.only not in effect:
-            continue
-        with tempfile.TemporaryDirectory() as outdir:
-            reference = render(options, scene, "QUASI", options.reference, 1, outdir)
-            pseudo = None
-            for generator in GENERATORS:
-                pictures = [render(options, scene, generator, n, 0, outdir) for n in counts]
-                errors = [error(options, picture, reference) for picture in pictures]
-                pseudo = pseudo or errors
-                times = pseudo[-1] / errors[-1]
-                figures = " | ".join(f"{e:.2e}" for e in errors)
-                print(f"| {effect} | {generator} | {figures} | {slope(counts, errors):.2f} | {times:.1f} x |", flush=True)
+        if options.only in effect:
+            with tempfile.TemporaryDirectory() as outdir:
+                reference = render(options, scene, "QUASI", options.reference, 1, outdir)
+                table = adaptive if options.noise else generators
+                table(options, effect, scene, counts, reference, outdir)
 
 
 if __name__ == "__main__":

@@ -69,7 +69,7 @@ pub(crate) enum Look {
 
 impl FrameScene {
     /// The same frame with every estimator in its plainest form: lamps in glossy surfaces are found
-    /// by the lobe's rays only, and no ray is left out for its small weight. The expected picture
+    /// by the lobe's rays only, one light of many is any of them, and no ray is left out for its small weight. The expected picture
     /// is the same, its noise is not.
     #[must_use]
     pub fn plain(self) -> Self {
@@ -81,6 +81,12 @@ impl FrameScene {
     /// Rays to lights pass through transparent objects straight where rays of lobes do not.
     pub(crate) fn combines(&self) -> bool {
         self.clever && self.settings.shadow == ShadowMode::Opaque
+    }
+
+    /// Whether rays to lights behind a surface may bring something.
+    pub(crate) fn receives_through(&self) -> bool {
+        let rough = |m: &Material| m.refraction > 0.0 && m.refraction_lobe > 0.0;
+        self.combines() && self.materials.iter().any(rough)
     }
 
     /// Bytes of the structures and tables of this frame, meshes and textures not counted.

@@ -8,7 +8,7 @@ use super::wave::Wave;
 use crate::accel::Lanewise;
 use crate::frame::FrameScene;
 use crate::math::columns::{BATCH, Column, Vec3s, lanes};
-use crate::sampling::batch::{SetNames, SetPoints, place_of};
+use crate::sampling::batch::{SetPoints, place_of};
 use crate::sampling::{Purpose, Use, next_path};
 use crate::scene::Settings;
 use crate::shading::{Material, lobe};
@@ -89,17 +89,9 @@ impl Wave {
         depth: u32,
     ) {
         self.queue_at(depth as usize + 1);
+        self.draw::<3>(frame, depth, purpose, [i, count]);
         let Self { points, lobes, set, sent, chosen, bounces, next, features, .. } = self;
         let (lobe, len) = (lobes.of(purpose), points.surfaces.len);
-        let names = SetNames {
-            seed: &points.seed,
-            path: &points.labels.path,
-            index: &points.labels.index,
-            purpose: purpose.into(),
-            place: [i, count],
-            len,
-        };
-        set.take::<3>(&frame.sampler, frame.isa, &names);
         let least = if frame.clever { LEAST_WEIGHT } else { 0.0 };
         let rays = if frame.combines() { count as f32 } else { 0.0 };
         let share = 1.0 / count as f32;

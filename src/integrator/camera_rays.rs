@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::frame::FrameScene;
 use crate::math::columns::{BATCH, Column, Vec3s};
 use crate::sampling::PixelSeed;
-use crate::sampling::batch::{CameraSamples, Run};
+use crate::sampling::batch::{CameraSamples, Digits, Run};
 
 /// What is left of some work, and the working memory of making its camera rays.
 #[derive(Debug)]
@@ -50,6 +50,7 @@ impl CameraRays {
         work: &[Work],
         seeds: &[PixelSeed],
         place: &mut Place,
+        digits: &mut Digits,
         batch: &mut Batch,
     ) {
         self.runs.clear();
@@ -71,7 +72,7 @@ impl CameraRays {
                 *place = Place { work: place.work + 1, samples: 0 };
             }
         }
-        self.samples.take(&frame.sampler, frame.isa, &self.runs);
+        self.samples.take(&frame.sampler, frame.isa, &self.runs, digits);
         frame.isa.run(Expose { camera: &frame.camera, rays: self, len });
         self.put(len, batch);
     }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::bounces::{Lobe, Lobes, glossy_samples};
+use super::light_choice::LightChoice;
 use super::points::Points;
 use super::queue::{Sent, ShadowKind};
 use super::wave::Wave;
@@ -10,7 +11,7 @@ use crate::accel::Lanewise;
 use crate::frame::FrameScene;
 use crate::math::columns::lanes;
 use crate::sampling::Purpose;
-use crate::sampling::batch::{SetNames, SetPoints};
+use crate::sampling::batch::SetPoints;
 use crate::scene::LightSampling;
 use crate::shading::phong::local_light;
 use crate::shading::{Light, lobe};
@@ -53,21 +54,22 @@ impl Wave {
         place: [u32; 2],
         query: &Query,
     ) {
-        let names = names(&self.points, Purpose::Light(number), place);
-        self.set.take::<2>(&frame.sampler, frame.isa, &names);
+        self.draw::<2>(frame, query.depth, Purpose::Light(number), place);
         // A copy, which no column can overlap.
         let light = *light;
-        self.ask(frame, &|_: &SetPoints, _: usize| light, tries(frame, &light, query.depth), query);
+        self.ask(
+            frame,
+            &|_: &LightChoice, _: usize| (light, 1.0),
+            tries(frame, &light, query.depth),
+            query,
+        );
     }
 
-    /// Ray `i` of `count` from every point, each to a light at random.
+    /// Ray `i` of `count` from every point, each to a light at random, rather to a bright one.
     fn ask_any_light(&mut self, frame: &FrameScene, place: [u32; 2], query: &Query) {
-        let names = names(&self.points, Purpose::AnyLight, place);
-        self.set.take::<3>(&frame.sampler, frame.isa, &names);
-        let lights = frame.lights.len();
-        let choose = |set: &SetPoints, i: usize| {
-            frame.lights[((set.numbers[2][i] * lights as f32) as usize).min(lights - 1)]
-        };
+        self.draw::<3>(frame, query.depth, Purpose::AnyLight, place);
+        self.choice.choose(frame, &self.points, &self.set.numbers[2]);
+        let choose = |choice: &LightChoice, i: usize| choice.of(&frame.lights, i);
         self.ask(frame, &choose, tries(frame, &frame.lights[0], query.depth), query);
     }
 
@@ -76,12 +78,12 @@ impl Wave {
     fn ask(
         &mut self,
         frame: &FrameScene,
-        choose: &impl Fn(&SetPoints, usize) -> Light,
+        choose: &impl Fn(&LightChoice, usize) -> (Light, f32),
         tries: f32,
         &Query { glossy, rays, depth }: &Query,
     ) {
-        let Self { points, lobes, set, sent, chosen, .. } = self;
-        let from = Asking { points, lobes, set, tries, rays };
+        let Self { points, lobes, set, choice, sent, chosen, .. } = self;
+        let from = Asking { points, lobes, set, choice, tries, rays };
         match (points.shines, glossy) {
             (false, false) => frame.isa.run(Ask::<false, false, _> { from, choose, to: sent }),
             (true, false) => frame.isa.run(Ask::<true, false, _> { from, choose, to: sent }),
@@ -90,18 +92,6 @@ impl Wave {
         chosen.set(points.surfaces.len, |i| sent.weight.get(i) != Vec3::ZERO);
         let kind = if depth == 0 { ShadowKind::FromPrimary } else { ShadowKind::FromDeeper };
         self.shadows[kind as usize].append(frame.isa, sent, &points.labels, chosen);
-    }
-}
-
-/// Which random numbers ray `i` of `count` of every point takes.
-fn names(points: &Points, purpose: Purpose, place: [u32; 2]) -> SetNames<'_> {
-    SetNames {
-        seed: &points.seed,
-        path: &points.labels.path,
-        index: &points.labels.index,
-        purpose: purpose.into(),
-        place,
-        len: points.surfaces.len,
     }
 }
 
@@ -135,6 +125,7 @@ struct Asking<'a> {
     points: &'a Points,
     lobes: &'a Lobes,
     set: &'a SetPoints,
+    choice: &'a LightChoice,
     /// See [`tries`].
     tries: f32,
     /// See [`Query::rays`].
@@ -149,7 +140,7 @@ struct Ask<'a, const SHINES: bool, const GLOSSY: bool, C> {
 
 impl<const SHINES: bool, const GLOSSY: bool, C> Lanewise for Ask<'_, SHINES, GLOSSY, C>
 where
-    C: Fn(&SetPoints, usize) -> Light,
+    C: Fn(&LightChoice, usize) -> (Light, f32),
 {
     type Output = ();
 
@@ -160,15 +151,15 @@ where
 }
 
 #[inline(always)]
-fn ask<const SHINES: bool, const GLOSSY: bool, C: Fn(&SetPoints, usize) -> Light>(
-    &Asking { points, lobes, set, tries, rays }: &Asking<'_>,
+fn ask<const SHINES: bool, const GLOSSY: bool, C: Fn(&LightChoice, usize) -> (Light, f32)>(
+    &Asking { points, lobes, set, choice, tries, rays }: &Asking<'_>,
     choose: &C,
     to: &mut Sent,
 ) {
     let surfaces = &points.surfaces;
     let share = 1.0 / tries;
     for i in lanes(surfaces.len) {
-        let light = choose(set, i);
+        let (light, times) = choose(choice, i);
         let target = light.point([set.numbers[0][i], set.numbers[1][i]]);
         let way = target - surfaces.point.get(i);
         let distance = way.length();
@@ -195,7 +186,7 @@ fn ask<const SHINES: bool, const GLOSSY: bool, C: Fn(&SetPoints, usize) -> Light
         to.origin.set(i, origin);
         to.direction.set(i, direction);
         to.t_max[i] = t_max;
-        to.weight.set(i, if to.is_ray(i) { added * light.color } else { Vec3::ZERO });
+        to.weight.set(i, if to.is_ray(i) { added * light.color * times } else { Vec3::ZERO });
     }
 }
 

@@ -8,6 +8,7 @@
 mod bounces;
 mod camera_rays;
 mod features;
+mod light_choice;
 mod lights;
 mod points;
 mod queue;

@@ -4,7 +4,9 @@ use super::queue::{Batch, Labels};
 use crate::accel::Lanewise;
 use crate::frame::{FrameScene, Surfaces};
 use crate::math::columns::{BATCH, Column, Vec3s, lanes};
-use crate::sampling::PixelSeed;
+use crate::sampling::batch::SetNames;
+use crate::sampling::{PixelSeed, Purpose};
+use crate::scene::Settings;
 
 /// Hits in columns; `surfaces.len` of them.
 #[derive(Debug)]
@@ -56,6 +58,31 @@ impl Points {
             self.shines |= material.shines;
         }
         frame.isa.run(Weighted(self));
+    }
+}
+
+impl Points {
+    /// Which random numbers ray `i` of `count` takes that is sent from every point, `depth` bounces
+    /// behind the camera.
+    pub(super) fn names(
+        &self,
+        settings: &Settings,
+        depth: u32,
+        purpose: Purpose,
+        [i, count]: [u32; 2],
+    ) -> SetNames<'_> {
+        let split_before =
+            settings.diffuse_reflection_samples.max(settings.diffuse_refraction_samples) > 1;
+        SetNames {
+            seed: &self.seed,
+            path: &self.labels.path,
+            index: &self.labels.index,
+            depth,
+            split: count > 1 || (depth > 0 && split_before),
+            purpose: purpose.into(),
+            place: [i, count],
+            len: self.surfaces.len,
+        }
     }
 }
 

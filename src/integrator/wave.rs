@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::bounces::Lobes;
 use super::camera_rays::{CameraRays, Place};
 use super::features::FeatureSums;
+use super::light_choice::LightChoice;
 use super::lights::tries;
 use super::points::Points;
 use super::queue::{Batch, Labels, RayQueue, Sent, ShadowKind};
@@ -13,8 +14,8 @@ use super::{Statistics, Traced, Work};
 use crate::accel::{Coherence, NO_HIT};
 use crate::frame::{FrameScene, Look, SurfaceScratch, Surfaces, WorldHits, WorldScratch};
 use crate::math::columns::{BATCH, Chosen, Vec3s};
-use crate::sampling::PixelSeed;
-use crate::sampling::batch::SetPoints;
+use crate::sampling::batch::{Digits, SetPoints};
+use crate::sampling::{PixelSeed, Purpose};
 use crate::scene::ShadowMode;
 use crate::shading::Light;
 
@@ -42,6 +43,8 @@ pub struct Wave {
     pub(super) points: Box<Points>,
     pub(super) lobes: Box<Lobes>,
     pub(super) set: Box<SetPoints>,
+    digits: Digits,
+    pub(super) choice: Box<LightChoice>,
     pub(super) sent: Box<Sent>,
     pub(super) next: Box<Labels>,
     pub(super) chosen: Chosen,
@@ -60,8 +63,8 @@ impl Wave {
         self.features.reset(if with_features { work.len() } else { 0 });
         let mut place = Place::default();
         loop {
-            let Self { camera_rays, seeds, batch, .. } = self;
-            camera_rays.fill(frame, work, seeds, &mut place, batch);
+            let Self { camera_rays, seeds, digits, batch, .. } = self;
+            camera_rays.fill(frame, work, seeds, &mut place, digits, batch);
             if self.batch.rays.is_empty() {
                 break;
             }
@@ -229,6 +232,19 @@ impl Wave {
         self.shadows[kind as usize].append(frame.isa, sent, next, chosen);
     }
 
+    /// The first `D` random numbers of ray `i` of `count` from every point, `depth` bounces behind
+    /// the camera.
+    pub(super) fn draw<const D: usize>(
+        &mut self,
+        frame: &FrameScene,
+        depth: u32,
+        purpose: Purpose,
+        [i, count]: [u32; 2],
+    ) {
+        let names = self.points.names(&frame.settings, depth, purpose, [i, count]);
+        self.set.take::<D>(&frame.sampler, frame.isa, &names, &mut self.digits);
+    }
+
     /// Makes sure that there is a queue for rays with `depth` bounces behind them.
     pub(super) fn queue_at(&mut self, depth: usize) {
         if self.bounces.len() <= depth {
@@ -238,9 +254,7 @@ impl Wave {
 }
 
 /// What a ray of a lobe counts that finds a lamp at the end of `way`, `depth` bounces behind the
-/// camera, where rays to the lamp look for the same light; see [`Lobe::share_of_light`].
-///
-/// [`Lobe::share_of_light`]: super::bounces::Lobe
+/// camera, where rays to the lamp look for the same light, and take the rest of it.
 fn lobe_share(frame: &FrameScene, light: &Light, way: Vec3, density: f32, depth: u32) -> f32 {
     if density == 0.0 {
         return 1.0;

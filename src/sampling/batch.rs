@@ -1,11 +1,10 @@
 //! The same samples as [`Sampler`] names one by one, for whole batches.
 
-use super::{CameraSample, Generator, PixelSeed, Sampler, Use, sobol, unit};
+pub(crate) use super::net::Digits;
+use super::net::{self, BLOCK, CAMERA};
+use super::{CameraSample, Generator, Hit, Key, PixelSeed, Sampler, Use};
 use crate::accel::{Isa, Lanewise};
 use crate::math::columns::{BATCH, Column, lanes};
-
-/// Dimensions of a camera sample.
-const DIMENSIONS: usize = 5;
 
 /// Samples `first..first + count` of one pixel.
 #[derive(Clone, Copy, Debug)]
@@ -18,30 +17,12 @@ pub(crate) struct Run {
 /// Camera samples in columns: lens u, v, time, pixel x, y.
 #[derive(Debug)]
 pub(crate) struct CameraSamples {
-    numbers: [Column<f32>; DIMENSIONS],
-    /// Digits of the points that were asked for so far.
-    points: Points,
+    numbers: [Column<f32>; CAMERA],
 }
 
 impl Default for CameraSamples {
     fn default() -> Self {
-        Self { numbers: [[0.0; BATCH]; DIMENSIONS], points: Points::default() }
-    }
-}
-
-/// Digits of the first points of the sequence, by dimension: every pixel scrambles the same ones.
-#[derive(Debug, Default)]
-struct Points([Vec<u32>; DIMENSIONS]);
-
-impl Points {
-    /// Beyond so many samples a pixel the digits are computed again for each pixel.
-    const MOST: u32 = 1 << 16;
-
-    fn reach(&mut self, end: u32) {
-        for (dimension, digits) in self.0.iter_mut().enumerate() {
-            let known = digits.len() as u32;
-            digits.extend((known..end).map(|i| sobol::reversed_sobol(i, dimension)));
-        }
+        Self { numbers: [[0.0; BATCH]; CAMERA] }
     }
 }
 
@@ -57,12 +38,11 @@ impl CameraSamples {
     }
 
     /// Fills in the samples of runs, one after the other; together a batch at most.
-    pub(crate) fn take(&mut self, sampler: &Sampler, isa: Isa, runs: &[Run]) {
+    pub(crate) fn take(&mut self, sampler: &Sampler, isa: Isa, runs: &[Run], digits: &mut Digits) {
         let end = runs.iter().map(|run| run.first + run.count).max().unwrap_or(0);
-        if sampler.generator == Generator::Quasi && end <= Points::MOST {
-            self.points.reach(end);
-            let Self { numbers, points } = self;
-            isa.run(Quasi { runs, points, numbers });
+        if sampler.generator == Generator::Quasi && end <= Digits::MOST {
+            digits.reach(end);
+            isa.run(Quasi { runs, digits, numbers: &mut self.numbers });
             return;
         }
         let mut at = 0;
@@ -81,8 +61,8 @@ impl CameraSamples {
 
 struct Quasi<'a> {
     runs: &'a [Run],
-    points: &'a Points,
-    numbers: &'a mut [Column<f32>; DIMENSIONS],
+    digits: &'a Digits,
+    numbers: &'a mut [Column<f32>; CAMERA],
 }
 
 impl Lanewise for Quasi<'_> {
@@ -90,14 +70,16 @@ impl Lanewise for Quasi<'_> {
 
     #[inline(always)]
     fn run(self) {
-        for (dimension, (digits, column)) in self.points.0.iter().zip(self.numbers).enumerate() {
+        for (dimension, column) in self.numbers.iter_mut().enumerate() {
+            let digits = self.digits.of(dimension);
             let mut rest = &mut column[..];
             for run in self.runs {
                 let (now, later) = rest.split_at_mut(run.count as usize);
                 let digits = &digits[run.first as usize..][..now.len()];
-                let key = sobol::dimension_key(run.seed.camera().0, dimension);
+                let Key { set, at, .. } = run.seed.camera();
+                let mask = net::masks_of(dimension)[at as usize];
                 for (number, &digits) in now.iter_mut().zip(digits) {
-                    *number = unit(sobol::scramble(digits, key));
+                    *number = net::number(digits ^ mask, dimension, set);
                 }
                 rest = later;
             }
@@ -109,11 +91,31 @@ impl Lanewise for Quasi<'_> {
 #[derive(Debug)]
 pub(crate) struct SetPoints {
     pub(crate) numbers: [Column<f32>; 3],
+    looked: Looked,
 }
 
 impl Default for SetPoints {
     fn default() -> Self {
-        Self { numbers: [[0.0; BATCH]; 3] }
+        let looked = Looked { index: [0; BATCH], set: [0; BATCH], digits: [0; BATCH] };
+        Self { numbers: [[0.0; BATCH]; 3], looked }
+    }
+}
+
+/// What is looked up in tables, in a loop of its own, and what for.
+#[derive(Debug)]
+struct Looked {
+    index: Column<u32>,
+    set: Column<u32>,
+    digits: Column<u32>,
+}
+
+impl Looked {
+    fn look_up(&mut self, dimension: usize, names: &SetNames<'_>, digits: &Digits) {
+        let (digits, masks) = (digits.of(dimension), net::masks_of(dimension));
+        for i in 0..names.len.min(BATCH) {
+            self.digits[i] =
+                digits[self.index[i] as usize] ^ masks[(names.seed[i] % BLOCK) as usize];
+        }
     }
 }
 
@@ -122,10 +124,33 @@ pub(crate) struct SetNames<'a> {
     pub(crate) seed: &'a Column<u32>,
     pub(crate) path: &'a Column<u32>,
     pub(crate) index: &'a Column<u32>,
+    /// Bounces behind all of them.
+    pub(crate) depth: u32,
+    /// See [`Hit::split`].
+    pub(crate) split: bool,
     pub(crate) purpose: Use,
     /// See [`place_of`].
     pub(crate) place: [u32; 2],
     pub(crate) len: usize,
+}
+
+impl SetNames<'_> {
+    #[inline(always)]
+    fn key(&self, i: usize) -> Key {
+        let hit = Hit { path: self.path[i], depth: self.depth, split: self.split };
+        PixelSeed::from_word(self.seed[i]).key_of(hit, self.purpose)
+    }
+
+    #[inline(always)]
+    fn number(&self, i: usize) -> u32 {
+        place_of(self.index[i], self.place)
+    }
+
+    /// One more than the highest number.
+    fn end(&self) -> u32 {
+        let highest = lanes(self.len).map(|i| if i < self.len { self.number(i) } else { 0 }).max();
+        highest.map_or(0, |number| number.saturating_add(1))
+    }
 }
 
 /// Number of the `i`th of `count` rays of the same kind that one hit sends out, whose own ray has
@@ -142,50 +167,99 @@ impl SetPoints {
         sampler: &Sampler,
         isa: Isa,
         names: &SetNames<'_>,
+        digits: &mut Digits,
     ) {
-        match sampler.generator {
-            Generator::Quasi => isa.run(Take::<D, QUASI> { names, to: self }),
-            Generator::Pseudo => isa.run(Take::<D, PSEUDO> { names, to: self }),
-            Generator::ZeroTwo => isa.run(Take::<D, ZERO_TWO> { names, to: self }),
+        if sampler.generator == Generator::Quasi {
+            let end = isa.run(End(names)).next_multiple_of(net::SHUFFLED);
+            if end <= Digits::MOST {
+                digits.reach(end);
+                self.take_quasi::<D>(isa, names, digits);
+                return;
+            }
+        }
+        isa.run(Take::<D> { sampler, names, to: self });
+    }
+
+    fn take_quasi<const D: usize>(&mut self, isa: Isa, names: &SetNames<'_>, digits: &Digits) {
+        let Self { numbers, looked } = self;
+        isa.run(Order { names, to: looked });
+        let first = net::first_dimension(names.depth);
+        for (dimension, to) in (first..).zip(numbers).take(D) {
+            looked.look_up(dimension, names, digits);
+            isa.run(Scramble { dimension, len: names.len, looked, to });
         }
     }
 }
 
-/// Generators as numbers, for which a loop is compiled each.
-const QUASI: u8 = Generator::Quasi as u8;
-const PSEUDO: u8 = Generator::Pseudo as u8;
-const ZERO_TWO: u8 = Generator::ZeroTwo as u8;
+struct End<'a>(&'a SetNames<'a>);
 
-struct Take<'a, const D: usize, const GENERATOR: u8> {
-    names: &'a SetNames<'a>,
-    to: &'a mut SetPoints,
+impl Lanewise for End<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run(self) -> u32 {
+        self.0.end()
+    }
 }
 
-impl<const D: usize, const GENERATOR: u8> Lanewise for Take<'_, D, GENERATOR> {
+/// Which point of its dimensions each named point is, and the word of its set.
+struct Order<'a> {
+    names: &'a SetNames<'a>,
+    to: &'a mut Looked,
+}
+
+impl Lanewise for Order<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        take::<D, GENERATOR>(self.names, self.to);
+        let Self { names, to } = self;
+        for i in lanes(names.len) {
+            let key = names.key(i);
+            to.index[i] = net::order(key, names.number(i));
+            to.set[i] = key.set;
+        }
     }
 }
 
-#[inline(always)]
-fn take<const D: usize, const GENERATOR: u8>(names: &SetNames<'_>, to: &mut SetPoints) {
-    let generator = match GENERATOR {
-        QUASI => Generator::Quasi,
-        PSEUDO => Generator::Pseudo,
-        _ => Generator::ZeroTwo,
-    };
-    let sampler = Sampler { generator, seed: 0 };
-    let SetNames { seed, path, index, purpose, place, len } = *names;
-    let [u, v, w] = &mut to.numbers;
-    for i in lanes(len) {
-        let key = PixelSeed::from_word(seed[i]).key_of(path[i], purpose);
-        let numbers = sampler.point3(key, place_of(index[i], place));
-        (u[i], v[i]) = (numbers[0], numbers[1]);
-        if D > 2 {
-            w[i] = numbers[2];
+/// Scrambles what was looked up for one dimension.
+struct Scramble<'a> {
+    dimension: usize,
+    len: usize,
+    looked: &'a Looked,
+    to: &'a mut Column<f32>,
+}
+
+impl Lanewise for Scramble<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { dimension, len, looked, to } = self;
+        for i in lanes(len) {
+            to[i] = net::number(looked.digits[i], dimension, looked.set[i]);
+        }
+    }
+}
+
+/// Any generator, any number of points.
+struct Take<'a, const D: usize> {
+    sampler: &'a Sampler,
+    names: &'a SetNames<'a>,
+    to: &'a mut SetPoints,
+}
+
+impl<const D: usize> Lanewise for Take<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sampler, names, to } = self;
+        for i in lanes(names.len) {
+            let numbers = sampler.point3(names.key(i), names.number(i));
+            for (column, number) in to.numbers.iter_mut().zip(numbers).take(D) {
+                column[i] = number;
+            }
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Names of sample sets: integers that depend on everything a sample may depend on.
 
+use super::net::{BLOCK, first_dimension, has_group};
+
 /// A bijection of 32-bit words in which every input bit changes every output bit about half the
 /// time.
 ///
@@ -20,13 +22,43 @@ pub(super) fn hash2(a: u32, b: u32) -> u32 {
     mix(a.wrapping_mul(0x9e37_79b1) ^ mix(b.wrapping_add(0x7f4a_7c15)))
 }
 
-/// The samples of one pixel of one frame under one seed.
+/// The samples of one pixel of one frame under one seed: a word for its block, whose low bits are
+/// the pixel's place in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelSeed(pub(super) u32);
+pub struct PixelSeed(u32);
 
 /// Name of one set of sample points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Key(pub(super) u32);
+pub struct Key {
+    /// What it is for, in all pixels of a block.
+    pub(super) set: u32,
+    /// Place of the pixel in its block.
+    pub(super) at: u32,
+    /// First of its dimensions among those of a path.
+    pub(super) dimension: usize,
+    /// Whether the points of the same number of a path belong together.
+    pub(super) joint: bool,
+}
+
+impl Key {
+    /// A word for the set of this pixel alone.
+    #[inline(always)]
+    pub(super) fn word(self) -> u32 {
+        hash2(self.set, self.at)
+    }
+}
+
+/// A hit of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hit {
+    /// The code of the branches that led there; 0: none did.
+    pub path: u32,
+    /// How many there were.
+    pub depth: u32,
+    /// Whether rays have numbers of their own, since this or an earlier hit sends several of a
+    /// kind.
+    pub split: bool,
+}
 
 /// What a hit needs random numbers for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +89,16 @@ impl From<Purpose> for Use {
 }
 
 impl PixelSeed {
+    /// The seed of the pixel in column `x` and row `y` of a picture whose seed is `picture`.
+    pub(super) fn new(picture: u32, x: u32, y: u32) -> Self {
+        let block = hash2(hash2(picture, x / 8), y / 8);
+        // Blocks differ in which pixel is which, too.
+        let (x, y) = if block >> 31 == 1 { (x, y) } else { (y, x) };
+        let places = (x & 1) | (x & 2) << 1 | (x & 4) << 2;
+        let places = places | (y & 1) << 1 | (y & 2) << 2 | (y & 4) << 3;
+        Self(block ^ places)
+    }
+
     /// The seed as a word, to be kept in arrays.
     pub fn word(self) -> u32 {
         self.0
@@ -67,20 +109,26 @@ impl PixelSeed {
         Self(word)
     }
 
+    /// The set of camera samples.
     #[inline(always)]
     pub(super) fn camera(self) -> Key {
-        Key(self.0)
+        Key { set: self.0 / BLOCK, at: self.0 % BLOCK, dimension: 0, joint: true }
     }
 
-    /// The set for one purpose at one hit: `path` is the code of the branches that led there.
+    /// The set for one purpose at one hit.
     #[inline(always)]
-    pub fn key(self, path: u32, purpose: Purpose) -> Key {
-        self.key_of(path, purpose.into())
+    pub fn key(self, hit: Hit, purpose: Purpose) -> Key {
+        self.key_of(hit, purpose.into())
     }
 
     #[inline(always)]
-    pub(super) fn key_of(self, path: u32, Use(word): Use) -> Key {
-        Key(hash2(hash2(self.0, path), word))
+    pub(super) fn key_of(self, hit: Hit, Use(word): Use) -> Key {
+        Key {
+            set: hash2(hash2(self.0 / BLOCK, hit.path), word),
+            at: self.0 % BLOCK,
+            dimension: first_dimension(hit.depth),
+            joint: !hit.split && has_group(hit.depth),
+        }
     }
 }
 

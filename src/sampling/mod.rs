@@ -3,14 +3,16 @@
 //! Nothing is drawn and no generator has a state. A [`Sampler`] knows seed and frame; a pixel has a
 //! [`PixelSeed`]; within it a [`Key`] names one set of dimensions (the camera's, or one use at one
 //! hit of one path), and `index` numbers the points of the set. The points of one set fill the unit
-//! cube evenly; different sets are independent of each other.
+//! cube evenly; those of `QUASI` do so together with the sets of the hits before them (`net`).
 
 pub(crate) mod batch;
 mod hash;
+mod matrices;
+mod net;
 mod sobol;
 pub mod warp;
 
-pub use hash::{Key, PixelSeed, Purpose};
+pub use hash::{Hit, Key, PixelSeed, Purpose};
 pub(crate) use hash::{Use, next_path};
 use hash::{hash2, mix};
 
@@ -21,7 +23,7 @@ pub enum Generator {
     Pseudo,
     /// The thesis's XOR-scrambled (0,2)-sequence.
     ZeroTwo,
-    /// Owen-scrambled Sobol points.
+    /// Owen-scrambled (0,2)-sequences that go well together.
     #[default]
     Quasi,
 }
@@ -53,24 +55,21 @@ impl Sampler {
 
     /// The samples of the pixel in column `x` and row `y`.
     pub fn pixel(&self, x: u32, y: u32) -> PixelSeed {
-        PixelSeed(hash2(hash2(self.seed, x), y))
+        PixelSeed::new(self.seed, x, y)
     }
 
     /// Camera sample number `index` of a pixel: five jointly stratified dimensions.
     #[inline(always)]
     pub fn camera(&self, pixel: PixelSeed, index: u32) -> CameraSample {
-        let key = pixel.camera().0;
-        let pseudo = |d| pseudo(key, index, d);
-        let owen = |d| sobol::owen(index, d, key);
-        // The lens and the time blur more than a pixel's area does: they get the dimensions whose
-        // low-dimensional projections are best.
+        let key = pixel.camera();
         let [lens_u, lens_v, time, x, y] = match self.generator {
-            Generator::Quasi => [owen(0), owen(1), owen(2), owen(3), owen(4)],
-            Generator::Pseudo => [pseudo(0), pseudo(1), pseudo(2), pseudo(3), pseudo(4)],
+            Generator::Quasi => quasi(key, index),
+            Generator::Pseudo => std::array::from_fn(|d| pseudo(key.word(), index, d)),
             Generator::ZeroTwo => {
-                let lens = sobol::zero_two(index, mix(key ^ 1));
-                let pixel = sobol::zero_two(index, mix(key ^ 2));
-                [lens[0], lens[1], sobol::zero_two(index, mix(key ^ 3))[0], pixel[0], pixel[1]]
+                let lens = sobol::zero_two(index, mix(key.word() ^ 1));
+                let pixel = sobol::zero_two(index, mix(key.word() ^ 2));
+                let time = sobol::zero_two(index, mix(key.word() ^ 3))[0];
+                [lens[0], lens[1], time, pixel[0], pixel[1]]
             }
         };
         CameraSample { pixel: [x, y], time, lens: [lens_u, lens_v] }
@@ -79,37 +78,33 @@ impl Sampler {
     /// Point `index` of a three-dimensional set; its first two dimensions are the best stratified.
     #[inline(always)]
     pub fn point3(&self, key: Key, index: u32) -> [f32; 3] {
-        let key = key.0;
-        let pseudo = |d| pseudo(key, index, d);
         match self.generator {
-            Generator::Quasi => {
-                let index = sobol::shuffle(index, key);
-                let owen = |d| sobol::owen(index, d, key);
-                [owen(0), owen(1), owen(2)]
-            }
-            Generator::Pseudo => [pseudo(0), pseudo(1), pseudo(2)],
+            Generator::Quasi => quasi(key, index),
+            Generator::Pseudo => std::array::from_fn(|d| pseudo(key.word(), index, d)),
             Generator::ZeroTwo => {
-                let [u, v] = sobol::zero_two(index, key);
-                [u, v, sobol::zero_two(index, mix(key ^ 3))[0]]
+                let [u, v] = sobol::zero_two(index, key.word());
+                [u, v, sobol::zero_two(index, mix(key.word() ^ 3))[0]]
             }
         }
     }
 
-    /// Point `index` of a two-dimensional set.
+    /// The first two numbers of [`point3`](Self::point3).
     #[inline(always)]
     pub fn point2(&self, key: Key, index: u32) -> [f32; 2] {
-        let key = key.0;
-        let pseudo = |d| pseudo(key, index, d);
-        match self.generator {
-            Generator::Quasi => {
-                let index = sobol::shuffle(index, key);
-                let owen = |d| sobol::owen(index, d, key);
-                [owen(0), owen(1)]
-            }
-            Generator::Pseudo => [pseudo(0), pseudo(1)],
-            Generator::ZeroTwo => sobol::zero_two(index, key),
-        }
+        let [u, v, _] = self.point3(key, index);
+        [u, v]
     }
+}
+
+/// Point `index` of the first `D` dimensions of a set.
+#[inline(always)]
+fn quasi<const D: usize>(key: Key, index: u32) -> [f32; D] {
+    let index = net::order(key, index);
+    std::array::from_fn(|d| {
+        let dimension = key.dimension + d;
+        let digits = net::digits(dimension, index) ^ net::masks_of(dimension)[key.at as usize];
+        net::number(digits, dimension, key.set)
+    })
 }
 
 /// An independent uniform number for every (key, index, dimension).
@@ -149,7 +144,7 @@ mod tests {
             let sampler = Sampler::new(generator, 7, 3);
             let pixel = sampler.pixel(11, 5);
             let lens: Vec<_> = (0..64).map(|i| sampler.camera(pixel, i).lens).collect();
-            let key = pixel.key(9, Purpose::Light(2));
+            let key = pixel.key(Hit { path: 9, depth: 1, split: true }, Purpose::Light(2));
             let light: Vec<_> = (0..64).map(|i| sampler.point2(key, i)).collect();
             let expected = generator != Generator::Pseudo;
             assert_eq!(is_zero_two_net(&lens), expected, "{generator:?} lens");
@@ -182,13 +177,15 @@ mod tests {
             };
             // Standard deviation of the mean is 1/64: five of them.
             let bound = 5.0 / 64.0;
-            let neighbours = correlation(&|i| {
+            // Neighbours' points of QUASI belong together, those of other blocks do not.
+            let pixels = correlation(&|i| {
                 let s = |x| sampler.camera(sampler.pixel(x, 0), 0).time;
-                (s(i), s(i + 1))
+                (s(i), s(i + 8))
             });
             let uses = correlation(&|i| {
                 let pixel = sampler.pixel(i, 9);
-                let of = |purpose| sampler.point2(pixel.key(0, purpose), 3)[0];
+                let hit = Hit { path: 0, depth: 0, split: false };
+                let of = |purpose| sampler.point2(pixel.key(hit, purpose), 3)[0];
                 (of(Purpose::Reflection), of(Purpose::Refraction))
             });
             let frames = correlation(&|i| {
@@ -198,10 +195,42 @@ mod tests {
                 };
                 (of(0), of(1))
             });
-            for value in [neighbours, uses, frames] {
+            for value in [pixels, uses, frames] {
                 assert!(value.abs() < bound, "{generator:?}: {value}");
             }
         }
+    }
+
+    /// Root of the mean square error of integrals by `samples` points, over many pixels.
+    fn error(
+        generator: Generator,
+        samples: u32,
+        f: &dyn Fn(&CameraSample, [f32; 2]) -> f32,
+    ) -> f32 {
+        let sampler = Sampler::new(generator, 5, 0);
+        let hit = Hit { path: 0, depth: 0, split: false };
+        let square = |x: u32| {
+            let pixel = sampler.pixel(8 * x, 0);
+            let key = pixel.key(hit, Purpose::Light(0));
+            let value = |i| f(&sampler.camera(pixel, i), sampler.point2(key, i));
+            ((0..samples).map(value).sum::<f32>() / samples as f32).powi(2)
+        };
+        ((0..500).map(square).sum::<f32>() / 500.0).sqrt()
+    }
+
+    #[test]
+    fn smooth_integrals_converge_fast() {
+        let light = |_: &CameraSample, [u, v]: [f32; 2]| u * u * v + v * v - 0.5;
+        let both = |s: &CameraSample, [u, v]: [f32; 2]| (s.pixel[0] + u) * (s.pixel[1] + v) - 1.0;
+        let gain = |generator, f: &dyn Fn(&CameraSample, [f32; 2]) -> f32| {
+            error(generator, 8, f) / error(generator, 128, f)
+        };
+        // 16 times the samples: N^-1/2 is a gain of 4, N^-3/2 one of 64.
+        assert!(gain(Generator::Pseudo, &light) < 5.0);
+        assert!(gain(Generator::Quasi, &light) > 40.0, "{}", gain(Generator::Quasi, &light));
+        assert!(gain(Generator::Quasi, &both) > 25.0, "{}", gain(Generator::Quasi, &both));
+        let separate = gain(Generator::ZeroTwo, &both);
+        assert!(separate < gain(Generator::Quasi, &both), "{separate}");
     }
 
     #[test]

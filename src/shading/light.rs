@@ -75,6 +75,20 @@ impl Light {
         square * square.sqrt() / (way.dot(self.normal).abs() * self.area)
     }
 
+    /// About how bright the light makes a hit: its luminance times the cosine of its middle, and a
+    /// little more, since a highlight or a lobe may see it better. 0 where all of it lies behind the
+    /// surface, unless light from there counts (`through`).
+    #[inline(always)]
+    pub fn expected(&self, hit: Vec3, [n_shade, n_geo]: [Vec3; 2], through: bool) -> f32 {
+        const LEAST: f32 = 0.1;
+        let middle = self.corner + (self.sides[0] + self.sides[1]) * 0.5 - hit;
+        let cos = middle.dot(n_shade) / middle.length();
+        let reach = (self.sides[0].dot(n_geo).abs() + self.sides[1].dot(n_geo).abs()) * 0.5;
+        let luminance = self.color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        let seen = through || middle.dot(n_geo) + reach > 0.0;
+        if seen { luminance * (LEAST + cos.max(0.0)) } else { 0.0 }
+    }
+
     /// Direction of a shadow ray from `from` to a `point` of the light, and the t at which it ends:
     /// 1, less what keeps the light's own rectangle from being hit.
     ///

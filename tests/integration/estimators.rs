@@ -95,6 +95,23 @@ fn lamps_in_rough_surfaces_are_as_bright_and_less_noisy() {
 }
 
 #[test]
+fn one_light_of_many_is_one_that_matters() {
+    // Most are dim, below the floor, or behind what is seen of it.
+    let many: String = (0..12)
+        .map(|i| {
+            let (bright, z) = (0.05 * f64::from(i % 4), f64::from(i % 3) * 4.0 - 3.0);
+            format!(
+                "light_point l{i} {{ color {{ {bright} .1 {bright} }} position {{ {i} 3 {z} }} }}\n"
+            )
+        })
+        .collect();
+    let compared = compare(&format!("lightSamplingType SAMPLE_ONE_AT_TIME }} {many} #"), 1.0);
+    assert!(compared.iter().all(|(apart, _)| *apart < APART), "{compared:?}");
+    let less = compared.iter().map(|(_, less)| less).sum::<f64>() / 6.0;
+    assert!(less > 1.5, "{compared:?}");
+}
+
+#[test]
 fn a_bias_of_two_per_cent_is_found_out() {
     let compared = compare("", 1.02);
     assert!(compared.iter().any(|(apart, _)| *apart > APART), "{compared:?}");

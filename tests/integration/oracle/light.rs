@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use slo_rt::sampling::{PixelSeed, Purpose, Sampler};
+use slo_rt::sampling::{Hit as Vertex, Key, PixelSeed, Purpose, Sampler};
 use slo_rt::scene::{
     KeyFrame, Light, LightSampling, LightShape, Material, SceneDescription, ShadowMode,
 };
@@ -190,21 +190,33 @@ impl<'a> Oracle<'a> {
         (count, f64::from(count) / among as f64)
     }
 
+    /// The set that `count` rays for a purpose take their numbers from.
+    fn key(&self, branch: Branch, purpose: Purpose, count: u32) -> Key {
+        let settings = &self.scene.settings;
+        let glossy = settings.diffuse_reflection_samples.max(settings.diffuse_refraction_samples);
+        let split = count > 1 || (branch.depth > 0 && glossy > 1);
+        branch.seed.key(Vertex { path: branch.path, depth: branch.depth, split }, purpose)
+    }
+
     fn lights(&self, hit: &Hit<'_>, branch: Branch, lobes: &[Glossy]) -> DVec3 {
         let lights = &self.scene.lights;
         if self.scene.settings.light_sampling == LightSampling::One {
             let (count, tries) = self.tries(0, branch.depth);
-            let key = branch.seed.key(branch.path, Purpose::AnyLight);
+            let key = self.key(branch, Purpose::AnyLight, count);
             let one = |i| {
                 let [u, v, choice] = self.sampler.point3(key, branch.index * count + i);
-                let number = (f64::from(choice) * lights.len() as f64) as usize;
-                self.light(hit, number, [u, v], tries, lobes)
+                let (number, chance) = self.choose(hit, f64::from(choice));
+                if chance == 0.0 {
+                    return DVec3::ZERO;
+                }
+                let times = 1.0 / (chance * lights.len() as f64);
+                self.light(hit, number, [u, v], tries, lobes) * times
             };
             return (0..count).map(one).sum();
         }
         let all = |number: usize| {
             let (count, tries) = self.tries(number, branch.depth);
-            let key = branch.seed.key(branch.path, Purpose::Light(number as u32));
+            let key = self.key(branch, Purpose::Light(number as u32), count);
             let sample = |i| {
                 let u = self.sampler.point2(key, branch.index * count + i);
                 self.light(hit, number, u, tries, lobes)
@@ -212,6 +224,37 @@ impl<'a> Oracle<'a> {
             (0..count).map(sample).sum::<DVec3>()
         };
         (0..lights.len()).map(all).sum()
+    }
+
+    /// A light by a number in `[0, 1)`, and its chance: by what each is expected to bring.
+    fn choose(&self, hit: &Hit<'_>, u: f64) -> (usize, f64) {
+        let expected: Vec<_> = self.scene.lights.iter().map(|l| self.expected(l, hit)).collect();
+        let total: f64 = expected.iter().sum();
+        let mut below = 0.0;
+        for (number, &expected) in expected.iter().enumerate() {
+            below += expected;
+            if u * total < below {
+                return (number, expected / total);
+            }
+        }
+        (0, 0.0)
+    }
+
+    /// About how bright a light makes a hit.
+    fn expected(&self, light: &Light, hit: &Hit<'_>) -> f64 {
+        let (corner, sides) = match light.shape {
+            LightShape::Point { position } => (position, [DVec3::ZERO; 2]),
+            LightShape::Rectangle { vertices: [a, b, c] } => (a, [b - a, c - b]),
+        };
+        let middle = corner + (sides[0] + sides[1]) / 2.0 - hit.point;
+        let reach = sides.map(|side| side.dot(hit.n_geo).abs() / 2.0).iter().sum::<f64>();
+        let rough = |m: &Material| m.refraction > 0.0 && m.diffuse_refraction > 0.0;
+        let through = self.combines() && self.scene.materials.iter().any(rough);
+        if !through && middle.dot(hit.n_geo) + reach <= 0.0 {
+            return 0.0;
+        }
+        let luminance = color(light.color).dot(DVec3::new(0.2126, 0.7152, 0.0722));
+        luminance * (0.1 + middle.normalize().dot(hit.n_shade).max(0.0))
     }
 
     /// One of `tries` estimates of what arrives from a light and is sent to the eye: (2.15), and
@@ -315,7 +358,7 @@ impl<'a> Oracle<'a> {
     /// What comes from about a direction, weighted.
     fn glossy(&self, hit: &Hit<'_>, branch: Branch, glossy: &Glossy) -> DVec3 {
         let count = glossy.samples;
-        let key = branch.seed.key(branch.path, glossy.purpose);
+        let key = self.key(branch, glossy.purpose, count);
         let sample = |i| {
             let index = branch.index * count + i;
             let [u, v, chosen] = self.sampler.point3(key, index).map(f64::from);
