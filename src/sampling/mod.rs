@@ -213,7 +213,8 @@ mod tests {
             let pixel = sampler.pixel(8 * x, 0);
             let key = pixel.key(hit, Purpose::Light(0));
             let value = |i| f(&sampler.camera(pixel, i), sampler.point2(key, i));
-            ((0..samples).map(value).sum::<f32>() / samples as f32).powi(2)
+            let error = (0..samples).map(value).sum::<f32>() / samples as f32;
+            error * error
         };
         ((0..500).map(square).sum::<f32>() / 500.0).sqrt()
     }

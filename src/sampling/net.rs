@@ -212,10 +212,10 @@ mod tests {
     /// Variance of an Owen-scrambled set of points in some dimensions over that of independent
     /// ones: for an integrand whose part at scale 2^-k has the variance 2^-k in each dimension.
     fn variance(dimensions: &[usize], words: &[Vec<u32>]) -> f64 {
+        let part = |scale: u32| 1.0 / (1u64 << scale) as f64;
         let kernel = |digits: u32| {
-            let equal = digits.trailing_zeros() as i32;
-            let next = if equal < 31 { 0.5f64.powi(equal + 1) } else { 0.0 };
-            1.0 + (1.0 - 0.5f64.powi(equal) - next) / 2.0
+            let equal = digits.trailing_zeros();
+            1.0 + (1.0 - part(equal) - part(equal + 1)) / 2.0
         };
         let n = words[0].len();
         let sum: f64 = (0..n)
@@ -224,7 +224,7 @@ mod tests {
                 dimensions.iter().map(|&d| kernel(words[d][i] ^ words[d][j])).product::<f64>()
             })
             .sum();
-        let independent = 1.5f64.powi(dimensions.len() as i32) - 1.0;
+        let independent = dimensions.iter().map(|_| 1.5).product::<f64>() - 1.0;
         (sum / (n * n) as f64 - 1.0) / (independent / n as f64)
     }
 
