@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use slo_rt::format::slo;
+use slo_rt::scene::mesh::slo;
 use slo_rt::scene::{Mesh, mesh};
 
 /// Quads of the grid; each is two triangles.

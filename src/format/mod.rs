@@ -1,4 +1,4 @@
-//! Scene text and mesh files as they are written: tokens, syntax tree, vertices and faces.
+//! Text as it is written: words and numbers, and the tokens and syntax tree of scenes.
 
 mod bytes;
 pub mod error;
@@ -7,10 +7,9 @@ mod lexer;
 mod number;
 mod parser;
 mod place;
-pub mod slo;
 pub mod syntax;
 
-pub(crate) use bytes::{blank_len, parse_word, quick_f64, word_len};
+pub(crate) use bytes::{QUOTED, blank_len, is_space, parse_word, quick_f64, quick_u32, word_len};
 pub use error::FileError;
 pub(crate) use input::Input;
 pub use number::{NumberError, looks_like_number, parse_number};

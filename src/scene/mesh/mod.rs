@@ -5,11 +5,12 @@ mod finish;
 mod normals;
 mod obj;
 mod ply;
+pub mod slo;
 
 use std::io::{Cursor, Read};
 
 use super::Mesh;
-use crate::format::{FileError, slo};
+use crate::format::FileError;
 
 /// A mesh that can be rendered, and what is odd about its file.
 #[derive(Clone, Debug, Default, PartialEq)]

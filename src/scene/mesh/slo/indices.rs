@@ -3,8 +3,7 @@
 use super::faults;
 use super::section::{Pinned, Section};
 use super::words::{Token, Words};
-use crate::format::FileError;
-use crate::format::bytes::quick_u32;
+use crate::format::{FileError, quick_u32};
 
 /// The indices of one section and what they may be.
 pub(super) struct Indices {

@@ -3,8 +3,7 @@
 use super::faults;
 use super::section::Section;
 use super::words::{Token, Words};
-use crate::format::FileError;
-use crate::format::bytes::{parse_word, quick_f64};
+use crate::format::{FileError, parse_word, quick_f64};
 
 /// The next number of a section; `None` in front of the closing brace.
 ///

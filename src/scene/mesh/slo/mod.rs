@@ -1,4 +1,4 @@
-//! The `.slo` mesh format: see `docs/slo-meshes.md`.
+//! The `.slo` mesh format: see docs/scene-format.md.
 
 mod faults;
 mod indices;

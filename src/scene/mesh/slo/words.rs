@@ -3,9 +3,7 @@
 use std::io::Read;
 
 use super::section::Pinned;
-use crate::format::FileError;
-use crate::format::bytes::{blank_len, is_space, word_len};
-use crate::format::input::Input;
+use crate::format::{FileError, Input, blank_len, is_space, word_len};
 
 /// What comes next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

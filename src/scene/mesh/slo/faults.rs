@@ -2,9 +2,7 @@
 
 use super::section::Section;
 use super::words::{Token, Words};
-use crate::format::bytes::{QUOTED, parse_word};
-use crate::format::place::Place;
-use crate::format::{FileError, NumberError};
+use crate::format::{FileError, NumberError, Place, QUOTED, parse_word};
 
 /// What was found, quoted, and where it is.
 fn found(words: &mut Words<'_>, token: Token) -> (String, Place) {
