@@ -91,7 +91,10 @@ impl FrameScene {
 
     /// Bytes of the structures and tables of this frame, meshes and textures not counted.
     pub fn memory(&self) -> usize {
-        self.world.memory() + self.still_objects.len() * size_of::<u32>()
+        let normals: usize = self.objects.iter().map(|object| object.normals.capacity()).sum();
+        self.world.memory()
+            + self.still_objects.len() * size_of::<u32>()
+            + normals * size_of::<Vec3>()
     }
 
     /// How many objects move within the shutter.
@@ -104,5 +107,41 @@ impl FrameScene {
         let of = |s: &Structure| s.triangle_count() + s.curved().len();
         let moving: usize = self.world.instances.iter().map(|i| of(&i.structure)).sum();
         of(&self.world.still) + moving
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Files, load};
+
+    const SCENE: &str = "
+        settings s {}
+        Camera c {
+            fps 25
+            Film f { width 16 height 9 prefix a_ output PNG_IMAGE }
+            CamSegment only {
+                videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1
+                addPosition { 0 -5 1 } addTarget { 0 0 0 } skyStart { 0 0 1 } fovStart 0.4
+            }
+        }
+        light_point lamp { color { 1 1 1 } position { 2 -3 4 } }
+        phong_info matte { diffuse { .7 .6 .5 } }
+        material_phong matte { phong_info matte }
+        mesh m { filename tetra.slo smooth_normals 1 material matte }";
+    const TETRA: &[u8] = b"slo_mesh 1
+        vertices { 0 0 0 1 0 0 0 1 0 0 0 1 }
+        faces { 0 2 1 0 1 3 1 2 3 2 0 3 }";
+
+    fn memory(text: &str) -> usize {
+        let loaded = load("scene.txt", text, &Files::built_in("", &[("tetra.slo", TETRA)]));
+        let scene = loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
+        FrameScene::build(&scene, 0, Isa::Portable).unwrap().memory()
+    }
+
+    #[test]
+    fn normals_of_vertices_take_memory() {
+        let flat = memory(&SCENE.replace("smooth_normals 1", "smooth_normals 0"));
+        assert_eq!(memory(SCENE), flat + 4 * size_of::<Vec3>());
     }
 }
