@@ -85,6 +85,13 @@ printf 'of a fine texture: %s noisy, %s denoised, %s without layers\n' "$noisy" 
 below "$guided" "$noisy" 0.5 || fail 'a texture is blurred'
 below "$guided" "$blind" 0.8 || fail 'layers do not keep a texture'
 
+# A region keeps its place in the picture.
+region=default_00000_region=96x64+40+50.exr
+render -s $scene --noise 0.5 --samples 4 "${layers[@]}" --region 96x64+40+50 -od "$folder/noisy"
+denoise "$folder/noisy/$region" -od "$folder/guided"
+"$program" compare "$folder/guided/$region" "$folder/clean/$name" >"$folder/said" ||
+    fail 'a denoised region is not placed'
+
 # A denoised picture is never taken for a rendered one, and says what it is.
 denoised=$folder/guided/$name
 "$program" --recipe "$denoised" | grep -q '"denoised": "Open Image Denoise [0-9.]*: albedo, normal"' ||

@@ -1,5 +1,6 @@
 //! What is known of an unfinished frame, on disk, so that another run goes on from there.
 
+use std::ffi::OsString;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,9 @@ use std::time::{Duration, Instant};
 
 use super::terminal::Terminal;
 use crate::film::{Film, State, Subject, TooLarge};
-use crate::output::{continues, read_state, remove_leftovers, steps_of, with_steps, write_state};
+use crate::output::{
+    continues, has_same_samples, read_state, remove_leftovers, steps_of, with_steps, write_state,
+};
 use crate::render::Steps;
 
 /// A checkpoint may take this part of the time, at most: larger ones are written less often.
@@ -20,8 +23,13 @@ pub(super) struct Checkpoint {
     subject: Subject,
     /// How far the picture goes is decided by the clock.
     is_timed: bool,
-    /// Of a run that has not finished.
+    /// Of this run, where it does not finish: its name tells the recipe, so that no other run of the
+    /// picture takes its place.
     unfinished: PathBuf,
+    /// Of runs of other recipes, or of older names, that have not finished the picture.
+    others: Vec<PathBuf>,
+    /// What is of no use any more when the picture is there.
+    spent: Mutex<Vec<PathBuf>>,
     /// Of a picture that may get more samples.
     kept: PathBuf,
     terminal: Terminal,
@@ -44,10 +52,15 @@ impl Checkpoint {
         terminal: Terminal,
     ) -> Self {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let recipe = recipe(&subject, is_timed, Steps::default());
+        let hash = blake3::hash(recipe.as_bytes()).to_hex();
+        let unfinished = path.with_file_name(format!(".slo-rt-{name}.{}.state", &hash[..8]));
         Self {
             subject,
             is_timed,
-            unfinished: path.with_file_name(format!(".slo-rt-{name}.state")),
+            others: unfinished_of(path, &unfinished),
+            unfinished,
+            spent: Mutex::default(),
             kept: path.with_file_name(format!("{name}.state")),
             terminal,
             every,
@@ -59,33 +72,61 @@ impl Checkpoint {
 
     /// What earlier runs know of the frame; an unexposed film where there is nothing of use.
     pub(super) fn film(&self) -> Result<(Film, Steps), TooLarge> {
-        let found = [&self.unfinished, &self.kept].map(|path| self.film_at(path));
-        let samples = |(film, _): &(Film, Steps)| {
-            film.pixels().iter().map(|p| u64::from(p.samples)).sum::<u64>()
+        let unfinished = self.others.iter().chain([&self.unfinished]);
+        let found = unfinished.filter_map(|path| match self.film_at(path) {
+            Found::None => None,
+            Found::OfAnotherRun => {
+                let path = path.display();
+                self.terminal.note(format_args!("`{path}` is of another run, and stays for it"));
+                None
+            }
+            Found::Damaged => {
+                self.is_spent(path);
+                None
+            }
+            Found::Film(film, steps) => {
+                self.is_spent(path);
+                Some((film, steps))
+            }
+        });
+        let kept = match self.film_at(&self.kept) {
+            Found::Film(film, steps) => Some((film, steps)),
+            _ => None,
         };
-        match found.into_iter().flatten().max_by_key(samples) {
+        match found.chain(kept).max_by_key(|(film, _)| samples(film)) {
             Some(found) => Ok(found),
             None => self.subject.film().map(|film| (film, Steps::default())),
         }
     }
 
-    fn film_at(&self, path: &Path) -> Option<(Film, Steps)> {
+    fn is_spent(&self, path: &Path) {
+        let mut spent = self.spent.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        spent.push(path.to_owned());
+    }
+
+    fn film_at(&self, path: &Path) -> Found {
         match read_state(path) {
             Ok(State { subject, film, .. }) => {
+                let last = Steps { done: Steps::LAST, tiles: 0 };
+                if !continues(&subject.recipe, &self.recipe(last)) {
+                    return Found::OfAnotherRun;
+                }
                 if subject.with_features != self.subject.with_features {
                     self.say_other_layers(path, subject.with_features);
-                    return None;
+                    return Found::None;
                 }
                 let fits = subject.same_place(&self.subject);
-                let last = Steps { done: Steps::LAST, tiles: 0 };
-                let fits = fits && continues(&subject.recipe, &self.recipe(last));
-                fits.then(|| (film, steps(&subject.recipe)))
+                if fits { Found::Film(film, steps(&subject.recipe)) } else { Found::OfAnotherRun }
             }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Found::None,
             Err(error) => {
                 let path = path.display();
                 self.terminal.warn(format_args!("`{path}` can't be used: {error}"));
-                None
+                // What can't be read now may be read another time.
+                match error.kind() {
+                    io::ErrorKind::InvalidData => Found::Damaged,
+                    _ => Found::None,
+                }
             }
         }
     }
@@ -127,11 +168,26 @@ impl Checkpoint {
         self.write(&self.unfinished, film, steps, is_complete)
     }
 
-    /// Keeps what is known of a finished picture.
+    /// Keeps what is known of a finished picture, unless what is kept already has more samples of
+    /// it, which is said.
     ///
     /// # Errors
     /// What the system says.
     pub(super) fn keep_finished(&self, film: Film, steps: Steps) -> io::Result<()> {
+        let path = self.kept.display();
+        if let Ok(State { subject, film: there, .. }) = read_state(&self.kept) {
+            let is_same = subject.same_place(&self.subject)
+                && has_same_samples(&subject.recipe, &self.subject.recipe);
+            if is_same && samples(&there) > samples(&film) {
+                let more = "has more samples than this picture, and stays as it is";
+                self.terminal.warn(format_args!("`{path}` {more}"));
+                return Ok(());
+            }
+            if !is_same {
+                let other = "was of another scene or of other settings, and is replaced";
+                self.terminal.warn(format_args!("`{path}` {other}"));
+            }
+        }
         self.write(&self.kept, film, steps, true)
     }
 
@@ -142,8 +198,7 @@ impl Checkpoint {
 
     /// The recipe of a film that is to be taken to `steps`, where the clock decides about them.
     fn recipe(&self, steps: Steps) -> String {
-        let recipe = self.subject.recipe.clone();
-        if self.is_timed { with_steps(recipe, steps) } else { recipe }
+        recipe(&self.subject, self.is_timed, steps)
     }
 
     /// Removes what a run left that was killed as it wrote.
@@ -153,8 +208,50 @@ impl Checkpoint {
 
     /// The picture is in place: nothing is left to go on with.
     pub(super) fn remove(&self) {
-        let _ = fs::remove_file(&self.unfinished);
+        let spent = self.spent.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        for path in spent.iter().chain([&self.unfinished]) {
+            let _ = fs::remove_file(path);
+        }
     }
+}
+
+/// What a file of a state holds for a run.
+enum Found {
+    /// Nothing, or nothing that this run can use now, which was said.
+    None,
+    /// Nothing that anybody could use.
+    Damaged,
+    /// Samples that are no beginning of this run's.
+    OfAnotherRun,
+    /// What this run goes on from.
+    Film(Film, Steps),
+}
+
+/// The files of unfinished runs of the picture at `path`, all but `own`.
+fn unfinished_of(path: &Path, own: &Path) -> Vec<PathBuf> {
+    let start = [".slo-rt-".as_ref(), path.file_name().unwrap_or_default(), ".".as_ref()];
+    let start: OsString = start.into_iter().collect();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let entries = fs::read_dir(folder.unwrap_or(Path::new(".")));
+    let is_one = |name: &OsString| {
+        let name = name.as_encoded_bytes();
+        name.starts_with(start.as_encoded_bytes()) && name.ends_with(b".state")
+    };
+    let names = entries.into_iter().flatten().flatten().map(|entry| entry.file_name());
+    let paths = names.filter(is_one).map(|name| path.with_file_name(name));
+    let mut paths: Vec<PathBuf> = paths.filter(|path| path != own).collect();
+    paths.sort();
+    paths
+}
+
+fn samples(film: &Film) -> u64 {
+    film.pixels().iter().map(|pixel| u64::from(pixel.samples)).sum()
+}
+
+/// The recipe of a film that is to be taken to `steps`, where the clock decides about them.
+fn recipe(subject: &Subject, is_timed: bool, steps: Steps) -> String {
+    let recipe = subject.recipe.clone();
+    if is_timed { with_steps(recipe, steps) } else { recipe }
 }
 
 /// The steps of a recipe; none where it has none.

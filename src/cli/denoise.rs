@@ -81,16 +81,17 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
         return Err(bad("its recipe does not say what file it is".into()));
     };
     let layers = read_layers(path).map_err(bad)?;
+    let crop = raster.crop;
     let is_linear = raster.values == Values::Linear;
     let noisy = Noisy { image: &raster.image, is_linear, layers: &layers };
     let used: Vec<Layer> = noisy.usable().into_iter().map(|(layer, _)| layer).collect();
     let image = denoiser
         .denoise(&noisy)
         .map_err(|why| Problem::new(Exit::Failed, format!("`{shown}` can't be denoised: {why}")))?;
-    let image = Raster { image, values: raster.values }.linear();
+    let image = Raster { image, ..raster }.linear();
     let helped = if used.is_empty() { String::new() } else { format!(": {}", names(&used)) };
     let recipe = with_denoiser(&recipe, &format!("{}{helped}", denoiser.name()));
-    let picture = Picture { image: &image, format, encoding, recipe: &recipe };
+    let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };
     picture.save_with(target, &layers).map_err(|error| {
         Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", target.display()))
     })?;

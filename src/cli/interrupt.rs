@@ -26,8 +26,12 @@ pub(super) fn listen() {
             signals.remove(signal);
         }
     }
+    // A file beyond a limit of the user's is then an error of writing, which is told, and not the
+    // end of the program in the middle of a file. Nobody waits for it.
+    let mut blocked = signals;
+    blocked.add(Signal::SIGXFSZ);
     // Blocked in this thread and all that it starts, they wait for the one that asks for them.
-    if signals.thread_block().is_ok() {
+    if blocked.thread_block().is_ok() {
         let wait = move || {
             while signals.wait().is_ok() {
                 stop();

@@ -9,12 +9,13 @@ use super::Exit;
 use super::args::MergeArgs;
 use super::problem::Problem;
 use super::terminal::{Terminal, print};
-use crate::film::{Area, MergeError, Merger, Subject};
+use crate::film::{Area, Layer, MergeError, Merger, Subject};
 use crate::output::{
-    Outcome, Picture, check_writable, layers_of, read_state, read_subject, settings_of,
+    Crop, Outcome, Picture, check_writable, layers_of, read_state, read_subject, settings_of,
     with_outcome, with_region,
 };
 use crate::render::display_of;
+use crate::scene::{Encoding, OutputFormat};
 
 /// Puts the parts of each frame together, and prints the paths of the pictures.
 pub(super) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
@@ -26,9 +27,13 @@ pub(super) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
     for parts in frames.values() {
         check_alike(parts)?;
     }
-    for parts in frames.values() {
-        let path = picture(parts, args.outdir.as_deref().unwrap_or(Path::new("")))?;
-        let count = parts.len();
+    let outdir = args.outdir.as_deref().unwrap_or(Path::new(""));
+    let pictures = frames.values().map(|parts| Whole::of(parts, outdir));
+    let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
+    check_paths(&pictures)?;
+    for picture in pictures {
+        picture.save()?;
+        let (count, path) = (picture.parts.len(), &picture.path);
         terminal.note(format_args!("{count} parts are `{}`", path.display()));
         print(path.as_os_str().as_encoded_bytes()).map_err(|error| {
             Problem::new(Exit::Failed, format!("can't print the picture's path: {error}"))
@@ -106,35 +111,67 @@ fn check_alike(parts: &[Part]) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Merges the parts of one frame; the path of its picture.
-fn picture(parts: &[Part], outdir: &Path) -> Result<PathBuf, Problem> {
-    let (first, whole) = (&parts[0], whole(&parts[0])?);
-    let (Some((format, encoding)), Some(layers)) =
-        (settings_of(&first.recipe), layers_of(&first.recipe))
-    else {
-        return Err(no_recipe(first));
-    };
-    let region = first.subject.region;
-    let is_region = region != whole && parts.iter().all(|part| part.subject.region == region);
-    let region = if is_region { region } else { whole };
-    let stem = if is_region { first.stem() } else { without_region(&first.stem()).to_owned() };
-    let path = outdir.join(format!("{stem}.{}", format.extension()));
-    check_writable(&path).map_err(|error| {
-        Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()))
-    })?;
-    let film = film(parts, region)?;
-    let recipe = first.subject.recipe.clone();
-    let recipe = if is_region { with_region(recipe, region) } else { recipe };
-    let outcome = Outcome::of(&film, region, display_of(format, encoding));
-    let recipe = with_outcome(&recipe, &outcome);
-    let image = film.image();
-    let picture = Picture { image: &image, format, encoding, recipe: &recipe };
-    let layers: Vec<_> =
-        layers.into_iter().map(|layer| (layer, film.layer_of(region, layer))).collect();
-    picture.save_with(&path, &layers).map_err(|error| {
-        Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
-    })?;
-    Ok(path)
+/// What the parts of one frame are to be.
+struct Whole<'a> {
+    parts: &'a [Part],
+    path: PathBuf,
+    crop: Option<Crop>,
+    region: Area,
+    format: OutputFormat,
+    encoding: Encoding,
+    layers: Vec<Layer>,
+}
+
+impl<'a> Whole<'a> {
+    fn of(parts: &'a [Part], outdir: &Path) -> Result<Self, Problem> {
+        let (first, whole) = (&parts[0], whole(&parts[0])?);
+        let (Some((format, encoding)), Some(layers)) =
+            (settings_of(&first.recipe), layers_of(&first.recipe))
+        else {
+            return Err(no_recipe(first));
+        };
+        let region = first.subject.region;
+        let is_region = parts.iter().all(|part| part.subject.region == region);
+        let crop = Crop::of(region, whole).filter(|_| is_region);
+        let region = crop.map_or(whole, |crop| crop.area);
+        let stem = first.stem();
+        let stem = if crop.is_some() { &stem } else { without_region(&stem) };
+        let path = outdir.join(format!("{stem}.{}", format.extension()));
+        Ok(Self { parts, path, crop, region, format, encoding, layers })
+    }
+
+    fn save(&self) -> Result<(), Problem> {
+        let Self { region, format, encoding, crop, .. } = *self;
+        let film = film(self.parts, region)?;
+        let recipe = self.parts[0].subject.recipe.clone();
+        let recipe = crop.map_or(recipe.clone(), |_| with_region(recipe, region));
+        let outcome = Outcome::of(&film, region, display_of(format, encoding));
+        let recipe = with_outcome(&recipe, &outcome);
+        let image = film.image();
+        let layers = film.layers_of(region, &self.layers);
+        let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };
+        picture.save_with(&self.path, &layers).map_err(|error| {
+            let path = self.path.display();
+            Problem::new(Exit::CantWrite, format!("can't write `{path}`: {error}"))
+        })
+    }
+}
+
+/// The pictures have names of their own, and can be written there.
+fn check_paths(pictures: &[Whole]) -> Result<(), Problem> {
+    let mut taken = BTreeMap::new();
+    for Whole { path, parts, .. } in pictures {
+        let (shown, part) = (path.display(), &parts[0].path);
+        if let Some(other) = taken.insert(path, part) {
+            let (part, other) = (part.display(), other.display());
+            let message = format!("`{part}` and `{other}` are of two frames, and both `{shown}`");
+            return Err(Problem::new(Exit::BadInput, message));
+        }
+        check_writable(path).map_err(|error| {
+            Problem::new(Exit::CantCreate, format!("can't create `{shown}`: {error}"))
+        })?;
+    }
+    Ok(())
 }
 
 fn film(parts: &[Part], region: Area) -> Result<crate::film::Film, Problem> {

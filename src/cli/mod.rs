@@ -9,6 +9,7 @@ mod default_scene;
 mod denoise;
 mod interrupt;
 mod load;
+mod maps;
 mod merge;
 mod options;
 mod parse;

@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use super::Exit;
 use super::args::{
-    Args, Command, CompareArgs, DenoiseArgs, FramePath, MergeArgs, PartBy, Region, SheetArgs, Size,
-    VerifyArgs,
+    Args, Command, CompareArgs, DenoiseArgs, MergeArgs, PartBy, Region, SheetArgs, Size, VerifyArgs,
 };
+use super::maps::Maps;
 use super::problem::Problem;
 use super::progress::ProgressForm;
 use super::sequence::{Frames, Order};
@@ -85,13 +85,6 @@ pub(super) struct Job {
     pub(super) overrides: Overrides,
     pub(super) threads: Option<usize>,
     pub(super) isa: Isa,
-}
-
-/// Pictures of how a picture came about.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Maps {
-    pub(super) samples: Option<FramePath>,
-    pub(super) error: Option<FramePath>,
 }
 
 /// Samples of a block at most, where only its noise was asked for.
@@ -182,7 +175,9 @@ fn task(mut args: Args) -> Result<Task, Problem> {
 fn job(args: Args) -> Result<Job, Problem> {
     let usage = |why: String| Problem::new(Exit::Usage, why);
     check_prefix(args.prefix.as_deref().unwrap_or_default()).map_err(usage)?;
-    check_maps(&args).map_err(usage)?;
+    let maps = Maps { samples: args.sample_map, error: args.error_map };
+    let several = args.frame.as_ref().is_some_and(|frames| frames.numbers.len() > 1);
+    maps.check_names(several).map_err(usage)?;
     Ok(Job {
         scene: args.scene,
         indir: args.indir,
@@ -203,7 +198,7 @@ fn job(args: Args) -> Result<Job, Problem> {
         keep_state: args.keep_state,
         time: args.time,
         steps: args.steps,
-        maps: Maps { samples: args.sample_map, error: args.error_map },
+        maps,
         dry_run: args.dry_run,
         progress: args.progress,
         overrides: Overrides {
@@ -220,16 +215,6 @@ fn job(args: Args) -> Result<Job, Problem> {
         threads: args.threads.map(|threads| threads as usize),
         isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
     })
-}
-
-/// Maps of several frames have several paths.
-fn check_maps(args: &Args) -> Result<(), String> {
-    let many = args.frame.as_ref().is_some_and(|frames| frames.numbers.len() > 1);
-    let alike = |path: &&FramePath| !path.tells_frames();
-    match args.sample_map.iter().chain(&args.error_map).find(alike) {
-        Some(_) if many => Err("a map of each frame needs `####` in its path".into()),
-        _ => Ok(()),
-    }
 }
 
 impl Overrides {

@@ -75,7 +75,7 @@ impl Studio<'_> {
         let path = self.target.path(frame, rendering);
         let outcome = self.save(frame, &exposed.film, steps, &path, &checkpoint)?;
         self.target
-            .write_maps(frame, &exposed.film)
+            .write_maps(frame, &exposed.film, self.terminal)
             .map_err(|(path, error)| cant_write(&path, &error))?;
         if self.job.keep_state {
             let steps = steps.unwrap_or_default();

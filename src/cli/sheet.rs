@@ -7,11 +7,12 @@ use rayon::prelude::*;
 use super::Exit;
 use super::args::SheetArgs;
 use super::compare::read;
+use super::maps::{check_distinct, check_path};
 use super::problem::Problem;
 use super::terminal::print;
 use crate::film::Image;
-use crate::output::{Picture, check_writable};
-use crate::scene::{Encoding, OutputFormat};
+use crate::output::{map_format, write_sheet};
+use crate::scene::OutputFormat;
 
 /// Pixels between two pictures.
 const GAP: usize = 4;
@@ -34,10 +35,12 @@ const DIGITS: [[u8; 5]; 11] = [
 
 /// Writes small copies of the pictures side by side, each with the number in its name.
 pub(super) fn run(args: &SheetArgs) -> Result<(), Problem> {
-    let problem = |exit, error| {
-        Problem::new(exit, format!("can't write `{}`: {error}", args.output.display()))
-    };
-    check_writable(&args.output).map_err(|error| problem(Exit::CantCreate, error))?;
+    if map_format(&args.output) != Some(OutputFormat::Png8) {
+        let message = format!("a sheet is a .png file, and `{}` is none", args.output.display());
+        return Err(Problem::new(Exit::Usage, message));
+    }
+    check_distinct(&args.output, &args.pictures)?;
+    check_path(&args.output)?;
     let width = args.width as usize;
     let small = |path: &std::path::PathBuf| {
         let shown = read(path)?.shown();
@@ -45,13 +48,9 @@ pub(super) fn run(args: &SheetArgs) -> Result<(), Problem> {
     };
     let pictures = args.pictures.par_iter().map(small).collect::<Result<Vec<_>, Problem>>()?;
     let sheet = sheet(&pictures, width, args.columns.map(|columns| columns as usize));
-    let picture = Picture {
-        image: &sheet,
-        format: OutputFormat::Png8,
-        encoding: Encoding::Raw,
-        recipe: "{}",
-    };
-    picture.save(&args.output).map_err(|error| problem(Exit::CantWrite, error))?;
+    write_sheet(&args.output, &sheet).map_err(|error| {
+        Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", args.output.display()))
+    })?;
     print(args.output.as_os_str().as_encoded_bytes()).map_err(|error| {
         Problem::new(Exit::Failed, format!("can't print the sheet's path: {error}"))
     })

@@ -6,12 +6,13 @@ use std::time::Duration;
 
 use super::Exit;
 use super::args::{PartBy, Region};
-use super::options::{Job, Maps};
+use super::options::Job;
 use super::problem::Problem;
-use crate::film::{Area, Film, Layer, State, Subject};
+use super::terminal::Terminal;
+use crate::film::{Area, Film, State, Subject};
 use crate::output::{
-    Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state, find_timed_picture,
-    with_outcome, with_region, with_steps, write_error_map, write_sample_map, write_state,
+    Crop, Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state,
+    find_timed_picture, with_outcome, with_region, with_steps, write_state,
 };
 use crate::render::{Part, Plan, Steps};
 use crate::scene::{OutputFormat, SceneDescription};
@@ -144,11 +145,10 @@ impl<'a> Target<'a> {
         let settings = &self.scene.camera.film;
         let (format, encoding) = (settings.output, settings.encoding);
         let recipe = with_outcome(&self.recipe(frame, steps.or(self.job.steps)), &outcome);
-        let picture = Picture { image: &image, format, encoding, recipe: &recipe };
-        let layer = |&layer: &Layer| (layer, film.layer_of(self.region, layer));
-        let layers: Vec<_> = settings.layers.iter().map(layer).collect();
+        let crop = Crop::of(self.region, self.whole);
+        let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };
         picture
-            .save_with(path, &layers)
+            .save_with(path, &film.layers_of(self.region, &settings.layers))
             .map(|()| Written { not_finite: picture.not_finite(), outcome })
     }
 
@@ -156,16 +156,14 @@ impl<'a> Target<'a> {
     ///
     /// # Errors
     /// The path that can't be written, and what the system says.
-    pub(super) fn write_maps(&self, frame: i64, film: &Film) -> Result<(), (PathBuf, io::Error)> {
-        let Maps { samples, error } = &self.job.maps;
-        if let Some(path) = samples.as_ref().map(|path| path.of(frame)) {
-            write_sample_map(&path, film, self.region).map_err(|error| (path, error))?;
-        }
-        if let Some(path) = error.as_ref().map(|path| path.of(frame)) {
-            let display = self.plan.display();
-            write_error_map(&path, film, self.region, display).map_err(|error| (path, error))?;
-        }
-        Ok(())
+    pub(super) fn write_maps(
+        &self,
+        frame: i64,
+        film: &Film,
+        terminal: Terminal,
+    ) -> Result<(), (PathBuf, io::Error)> {
+        let (place, display) = ((self.region, self.whole), self.plan.display());
+        self.job.maps.write(frame, film, place, display, terminal)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::options::{Existing, Job, Maps, Overrides};
+use super::maps::Maps;
+use super::options::{Existing, Job, Overrides};
 use super::progress::ProgressForm;
 use super::sequence::Order;
 use crate::accel::Isa;

@@ -8,16 +8,16 @@ use serde_json::Value;
 
 use super::Exit;
 use super::args::VerifyArgs;
-use super::compare::read;
+use super::compare::unreadable;
 use super::load;
 use super::options::Job;
 use super::problem::Problem;
 use super::terminal::{Terminal, print};
-use crate::film::{Area, Film, Image};
+use crate::film::{Area, Film, Image, Layer};
 use crate::frame::FrameScene;
 use crate::output::{
-    Picture, Raster, Recipe, is_denoised, read_layers, read_recipe, restore, steps_of, with_region,
-    with_steps, without_outcome,
+    Crop, Picture, Raster, Recipe, Values, is_denoised, read_layers, read_recipe, restore,
+    steps_of, with_region, with_steps, without_outcome,
 };
 use crate::render::{Observer, Plan, Steps, render};
 use crate::scene::SceneDescription;
@@ -25,33 +25,23 @@ use crate::scene::SceneDescription;
 /// Side of the squares that are rendered again.
 const TILE: u32 = 32;
 
-/// Verifies the pictures, and prints a line for each.
+/// Verifies all pictures, and prints a line for each.
 pub(super) fn run(args: &VerifyArgs, job: &Job, terminal: Terminal) -> Result<(), Problem> {
     let threads = load::threads(job.threads)?;
     threads.install(|| {
         let scene = load::scene(job, terminal)?;
-        let mut wrong = 0;
+        let mut tally = Tally::default();
         for path in &args.pictures {
-            let line = match verify(path, args.tiles as usize, &scene, job)? {
-                Outcome { tiles, different: 0 } => {
-                    format!("same\t{}\t{tiles} tiles", path.display())
-                }
-                Outcome { tiles, different } => {
-                    wrong += 1;
-                    format!("different\t{}\t{different} of {tiles} tiles", path.display())
-                }
-            };
-            print(line.as_bytes()).map_err(|error| {
+            let verdict = verify(path, args.tiles as usize, &scene, job);
+            tally.add(&verdict);
+            if let Err(refusal) = &verdict {
+                terminal.error(format!("`{}`: {}", path.display(), refusal.why), &[]);
+            }
+            print(line(path, &verdict).as_bytes()).map_err(|error| {
                 Problem::new(Exit::Failed, format!("can't print the outcome: {error}"))
             })?;
         }
-        match wrong {
-            0 => Ok(()),
-            _ => {
-                let message = format!("{wrong} pictures are not what their recipes make here");
-                Err(Problem::new(Exit::Failed, message))
-            }
-        }
+        tally.end()
     })
 }
 
@@ -60,15 +50,69 @@ struct Outcome {
     different: usize,
 }
 
-fn verify(
-    path: &Path,
-    tiles: usize,
-    scene: &SceneDescription,
-    job: &Job,
-) -> Result<Outcome, Problem> {
-    let shown = path.display();
-    let bad = |why: String| Problem::new(Exit::BadInput, format!("`{shown}`: {why}"));
-    let raster = read(path)?;
+/// Why a picture can't be verified.
+struct Refusal {
+    exit: Exit,
+    why: String,
+}
+
+type Verdict = Result<Outcome, Refusal>;
+
+/// Three fields, separated by tabs.
+fn line(path: &Path, verdict: &Verdict) -> String {
+    let path = path.display();
+    match verdict {
+        Ok(Outcome { tiles, different: 0 }) => format!("same\t{path}\t{tiles} tiles"),
+        Ok(Outcome { tiles, different }) => {
+            format!("different\t{path}\t{different} of {tiles} tiles")
+        }
+        Err(refusal) => format!("unverified\t{path}\t{}", refusal.why),
+    }
+}
+
+/// What came of all pictures.
+#[derive(Default)]
+struct Tally {
+    all: usize,
+    wrong: usize,
+    refused: usize,
+    first_refusal: Option<Exit>,
+}
+
+impl Tally {
+    fn add(&mut self, verdict: &Verdict) {
+        self.all += 1;
+        match verdict {
+            Ok(outcome) => self.wrong += usize::from(outcome.different > 0),
+            Err(refusal) => {
+                self.refused += 1;
+                self.first_refusal.get_or_insert(refusal.exit);
+            }
+        }
+    }
+
+    /// A wrong picture is what was looked for: its exit code comes before that of a refusal.
+    fn end(self) -> Result<(), Problem> {
+        let Self { all, wrong, refused, first_refusal } = self;
+        let of = |count: usize| format!("{count} of {all} pictures");
+        let mut said = Vec::new();
+        if wrong > 0 {
+            said.push(format!("{} are not what their recipes make here", of(wrong)));
+        }
+        if refused > 0 {
+            said.push(format!("{} can't be verified", of(refused)));
+        }
+        match first_refusal.filter(|_| wrong == 0) {
+            _ if said.is_empty() => Ok(()),
+            Some(exit) => Err(Problem::new(exit, said.join("; "))),
+            None => Err(Problem::new(Exit::Failed, said.join("; "))),
+        }
+    }
+}
+
+fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Verdict {
+    let bad = |why: String| Refusal { exit: Exit::BadInput, why };
+    let raster = Raster::read(path).map_err(|why| Refusal { exit: unreadable(path), why })?;
     let recipe = read_recipe(path).map_err(|error| bad(error.to_string()))?;
     let recipe = without_outcome(&recipe);
     let parsed: Value = serde_json::from_str(&recipe).map_err(|error| bad(error.to_string()))?;
@@ -78,30 +122,29 @@ fn verify(
     let (scene, frame) = restore(scene, &parsed).map_err(bad)?;
     let film = &scene.camera.film;
     let whole = Area::whole(film.width, film.height);
-    let region = region(&parsed, whole).ok_or_else(|| bad("its region is none".into()))?;
+    let region = region(&parsed, whole).map_err(bad)?;
+    let area = region.unwrap_or(whole);
     let steps = steps_of(&parsed);
     let expected = Recipe { scene: &scene, frame }.to_json();
     let expected = steps.map_or(expected.clone(), |steps| with_steps(expected, steps));
-    let expected = if region == whole { expected } else { with_region(expected, region) };
-    if expected != recipe || (raster.image.width, raster.image.height) != size(region) {
+    let expected = region.map_or(expected.clone(), |region| with_region(expected, region));
+    let is_placed = raster.crop.is_none_or(|crop| Some(crop) == Crop::of(area, whole));
+    if expected != recipe || size(&raster.image) != (area.width(), area.height()) || !is_placed {
         return Err(bad(format!(
             "its recipe is not one of slo-rt {} for this scene",
             env!("CARGO_PKG_VERSION")
         )));
     }
-    let layers = read_layers(path).map_err(bad)?;
-    if !layers.iter().map(|(layer, _)| layer).eq(&film.layers) {
-        return Err(bad("it does not have the layers of its recipe".into()));
-    }
-    let images: Vec<&Image> =
-        std::iter::once(&raster.image).chain(layers.iter().map(|(_, image)| image)).collect();
-    let built = load::frame(job, &scene, frame, None)?;
-    let chosen = choose(region.cells(TILE).collect(), tiles);
+    let colors = Raster { crop: Crop::of(area, whole), ..raster };
+    let rasters = with_layers(path, colors, &film.layers).map_err(bad)?;
+    let built = load::frame(job, &scene, frame, None)
+        .map_err(|problem| Refusal { exit: problem.exit, why: problem.message })?;
+    let chosen = choose(area.cells(TILE).collect(), tiles);
     let different = chosen
         .par_iter()
         .map(|&tile| {
-            let cut = images.iter().map(|image| cut(image, region, tile));
-            again(&scene, &built, tile, steps).map(|again| !again.into_iter().eq(cut))
+            let again = again(&scene, &built, tile, steps)?.into_iter().map(Some);
+            Ok(again.ne(rasters.iter().map(|raster| raster.cut(tile))))
         })
         .collect::<Result<Vec<bool>, String>>()
         .map_err(bad)?;
@@ -109,17 +152,31 @@ fn verify(
     Ok(Outcome { tiles: chosen.len(), different })
 }
 
-fn size(area: Area) -> (u32, u32) {
-    (area.width(), area.height())
+/// The colours of a picture, then its layers, which have to be the expected ones.
+fn with_layers(path: &Path, colors: Raster, expected: &[Layer]) -> Result<Vec<Raster>, String> {
+    let crop = colors.crop;
+    let layers = read_layers(path)?;
+    if !layers.iter().map(|(layer, _)| layer).eq(expected) {
+        return Err("it does not have the layers of its recipe".into());
+    }
+    let layer = |(_, image)| Raster { image, values: Values::Linear, crop };
+    Ok(std::iter::once(colors).chain(layers.into_iter().map(layer)).collect())
 }
 
-/// The region of a recipe; all of the picture where it names none.
-fn region(recipe: &Value, whole: Area) -> Option<Area> {
-    let Some(region) = recipe.get("region") else { return Some(whole) };
+fn size(image: &Image) -> (u32, u32) {
+    (image.width, image.height)
+}
+
+/// The region that a recipe names; `None` where it names none.
+fn region(recipe: &Value, whole: Area) -> Result<Option<Area>, String> {
+    let Some(region) = recipe.get("region") else { return Ok(None) };
     let number = |i: usize| region.get(i)?.as_u64().and_then(|n| u32::try_from(n).ok());
-    let (x0, y0) = (number(0)?, number(1)?);
-    let (x1, y1) = (x0.checked_add(number(2)?)?, y0.checked_add(number(3)?)?);
-    Some(Area { x0, y0, x1, y1 }).filter(|area| whole.holds(area))
+    let area = || {
+        let (x0, y0) = (number(0)?, number(1)?);
+        let (x1, y1) = (x0.checked_add(number(2)?)?, y0.checked_add(number(3)?)?);
+        Some(Area { x0, y0, x1, y1 }).filter(|area| !area.is_empty() && whole.holds(area))
+    };
+    area().map(Some).ok_or_else(|| "its region is not inside the picture".into())
 }
 
 /// Some of the tiles, at random: another choice in every run.
@@ -161,20 +218,9 @@ fn again(
     let image = film.image_of(tile);
     let (format, encoding) = (settings.output, settings.encoding);
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let picture = Picture { image: &image, format, encoding, recipe: "{}" };
+    let picture = Picture { image: &image, format, encoding, recipe: "{}", crop: None };
     picture.write(&mut bytes).map_err(|error| error.to_string())?;
     let colors = Raster::from_bytes(bytes.into_inner())?.image;
-    let layers = settings.layers.iter().map(|&layer| film.layer_of(tile, layer));
-    Ok(std::iter::once(colors).chain(layers).collect())
-}
-
-/// A tile of a picture of a region.
-fn cut(image: &Image, region: Area, tile: Area) -> Image {
-    let width = image.width as usize;
-    let row = |y: u32| {
-        let start = (y - region.y0) as usize * width + (tile.x0 - region.x0) as usize;
-        &image.rgb[start..start + tile.width() as usize]
-    };
-    let rgb = (tile.y0..tile.y1).flat_map(row).copied().collect();
-    Image { width: tile.width(), height: tile.height(), rgb }
+    let layers = film.layers_of(tile, &settings.layers);
+    Ok(std::iter::once(colors).chain(layers.into_iter().map(|(_, image)| image)).collect())
 }

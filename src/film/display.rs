@@ -59,6 +59,13 @@ pub fn srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * power(linear, 1.0 / 2.4) - 0.055 }
 }
 
+/// Luminance of linear light with the primaries of sRGB.
+///
+/// Source: ITU-R BT.709-6, 3.
+pub fn luminance([r, g, b]: [f32; 3]) -> f64 {
+    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+}
+
 /// sRGB -> linear light; the inverse of [`srgb`].
 pub fn linear(srgb: f32) -> f32 {
     if srgb <= 0.040_45 { srgb / 12.92 } else { libm::powf((srgb + 0.055) / 1.055, 2.4) }

@@ -13,7 +13,7 @@ mod pixel;
 mod state;
 
 pub use area::{Area, BLOCK};
-pub use display::{Display, linear, srgb};
+pub use display::{Display, linear, luminance, srgb};
 pub use features::{Features, Layer};
 pub use fixed::Fixed;
 pub use merge::{MergeError, Merger};
@@ -161,6 +161,11 @@ impl Film {
         };
         let rgb = self.rows(area).flatten().map(mean).collect();
         Image { width: area.width(), height: area.height(), rgb }
+    }
+
+    /// Some layers of an area inside this film's.
+    pub fn layers_of(&self, area: Area, layers: &[Layer]) -> Vec<(Layer, Image)> {
+        layers.iter().map(|&layer| (layer, self.layer_of(area, layer))).collect()
     }
 
     /// The pixels of an area inside this film's, row by row.

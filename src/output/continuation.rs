@@ -27,6 +27,13 @@ pub fn continues(old: &str, new: &str) -> bool {
     old == new || same_samples(&old, &new) && goes_on(&old, &new).unwrap_or(false)
 }
 
+/// Whether two recipes, as JSON, are of pictures whose samples are the same, however many each takes.
+pub fn has_same_samples(one: &str, other: &str) -> bool {
+    let parse = |text: &str| serde_json::from_str::<Map<String, Value>>(text).ok();
+    let (Some(one), Some(other)) = (parse(one), parse(other)) else { return false };
+    same_samples(&one, &other)
+}
+
 fn same_samples(old: &Map<String, Value>, new: &Map<String, Value>) -> bool {
     let others = |recipe: &Map<String, Value>| {
         let mut recipe = recipe.clone();

@@ -1,23 +1,31 @@
 //! OpenEXR: one part, R, G, B as 32-bit floats, linear and unclamped, run lengths; layers as further
 //! channels of the same part, which every program reads.
 
-use std::io::{self, Seek, Write};
+use std::io::{self, Read, Seek, Write};
 
 use exr::compression::Compression;
 use exr::image::write::channels::WritableChannels;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, SpecificChannels};
 use exr::math::Vec2;
-use exr::meta::attribute::LineOrder;
-use exr::meta::attribute::{AttributeValue, Text};
-use exr::meta::header::LayerAttributes;
+use exr::meta::attribute::{AttributeValue, IntegerBounds, LineOrder, Text};
+use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::WritableImage;
 
 use super::values::finite;
-use super::{KEYWORD, Picture};
-use crate::film::{self, Layer};
+use super::{Crop, KEYWORD, Picture, seal};
+use crate::film::{self, Area, Layer};
 
 /// Writes `picture`, and `layers` of the same size.
 pub(super) fn write(
+    picture: &Picture,
+    layers: &[(Layer, film::Image)],
+    mut out: impl Read + Write + Seek,
+) -> io::Result<()> {
+    write_unsealed(picture, layers, &mut out)?;
+    seal::seal(out)
+}
+
+fn write_unsealed(
     picture: &Picture,
     layers: &[(Layer, film::Image)],
     out: impl Write + Seek,
@@ -33,7 +41,7 @@ pub(super) fn write(
             (r, g, b)
         };
         let colors = with_header(picture, SpecificChannels::rgb(pixel))?;
-        return said(Image::from_layer(colors).write().non_parallel().to_unbuffered(out));
+        return said(colors.write().non_parallel().to_unbuffered(out));
     }
     let colors = ["R", "G", "B"].map(str::to_owned);
     let images = layers.iter().map(|(layer, image)| (channel_names(*layer), image));
@@ -44,7 +52,7 @@ pub(super) fn write(
         })
     });
     let all = with_header(picture, AnyChannels::sort(channels.collect()))?;
-    said(Image::from_layer(all).write().non_parallel().to_unbuffered(out))
+    said(all.write().non_parallel().to_unbuffered(out))
 }
 
 /// The channels of a layer.
@@ -60,8 +68,11 @@ pub(super) fn channel_names(layer: Layer) -> [String; 3] {
 fn with_header<'c, C: WritableChannels<'c> + 'c>(
     picture: &Picture,
     channels: C,
-) -> io::Result<exr::image::Layer<C>> {
-    let size = (picture.image.width as usize, picture.image.height as usize);
+) -> io::Result<Image<exr::image::Layer<C>>> {
+    let image = picture.image;
+    let all = Area::whole(image.width, image.height);
+    let Crop { area, whole } = picture.crop.unwrap_or(Crop { area: all, whole: all });
+    let size = (image.width as usize, image.height as usize);
     // Noise hardly compresses: more than run lengths costs a tenth of a quick frame's time and
     // saves a tenth of its size.
     let encoding = Encoding {
@@ -69,7 +80,9 @@ fn with_header<'c, C: WritableChannels<'c> + 'c>(
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    Ok(exr::image::Layer::new(size, attributes(picture.recipe)?, encoding, channels))
+    let of_layer = of_layer(picture.recipe, area)?;
+    let layer = exr::image::Layer::new(size, of_layer, encoding, channels);
+    Ok(Image::new(of_image(whole), layer))
 }
 
 fn said(written: exr::error::UnitResult) -> io::Result<()> {
@@ -79,14 +92,27 @@ fn said(written: exr::error::UnitResult) -> io::Result<()> {
     })
 }
 
-/// The recipe as the one attribute of our own: `exr` keeps such attributes in a hash map, so that
-/// the order of two would change from run to run.
-fn attributes(recipe: &str) -> io::Result<LayerAttributes> {
+/// Where the pixels are, and the recipe as the one attribute of our own: `exr` keeps such attributes
+/// in a hash map, so that the order of two would change from run to run.
+fn of_layer(recipe: &str, area: Area) -> io::Result<LayerAttributes> {
     let text = Text::new_or_none(recipe)
         .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the recipe is not Latin-1"))?;
-    let mut attributes = LayerAttributes::default();
+    let mut attributes = LayerAttributes {
+        layer_position: Vec2(area.x0 as i32, area.y0 as i32),
+        ..LayerAttributes::default()
+    };
     attributes.other.insert(Text::from(KEYWORD), AttributeValue::Text(text));
     Ok(attributes)
+}
+
+/// The size of the picture, and room for the hash of the file: of these attributes too there may be
+/// one only.
+fn of_image(whole: Area) -> ImageAttributes {
+    let size = Vec2(whole.width() as usize, whole.height() as usize);
+    let mut attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));
+    let blank = AttributeValue::Text(Text::from(seal::BLANK));
+    attributes.other.insert(Text::from(seal::KEYWORD), blank);
+    attributes
 }
 
 #[cfg(test)]

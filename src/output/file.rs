@@ -87,7 +87,7 @@ fn temporary_beginning(path: &Path) -> String {
 
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     // `tempfile_in` would make a file for its owner only, and put its name into every error.
-    let create = |path: &Path| File::create_new(path);
+    let create = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
     let beginning = temporary_beginning(path);
     Builder::new().prefix(&beginning).suffix(TEMPORARY_END).make_in(folder(path), create)
 }

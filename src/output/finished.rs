@@ -1,11 +1,12 @@
 //! Whether a picture that is there is the one that would be rendered.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
 use super::file::open_regular;
 use super::recipe::{RecipeError, read_recipe, steps_of, with_steps};
+use super::seal::{self, Seal};
 use super::{read_state, without_outcome};
 use crate::film::Subject;
 
@@ -16,14 +17,14 @@ pub enum Found {
     Finished,
     /// Nothing.
     Missing,
-    /// A picture that was cut off, or no picture.
+    /// A picture that was cut off or changed, or no picture.
     Damaged,
-    /// A whole picture of another recipe: the first line that differs, as it is there.
+    /// A picture of another recipe: the first line that differs, as it is there.
     Stale(String),
 }
 
-/// Looks for the picture with `recipe` at `path`. Reads the file's beginning and its end: time does
-/// not depend on the picture's size.
+/// Looks for the picture with `recipe` at `path`. Reads all of a picture with that recipe, and checks
+/// the checksums of its file.
 pub fn find_picture(path: &Path, recipe: &str) -> Found {
     let found = match read_recipe(path) {
         Ok(found) => without_outcome(&found),
@@ -33,12 +34,12 @@ pub fn find_picture(path: &Path, recipe: &str) -> Found {
         Err(RecipeError::NoRecipe) => return Found::Stale("no recipe of slo-rt".into()),
         Err(_) => return Found::Damaged,
     };
-    if !open_regular(path).and_then(is_whole).unwrap_or(false) {
-        Found::Damaged
-    } else if found == recipe {
+    if found != recipe {
+        Found::Stale(first_difference(&found, recipe))
+    } else if open_regular(path).and_then(is_whole).unwrap_or(false) {
         Found::Finished
     } else {
-        Found::Stale(first_difference(&found, recipe))
+        Found::Damaged
     }
 }
 
@@ -79,72 +80,61 @@ fn members(recipe: &str) -> impl Iterator<Item = &str> {
     recipe.lines().map(|line| line.trim().trim_end_matches(','))
 }
 
-/// Whether a PNG or EXR file ends where its own beginning says, or its format.
+/// Whether a PNG or EXR file is the one that was written, to the last bit.
 fn is_whole(mut file: File) -> io::Result<bool> {
     let mut magic = [0; 4];
     file.read_exact(&mut magic)?;
     file.rewind()?;
-    if magic == [0x89, b'P', b'N', b'G'] { png_is_whole(file) } else { exr_is_whole(file) }
-}
-
-fn png_is_whole(mut file: File) -> io::Result<bool> {
-    const END: [u8; 12] = [0, 0, 0, 0, b'I', b'E', b'N', b'D', 0xae, 0x42, 0x60, 0x82];
-    let mut end = [0; 12];
-    file.seek(SeekFrom::End(-12))?;
-    file.read_exact(&mut end)?;
-    Ok(end == END)
-}
-
-/// The file ends where the last of its blocks does. A file of one part with scan lines, as ours.
-fn exr_is_whole(file: File) -> io::Result<bool> {
-    let length = file.metadata()?.len();
-    let mut file = BufReader::new(file);
-    skip_header(&mut file)?;
-    // The table of offsets ends where the first block begins.
-    let first = read_u64(&mut file)?;
-    let table = file.stream_position()? - 8;
-    let blocks = first.saturating_sub(table) / 8;
-    let mut last = first;
-    for _ in 1..blocks.min(length / 8) {
-        last = last.max(read_u64(&mut file)?);
-    }
-    file.seek(SeekFrom::Start(last))?;
-    let _row = read_u32(&mut file)?;
-    let bytes = read_u32(&mut file)?;
-    Ok(blocks > 0 && last.checked_add(8 + u64::from(bytes)) == Some(length))
-}
-
-/// Goes past magic number, version, and the attributes up to the empty name.
-fn skip_header(file: &mut BufReader<File>) -> io::Result<()> {
-    file.seek(SeekFrom::Start(8))?;
-    while !read_text(file)?.is_empty() {
-        read_text(file)?;
-        let bytes = read_u32(file)?;
-        file.seek_relative(i64::from(bytes))?;
-    }
-    Ok(())
-}
-
-/// The bytes up to the next 0.
-fn read_text(file: &mut BufReader<File>) -> io::Result<Vec<u8>> {
-    let mut text = Vec::new();
-    Read::take(file, 256).read_until(0, &mut text)?;
-    match text.pop() {
-        Some(0) => Ok(text),
-        _ => Err(io::ErrorKind::InvalidData.into()),
+    if magic == [0x89, b'P', b'N', b'G'] {
+        png_is_whole(BufReader::with_capacity(1 << 17, file))
+    } else {
+        Ok(seal::look(file)? == Seal::Whole)
     }
 }
 
-fn read_u32(file: &mut impl Read) -> io::Result<u32> {
-    let mut bytes = [0; 4];
-    file.read_exact(&mut bytes)?;
-    Ok(u32::from_le_bytes(bytes))
+/// Whether the chunks up to the last have the checksums that they say, and nothing follows them.
+fn png_is_whole(mut file: impl BufRead) -> io::Result<bool> {
+    let mut signature = [0; 8];
+    file.read_exact(&mut signature)?;
+    if signature != *b"\x89PNG\r\n\x1a\n" {
+        return Ok(false);
+    }
+    loop {
+        let mut start = [0; 8];
+        file.read_exact(&mut start)?;
+        let [length, kind] = [0, 4].map(|at| [0, 1, 2, 3].map(|i| start[at + i]));
+        let mut checksum = crc32fast::Hasher::new();
+        checksum.update(&kind);
+        let is_there = hash_bytes(&mut file, u32::from_be_bytes(length), &mut checksum)?;
+        let mut expected = [0; 4];
+        file.read_exact(&mut expected)?;
+        if !is_there || checksum.finalize() != u32::from_be_bytes(expected) {
+            return Ok(false);
+        }
+        if kind == *b"IEND" {
+            return Ok(file.fill_buf()?.is_empty());
+        }
+    }
 }
 
-fn read_u64(file: &mut impl Read) -> io::Result<u64> {
-    let mut bytes = [0; 8];
-    file.read_exact(&mut bytes)?;
-    Ok(u64::from_le_bytes(bytes))
+/// Takes so many bytes to a checksum; whether there were as many.
+fn hash_bytes(
+    file: &mut impl BufRead,
+    length: u32,
+    checksum: &mut crc32fast::Hasher,
+) -> io::Result<bool> {
+    let mut left = length as usize;
+    while left > 0 {
+        let bytes = file.fill_buf()?;
+        if bytes.is_empty() {
+            return Ok(false);
+        }
+        let taken = bytes.len().min(left);
+        checksum.update(&bytes[..taken]);
+        file.consume(taken);
+        left -= taken;
+    }
+    Ok(true)
 }
 
 #[cfg(test)]
@@ -168,8 +158,8 @@ mod tests {
         let path = folder.path().join("picture");
         for format in [OutputFormat::Png8, OutputFormat::Png16, OutputFormat::Exr] {
             let image = sample_image();
-            let picture =
-                Picture { image: &image, format, encoding: Encoding::Raw, recipe: RECIPE };
+            let encoding = Encoding::Raw;
+            let picture = Picture { image: &image, format, encoding, recipe: RECIPE, crop: None };
             picture.save(&path).unwrap();
             assert_eq!(find_picture(&path, RECIPE), Found::Finished, "{format:?}");
             let other = RECIPE.replace("1", "2");
@@ -181,6 +171,20 @@ mod tests {
                 std::fs::write(&path, &whole[..length]).unwrap();
                 assert_eq!(find_picture(&path, RECIPE), Found::Damaged, "{format:?} {length}");
             }
+            for at in 0..whole.len() {
+                let mut flipped = whole.clone();
+                flipped[at] ^= 4;
+                let mut zeroed = whole.clone();
+                let end = (at + 16).min(whole.len());
+                zeroed[at..end].fill(0);
+                for damaged in [flipped, zeroed].iter().filter(|bytes| **bytes != whole) {
+                    std::fs::write(&path, damaged).unwrap();
+                    let found = find_picture(&path, RECIPE);
+                    assert_ne!(found, Found::Finished, "{format:?} {at}");
+                }
+            }
+            std::fs::write(&path, [&whole[..], b"more"].concat()).unwrap();
+            assert_eq!(find_picture(&path, RECIPE), Found::Damaged, "{format:?}");
             std::fs::remove_file(&path).unwrap();
             assert_eq!(find_picture(&path, RECIPE), Found::Missing);
         }

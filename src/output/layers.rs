@@ -56,7 +56,8 @@ mod tests {
     use super::super::Picture;
     use super::super::tests::sample_image;
     use super::*;
-    use crate::output::Raster;
+    use crate::film::Area;
+    use crate::output::{Crop, Raster};
     use crate::scene::{Encoding, OutputFormat};
 
     #[test]
@@ -69,14 +70,15 @@ mod tests {
             Image { width: 5, height: 3, rgb }
         };
         let layers = [(Layer::Albedo, layer(0.01)), (Layer::Normal, layer(0.05))];
-        let picture =
-            |format| Picture { image: &image, format, encoding: Encoding::Raw, recipe: "{}" };
+        let encoding = Encoding::Raw;
+        let crop = Crop::of(Area { x0: 7, y0: 2, x1: 12, y1: 5 }, Area::whole(20, 10));
+        let picture = |format| Picture { image: &image, format, encoding, recipe: "{}", crop };
         let exr = picture(OutputFormat::Exr);
         for layers in [&layers[..], &layers[1..], &[]] {
             exr.save_with(&path, layers).unwrap();
             assert_eq!(read_layers(&path).unwrap(), layers);
-            let colors = Raster::read(&path).unwrap().image;
-            assert_eq!(colors.rgb[3], image.rgb[3]);
+            let colors = Raster::read(&path).unwrap();
+            assert_eq!((colors.image.rgb[3], colors.crop), (image.rgb[3], crop));
         }
         exr.save_with(&path, &layers).unwrap();
         let whole = std::fs::read(&path).unwrap();

@@ -3,64 +3,80 @@
 use std::io;
 use std::path::Path;
 
-use super::Picture;
+use super::Crop;
+use super::companion::{self, map_format};
 use crate::film::{Area, Display, Film, Image};
-use crate::scene::{Encoding, OutputFormat};
+use crate::scene::OutputFormat;
 
 /// Errors that are shown darkest and brightest: a quarter of what one step of 8 bits is, and an
 /// eighth of the range.
 const ERRORS: [f32; 2] = [1.0 / 1024.0, 1.0 / 8.0];
 
-/// Writes how many samples each pixel of an area took: as numbers to an `.exr` file, otherwise to a
-/// PNG in colours from dark blue for the fewest to yellow for the most, by their logarithm.
+/// Writes how many samples each pixel of an area of a picture took: as numbers to an `.exr` file, or to a `.png`
+/// file in colours from dark blue for the fewest to yellow for the most, by their logarithm.
 ///
 /// # Errors
-/// What the system says.
-pub fn write_sample_map(path: &Path, film: &Film, area: Area) -> io::Result<()> {
+/// Another extension; anything but an earlier map or sheet is there; what the system says.
+pub fn write_sample_map(path: &Path, film: &Film, area: Area, whole: Area) -> io::Result<()> {
     let counts: Vec<f32> = film.pixels_of(area).map(|pixel| pixel.samples as f32).collect();
     let least = counts.iter().copied().fold(f32::INFINITY, f32::min).max(1.0);
     let most = counts.iter().copied().fold(1.0, f32::max);
-    write(path, area, &counts, [least, most])
+    write(path, area, whole, &counts, [least, most])
 }
 
-/// Writes the estimated error of each pixel of an area as the viewer sees it, root mean square over
-/// its channels: as numbers to an `.exr` file, otherwise to a PNG in colours from dark blue for
+/// Writes the estimated error of each pixel of an area of a picture as the viewer sees it, root mean square over
+/// its channels: as numbers to an `.exr` file, or to a `.png` file in colours from dark blue for
 /// 1/1024 and below to yellow for 1/8 and above, by its logarithm.
 ///
 /// # Errors
-/// What the system says.
-pub fn write_error_map(path: &Path, film: &Film, area: Area, display: Display) -> io::Result<()> {
+/// Another extension; anything but an earlier map or sheet is there; what the system says.
+pub fn write_error_map(
+    path: &Path,
+    film: &Film,
+    area: Area,
+    whole: Area,
+    display: Display,
+) -> io::Result<()> {
     let error = |pixel| display.squared_error(pixel).sqrt() as f32;
     let errors: Vec<f32> = film.pixels_of(area).map(error).collect();
-    write(path, area, &errors, ERRORS)
+    write(path, area, whole, &errors, ERRORS)
 }
 
-/// Writes differences from 0 to 1, row by row: as numbers to an `.exr` file, otherwise to a PNG in
+/// Writes differences from 0 to 1 in an area of a picture, row by row: as numbers to an `.exr` file, or to a `.png` file in
 /// colours from dark blue for 0 to yellow for 1.
 ///
 /// # Errors
-/// What the system says.
-pub fn write_difference_map(path: &Path, area: Area, values: &[f32]) -> io::Result<()> {
-    save(path, area, values, heat)
+/// Another extension; anything but an earlier map or sheet is there; what the system says.
+pub fn write_difference_map(
+    path: &Path,
+    area: Area,
+    whole: Area,
+    values: &[f32],
+) -> io::Result<()> {
+    save(path, area, whole, values, heat)
 }
 
 /// Writes numbers that are not negative.
-fn write(path: &Path, area: Area, values: &[f32], range: [f32; 2]) -> io::Result<()> {
-    save(path, area, values, |value| color(value, range))
+fn write(path: &Path, area: Area, whole: Area, values: &[f32], range: [f32; 2]) -> io::Result<()> {
+    save(path, area, whole, values, |value| color(value, range))
 }
 
 fn save(
     path: &Path,
     area: Area,
+    whole: Area,
     values: &[f32],
     color: impl Fn(f32) -> [f32; 3],
 ) -> io::Result<()> {
-    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+    let Some(format) = map_format(path) else {
+        let message = "a map is a .png or .exr file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    };
+    let is_exr = format == OutputFormat::Exr;
     let pixel = |&value: &f32| if is_exr { [value; 3] } else { color(value) };
     let (width, height) = (area.width(), area.height());
     let image = Image { width, height, rgb: values.iter().map(pixel).collect() };
-    let format = if is_exr { OutputFormat::Exr } else { OutputFormat::Png8 };
-    Picture { image: &image, format, encoding: Encoding::Raw, recipe: "{}" }.save(path)
+    companion::save(path, &image, format, Crop::of(area, whole))
 }
 
 /// The colour of a number between the ends of a range, by its logarithm.

@@ -3,7 +3,9 @@
 //! The bytes of a file depend on the picture and its recipe only: no clock, no host, no thread
 //! count, no order of a hash map.
 
+mod companion;
 mod continuation;
+mod crop;
 mod exr;
 mod file;
 mod finished;
@@ -15,13 +17,16 @@ mod png;
 mod read;
 mod recipe;
 mod restore;
+mod seal;
 mod state_file;
 mod values;
 
-use std::io::{self, Seek, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
-pub use continuation::continues;
+pub use companion::{check_companion, map_format, write_sheet};
+pub use continuation::{continues, has_same_samples};
+pub use crop::Crop;
 pub use file::{check_free, check_writable, remove_leftovers, write_atomically};
 pub use finished::{Found, find_picture, find_state, find_timed_picture};
 pub use layers::read_layers;
@@ -50,6 +55,8 @@ pub struct Picture<'a> {
     pub encoding: Encoding,
     /// The recipe as JSON, ASCII only; see [`Recipe::to_json`].
     pub recipe: &'a str,
+    /// What of a larger picture it is, for EXR; `None`: all of it.
+    pub crop: Option<Crop>,
 }
 
 impl Picture<'_> {
@@ -69,11 +76,11 @@ impl Picture<'_> {
         write_atomically(path, |file| self.write_with(file, layers))
     }
 
-    /// Writes the file's bytes.
+    /// Writes the file's bytes to `out`, which is empty.
     ///
     /// # Errors
     /// Those of `out`; a picture without pixels.
-    pub fn write(&self, out: impl Write + Seek) -> io::Result<()> {
+    pub fn write(&self, out: impl Read + Write + Seek) -> io::Result<()> {
         self.write_with(out, &[])
     }
 
@@ -81,7 +88,11 @@ impl Picture<'_> {
     ///
     /// # Errors
     /// As [`write`](Self::write).
-    pub fn write_with(&self, out: impl Write + Seek, layers: &[(Layer, Image)]) -> io::Result<()> {
+    pub fn write_with(
+        &self,
+        out: impl Read + Write + Seek,
+        layers: &[(Layer, Image)],
+    ) -> io::Result<()> {
         match self.format {
             OutputFormat::Png8 | OutputFormat::Png16 => png::write(self, out),
             OutputFormat::Exr => exr::write(self, layers, out),
@@ -107,7 +118,8 @@ mod tests {
     }
 
     pub(super) fn bytes(format: OutputFormat, encoding: Encoding, image: &Image) -> Vec<u8> {
-        let picture = Picture { image, format, encoding, recipe: "{\n  \"frame\": 5\n}" };
+        let picture =
+            Picture { image, format, encoding, recipe: "{\n  \"frame\": 5\n}", crop: None };
         let mut out = io::Cursor::new(Vec::new());
         picture.write(&mut out).unwrap();
         out.into_inner()
@@ -130,6 +142,7 @@ mod tests {
             format: OutputFormat::Png8,
             encoding: Encoding::Raw,
             recipe: "",
+            crop: None,
         };
         assert_eq!(picture.not_finite(), 1);
     }
@@ -138,7 +151,8 @@ mod tests {
     fn a_picture_without_pixels_is_an_error() {
         let image = Image { width: 0, height: 4, rgb: Vec::new() };
         for format in [OutputFormat::Png8, OutputFormat::Exr] {
-            let picture = Picture { image: &image, format, encoding: Encoding::Raw, recipe: "" };
+            let encoding = Encoding::Raw;
+            let picture = Picture { image: &image, format, encoding, recipe: "", crop: None };
             assert!(picture.write(io::Cursor::new(Vec::new())).is_err(), "{format:?}");
         }
     }

@@ -5,11 +5,12 @@
 
 use std::io::{self, Seek, Write};
 
-use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
+use png::{BitDepth, ColorType, DecodingError, Encoder, EncodingError, SrgbRenderingIntent};
 use rayon::prelude::*;
 
 use super::values::quantised;
 use super::{KEYWORD, Picture};
+use crate::scene::texture::png_reason;
 use crate::scene::{Encoding, OutputFormat};
 
 /// Rows that are encoded in parallel before they are written in order.
@@ -21,6 +22,16 @@ pub(super) fn write(picture: &Picture, out: impl Write + Seek) -> io::Result<()>
         EncodingError::IoError(error) => error,
         other => io::Error::other(other),
     })
+}
+
+/// Why a PNG file can't be read, in words for the user.
+pub(super) fn reason(error: &DecodingError) -> String {
+    match error {
+        DecodingError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            "it was cut off".into()
+        }
+        error => png_reason(&error.to_string()),
+    }
 }
 
 fn encode(picture: &Picture, out: impl Write) -> Result<(), EncodingError> {

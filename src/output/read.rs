@@ -3,10 +3,15 @@
 use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
+use exr::math::Vec2;
+use exr::meta::attribute::IntegerBounds;
 use exr::prelude::{ReadChannels, ReadLayers};
 
+use super::Crop;
 use super::file::open_regular;
-use crate::film::{Image, linear, srgb};
+use super::png::reason;
+use super::seal::{self, Seal};
+use crate::film::{Area, Image, linear, srgb};
 
 /// What the values of a file mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +31,8 @@ pub struct Raster {
     pub image: Image,
     /// What they mean.
     pub values: Values,
+    /// What of a larger picture it is; `None` where the file does not say, or all of it.
+    pub crop: Option<Crop>,
 }
 
 impl Raster {
@@ -71,6 +78,33 @@ impl Raster {
         })
     }
 
+    /// The pixels of `area`, which is counted in the larger picture where this is a crop; `None`
+    /// where they are not all there.
+    pub fn cut(&self, area: Area) -> Option<Image> {
+        let own = self.area();
+        if !own.holds(&area) {
+            return None;
+        }
+        let width = own.width() as usize;
+        let row = |y: u32| {
+            let start = (y - own.y0) as usize * width + (area.x0 - own.x0) as usize;
+            &self.image.rgb[start..start + area.width() as usize]
+        };
+        let rgb = (area.y0..area.y1).flat_map(row).copied().collect();
+        Some(Image { width: area.width(), height: area.height(), rgb })
+    }
+
+    /// Which pixels of the picture it has.
+    pub fn area(&self) -> Area {
+        self.crop.map_or(self.whole(), |crop| crop.area)
+    }
+
+    /// All pixels of the picture.
+    pub fn whole(&self) -> Area {
+        let Image { width, height, .. } = self.image;
+        self.crop.map_or(Area::whole(width, height), |crop| crop.whole)
+    }
+
     fn with(&self, change: impl Fn(f32) -> f32) -> Image {
         let rgb = self.image.rgb.iter().map(|rgb| rgb.map(&change)).collect();
         Image { width: self.image.width, height: self.image.height, rgb }
@@ -80,13 +114,13 @@ impl Raster {
 fn decode_png(input: impl BufRead + Seek) -> Result<Raster, String> {
     let mut decoder = png::Decoder::new(input);
     decoder.set_transformations(png::Transformations::EXPAND);
-    let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
+    let mut reader = decoder.read_info().map_err(|error| reason(&error))?;
     let values = if reader.info().srgb.is_some() { Values::Srgb } else { Values::Raw };
     let size = reader.output_buffer_size().ok_or("the picture is too large")?;
     let mut bytes = vec![0; size];
-    let info = reader.next_frame(&mut bytes).map_err(|error| error.to_string())?;
+    let info = reader.next_frame(&mut bytes).map_err(|error| reason(&error))?;
     // The end may be missing where all pixels are there.
-    reader.finish().map_err(|error| error.to_string())?;
+    reader.finish().map_err(|error| reason(&error))?;
     let channels = info.color_type.samples();
     let samples: Vec<f32> = match info.bit_depth {
         png::BitDepth::Sixteen => {
@@ -101,10 +135,14 @@ fn decode_png(input: impl BufRead + Seek) -> Result<Raster, String> {
         [] => [0.0; 3],
     };
     let rgb = samples.chunks_exact(channels).map(pixel).collect();
-    Ok(Raster { image: Image { width: info.width, height: info.height, rgb }, values })
+    Ok(Raster { image: Image { width: info.width, height: info.height, rgb }, values, crop: None })
 }
 
-fn decode_exr(input: impl BufRead + Seek) -> Result<Raster, String> {
+fn decode_exr(mut input: impl BufRead + Seek) -> Result<Raster, String> {
+    if seal::look(&mut input).map_err(|error| error.to_string())? == Seal::Broken {
+        return Err("its checksum is wrong".into());
+    }
+    input.rewind().map_err(|error| error.to_string())?;
     let read = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -121,7 +159,19 @@ fn decode_exr(input: impl BufRead + Seek) -> Result<Raster, String> {
     let size = read.layer_data.size;
     let rgb = read.layer_data.channel_data.pixels.1;
     let image = Image { width: size.width() as u32, height: size.height() as u32, rgb };
-    Ok(Raster { image, values: Values::Linear })
+    let crop =
+        crop(&image, read.layer_data.attributes.layer_position, read.attributes.display_window);
+    Ok(Raster { image, values: Values::Linear, crop })
+}
+
+/// The place of an image in the display window; `None` where it is not inside.
+fn crop(image: &Image, at: Vec2<i32>, display: IntegerBounds) -> Option<Crop> {
+    let offset = |at: i32, from: i32| u32::try_from(i64::from(at) - i64::from(from)).ok();
+    let (x0, y0) = (offset(at.0, display.position.0)?, offset(at.1, display.position.1)?);
+    let (x1, y1) = (x0.checked_add(image.width)?, y0.checked_add(image.height)?);
+    let side = |length: usize| u32::try_from(length).ok();
+    let whole = Area::whole(side(display.size.0)?, side(display.size.1)?);
+    Crop::of(Area { x0, y0, x1, y1 }, whole)
 }
 
 #[cfg(test)]
@@ -152,6 +202,41 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_region_says_where_it_is() {
+        let image = sample_image();
+        let area = Area { x0: 7, y0: 2, x1: 12, y1: 5 };
+        let whole = Area::whole(20, 10);
+        let picture = super::super::Picture {
+            image: &image,
+            format: OutputFormat::Exr,
+            encoding: Encoding::Raw,
+            recipe: "{}",
+            crop: Crop::of(area, whole),
+        };
+        let mut bytes = Cursor::new(Vec::new());
+        picture.write(&mut bytes).unwrap();
+        let read = Raster::from_bytes(bytes.into_inner()).unwrap();
+        assert_eq!((read.area(), read.whole()), (area, whole));
+        let one = Area { x0: 8, y0: 3, x1: 9, y1: 4 };
+        assert_eq!(read.cut(one).unwrap().rgb, [image.rgb[6]]);
+        assert_eq!(read.cut(Area { x0: 6, ..one }), None);
+    }
+
+    #[test]
+    fn damage_is_told_in_words() {
+        let whole = bytes(OutputFormat::Png8, Encoding::Raw, &sample_image());
+        let data = whole.windows(4).position(|name| name == b"IDAT").unwrap();
+        let end = whole.windows(4).position(|name| name == b"IEND").unwrap();
+        let told = |at: usize| {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 1;
+            Raster::from_bytes(damaged).unwrap_err()
+        };
+        assert_eq!(told(data + 8), "its compressed data is wrong");
+        assert_eq!(told(end - 5), "the checksum of its IDAT chunk is wrong");
     }
 
     #[test]

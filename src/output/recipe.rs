@@ -261,7 +261,7 @@ pub fn read_recipe(path: &Path) -> Result<String, RecipeError> {
 fn from_png(file: BufReader<File>) -> Result<String, RecipeError> {
     let reader = png::Decoder::new(file)
         .read_info()
-        .map_err(|error| RecipeError::NotAPicture(error.to_string()))?;
+        .map_err(|error| RecipeError::NotAPicture(super::png::reason(&error)))?;
     let mut texts = reader.info().uncompressed_latin1_text.iter();
     let recipe = texts.find(|chunk| chunk.keyword == KEYWORD).ok_or(RecipeError::NoRecipe)?;
     Ok(recipe.text.clone())
@@ -418,8 +418,8 @@ mod tests {
         for format in [OutputFormat::Png8, OutputFormat::Png16, OutputFormat::Exr] {
             let path = folder.path().join("picture");
             let image = sample_image();
-            let picture =
-                Picture { image: &image, format, encoding: Encoding::Raw, recipe: &recipe };
+            let encoding = Encoding::Raw;
+            let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop: None };
             picture.save(&path).unwrap();
             assert_eq!(read_recipe(&path).unwrap(), recipe, "{format:?}");
         }

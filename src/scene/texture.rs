@@ -143,9 +143,26 @@ fn check_size(width: u32, height: u32) -> Result<(), FileError> {
 fn damaged(format: ImageFormat, error: &ImageError) -> FileError {
     let name = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
     let error = error.to_string();
-    let reason = error.lines().next().unwrap_or_default();
+    let reason = png_reason(error.lines().next().unwrap_or_default());
     let reason = reason.trim_start_matches("Format error decoding Jpeg: ").trim_end();
     FileError::whole_file(format!("the {name} image is damaged: {reason}"))
+}
+
+/// What the PNG reader says of a damaged file, without what it says for programmers only.
+pub(crate) fn png_reason(said: &str) -> String {
+    let said = said.trim_start_matches("Format error decoding Png: ");
+    let chunk = said.split_once("ChunkType { type: ").and_then(|(before, rest)| {
+        let (name, _) = rest.split_once(',')?;
+        Some((before, name, rest.split_once('}')?.1))
+    });
+    match chunk {
+        Some((before, name, _)) if before.starts_with("CRC error") => {
+            format!("the checksum of its {name} chunk is wrong")
+        }
+        Some((before, name, after)) => format!("{before}{name}{after}"),
+        None if said.starts_with("Corrupt deflate stream") => "its compressed data is wrong".into(),
+        None => said.to_owned(),
+    }
 }
 
 /// RGB at the precision that the image has.
@@ -164,6 +181,29 @@ mod tests {
     /// Of a JPEG file everything up to its first scan, or less.
     const START: &[u8] = b"\xff\xd8\xff\xe0\x00\x10JFIF\x00\x01\x01\x00\x00\x01\x00\x01\x00\x00\
         \xff\xdb\x00\x43\x00\x08\x06\x06\x07\x06";
+
+    #[test]
+    fn damaged_png_images_are_told_without_debug_text() {
+        let mut whole = Vec::new();
+        let mut encoder = png::Encoder::new(&mut whole, 16, 16);
+        encoder.set_color(png::ColorType::Rgb);
+        let pixels: Vec<u8> = (0..16 * 16 * 3).map(|i| (i * i % 251) as u8).collect();
+        encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
+        for at in 8..whole.len() {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 0x15;
+            let Err(error) = load("a.png", &mut &damaged[..]) else { continue };
+            let message = error.message;
+            assert!(!message.contains(['{', '\n']), "byte {at}: {message}");
+        }
+        let mut damaged = whole.clone();
+        damaged[16] ^= 1;
+        let error = load("a.png", &mut &damaged[..]).unwrap_err();
+        assert_eq!(
+            error.message,
+            "the PNG image is damaged: the checksum of its IHDR chunk is wrong"
+        );
+    }
 
     #[test]
     fn a_cut_image_gives_one_line() {

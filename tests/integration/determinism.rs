@@ -73,10 +73,9 @@ fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
         let (image, encoding) = (&film.image(), scene.camera.film.encoding);
         let recipe = &Recipe { scene: &scene, frame: 0 }.to_json();
         let mut file = Cursor::new(Vec::new());
-        let layers = &scene.camera.film.layers;
-        let layers: Vec<_> =
-            layers.iter().map(|&layer| (layer, film.layer_of(film.area(), layer))).collect();
-        Picture { image, format, encoding, recipe }.write_with(&mut file, &layers).unwrap();
+        let layers = film.layers_of(film.area(), &scene.camera.film.layers);
+        let picture = Picture { image, format, encoding, recipe, crop: None };
+        picture.write_with(&mut file, &layers).unwrap();
         file.into_inner()
     })
 }

@@ -206,9 +206,9 @@ class Run:
 
     def was_stopped(self):
         """Whether a rendering of this picture was stopped, which can go on."""
-        return os.path.exists(
-            os.path.join(self.folder, f".slo-rt-{os.path.basename(self.picture)}.state")
-        )
+        start = f".slo-rt-{os.path.basename(self.picture)}."
+        names = os.listdir(self.folder)
+        return any(name.startswith(start) and name.endswith(".state") for name in names)
 
     def forget_passes(self):
         """Removes what was kept from pass to pass."""

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
+use super::values::limit;
+
 /// What else the program does.
 #[derive(Debug, Subcommand)]
 pub(in crate::cli) enum Command {
@@ -90,15 +92,23 @@ pub(in crate::cli) struct CompareArgs {
     pub(in crate::cli) max_pixels: Option<u64>,
 
     /// Fail where the root mean square difference is larger
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = limit)]
+    #[arg(allow_negative_numbers = true)]
     pub(in crate::cli) max_rmse: Option<f64>,
 
     /// Fail where the relative mean square error is larger
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = limit)]
+    #[arg(allow_negative_numbers = true)]
     pub(in crate::cli) max_relative_mse: Option<f64>,
 
+    /// Fail where the mean luminance is further from the reference's, as a share of it
+    #[arg(long, value_name = "X", value_parser = limit)]
+    #[arg(allow_negative_numbers = true)]
+    pub(in crate::cli) max_bias: Option<f64>,
+
     /// Fail where the mean of FLIP is larger
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = limit)]
+    #[arg(allow_negative_numbers = true)]
     pub(in crate::cli) max_flip: Option<f64>,
 
     /// Help

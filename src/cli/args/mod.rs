@@ -377,6 +377,11 @@ mod tests {
         assert!(parse("verify a.png -s scene.txt --tiles 3").is_ok());
         assert!(parse("sheet a.png b.png --columns 2").is_ok());
         assert!(parse("denoise a.exr b.png --outdir out --library lib.so --threads 2").is_ok());
+        for limit in ["nan", "-0.1", "inf", "x"] {
+            for name in ["rmse", "relative-mse", "bias", "flip"] {
+                assert!(parse(&format!("compare a b --max-{name} {limit}")).is_err(), "{limit}");
+            }
+        }
         for bad in ["merge", "merge a -f 3", "-f 3 merge a", "help", "compare a", "sheet", "verify"]
         {
             assert!(parse(bad).is_err(), "{bad}");

@@ -59,6 +59,12 @@ pub(super) fn noise(text: &str) -> Result<f32, String> {
     error.ok_or_else(|| "an error is more than 0 and at most 1, such as 0.01".into())
 }
 
+/// Parses a distance that is allowed.
+pub(super) fn limit(text: &str) -> Result<f64, String> {
+    let limit = text.parse().ok().filter(|limit: &f64| limit.is_finite() && *limit >= 0.0);
+    limit.ok_or_else(|| "a limit is 0 or more, such as 0.01".into())
+}
+
 /// Parses `STEP,TILES`.
 pub(super) fn steps(text: &str) -> Result<Steps, String> {
     let numbers = text

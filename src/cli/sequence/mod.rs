@@ -59,6 +59,8 @@ fn render(
         let format = scene.camera.film.output;
         Needs::of(&subject, format, to_render(&steps)).check(&job.outdir, terminal);
     }
+    let pictures = steps.iter().filter(|step| step.is_to_render());
+    job.maps.check(pictures.map(|step| (step.frame, &*step.path)))?;
     let studio = Studio { job, scene, target, terminal };
     let mut run = Run {
         studio,

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use rayon::prelude::*;
+
 use super::super::options::Job;
 use super::super::target::Target;
 use crate::animation::{Clock, NoSegment};
@@ -41,7 +43,7 @@ pub(super) fn steps(job: &Job, scene: &SceneDescription, target: &Target) -> Vec
         };
         Step { frame, path, state }
     };
-    job.order.of(&job.frames().numbers).into_iter().map(step).collect()
+    job.order.of(&job.frames().numbers).into_par_iter().map(step).collect()
 }
 
 /// What is there of a frame by now, and where.

@@ -52,6 +52,7 @@ fn file(scene: &SceneDescription) -> Vec<u8> {
     let recipe = Recipe { scene, frame: 0 }.to_json();
     let output = &scene.camera.film;
     let picture = Picture {
+        crop: None,
         image: &image,
         format: output.output,
         encoding: output.encoding,

@@ -86,17 +86,37 @@ fn files_that_were_damaged_are_rendered_again() {
     let mut random = StdRng::seed_from_u64(7);
     for _ in 0..20 {
         let (name, whole) = &expected[random.random_range(0..expected.len())];
-        // A head with a bit flipped, or no end. What is flipped in the middle `verify` finds.
         let mut damaged = whole.clone();
-        if random.random() {
-            damaged.truncate(random.random_range(0..whole.len()));
-        } else {
-            damaged[random.random_range(0..8)] ^= 1 << random.random_range(0..8);
+        let at = random.random_range(0..whole.len());
+        match random.random_range(0..3) {
+            0 => damaged.truncate(at),
+            1 => damaged[at] ^= 1 << random.random_range(0..8),
+            // What a file system that lost power may leave of a block.
+            _ => damaged[at..].iter_mut().take(64).for_each(|byte| *byte = 0),
         }
         folder.write(name, damaged);
         folder.printed(FRAMES);
         check_all(&folder, &expected);
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_on_the_size_of_files_is_told_and_leaves_nothing() {
+    let folder = folder();
+    let limited = |typed: &str| {
+        let program = env!("CARGO_BIN_EXE_slo-rt");
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg(format!("ulimit -f 1; exec {program} {typed}"));
+        Run::of(shell.current_dir(folder.path()).output().unwrap())
+    };
+    let run = limited("-q -s scene.txt -f 0");
+    assert_eq!((run.exit, &*run.printed), (74, ""), "{}", run.said);
+    assert!(run.said.contains("can't write `ball_00000.png`"), "{}", run.said);
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+    let run = limited("-q -s scene.txt -f 0-1");
+    assert!(run.said.contains("2 of 2 frames failed: 0-1"), "{}", run.said);
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
 
 #[test]

@@ -70,6 +70,38 @@ fn parts_and_more_samples_make_the_same_layers() {
 }
 
 #[test]
+fn a_region_has_its_place_and_every_byte_counts() {
+    let folder = folder();
+    folder.printed(&format!("-q -s scene.txt {LAYERS}"));
+    let region = format!("-q -s scene.txt {LAYERS} -f 0-0 --region 40x30+50+20");
+    let name = "ball_00000_region=40x30+50+20.exr";
+    assert_eq!(folder.printed(&region), format!("{name}\n"));
+    let whole = folder.read(name);
+    let meta = exr::meta::MetaData::read_from_buffered(&whole[..], false).unwrap();
+    let header = &meta.headers[0];
+    let (place, size) = (header.own_attributes.layer_position, header.layer_size);
+    let display = header.shared_attributes.display_window.size;
+    assert_eq!([place.x(), place.y()], [50, 20]);
+    assert_eq!([size.x(), size.y(), display.x(), display.y()], [40, 30, 100, 70]);
+    let same = folder.printed(&format!("compare {name} ball_00000.exr --max-pixels 0"));
+    assert!(same.starts_with("pixels\t0\n"), "{same}");
+    let verified = folder.printed(&format!("verify {name} -s scene.txt --tiles 99"));
+    assert!(verified.starts_with("same\t"), "{verified}");
+    let parts = ["1/2", "2/2"].map(|part| folder.printed(&format!("{region} --part {part}")));
+    folder.printed(&format!("merge -q -od merged {}", parts.concat().replace('\n', " ")));
+    assert!(folder.read(&format!("merged/{name}")) == whole);
+    // One bit of a normal, which no other channel shows.
+    let mut damaged = whole.clone();
+    *damaged.last_mut().unwrap() ^= 1;
+    std::fs::write(folder.path().join(name), damaged).unwrap();
+    let run = folder.run(&format!("verify {name} -s scene.txt"));
+    assert_eq!(run.exit, 65, "{}", run.said);
+    assert!(run.printed.starts_with("unverified\t"), "{}", run.printed);
+    folder.printed(&region);
+    assert!(folder.read(name) == whole, "rendered again");
+}
+
+#[test]
 fn states_with_and_without_layers_do_not_mix() {
     let folder = folder();
     folder.printed("-q -s scene.txt --format exr --samples 3 --keep-state");

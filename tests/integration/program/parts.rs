@@ -74,6 +74,30 @@ fn regions_in_parts_make_the_picture_or_the_region() {
 }
 
 #[test]
+fn a_region_of_an_exr_picture_lies_where_it_belongs() {
+    let folder = folder();
+    let text = String::from_utf8(folder.read("scene.txt")).unwrap();
+    folder.write("scene.txt", text.replace("PNG_IMAGE", "EXR_IMAGE"));
+    let name = folder.printed("-q -s scene.txt --region 33x21+50+17");
+    let bytes = folder.read(name.trim_end());
+    // Columns and rows of the first and of the last pixel, both inside.
+    assert_eq!(window(&bytes, b"displayWindow"), [0, 0, 99, 69]);
+    assert_eq!(window(&bytes, b"dataWindow"), [50, 17, 82, 37]);
+    let part = folder.printed("-q -s scene.txt --region 33x21+50+17 --part 1/1");
+    let merged = folder.printed(&format!("merge -q -od m {part}"));
+    assert!(folder.read(merged.trim_end()) == bytes);
+    folder.printed("-q -s scene.txt --region 33x21+50+17 --sample-map map.exr");
+    assert_eq!(window(&folder.read("map.exr"), b"dataWindow"), [50, 17, 82, 37]);
+}
+
+/// A window in the header of an EXR file.
+fn window(exr: &[u8], name: &[u8]) -> [i32; 4] {
+    let start = [name, b"\0box2i\0", &16u32.to_le_bytes()].concat();
+    let at = exr.windows(start.len()).position(|bytes| bytes == start).unwrap() + start.len();
+    std::array::from_fn(|i| i32::from_le_bytes(*exr[at + 4 * i..].first_chunk().unwrap()))
+}
+
+#[test]
 fn parts_that_are_no_whole_are_refused_by_name() {
     let folder = folder();
     for number in 1..4 {
@@ -110,6 +134,11 @@ fn parts_that_are_no_whole_are_refused_by_name() {
     bytes[at + 1] = b'9';
     folder.write("old.part", &bytes);
     check(&[&one, &two, "old.part"], 65, &["old.part", "slo-rt 9.1.0"]);
+    folder.printed("-q -s scene.txt -f 1 --part 1/1");
+    folder.printed("-q -s scene.txt -f 0 --part 1/1");
+    let renamed = "p/ball_00000.pixels-1-of-1.part";
+    folder.write(renamed, folder.read("ball_00001.pixels-1-of-1.part"));
+    check(&["ball_00000.pixels-1-of-1.part", renamed], 65, &["two frames", "m/ball_00000.png"]);
     check(&[], 2, &["FILES"]);
 }
 

@@ -7,7 +7,15 @@ use std::time::{Duration, Instant};
 
 use super::{Folder, Run, SCENE};
 
+/// A name that any run of the picture looks at.
 const STATE: &str = ".slo-rt-ball_00000.png.state";
+
+/// Checkpoints of frame 0.
+fn states(folder: &Folder) -> Vec<String> {
+    let is_state =
+        |name: &String| name.starts_with(".slo-rt-ball_00000.png.") && name.ends_with(".state");
+    folder.names().into_iter().filter(is_state).collect()
+}
 
 /// Minutes of rendering, in tiles of a fraction of a second.
 fn long() -> Folder {
@@ -42,7 +50,7 @@ fn signal(child: &Child, signal: &str) {
 /// Waits until a checkpoint is there.
 fn wait_for_state(folder: &Folder, child: &mut Child) {
     let deadline = Instant::now() + Duration::from_secs(120);
-    while !folder.path().join(STATE).exists() {
+    while states(folder).is_empty() {
         assert!(child.try_wait().unwrap().is_none(), "it still renders");
         assert!(Instant::now() < deadline, "no checkpoint");
         sleep(Duration::from_millis(20));
@@ -64,7 +72,8 @@ fn check(name: &str) {
     assert_eq!((run.exit, &*run.printed), (75, ""), "{name}: {}", run.said);
     assert!(run.said.contains("interrupted in frame 0"), "{}", run.said);
     assert!(start.elapsed() < Duration::from_secs(60), "it stops soon");
-    assert_eq!(folder.names(), [STATE]);
+    assert_eq!(states(&folder).len(), 1);
+    assert_eq!(folder.names(), states(&folder));
 }
 
 #[test]
@@ -150,7 +159,63 @@ fn a_killed_rendering_goes_on_from_its_last_checkpoint() {
     assert!(!folder.path().join("ball_00000.png").exists());
     folder.printed("-q -s scene.txt");
     assert!(folder.read("ball_00000.png") == whole.read("ball_00000.png"), "other bytes");
-    assert!(!folder.path().join(STATE).exists());
+    assert!(states(&folder).is_empty());
+}
+
+/// Camera rays of a run.
+fn rays(folder: &Folder, typed: &str) -> u64 {
+    let said = folder.run(&format!("-v -s scene.txt {typed}")).said;
+    let line = said.lines().find(|line| line.contains("rays: ")).unwrap().to_owned();
+    line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
+}
+
+#[test]
+fn a_draft_leaves_the_checkpoint_of_a_long_frame() {
+    let settings = "imageSamples 1500";
+    let whole = short(settings);
+    whole.printed("-q -s scene.txt");
+    let folder = short(settings);
+    let mut child = start(&folder, "-s scene.txt -q --checkpoint 1");
+    wait_for_state(&folder, &mut child);
+    signal(&child, "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    let state = states(&folder);
+    for draft in ["--samples 2", "--samples 2 --seed 5", "--noise 0.5"] {
+        let run = folder.run(&format!("-s scene.txt {draft}"));
+        assert_eq!(run.exit, 0, "{}", run.said);
+        assert!(run.said.contains("is of another run, and stays for it"), "{}", run.said);
+        assert_eq!(states(&folder), state, "{draft}");
+    }
+    assert!(rays(&folder, "") < 1500 * 250 * 150, "it goes on");
+    assert!(folder.read("ball_00000.png") == whole.read("ball_00000.png"), "other bytes");
+    assert_eq!(folder.names(), ["ball_00000.png"]);
+}
+
+#[test]
+fn more_samples_go_on_from_the_checkpoint_of_fewer() {
+    let folder = short("imageSamples 3000");
+    let mut child = start(&folder, "-s scene.txt -q --samples 2000 --checkpoint 1");
+    wait_for_state(&folder, &mut child);
+    signal(&child, "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    assert!(rays(&folder, "--samples 2100") < 2100 * 250 * 150);
+    assert_eq!(folder.names(), ["ball_00000.png"], "what it went on from is of no more use");
+}
+
+#[test]
+fn what_is_kept_is_not_lost_to_fewer_samples() {
+    let folder = short("imageSamples 300");
+    let pixels = 250 * 150;
+    folder.printed("-q -s scene.txt --samples 64 --keep-state");
+    let kept = folder.read("ball_00000.png.state");
+    let run = folder.run("-s scene.txt --samples 4 --keep-state");
+    assert_eq!(run.exit, 0);
+    assert!(run.said.contains("has more samples than this picture"), "{}", run.said);
+    assert!(folder.read("ball_00000.png.state") == kept);
+    assert_eq!(rays(&folder, "--samples 80 --keep-state"), (80 - 64) * pixels);
+    let run = folder.run("-s scene.txt --samples 4 --keep-state --seed 1");
+    assert!(run.said.contains("of other settings, and is replaced"), "{}", run.said);
+    assert_eq!(rays(&folder, "--samples 5 --seed 1"), pixels);
 }
 
 #[test]
@@ -183,11 +248,7 @@ fn checkpoints_that_are_damaged_or_foreign_are_not_used() {
 #[test]
 fn a_picture_gets_more_samples() {
     let folder = short("imageSamples 300");
-    let rays = |typed: &str| {
-        let said = folder.run(&format!("-v -s scene.txt {typed}")).said;
-        let line = said.lines().find(|line| line.contains("rays: ")).unwrap().to_owned();
-        line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
-    };
+    let rays = |typed: &str| rays(&folder, typed);
     let pixels = 250 * 150;
     assert_eq!(rays("--samples 64 --keep-state"), 64 * pixels);
     assert_eq!(rays("--samples 100 --keep-state -od other"), 100 * pixels);

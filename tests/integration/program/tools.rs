@@ -28,6 +28,19 @@ fn pictures_are_compared() {
     assert!(value(&run.printed, "rmse") > 1e-4 && value(&run.printed, "flip") > 1e-4);
     let map = image::load_from_memory(&folder.read("map.png")).unwrap();
     assert_eq!((map.width(), map.height()), (100, 70));
+    let bias = value(&run.printed, "mean-ratio") - 1.0;
+    assert!(bias != 0.0 && bias.abs() < 0.05, "{bias}");
+    let limited =
+        |limit: &str| folder.run(&format!("compare ball_00001.png ball_00000.png {limit}"));
+    assert_eq!(limited("--max-bias 0.05").exit, 0);
+    let biased = limited("--max-bias 0");
+    assert_eq!(biased.exit, 1);
+    assert!(biased.said.contains("bias is beyond 0"), "{}", biased.said);
+    for limit in ["--max-rmse nan", "--max-flip -1", "--max-relative-mse=-0.5", "--max-bias inf"] {
+        let run = limited(limit);
+        assert_eq!((run.exit, &*run.printed), (2, ""), "{limit}");
+        assert!(run.said.contains("0 or more"), "{}", run.said);
+    }
     let run = folder.run("compare ball_00002.png ball_00000.png");
     assert_eq!(run.exit, 65);
     assert!(run.said.contains("50x70"), "{}", run.said);
@@ -67,12 +80,56 @@ fn pictures_are_verified() {
     folder.write(name, &wrong);
     let run = folder.run("verify ball_00007.png -s scene.txt --tiles 99");
     assert_eq!((run.exit, &*run.printed), (1, "different\tball_00007.png\t1 of 12 tiles\n"));
+    // Neither a picture that can't be verified nor a wrong one keeps the others from their turn.
+    folder.write("none.exr", "no picture");
+    let run = folder.run(
+        "verify scene.txt none.exr gone.png ball_00007.png ball_00008_region=60x50+33+11.png \
+         -s scene.txt --tiles 99",
+    );
+    let fields = |line: &str| line.split('\t').take(2).collect::<Vec<_>>().join(" ");
+    let lines: Vec<String> = run.printed.lines().map(fields).collect();
+    assert_eq!(
+        lines,
+        [
+            "unverified scene.txt",
+            "unverified none.exr",
+            "unverified gone.png",
+            "different ball_00007.png",
+            "same ball_00008_region=60x50+33+11.png"
+        ]
+    );
+    assert_eq!(run.exit, 1);
+    let said = "1 of 5 pictures are not what their recipes make here; 3 of 5 pictures can't be";
+    assert!(run.said.contains(said), "{}", run.said);
+    let run =
+        folder.run("verify gone.png scene.txt ball_00008_region=60x50+33+11.png -s scene.txt");
+    assert_eq!(run.exit, 66, "the first that can't be verified decides");
+    assert_eq!(run.printed.lines().count(), 3);
     // Another scene, a file that is none of ours.
     folder.write("other.txt", SCENE);
     let run = folder.run("verify ball_00007.png -s other.txt");
     assert_eq!(run.exit, 65);
     assert!(run.said.contains("another scene"), "{}", run.said);
     assert_eq!(folder.run("verify scene.txt -s scene.txt").exit, 65);
+}
+
+#[test]
+fn regions_are_verified_and_compared_with_the_whole() {
+    for keyword in ["PNG_IMAGE", "EXR_IMAGE"] {
+        let folder = folder();
+        let text = String::from_utf8(folder.read("scene.txt")).unwrap();
+        folder.write("scene.txt", text.replace("PNG_IMAGE", keyword));
+        let whole = folder.printed("-q -s scene.txt -od whole");
+        let all = folder.printed("-q -s scene.txt --region 100x70+0+0");
+        let part = folder.printed("-q -s scene.txt --region 60x50+33+11");
+        let printed = folder.printed(&format!("verify -s scene.txt {all} {part}"));
+        assert!(printed.lines().all(|line| line.starts_with("same\t")), "{printed}");
+        let same = folder.printed(&format!("compare {all} {whole} --max-pixels 0"));
+        assert_eq!(value(&same, "pixels"), 0.0, "{keyword}");
+        let run = folder.run(&format!("compare {part} {whole} --max-pixels 0 --map map.exr"));
+        // Where a region lies is in EXR files only.
+        assert_eq!(run.exit, if keyword == "EXR_IMAGE" { 0 } else { 65 }, "{}", run.said);
+    }
 }
 
 #[test]
@@ -84,6 +141,46 @@ fn a_contact_sheet_is_made() {
     let sheet = image::load_from_memory(&folder.read("s.png")).unwrap();
     assert_eq!((sheet.width(), sheet.height()), (3 * 54 + 4, 2 * (35 + 18) + 4));
     assert_eq!(folder.run("sheet none.png").exit, 66);
+}
+
+#[test]
+fn maps_and_sheets_replace_nothing_but_their_like() {
+    let folder = folder();
+    folder.printed("-q -s scene.txt -f 0,1 --samples 1");
+    folder.write("photo.png", folder.read("ball_00001.png"));
+    let names = folder.names();
+    let refused = |typed: &str, exit: i32, said: &str| {
+        let before: Vec<_> = names.iter().map(|name| folder.read(name)).collect();
+        let run = folder.run(typed);
+        assert_eq!((run.exit, &*run.printed), (exit, ""), "{typed}: {}", run.said);
+        assert!(run.said.contains(said), "{typed}: {}", run.said);
+        assert_eq!(folder.names(), names, "{typed}");
+        let after: Vec<_> = names.iter().map(|name| folder.read(name)).collect();
+        assert!(before == after, "{typed}");
+    };
+    let render = "-s scene.txt --overwrite -f";
+    refused(&format!("{render} 0 --sample-map scene.txt"), 2, "neither");
+    refused(&format!("{render} 0 --error-map m.jpg"), 2, "neither");
+    refused(&format!("{render} 0 --sample-map m.png --error-map ./m.png"), 2, "are both");
+    refused(&format!("{render} 0 --sample-map ball_00000.png"), 2, "picture 0 are both");
+    refused(&format!("{render} 0 --sample-map ball_00001.png"), 73, "no map and no sheet");
+    refused(&format!("{render} 0,1 --error-map ball_#####.png"), 2, "are both");
+    refused(&format!("{render} 0 --sample-map photo.png"), 73, "give another name");
+    refused(&format!("{render} 0 --sample-map photo.png/m.png"), 73, "can't create");
+    let both = "compare ball_00001.png ball_00000.png --map";
+    refused(&format!("{both} ball_00000.png"), 2, "it is read");
+    refused(&format!("{both} photo.png"), 73, "no map and no sheet");
+    refused(&format!("{both} m.txt"), 2, "neither");
+    refused("sheet ball_00000.png photo.png -o ./photo.png", 2, "it is read");
+    refused("sheet ball_00000.png -o photo.png", 73, "no map and no sheet");
+    refused("sheet ball_00000.png -o sheet.exr", 2, "a sheet is a .png file");
+    // Maps and sheets of earlier runs are replaced; folders are made.
+    for _ in 0..2 {
+        folder.printed("-q -s scene.txt --samples 1 --sample-map new/take##_####.png");
+        folder.printed(&format!("{both} new/map.png"));
+        folder.printed("sheet ball_00000.png");
+    }
+    assert!(folder.path().join("new/take##_0000.png").exists());
 }
 
 #[test]
