@@ -52,9 +52,7 @@ impl Checkpoint {
         terminal: Terminal,
     ) -> Self {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let recipe = recipe(&subject, is_timed, Steps::default());
-        let hash = blake3::hash(recipe.as_bytes()).to_hex();
-        let unfinished = path.with_file_name(format!(".slo-rt-{name}.{}.state", &hash[..8]));
+        let unfinished = unfinished(path, &subject, is_timed);
         Self {
             subject,
             is_timed,
@@ -206,6 +204,14 @@ impl Checkpoint {
         [&self.unfinished, &self.kept].into_iter().for_each(|path| remove_leftovers(path));
     }
 
+    /// Keeps what is known of an unfinished frame as that of a finished picture.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn keep_unfinished(&self) -> io::Result<()> {
+        fs::rename(&self.unfinished, &self.kept)
+    }
+
     /// The picture is in place: nothing is left to go on with.
     pub(super) fn remove(&self) {
         let spent = self.spent.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -213,6 +219,15 @@ impl Checkpoint {
             let _ = fs::remove_file(path);
         }
     }
+}
+
+/// Where the state of a run that has not finished the picture at `path` lies: the name tells the
+/// recipe.
+pub(super) fn unfinished(path: &Path, subject: &Subject, is_timed: bool) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let recipe = recipe(subject, is_timed, Steps::default());
+    let hash = blake3::hash(recipe.as_bytes()).to_hex();
+    path.with_file_name(format!(".slo-rt-{name}.{}.state", &hash[..8]))
 }
 
 /// What a file of a state holds for a run.

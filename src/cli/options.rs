@@ -77,6 +77,8 @@ pub(super) struct Job {
     pub(super) maps: Maps,
     /// How long a frame may take; `None`: as long as its samples take.
     pub(super) time: Option<Duration>,
+    /// How long all frames together may take.
+    pub(super) total_time: Option<Duration>,
     /// How far a frame is taken, step by step, instead of by the scene's rule.
     pub(super) steps: Option<Steps>,
     /// Whether to say what would be rendered instead of doing it.
@@ -120,6 +122,11 @@ impl Job {
     /// The frames to render.
     pub(super) fn frames(&self) -> Frames {
         self.frames.clone().unwrap_or(Frames::single(0))
+    }
+
+    /// Whether the clock decides how far a frame is taken.
+    pub(super) fn is_timed(&self) -> bool {
+        self.time.is_some() || self.total_time.is_some()
     }
 
     /// Whether frames that are finished already are left alone.
@@ -178,6 +185,7 @@ fn job(args: Args) -> Result<Job, Problem> {
     let maps = Maps { samples: args.sample_map, error: args.error_map };
     let several = args.frame.as_ref().is_some_and(|frames| frames.numbers.len() > 1);
     maps.check_names(several).map_err(usage)?;
+    check_total_time(args.total_time, args.frame.as_ref())?;
     Ok(Job {
         scene: args.scene,
         indir: args.indir,
@@ -197,6 +205,7 @@ fn job(args: Args) -> Result<Job, Problem> {
         checkpoint: Some(Duration::from_secs(args.checkpoint.into())).filter(|d| !d.is_zero()),
         keep_state: args.keep_state,
         time: args.time,
+        total_time: args.total_time,
         steps: args.steps,
         maps,
         dry_run: args.dry_run,
@@ -208,13 +217,25 @@ fn job(args: Args) -> Result<Job, Problem> {
             size: args.size,
             samples: args.samples,
             noise: args.noise,
-            is_stepwise: args.time.is_some() || args.steps.is_some(),
+            is_stepwise: args.time.is_some() || args.total_time.is_some() || args.steps.is_some(),
             seed: args.seed,
             accelerator: args.accelerator.map(Accelerator::from),
         },
         threads: args.threads.map(|threads| threads as usize),
         isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
     })
+}
+
+/// A time for all frames is shared out among frames.
+fn check_total_time(time: Option<Duration>, frames: Option<&Frames>) -> Result<(), Problem> {
+    let is_sequence = frames.is_some_and(|frames| frames.is_sequence);
+    match time {
+        Some(_) if !is_sequence => {
+            let message = "--total-time is for a sequence, and --frame names none, such as 1-100";
+            Err(Problem::new(Exit::Usage, message).with_help("`--time` is for one frame"))
+        }
+        _ => Ok(()),
+    }
 }
 
 impl Overrides {
@@ -335,6 +356,14 @@ mod tests {
         check("-f 5 --share", true);
         check("-f 5-5", true);
         check("-f 5,6 --overwrite", false);
+    }
+
+    #[test]
+    fn a_time_for_all_frames_needs_frames() {
+        assert!(task("-f 1-3 --total-time 8h").is_ok());
+        for typed in ["--total-time 8h", "-f 3 --total-time 8h"] {
+            assert_eq!(task(typed).unwrap_err().exit, Exit::Usage, "{typed}");
+        }
     }
 
     #[test]

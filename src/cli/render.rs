@@ -15,7 +15,7 @@ use super::{Exit, interrupt, load, patience};
 use crate::film::{Film, TooLarge};
 use crate::frame::FrameScene;
 use crate::output::{Outcome, check_free, check_writable, remove_leftovers};
-use crate::render::{Exposed, Observer, Statistics, Steps, render, render_until};
+use crate::render::{Budget, Exposed, Observer, Statistics, Steps, render, render_until};
 use crate::scene::SceneDescription;
 
 /// Nanoseconds that encoding and writing a pixel take, about.
@@ -37,16 +37,39 @@ pub(super) struct Done {
     pub(super) statistics: Statistics,
     pub(super) size: Size,
     pub(super) outcome: Outcome,
+    /// How far it was taken, where the clock decided about that.
+    pub(super) steps: Option<Steps>,
+}
+
+impl Done {
+    /// The same with what an earlier visit to the frame took.
+    pub(super) fn after(mut self, earlier: &Self) -> Self {
+        self.times.add(&earlier.times);
+        self.statistics += earlier.statistics;
+        self
+    }
+}
+
+/// When a frame takes no more samples, by the clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Limit {
+    /// Counted from where its building begins.
+    pub(super) time: Duration,
+    /// The last step that it takes.
+    pub(super) step: u32,
 }
 
 impl Studio<'_> {
     /// Builds, renders and saves a frame; `expected` is where its picture goes. `before` is what was
     /// built for another frame, and then what was built for this one. Where `is_lost`, the frame is
     /// another process's, and is stopped without keeping anything.
+    ///
+    /// With a time for all frames what is known of this one stays until it is [closed](Self::close).
     pub(super) fn render(
         &self,
         frame: i64,
         expected: &Path,
+        limit: Option<Limit>,
         progress: &Progress,
         before: &mut Option<FrameScene>,
         is_lost: &(dyn Fn() -> bool + Sync),
@@ -55,12 +78,14 @@ impl Studio<'_> {
         let (progress, checkpoint) = (progress.frame(frame, expected), self.checkpoint(frame));
         let watch = Watch { progress, checkpoint, is_lost };
         let start = Instant::now();
-        let deadline = self.deadline(start);
         let built = load::frame(self.job, self.scene, frame, before.take())?;
+        let (film, least) = watch.checkpoint.film().map_err(too_large)?;
+        let budget =
+            limit.map(|Limit { time, step }| Budget { deadline: start + time, least, last: step });
         let building = start.elapsed();
         let start = Instant::now();
         let size = Size::of(&built);
-        let (exposed, steps) = self.expose(&built, deadline, &watch)?;
+        let (exposed, steps) = self.expose(&built, film, budget, &watch);
         let rendering = start.elapsed();
         let checkpoint = watch.checkpoint;
         if !exposed.is_complete && is_lost() {
@@ -73,40 +98,71 @@ impl Studio<'_> {
         }
         let start = Instant::now();
         let path = self.target.path(frame, rendering);
-        let outcome = self.save(frame, &exposed.film, steps, &path, &checkpoint)?;
-        self.target
-            .write_maps(frame, &exposed.film, self.terminal)
-            .map_err(|(path, error)| cant_write(&path, &error))?;
-        if self.job.keep_state {
-            let steps = steps.unwrap_or_default();
-            checkpoint
-                .keep_finished(exposed.film, steps)
-                .map_err(|error| cant_write(&path, &error))?;
-        }
-        checkpoint.remove();
+        let Exposed { film, statistics, .. } = exposed;
+        let outcome = self.put_in_place(frame, film, steps, &path, &checkpoint)?;
         let times =
             Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
         *before = Some(built);
-        Ok(Done { path, times, statistics: exposed.statistics, size, outcome })
+        Ok(Done { path, times, statistics, size, outcome, steps })
     }
 
-    /// Goes on from what is known of a frame, to the end of the plan or of the time; with time, how
-    /// far it came.
+    /// Writes all that is made of a film, and the film where it is still of use.
+    fn put_in_place(
+        &self,
+        frame: i64,
+        film: Film,
+        steps: Option<Steps>,
+        path: &Path,
+        checkpoint: &Checkpoint,
+    ) -> Result<Outcome, Problem> {
+        let reached = steps.unwrap_or_default();
+        let is_open = self.job.total_time.is_some();
+        if is_open {
+            // Before the picture, which is taken for finished where it is alone.
+            let keep = || checkpoint.save(film.clone(), reached, true);
+            patience::write(path, self.terminal, keep).map_err(|error| cant_write(path, &error))?;
+        }
+        let outcome = self.save(frame, &film, steps, path, checkpoint)?;
+        self.target
+            .write_maps(frame, &film, self.terminal)
+            .map_err(|(path, error)| cant_write(&path, &error))?;
+        if self.job.keep_state && !is_open {
+            checkpoint.keep_finished(film, reached).map_err(|error| cant_write(path, &error))?;
+        }
+        if !is_open {
+            checkpoint.remove();
+        }
+        Ok(outcome)
+    }
+
+    /// Takes a film to the end of the plan or of the budget; with a budget, how far it came.
     fn expose(
         &self,
         frame: &FrameScene,
-        deadline: Option<Instant>,
+        film: Film,
+        budget: Option<Budget>,
         watch: &Watch,
-    ) -> Result<(Exposed, Option<Steps>), Problem> {
+    ) -> (Exposed, Option<Steps>) {
         let plan = self.target.plan();
-        let (film, least) = watch.checkpoint.film().map_err(too_large)?;
-        Ok(match deadline {
+        match budget {
             None => (render(frame, plan, film, watch), None),
-            Some(deadline) => {
-                let (exposed, steps) = render_until(frame, plan, film, watch, deadline, least);
+            Some(budget) => {
+                let (exposed, steps) = render_until(frame, plan, film, watch, budget);
                 (exposed, Some(steps))
             }
-        })
+        }
+    }
+
+    /// A frame with a time for all of them takes no more samples in this run: what is known of it is
+    /// removed, or kept for later runs.
+    pub(super) fn close(&self, frame: i64) -> Result<(), Problem> {
+        let checkpoint = self.checkpoint(frame);
+        if !self.job.keep_state {
+            checkpoint.remove();
+            return Ok(());
+        }
+        let path = self.target.plain_path(frame);
+        checkpoint.keep_unfinished().map_err(|error| cant_write(&path, &error))
     }
 
     /// Removes what another run, killed as it wrote, left of a frame whose picture was to be at `path`.
@@ -122,16 +178,17 @@ impl Studio<'_> {
 
     fn checkpoint(&self, frame: i64) -> Checkpoint {
         let (path, subject) = (self.target.plain_path(frame), self.target.subject(frame));
-        let is_timed = self.job.time.is_some();
+        let is_timed = self.job.is_timed();
         Checkpoint::new(&path, subject, is_timed, self.job.checkpoint, self.terminal)
     }
 
-    /// When a frame that began then has to stop taking samples, to be in place in time.
-    fn deadline(&self, begin: Instant) -> Option<Instant> {
+    /// The limit of a frame that has a time of its own: then it is in place in time.
+    pub(super) fn limit(&self) -> Option<Limit> {
         let film = &self.scene.camera.film;
         let pixels = u64::from(film.width) * u64::from(film.height);
         let writing = Duration::from_nanos(WRITING_PER_PIXEL.saturating_mul(pixels));
-        self.job.time.map(|time| begin + time.saturating_sub(writing))
+        let time = self.job.time?.saturating_sub(writing);
+        Some(Limit { time, step: Steps::LAST })
     }
 
     /// Saves the picture; where that fails, what is known of it.

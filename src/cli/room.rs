@@ -37,6 +37,13 @@ impl Needs {
         Self { disk, memory: film.saturating_mul(2) }
     }
 
+    /// The same where the states of so many frames are kept until the end.
+    pub(super) fn with_states(self, frames: usize) -> Self {
+        let film = self.memory / 2;
+        let more = film.saturating_mul(frames.saturating_sub(1) as u64);
+        Self { disk: self.disk.saturating_add(more), ..self }
+    }
+
     /// Warns where there is less than that.
     pub(super) fn check(&self, outdir: &Path, terminal: Terminal) {
         if let Some(free) = free_on_disk(outdir).filter(|free| *free < self.disk) {

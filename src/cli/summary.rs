@@ -21,6 +21,13 @@ pub(super) struct Times {
 }
 
 impl Times {
+    /// Adds the times of a frame; its scene is loaded once for all.
+    pub(super) fn add(&mut self, frame: &Self) {
+        self.building += frame.building;
+        self.rendering += frame.rendering;
+        self.writing += frame.writing;
+    }
+
     /// All phases.
     pub(super) fn total(&self) -> Duration {
         self.loading + self.building + self.rendering + self.writing
@@ -71,9 +78,7 @@ impl Summary {
     /// Adds a frame.
     pub(super) fn add(&mut self, done: &Done) {
         self.frames += 1;
-        self.times.building += done.times.building;
-        self.times.rendering += done.times.rendering;
-        self.times.writing += done.times.writing;
+        self.times.add(&done.times);
         self.statistics += done.statistics;
         self.size = done.size;
         self.error = self.error.into_iter().chain(done.outcome.error).reduce(f64::max);

@@ -48,7 +48,7 @@ impl<'a> Target<'a> {
             Some(region) => inside(region, whole)?,
         };
         let plan = Plan::new(scene);
-        let steps = job.steps.or(job.time.map(|_| Steps::default()));
+        let steps = job.steps.or(job.is_timed().then(Steps::default));
         let plan = steps.map_or(plan.clone(), |steps| plan.in_steps(steps));
         let plan = match job.part {
             None => plan,
@@ -105,7 +105,7 @@ impl<'a> Target<'a> {
     pub(super) fn look(&self, frame: i64, path: &Path) -> Found {
         match self.job.part {
             Some(_) => find_state(path, &self.subject(frame)),
-            None if self.job.time.is_some() => find_timed_picture(path, &self.recipe(frame, None)),
+            None if self.job.is_timed() => find_timed_picture(path, &self.recipe(frame, None)),
             None => find_picture(path, &self.recipe(frame, self.job.steps)),
         }
     }

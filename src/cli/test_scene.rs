@@ -48,6 +48,7 @@ pub(super) fn job() -> Job {
         keep_state: false,
         maps: Maps::default(),
         time: None,
+        total_time: None,
         steps: None,
         dry_run: false,
         progress: ProgressForm::default(),

@@ -10,9 +10,20 @@ use super::{Exposed, Observer, Plan, Run, Steps, lock};
 use crate::film::{Area, Film};
 use crate::frame::FrameScene;
 
-/// Exposes the film of a whole picture, step by step, until `deadline`; to the first step and to
-/// `least` however long they take. It says how far it came: a plan [`in_steps`](Plan::in_steps) of
-/// that gives the same film without a clock.
+/// When a picture that gets better step by step is good enough.
+#[derive(Clone, Copy, Debug)]
+pub struct Budget {
+    /// When time is over.
+    pub deadline: Instant,
+    /// What is reached however long it takes: all that the film knows already.
+    pub least: Steps,
+    /// The step that is not passed even if there is time, unless by `least`.
+    pub last: u32,
+}
+
+/// Exposes the film of a whole picture, step by step, as far as `budget` allows, and to the first
+/// step in any case. It says how far it came: a plan [`in_steps`](Plan::in_steps) of that gives the
+/// same film without a clock.
 ///
 /// Where the observer stops it, tiles may be between two steps; the film goes on to what is
 /// returned then, or to more.
@@ -21,16 +32,17 @@ pub fn render_until(
     plan: &Plan,
     film: Film,
     observer: &dyn Observer,
-    deadline: Instant,
-    least: Steps,
+    budget: Budget,
 ) -> (Exposed, Steps) {
+    let Budget { deadline, least, last } = budget;
+    let last = last.max(least.done + u32::from(least.tiles > 0)).min(Steps::LAST);
     let tiles = tiles_in_order(frame.camera.width(), frame.camera.height());
     let run = Run::new(frame, film, observer);
     let clock = Clock::new(deadline, tiles.len());
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
     let mut reached = Steps::default();
-    for step in 0..=Steps::LAST {
+    for step in least.done.min(last)..=last {
         let pass = Pass {
             run: &run,
             clock: &clock,

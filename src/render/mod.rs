@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use crate::film::{Area, Film};
 use crate::frame::FrameScene;
 pub use crate::integrator::Statistics;
-pub use budget::render_until;
+pub use budget::{Budget, render_until};
 pub use plan::{Part, Plan, display_of};
 use sections::{Sections, TILE};
 pub use steps::Steps;

@@ -21,6 +21,12 @@ impl Steps {
     /// The last step there is: its error is a hundredth of a step of 8 bits.
     pub const LAST: u32 = 26;
 
+    /// The share of a picture's tiles that are one further.
+    pub fn further(self, width: u32, height: u32) -> f64 {
+        let tiles = width.div_ceil(TILE) * height.div_ceil(TILE);
+        f64::from(self.tiles) / f64::from(tiles.max(1))
+    }
+
     /// The step that a tile is at.
     pub(super) fn of(self, tile: Area, width: u32, height: u32) -> u32 {
         let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
@@ -76,5 +82,6 @@ mod tests {
             let inner = Area { x0: tile.x0 + 1, y0: tile.y0 + 2, ..tile };
             assert_eq!(steps.of(inner, width, height), expected, "a region begins in the tile");
         }
+        assert_eq!(steps.further(width, height), 5.0 / 12.0);
     }
 }

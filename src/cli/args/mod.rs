@@ -37,6 +37,8 @@ Examples:
   slo-rt -s table.txt -f 0-100 -od out  a sequence; again: what is missing of it
   slo-rt -s table.txt -f 0-100 -od out --share
                                         the same on each of several machines
+  slo-rt -s table.txt -f 0-100 -od out --total-time 8h
+                                        as clean as it gets over night
   slo-rt -s table.txt --check           find mistakes, render nothing
   slo-rt -s table.txt --size 320x180 --samples 4
                                         a quick draft
@@ -249,7 +251,17 @@ pub(super) struct Args {
     #[arg(conflicts_with_all = ["noise", "steps", "part", "region"], verbatim_doc_comment)]
     pub(super) time: Option<Duration>,
 
-    /// How far a frame of --time came: the two numbers in its recipe
+    /// Time that all frames together may take, such as 8h
+    ///
+    /// They come out equally clean: round by round all of them get better, until
+    /// the time is over. A run that was stopped or killed goes on from there, and
+    /// has the rest of the time. Recipes and --steps as with --time.
+    #[arg(long, value_name = "TIME", help_heading = DRAFT, value_parser = time::time)]
+    #[arg(conflicts_with_all = ["time", "noise", "steps", "part", "region", "share", "info"])]
+    #[arg(verbatim_doc_comment)]
+    pub(super) total_time: Option<Duration>,
+
+    /// How far --time or --total-time came: the two numbers in a recipe
     #[arg(long, value_name = "STEP,TILES", help_heading = DRAFT, value_parser = steps)]
     #[arg(conflicts_with = "noise")]
     pub(super) steps: Option<Steps>,
@@ -406,6 +418,14 @@ mod tests {
             "--time 5x",
             "--time 5s --noise 0.1",
             "--time 5s --part 1/2",
+            "-f 1-3 --total-time 0",
+            "-f 1-3 --total-time 5s --time 1s",
+            "-f 1-3 --total-time 5s --noise 0.1",
+            "-f 1-3 --total-time 5s --steps 5,0",
+            "-f 1-3 --total-time 5s --part 1/2",
+            "-f 1-3 --total-time 5s --region 4x4+0+0",
+            "-f 1-3 --total-time 5s --share",
+            "-f 1-3 --total-time 5s --info",
             "--steps 5",
             "--steps 99,0",
             "--noise 0",

@@ -10,6 +10,8 @@ pub(super) struct Estimate {
     total: f64,
     /// Frames that were done without this run's work: found finished, or resumed.
     free: f64,
+    /// How long the run takes, whatever it comes to.
+    span: Option<Duration>,
 }
 
 /// Where a run is.
@@ -25,7 +27,12 @@ pub(super) struct Moment {
 impl Estimate {
     /// For a run of `frames` that starts now.
     pub(super) fn new(frames: usize) -> Self {
-        Self { start: Instant::now(), total: frames as f64, free: 0.0 }
+        Self { start: Instant::now(), total: frames as f64, free: 0.0, span: None }
+    }
+
+    /// For a run that is over after `span` from now.
+    pub(super) fn of_time(span: Duration) -> Self {
+        Self { span: Some(span), ..Self::new(0) }
     }
 
     /// So much was done already.
@@ -39,6 +46,11 @@ impl Estimate {
     }
 
     fn after(&self, done: f64, elapsed: Duration) -> Moment {
+        if let Some(span) = self.span {
+            let fraction = elapsed.as_secs_f64() / span.as_secs_f64().max(1e-9);
+            let left = Some(span.saturating_sub(elapsed));
+            return Moment { fraction: fraction.min(1.0), elapsed, left };
+        }
         let (own, left) = (done - self.free, (self.total - done).max(0.0));
         let left = elapsed.as_secs_f64() * left / own;
         Moment {
@@ -64,5 +76,14 @@ mod tests {
         assert_eq!((moment.fraction, moment.left), (0.5, Some(seconds(50))));
         assert_eq!(estimate.after(4.5, seconds(5)).left, None);
         assert_eq!(estimate.after(10.0, seconds(55)).left, Some(seconds(0)));
+    }
+
+    #[test]
+    fn a_span_of_time_passes_by_the_clock() {
+        let estimate = Estimate::of_time(Duration::from_secs(80));
+        let moment = estimate.after(3.0, Duration::from_secs(20));
+        assert_eq!((moment.fraction, moment.left), (0.25, Some(Duration::from_secs(60))));
+        let moment = estimate.after(0.0, Duration::from_secs(81));
+        assert_eq!((moment.fraction, moment.left), (1.0, Some(Duration::ZERO)));
     }
 }

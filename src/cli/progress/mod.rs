@@ -86,6 +86,16 @@ impl Progress {
         progress
     }
 
+    /// From now on the work is what is left of a span of time, and done when that is over.
+    pub(super) fn by_clock(&mut self, span: Duration) {
+        self.estimate = Mutex::new(Estimate::of_time(span));
+    }
+
+    /// Goes to one of the frames to be rendered, by its place among them, 0 for the first.
+    pub(super) fn go_to(&mut self, place: usize) {
+        self.done = place;
+    }
+
     /// A frame is there already; `counted`: it was among those to be rendered.
     pub(super) fn found(&mut self, frame: i64, path: &Path, counted: bool) {
         if counted {

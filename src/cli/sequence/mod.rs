@@ -3,20 +3,23 @@
 mod claims;
 mod dry_run;
 mod frames;
+mod ledger;
 mod order;
 mod plan;
+mod schedule;
 mod shared;
+mod total;
 
 use std::fmt::Display;
 use std::io;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::interrupt::Guard;
 use super::options::Job;
 use super::problem::Problem;
 use super::progress::Progress;
-use super::render::Studio;
+use super::render::{Done, Studio};
 use super::room::Needs;
 use super::summary::Summary;
 use super::target::Target;
@@ -35,8 +38,7 @@ pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
     let _guard = (!job.dry_run).then(Guard::new);
     let threads = load::threads(job.threads)?;
     let scene = threads.install(|| load::scene(job, terminal))?;
-    let loading = start.elapsed();
-    let go = || render(job, &scene, terminal, loading);
+    let go = || render(job, &scene, terminal, start);
     match (job.threads, scene.settings.parallel_threads) {
         (None, Some(asked)) => load::threads(Some(asked as usize))?.install(go),
         _ => threads.install(go),
@@ -47,8 +49,9 @@ fn render(
     job: &Job,
     scene: &SceneDescription,
     terminal: Terminal,
-    loading: Duration,
+    begin: Instant,
 ) -> Result<(), Problem> {
+    let loading = begin.elapsed();
     let target = Target::new(job, scene)?;
     let steps = plan::steps(job, scene, &target);
     if job.dry_run {
@@ -57,7 +60,10 @@ fn render(
     if let Some(first) = steps.iter().find(|step| step.is_to_render()) {
         let subject = target.subject(first.frame);
         let format = scene.camera.film.output;
-        Needs::of(&subject, format, to_render(&steps)).check(&job.outdir, terminal);
+        let frames = to_render(&steps);
+        let needs = Needs::of(&subject, format, frames);
+        let needs = if job.total_time.is_some() { needs.with_states(frames) } else { needs };
+        needs.check(&job.outdir, terminal);
     }
     let pictures = steps.iter().filter(|step| step.is_to_render());
     job.maps.check(pictures.map(|step| (step.frame, &*step.path)))?;
@@ -79,9 +85,10 @@ fn render(
         unprinted: None,
     };
     let start = Instant::now();
-    let result = match job.share {
-        Some(lease) => run.share(steps, lease),
-        None => steps.iter().try_for_each(|step| run.step(step)),
+    let result = match (job.share, job.total_time) {
+        (Some(lease), _) => run.share(steps, lease),
+        (None, Some(span)) => run.rounds(steps, span, begin),
+        (None, None) => steps.iter().try_for_each(|step| run.step(step)),
     };
     let time = start.elapsed();
     run.progress.ended(run.summary.frames, run.found, run.failures.len(), time);
@@ -146,17 +153,10 @@ impl Run<'_> {
         path: &Path,
         is_lost: &(dyn Fn() -> bool + Sync),
     ) -> Result<bool, Problem> {
-        if interrupt::requested() {
-            return Err(Problem::new(Exit::Stopped, format!("interrupted before frame {frame}"))
-                .with_help("the same command goes on from there"));
-        }
-        match self.studio.render(frame, path, &self.progress, &mut self.before, is_lost) {
-            Ok(done) => {
-                self.summary.add(&done);
-                let time = done.times.total();
-                self.progress.finished(frame, &done.path, time, done.outcome);
-                self.print(&done.path);
-            }
+        may_begin(frame)?;
+        let (studio, before) = (&self.studio, &mut self.before);
+        match studio.render(frame, path, studio.limit(), &self.progress, before, is_lost) {
+            Ok(done) => self.finish(frame, &done),
             Err(problem) if problem.exit == Exit::Stopped && interrupt::requested() => {
                 return Err(problem);
             }
@@ -164,6 +164,13 @@ impl Run<'_> {
             Err(problem) => self.fail(frame, problem, true),
         }
         Ok(true)
+    }
+
+    /// A frame is in place, for good.
+    fn finish(&mut self, frame: i64, done: &Done) {
+        self.summary.add(done);
+        self.progress.finished(frame, &done.path, done.times.total(), done.outcome);
+        self.print(&done.path);
     }
 
     fn fail(&mut self, frame: i64, problem: Problem, counted: bool) {
@@ -207,6 +214,15 @@ impl Run<'_> {
             }
         }
     }
+}
+
+/// An error where the run was asked to stop.
+fn may_begin(frame: i64) -> Result<(), Problem> {
+    if interrupt::requested() {
+        return Err(Problem::new(Exit::Stopped, format!("interrupted before frame {frame}"))
+            .with_help("the same command goes on from there"));
+    }
+    Ok(())
 }
 
 fn cant_print(error: &io::Error) -> Problem {

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 
+use super::super::checkpoint::unfinished;
 use super::super::options::Job;
 use super::super::target::Target;
 use crate::animation::{Clock, NoSegment};
@@ -56,9 +57,18 @@ pub(super) fn look_again(job: &Job, target: &Target, frame: i64) -> (PathBuf, St
 /// What is at `path` of a frame that the scene has.
 fn look(job: &Job, target: &Target, frame: i64, path: &Path) -> State {
     match target.look(frame, path) {
+        Found::Finished if is_open(job, target, frame) => {
+            State::ToRender(Found::Stale("the time was not over".into()))
+        }
         Found::Finished if job.skips_finished() => State::Finished,
         found => State::ToRender(found),
     }
+}
+
+/// Whether a picture of a run with a time for all frames is to get better.
+pub(super) fn is_open(job: &Job, target: &Target, frame: i64) -> bool {
+    let state = || unfinished(&target.plain_path(frame), &target.subject(frame), job.is_timed());
+    job.total_time.is_some() && state().is_file()
 }
 
 /// Names in the output folder, where the time of rendering is part of them.

@@ -18,6 +18,8 @@ mod shared;
 #[cfg(unix)]
 mod signals;
 mod tools;
+#[cfg(unix)]
+mod total_time;
 
 use std::fs;
 use std::path::Path;
