@@ -69,8 +69,8 @@ pub(crate) enum Look {
 
 impl FrameScene {
     /// The same frame with every estimator in its plainest form: lamps in glossy surfaces are found
-    /// by the lobe's rays only, one light of many is any of them, and no ray is left out for its small weight. The expected picture
-    /// is the same, its noise is not.
+    /// by the lobe's rays only, one light of many is any of them, and no ray is left out for its
+    /// small weight. The expected picture is the same, its noise is not.
     #[must_use]
     pub fn plain(self) -> Self {
         Self { clever: false, ..self }
