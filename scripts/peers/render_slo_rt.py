@@ -1,0 +1,119 @@
+"""slo-rt: the whole process, from the scene's text to the EXR file."""
+
+import struct
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import job
+import stills
+
+
+def numbers(values):
+    return "{ " + " ".join(f"{v:g}" for v in values) + " }"
+
+
+def material(name, color, more=""):
+    return (f"phong_info {name} {{ diffuse {numbers(color)} {more} }}\n"
+            f"material_phong {name} {{ phong_info {name} }}\n")
+
+
+def object_text(still, name):
+    place, color = stills.MESHES[name]
+    words = {stills.WHITE: "white", stills.BLUE: "blue", stills.RED: "red"}
+    look = "glass" if still.rough and name == stills.GLASS else words[color]
+    keys = [f"key {{ pivot {numbers(place)} }}"]
+    if still.moves and name == stills.MOVES:
+        keys = [f"key {{ pivot {numbers(p)} up {numbers(u)} right {numbers(r)} }}" for p, u, r in stills.KEYS]
+    frames = " ".join(f"addKframe {{ time {0.04 * i:g} {key} }}" for i, key in enumerate(keys))
+    mesh = stills.ROOT / "meshes" / f"{name}.slo"
+    return f"mesh {name} {{ filename {mesh} smooth_normals 1 material {look} {frames} }}\n"
+
+
+def scene_text(still):
+    v0, v1, v2 = map(numbers, stills.LIGHT)
+    center, radius, _ = stills.BALL
+    text = f"""settings s {{ recursion {stills.BOUNCES if still.rough else 0} background {numbers(stills.SKY)} }}
+Camera c {{ fps 25
+ Film f {{ width {stills.WIDTH} height {stills.HEIGHT} prefix still_ output EXR_IMAGE }}
+ CamSegment s {{ videoStart 0 videoEnd 4 sceneStart 0 sceneEnd 4
+  addPosition {numbers(stills.EYE)} addTarget {numbers(stills.TARGET)} skyStart {{ 0 0 1 }} fovStart {stills.FOV}
+  dofStart {stills.FOCUS} lensRadiusStart {still.lens} blurDuration {0.04 * stills.SHUTTER if still.moves else 0} }} }}
+light_rectangle lamp {{ color {numbers(stills.LIGHT_COLOR)} vertex0 {v0} vertex1 {v1} vertex2 {v2} }}
+plane floor {{ normal {{ 0 0 1 }} position {{ 0 0 0 }} material floor }}
+sphere ball {{ center {numbers(center)} radius {radius} material red }}
+"""
+    text += material("white", stills.WHITE) + material("blue", stills.BLUE) + material("red", stills.RED)
+    if still.rough:
+        text += material("floor", stills.FLOOR_UNDER_MIRROR,
+                         f"reflectance {stills.MIRROR} diffuse_reflection {stills.MIRROR_SPREAD}")
+        text += material("glass", (0, 0, 0), f"refraction .92 refraction_index {stills.GLASS_INDEX} reflectance .08"
+                         f" diffuse_refraction {stills.GLASS_SPREAD} diffuse_reflection {stills.GLASS_SPREAD}")
+    else:
+        text += material("floor", stills.FLOOR)
+    return text + "".join(object_text(still, name) for name in stills.MESHES)
+
+
+def unpacked(packed):
+    """Run lengths of OpenEXR, and its differences of bytes."""
+    plain, at = bytearray(), 0
+    while at < len(packed):
+        count = packed[at] - 256 if packed[at] > 127 else packed[at]
+        if count < 0:
+            plain += packed[at + 1:at + 1 - count]
+            at += 1 - count
+        else:
+            plain += packed[at + 1:at + 2] * (count + 1)
+            at += 2
+    steps = np.frombuffer(bytes(plain), dtype=np.uint8).astype(np.int64)
+    steps[1:] -= 128
+    halves = np.cumsum(steps).astype(np.uint8)
+    middle = (len(halves) + 1) // 2
+    whole = np.empty_like(halves)
+    whole[0::2], whole[1::2] = halves[:middle], halves[middle:]
+    return whole.tobytes()
+
+
+def read_exr(path):
+    """A picture as slo-rt writes it: channels B, G, R of 32 bits, a line at a time."""
+    data = Path(path).read_bytes()
+    at = 8
+    while data[at]:
+        at = data.index(b"\0", data.index(b"\0", at) + 1) + 1
+        at += 4 + struct.unpack_from("<i", data, at)[0]
+    offsets = struct.unpack_from(f"<{stills.HEIGHT}q", data, at + 1)
+    rows = np.empty((stills.HEIGHT, 3, stills.WIDTH), dtype=np.float32)
+    for offset in offsets:
+        row, size = struct.unpack_from("<ii", data, offset)
+        line = data[offset + 8:offset + 8 + size]
+        line = line if size == rows[0].nbytes else unpacked(line)
+        rows[row] = np.frombuffer(line, dtype="<f4").reshape(3, stills.WIDTH)
+    return rows[:, ::-1].transpose(0, 2, 1)
+
+
+class SloRt:
+    def __init__(self, still, order):
+        self.folder = tempfile.TemporaryDirectory()
+        self.program = order["program"]
+        self.scene = Path(self.folder.name) / "still.txt"
+        self.scene.write_text(scene_text(still), encoding="utf-8")
+        try:
+            self.version = self.run("--version").split()[-1]
+        except FileNotFoundError as error:
+            job.missing(error)
+
+    def run(self, *arguments):
+        command = [self.program, *map(str, arguments)]
+        return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+    def render(self, samples, seed, threads):
+        began = job.user_time()
+        path = self.run("-q", "--overwrite", "--allow-outside", "-s", self.scene, "--samples", samples, "--seed", seed,
+                        "--threads", threads, "--outdir", self.folder.name).strip()
+        return read_exr(path), job.user_time() - began
+
+
+if __name__ == "__main__":
+    job.serve(SloRt)
