@@ -2,22 +2,23 @@
 """How fast the noise of each effect falls with the number of samples, by generator; or what adaptive sampling saves.
 
     python3 scripts/convergence.py [--program slo-rt] [--size 96x54] [--samples 4,16,64,256] [--reference 4096]
-    python3 scripts/convergence.py --noise 0.02,0.01
+    python3 scripts/convergence.py --noise 0.04,0.02,0.01 --size 320x180 --samples 4,8,16,32,64,128,256
 
 Renders shipped scenes of one effect each, compares them with a reference of another seed by the program's own
 `compare`, and prints a Markdown table of relative mean square errors. The last columns are the exponent of the error
 (root mean square) in the number of samples, -0.5 for independent ones; how many samples PSEUDO takes for the error
 that this generator has at the largest number; and FLIP, the difference as seen, at the second number.
 
-With --noise the table is of pictures rendered by `--noise E`: how many samples a pixel they took, how many as many
-for every pixel would take for the same error, and the mean of the picture over the reference's. Needs Python 3.8 and
-nothing else.
+With --noise the table is of pictures rendered by `--noise E` on one thread: how many samples a pixel they took, and
+what share that is of the samples, and of the processor time, that as many for every pixel would take for the same
+error; and the mean of the picture over the reference's. Needs Python 3.8 and nothing else.
 """
 
 import argparse
 import json
 import math
 import re
+import resource
 import subprocess
 import tempfile
 from pathlib import Path
@@ -31,6 +32,8 @@ EFFECTS = {
     "all at once": "default",
 }
 GENERATORS = ["PSEUDO", "ZERO_TWO", "QUASI"]
+# Samples at most where --noise says how many.
+MOST = 4096
 
 
 def variant(scene, generator):
@@ -72,12 +75,20 @@ def slope(counts, errors):
     return sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / sum((x - mx) ** 2 for x in xs)
 
 
-def samples_for(error, counts, errors):
-    """How many samples give an error, between those that were measured; None outside of them."""
-    for (n0, e0), (n1, e1) in zip(zip(counts, errors), zip(counts[1:], errors[1:])):
+def at(error, errors, values):
+    """What goes with an error, between those that were measured (falling), in logarithms; None outside of them."""
+    for e0, e1, v0, v1 in zip(errors, errors[1:], values, values[1:]):
         if e1 <= error <= e0:
-            return n0 * (n1 / n0) ** (math.log(e0 / error) / math.log(e0 / e1))
+            return v0 * (v1 / v0) ** (math.log(e0 / error) / math.log(e0 / e1))
     return None
+
+
+def timed(options, *arguments):
+    """A picture rendered on one thread, and the processor time that it took."""
+    spent = lambda: resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    before = spent()
+    picture = render(options, *arguments, "--threads", 1)
+    return picture, spent() - before
 
 
 def generators(options, effect, scene, counts, reference, outdir):
@@ -92,16 +103,16 @@ def generators(options, effect, scene, counts, reference, outdir):
 
 
 def adaptive(options, effect, scene, counts, reference, outdir):
-    pictures = [render(options, scene, "QUASI", n, 0, outdir) for n in counts]
-    errors = [compare(options, picture, reference)["relative-mse"] for picture in pictures]
+    uniform = [timed(options, scene, "QUASI", n, 0, outdir) for n in counts]
+    errors = [compare(options, picture, reference)["relative-mse"] for picture, _ in uniform]
     for noise in options.noise.split(","):
-        picture = render(options, scene, "QUASI", counts[-1], 0, outdir, "--noise", noise)
+        picture, spent = timed(options, scene, "QUASI", MOST, 0, outdir, "--noise", noise)
         found = compare(options, picture, reference)
         taken = json.loads(run(options.program, "--recipe", picture))["result"]["samplesPerPixel"]
-        uniform = samples_for(found["relative-mse"], counts, errors)
-        figures = [noise, f"{taken:.0f}", f"{found['relative-mse']:.1e}"]
-        figures += [f"{uniform:.0f}", f"{taken / uniform:.2f}"] if uniform else ["-", "-"]
-        print(f"| {effect} |", " | ".join(figures), f"| {found['mean-ratio']:.5f} |", flush=True)
+        error = found["relative-mse"]
+        samples, time = (at(error, errors, values) for values in (counts, [spent for _, spent in uniform]))
+        ratios = [f"{samples:.0f}", f"{taken / samples:.2f}", f"{spent / time:.2f}"] if samples else ["-"] * 3
+        print(f"| {effect} | {noise} | {taken:.0f} | {error:.1e} |", " | ".join(ratios), f"| {found['mean-ratio']:.5f} |", flush=True)
 
 
 def main():
@@ -115,7 +126,8 @@ def main():
     options = parser.parse_args()
     counts = [int(n) for n in options.samples.split(",")]
     if options.noise:
-        head = ["effect", "`--noise`", "samples a pixel", "relative-mse", "uniform", "ratio", "mean over the reference's"]
+        head = ["effect", "`--noise`", "samples a pixel", "relative-mse", "uniform takes", "samples over uniform's"]
+        head += ["time over uniform's", "mean over the reference's"]
     else:
         head = ["effect", "generator", *map(str, counts), "exponent", "PSEUDO needs", f"FLIP at {counts[1]}"]
     print("|", " | ".join(head), "|\n|" + "---|" * len(head))

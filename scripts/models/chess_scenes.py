@@ -240,7 +240,7 @@ def default():
 # Written by scripts/models/chess_scenes.py.
 
 settings quality {
-    imageSamples 64 imageMinSamples 16 noise .0095 recursion 2 background { .004 .005 .006 }
+    imageSamples 64 imageMinSamples 8 noise .02 recursion 2 background { .004 .005 .006 }
 }
 
 Camera main {

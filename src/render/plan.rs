@@ -9,10 +9,13 @@ use super::Steps;
 use super::sections::TILE;
 
 /// First samples of a block where the scene names none: fewer tell no error.
-const LEAST_FOR_NOISE: u32 = 16;
+const LEAST_FOR_NOISE: u32 = 8;
+
+/// From so many samples on a block is held to the error that was asked for; below, to less.
+const FULL_ERROR_AT: u32 = 256;
 
 /// Error of the first step that looks at it.
-const FIRST_ERROR: f32 = 0.05;
+const FIRST_ERROR: f32 = 0.2;
 
 /// When a pixel is done, and which of the picture's samples are to be taken.
 ///
@@ -36,7 +39,7 @@ enum Rule {
     Uniform,
     /// A contrast above a limit.
     Contrast(Contrast, f32),
-    /// An estimated error of its block at or above a limit.
+    /// An estimated error of its block at or above a [share](error_share) of a limit.
     Noise(f32),
 }
 
@@ -179,7 +182,9 @@ impl Plan {
                 Rule::Contrast(kind, limit) => {
                     stands_out(kind, limit, pixel, &film.spreads()[first])
                 }
-                Rule::Noise(error) => self.error(film, group, quarters) >= f64::from(error),
+                Rule::Noise(error) => {
+                    self.error(film, group, quarters) >= f64::from(error) * error_share(taken)
+                }
             };
         goes_on.then(|| self.rung_after(taken))
     }
@@ -217,6 +222,16 @@ impl Plan {
         };
         quarters.iter().map(mean).fold(0.0, f64::max).sqrt()
     }
+}
+
+/// What share of the asked error a block of so many samples per pixel must be below to be done.
+///
+/// The same error everywhere is not the least error in a time: a sample more takes off the squared
+/// error divided by the number of samples, about, and where that quotient is the same everywhere no
+/// sample would do more elsewhere. So where samples are few the error has to be smaller, by the
+/// root of their number; but it is nowhere above what was asked for.
+fn error_share(samples: u32) -> f64 {
+    (f64::from(samples.min(FULL_ERROR_AT)) / f64::from(FULL_ERROR_AT)).sqrt()
 }
 
 /// How the values of a file are seen.
@@ -334,9 +349,19 @@ mod tests {
                 film.at_mut(i).0.add([Fixed::new(value).unwrap(); 3], 1);
             }
         }
-        let next = |error| plan(2, 64, Rule::Noise(error)).next(&film, &group, &quarters);
+        let asked = |error: f64| (error / error_share(2)) as f32;
+        let next = |error| plan(2, 64, Rule::Noise(asked(error))).next(&film, &group, &quarters);
         assert_eq!(next(0.099), Some(3));
         assert_eq!(next(0.101), None);
+    }
+
+    #[test]
+    fn what_costs_little_gets_cleaner_and_nothing_stays_above_the_error() {
+        let shares: Vec<f64> = [1, 4, 64, 256, 257, 4096].map(error_share).to_vec();
+        assert_eq!(shares, [1.0 / 16.0, 1.0 / 8.0, 0.5, 1.0, 1.0, 1.0]);
+        // Below full share the squared error over the number of samples is the same everywhere.
+        let quotient = |n: u32| error_share(n) * error_share(n) / f64::from(n);
+        assert!((8..=256).all(|n| (quotient(n) / quotient(8) - 1.0).abs() < 1e-12));
     }
 
     #[test]
@@ -351,7 +376,7 @@ mod tests {
                 other => panic!("{other:?}"),
             })
             .collect();
-        assert_eq!((errors[0], errors[2], errors[4]), (0.05, 0.025, 0.0125));
+        assert_eq!((errors[0], errors[2], errors[4]), (0.2, 0.1, 0.05));
         assert!(errors.windows(2).all(|w| w[1] < w[0] && w[1] > 0.7 * w[0]), "{errors:?}");
     }
 
