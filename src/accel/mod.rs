@@ -11,6 +11,7 @@ pub mod curved;
 mod cwbvh;
 mod isa;
 pub mod kdtree;
+mod order;
 mod pages;
 mod primitives;
 mod rays;

@@ -11,7 +11,6 @@ mod careful;
 mod collapse;
 mod few;
 mod layout;
-mod order;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod packet;
 mod plan;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::layout::BOX_ERROR;
-use super::steps::Steps;
+use crate::accel::order::Choosing;
 use crate::accel::simd::Quads;
 use crate::accel::triangle::ShearedRay;
 use crate::accel::triangle::turned::{Turned, lanes_from, larger};
@@ -88,9 +88,9 @@ impl Prepared {
     /// Makes sixteen rays of a batch ready.
     ///
     /// # Safety
-    /// The CPU has the instruction set of `S`; there are such rays.
+    /// The CPU has the instruction set of `C`; there are such rays.
     #[inline(always)]
-    pub(super) unsafe fn choose<S: Steps>(&mut self, rays: &Rays, indices: &[u32; LANES]) {
+    pub(super) unsafe fn choose<C: Choosing>(&mut self, rays: &Rays, indices: &[u32; LANES]) {
         self.index = *indices;
         self.are_neighbours = false;
         // SAFETY: the caller's.
@@ -98,10 +98,10 @@ impl Prepared {
             let mut origin = [[0.0; LANES]; 3];
             let mut direction = [[0.0; LANES]; 3];
             for axis in 0..3 {
-                origin[axis] = S::gather(rays.origin[axis].as_ptr(), indices);
-                direction[axis] = S::gather(rays.direction[axis].as_ptr(), indices);
+                origin[axis] = C::gather(rays.origin[axis].as_ptr(), indices);
+                direction[axis] = C::gather(rays.direction[axis].as_ptr(), indices);
             }
-            self.t_max = S::gather(rays.t_max.as_ptr(), indices);
+            self.t_max = C::gather(rays.t_max.as_ptr(), indices);
             self.derive(origin, direction);
         }
     }

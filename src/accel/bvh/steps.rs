@@ -5,12 +5,15 @@ use super::layout::{Child, Corners, Node, WIDTH, block_triangle};
 use super::packet::Surroundings;
 use super::ray::{Prepared, Ray};
 use super::stream::Query;
-use crate::accel::simd::lanes_of;
+use crate::accel::order::{self, Choosing};
 use crate::accel::{LANES, triangle};
 
 /// The steps that streams are made of, for one instruction set. All sets find the same hits; boxes
 /// may be entered by one and missed by another where no hit depends on it.
 pub(super) trait Steps {
+    /// How rays are chosen from a batch.
+    type Choosing: Choosing;
+
     /// Writes the children whose boxes the ray enters up to its best hit, from far to near, with
     /// the distances where it enters; returns how many. Eight entries of both arrays may be
     /// overwritten.
@@ -68,45 +71,6 @@ pub(super) trait Steps {
         }
     }
 
-    /// Sixteen elements of an array.
-    ///
-    /// # Safety
-    /// The CPU has the instruction set; there are such elements.
-    #[inline(always)]
-    unsafe fn gather(array: *const f32, indices: &[u32; LANES]) -> [f32; LANES] {
-        let mut values = [0.0; LANES];
-        for (value, &index) in values.iter_mut().zip(indices) {
-            // SAFETY: the caller's.
-            *value = unsafe { *array.add(index as usize) };
-        }
-        values
-    }
-
-    /// Which of sixteen values equal one.
-    ///
-    /// # Safety
-    /// The CPU has the instruction set.
-    #[inline(always)]
-    unsafe fn lanes_with(values: &[u8; LANES], value: u8) -> u32 {
-        let mut set = 0;
-        for (lane, &other) in values.iter().enumerate() {
-            set |= u32::from(other == value) << lane;
-        }
-        set
-    }
-
-    /// Writes `first + lane` for each lane of a set, in order.
-    ///
-    /// # Safety
-    /// The CPU has the instruction set; `to` is writable for sixteen values.
-    #[inline(always)]
-    unsafe fn compress(first: u32, set: u32, to: *mut u32) {
-        for (i, lane) in lanes_of(set).enumerate() {
-            // SAFETY: a set has at most sixteen lanes.
-            unsafe { *to.add(i) = first + lane as u32 };
-        }
-    }
-
     /// Traces those of sixteen rays that go the same way together; returns the others.
     ///
     /// # Safety
@@ -156,6 +120,8 @@ impl BlockHits {
 pub(super) struct Portable;
 
 impl Steps for Portable {
+    type Choosing = order::Portable;
+
     #[inline(always)]
     unsafe fn children(
         node: &Node,

@@ -8,11 +8,11 @@
 use super::Bvh;
 use super::binary::BLOCK;
 use super::layout::{Child, Corners, Node, WIDTH};
-use super::order::{Order, Sixteen};
 use super::packet::{self, Surroundings, UseOfLanes};
 use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, MOST_BLOCKS, Meeting, Steps};
 use super::stops::{IN_FLIGHT, Lists, Stop, Stops};
+use crate::accel::order::{Order, Sixteen};
 use crate::accel::simd::{SetLanes, lanes_of};
 use crate::accel::{Coherence, LANES, Rays};
 
@@ -194,7 +194,9 @@ impl Pending<'_> {
         match sixteen {
             Sixteen::Neighbours(first) => self.prepared.fill(rays, first),
             // SAFETY: the caller's.
-            Sixteen::Chosen(indices) => unsafe { self.prepared.choose::<S>(rays, indices) },
+            Sixteen::Chosen(indices) => unsafe {
+                self.prepared.choose::<S::Choosing>(rays, indices)
+            },
         }
         let (mut has_length, mut tame) = (0u32, 0u32);
         for lane in 0..LANES {
@@ -253,7 +255,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     let packets = coherence == Coherence::Coherent;
     if packets {
         // SAFETY: the caller's.
-        unsafe { order.sort::<S>(rays) }
+        unsafe { order.sort::<S::Choosing>(rays) }
     } else {
         order.keep(rays)
     }

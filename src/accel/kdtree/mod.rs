@@ -10,14 +10,16 @@
 //!   costs two fused operations and two comparisons for all of them, and most triangles of a leaf
 //!   are left out by bounds on all rays at once.
 //! - A *stream* for rays that have nothing in common (AVX-512): one ray to a lane, nodes gathered,
-//!   stacks in memory, leaves tested 16 triangles at a time. It also takes over what is left of a
-//!   coherent batch whose packets fall apart.
+//!   stacks in memory, leaves tested 16 triangles at a time, those of four leaves if they are small.
+//!   It also takes over the lanes that packets leave alone, where there are many, and what is left
+//!   of a coherent batch whose packets fall apart.
 //! - One ray at a time, for what is left elsewhere (8 triangles at a time on AVX2), and in plain
 //!   Rust as the twin of the others.
 //!
-//! Tried, and lost: scatters in place of the stream's scalar pushes (no gain); more groups of rays
-//! under way (0.93); smaller and larger leaves by other costs (within noise from half to twice the
-//! cost of a register). What counted most on some CPUs was to keep integers out of lanes that are
+//! Tried, and lost: scatters in place of the stream's scalar pushes, and four pushes without a
+//! branch (no gain); more groups of rays under way (0.93); smaller and larger leaves by other costs
+//! (within noise from half to twice the cost of a register, and for costs that favour leaves that
+//! share a register). What counted most on some CPUs was to keep integers out of lanes that are
 //! taken for numbers: as subnormals they made every step and every test 1.6 times as slow.
 
 mod build;
@@ -40,6 +42,7 @@ use node::Node;
 use ray::Prepared;
 use single::{Kernel, Portable, Visit};
 
+use super::order::{self, Choosing, Order, Sixteen};
 use super::{Coherence, Hits, Isa, LANES, NO_HIT, Primitives, Rays, pages};
 use crate::math::Bounds;
 
@@ -60,6 +63,31 @@ pub(super) struct Scratch {
     stream: Option<stream::Stream>,
     #[cfg(target_arch = "x86_64")]
     stack: Option<packet::Stack>,
+    order: Order,
+}
+
+/// What is left of a batch.
+struct Left<'a> {
+    rays: &'a Rays,
+    order: &'a Order,
+    /// The sixteen that is taken next.
+    next: usize,
+}
+
+impl<'a> Left<'a> {
+    /// The next sixteen, and how many of them are rays to be traced.
+    #[inline(always)]
+    fn take(&mut self) -> Option<(Sixteen<'a>, usize)> {
+        let order: &'a Order = self.order;
+        let taken = order.get(self.next);
+        self.next += usize::from(taken.is_some());
+        taken
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn is_none(&self) -> bool {
+        self.order.get(self.next).is_none()
+    }
 }
 
 impl KdTree {
@@ -119,11 +147,15 @@ impl KdTree {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             Isa::Avx2 => unsafe { self.trace_avx2::<ANY>(rays, coherence, scratch, done) },
-            // SAFETY: plain Rust runs on every CPU.
-            _ => unsafe { self.trace_singly::<Portable, ANY>(rays, 0, done) },
+            _ => {
+                scratch.order.keep(rays);
+                let left = Left { rays, order: &scratch.order, next: 0 };
+                // SAFETY: plain Rust runs on every CPU.
+                unsafe { self.trace_singly::<Portable, order::Portable, ANY>(left, done) }
+            }
         }
         #[cfg(not(target_arch = "x86_64"))]
-        let _ = (coherence, scratch);
+        let _ = coherence;
     }
 
     /// # Safety
@@ -137,17 +169,28 @@ impl KdTree {
         scratch: &mut Scratch,
         done: &mut impl FnMut(usize, &Best),
     ) {
+        type Sixteen = std::arch::x86_64::__m512;
+        let Scratch { stream, stack, order } = scratch;
+        let stream = stream.get_or_insert_default();
         // SAFETY: the caller's.
         unsafe {
-            type Sixteen = std::arch::x86_64::__m512;
-            let mut first = 0;
-            if coherence == Coherence::Coherent {
-                let stack = scratch.stack.get_or_insert_default();
-                first = self.trace_together::<Sixteen, x86::Avx512, ANY>(rays, stack, done);
+            if coherence == Coherence::Incoherent {
+                order.keep(rays);
+                let left = Left { rays, order, next: 0 };
+                stream::trace::<ANY>(self, left, None, stream, done);
+                return;
             }
-            if first < rays.len() {
-                let stream = scratch.stream.get_or_insert_default();
-                stream::trace::<ANY>(self, rays, first, stream, done);
+            let stack = stack.get_or_insert_default();
+            order.sort::<order::x86::Avx512>(rays);
+            let left = Left { rays, order, next: 0 };
+            let left = self.trace_together::<Sixteen, x86::Avx512, order::x86::Avx512, ANY>(
+                left,
+                stack,
+                packet::Stack::lets_go,
+                done,
+            );
+            if !left.is_none() {
+                stream::trace::<ANY>(self, left, Some(stack), stream, done);
             }
         }
     }
@@ -163,64 +206,78 @@ impl KdTree {
         scratch: &mut Scratch,
         done: &mut impl FnMut(usize, &Best),
     ) {
+        type Eight = std::arch::x86_64::__m256;
+        let Scratch { stack, order, .. } = scratch;
         // SAFETY: the caller's.
         unsafe {
-            type Eight = std::arch::x86_64::__m256;
-            let mut first = 0;
-            if coherence == Coherence::Coherent {
-                let stack = scratch.stack.get_or_insert_default();
-                first = self.trace_together::<Eight, x86::Avx2, ANY>(rays, stack, done);
-            }
-            self.trace_singly::<x86::Avx2, ANY>(rays, first, done);
+            let left = if coherence == Coherence::Coherent {
+                let stack = stack.get_or_insert_default();
+                order.sort::<order::x86::Avx2>(rays);
+                let left = Left { rays, order, next: 0 };
+                self.trace_together::<Eight, x86::Avx2, order::x86::Avx2, ANY>(
+                    left,
+                    stack,
+                    |_| false,
+                    done,
+                )
+            } else {
+                order.keep(rays);
+                Left { rays, order, next: 0 }
+            };
+            self.trace_singly::<x86::Avx2, order::x86::Avx2, ANY>(left, done);
         }
     }
 
-    /// Traces rays in packets, and those that go other ways one by one, while packets are worth
-    /// their while; returns the first ray that is left, a multiple of sixteen if any is.
+    /// Traces rays in packets, and those that go other ways or are left alone one by one, while
+    /// packets are worth their while and not `enough`; returns what is left.
     ///
     /// # Safety
-    /// The CPU has the instructions of `L` and of `K`.
+    /// The CPU has the instructions of `L`, of `K`, and of `C`.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
-    unsafe fn trace_together<L: super::simd::Lanes, K: Kernel, const ANY: bool>(
+    unsafe fn trace_together<'a, L: super::simd::Lanes, K: Kernel, C: Choosing, const ANY: bool>(
         &self,
-        rays: &Rays,
+        mut left: Left<'a>,
         stack: &mut packet::Stack,
+        enough: impl Fn(&packet::Stack) -> bool,
         done: &mut impl FnMut(usize, &Best),
-    ) -> usize {
+    ) -> Left<'a> {
         stack.begin();
+        let rays = left.rays;
         let mut prepared = Prepared::<LANES>::EMPTY;
-        for first in (0..rays.len()).step_by(LANES) {
-            if !stack.is_good::<L>() {
-                return first;
-            }
-            prepared.fill(rays, first, &self.bounds);
-            let set = prepared.entering();
+        while stack.is_good::<L>()
+            && !enough(stack)
+            && let Some((sixteen, count)) = left.take()
+        {
             // SAFETY: the caller's.
             unsafe {
-                let left = packet::trace::<L, K, ANY>(self, rays, &prepared, set, stack, done);
-                self.trace_set::<K, ANY>(rays, &prepared, left, done);
+                prepared.take::<C>(rays, sixteen, count, &self.bounds);
+                let set = prepared.entering();
+                let alone =
+                    packet::trace::<L, K, ANY>(self, rays, &prepared, set, stack, None, done);
+                self.trace_set::<K, ANY>(rays, &prepared, alone, done);
             }
         }
-        rays.len()
+        left
     }
 
-    /// Traces rays one by one, from `first` on, a multiple of sixteen.
+    /// Traces rays one by one.
     ///
     /// # Safety
-    /// The CPU has the instructions of `K`.
+    /// The CPU has the instructions of `K` and of `C`.
     #[inline(always)]
-    unsafe fn trace_singly<K: Kernel, const ANY: bool>(
+    unsafe fn trace_singly<K: Kernel, C: Choosing, const ANY: bool>(
         &self,
-        rays: &Rays,
-        first: usize,
+        mut left: Left,
         done: &mut impl FnMut(usize, &Best),
     ) {
         let mut prepared = Prepared::<LANES>::EMPTY;
-        for first in (first..rays.len()).step_by(LANES) {
-            prepared.fill(rays, first, &self.bounds);
+        while let Some((sixteen, count)) = left.take() {
             // SAFETY: the caller's.
-            unsafe { self.trace_set::<K, ANY>(rays, &prepared, prepared.entering(), done) };
+            unsafe {
+                prepared.take::<C>(left.rays, sixteen, count, &self.bounds);
+                self.trace_set::<K, ANY>(left.rays, &prepared, prepared.entering(), done);
+            }
         }
     }
 

@@ -108,6 +108,10 @@ impl Chunk {
     pub(super) const MAX_VERTICES: usize = 32;
     const CURVED: u32 = 1 << 11;
     const MORE: u32 = 1 << 12;
+    /// Bits of the number of triangles, of that of vertices, and of what tells that more follows.
+    pub(super) const TRIANGLES: u32 = 31;
+    pub(super) const VERTICES: u32 = 63 << 5;
+    pub(super) const FOLLOWED: u32 = Self::CURVED | Self::MORE;
 
     pub(super) fn new(triangles: usize, vertices: usize, curved: bool, more: bool) -> Self {
         debug_assert!(triangles <= Self::MAX_TRIANGLES && vertices <= Self::MAX_VERTICES);
@@ -130,6 +134,12 @@ impl Chunk {
         (self.0 >> 5 & 63) as usize
     }
 
+    /// The bits of so many vertices.
+    #[inline(always)]
+    pub(super) fn vertices_bits(vertices: u32) -> u32 {
+        vertices << 5
+    }
+
     #[inline(always)]
     pub(super) fn has_curved(self) -> bool {
         self.0 & Self::CURVED != 0
@@ -138,7 +148,7 @@ impl Chunk {
     /// Whether anything follows the triangles.
     #[inline(always)]
     pub(super) fn is_followed(self) -> bool {
-        self.0 & (Self::CURVED | Self::MORE) != 0
+        self.0 & Self::FOLLOWED != 0
     }
 
     /// Words of the vertices.

@@ -1,5 +1,6 @@
 //! Rays made ready to walk through the tree, sixteen at a time.
 
+use crate::accel::order::{Choosing, Sixteen};
 use crate::accel::triangle::turned::{Turned, lanes_from, larger, smaller};
 use crate::accel::triangle::{POSITION_ERROR, ShearedRay};
 use crate::accel::{LANES, Rays};
@@ -59,16 +60,63 @@ impl<const N: usize> Prepared<N> {
     /// How many arrays there are, all of them of 4 bytes a ray.
     pub(super) const ROWS: usize = size_of::<Self>() / (4 * N);
 
-    /// Makes sixteen rays from `first` on ready, in the first places; those that the batch does
-    /// not have miss the tree.
+    /// Makes sixteen rays ready, in the first places; those behind the first `count` miss the tree.
     ///
     /// Inlined, so that the lanes become those of the instruction set it is compiled for.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set of `C`; there are such rays.
     #[inline(always)]
-    pub(super) fn fill(&mut self, rays: &Rays, first: usize, bounds: &Bounds) {
-        let origin = lanes_from(&rays.origin, first);
-        let direction = lanes_from(&rays.direction, first);
-        let mut t_max = [0.0f32; LANES];
-        t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
+    pub(super) unsafe fn take<C: Choosing>(
+        &mut self,
+        rays: &Rays,
+        sixteen: Sixteen,
+        count: usize,
+        bounds: &Bounds,
+    ) {
+        match sixteen {
+            Sixteen::Neighbours(first) => {
+                let origin = lanes_from(&rays.origin, first);
+                let direction = lanes_from(&rays.direction, first);
+                let mut t_max = [0.0f32; LANES];
+                t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
+                for lane in 0..LANES {
+                    self.index[lane] = (first + lane) as u32;
+                }
+                self.derive(origin, direction, t_max, bounds);
+            }
+            // SAFETY: the caller's.
+            Sixteen::Chosen(indices) => unsafe {
+                self.index[..LANES].copy_from_slice(indices);
+                let mut origin = [[0.0; LANES]; 3];
+                let mut direction = [[0.0; LANES]; 3];
+                for axis in 0..3 {
+                    origin[axis] = C::gather(rays.origin[axis].as_ptr(), indices);
+                    direction[axis] = C::gather(rays.direction[axis].as_ptr(), indices);
+                }
+                let t_max = C::gather(rays.t_max.as_ptr(), indices);
+                self.derive(origin, direction, t_max, bounds);
+            },
+        }
+        self.leave_out(count);
+    }
+
+    /// Lets all from `count` on miss the tree.
+    #[inline(always)]
+    fn leave_out(&mut self, count: usize) {
+        for lane in count.min(LANES)..LANES {
+            (self.near[lane], self.far[lane]) = (f32::INFINITY, f32::NEG_INFINITY);
+        }
+    }
+
+    #[inline(always)]
+    fn derive(
+        &mut self,
+        origin: [[f32; LANES]; 3],
+        direction: [[f32; LANES]; 3],
+        t_max: [f32; LANES],
+        bounds: &Bounds,
+    ) {
         let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
         for lane in 0..LANES {
             let [ox, oy, oz] = [origin[0][lane], origin[1][lane], origin[2][lane]];
@@ -110,10 +158,6 @@ impl<const N: usize> Prepared<N> {
             self.t[lane] = t;
             self.z_axis[lane] = turned.z_axis;
             self.octant[lane] = octant;
-            self.index[lane] = (first + lane) as u32;
-        }
-        for lane in rays.len().saturating_sub(first).min(LANES)..LANES {
-            (self.near[lane], self.far[lane]) = (f32::INFINITY, f32::NEG_INFINITY);
         }
     }
 
@@ -130,12 +174,17 @@ impl<const N: usize> Prepared<N> {
     /// One of the rays.
     #[inline(always)]
     pub(super) fn line(&self, lane: usize) -> Line {
-        let z_axis = self.z_axis[lane] as usize;
         Line {
             origin: [self.origin[0][lane], self.origin[1][lane], self.origin[2][lane]],
             shear: [self.shear[0][lane], self.shear[1][lane], self.shear[2][lane]],
-            axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z_axis],
+            axes: self.axes(lane),
         }
+    }
+
+    /// Which axes of space the sheared ones of a ray are.
+    #[inline(always)]
+    pub(super) fn axes(&self, lane: usize) -> [usize; 3] {
+        [[1, 2, 0], [2, 0, 1], [0, 1, 2]][self.z_axis[lane] as usize]
     }
 }
 

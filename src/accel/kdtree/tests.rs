@@ -208,6 +208,32 @@ fn bundles_of_rays() {
     }
 }
 
+/// Rays that go the same way, to triangles that are much smaller than the gaps between them.
+#[test]
+fn rays_that_leave_packets() {
+    let rng = &mut StdRng::seed_from_u64(21);
+    let hill = |p: Vec3| Vec3::new(p.x, p.y, libm::sinf(1.7 * p.x) * libm::cosf(1.3 * p.y));
+    let triangles: Vec<Triangle> = grid(64).into_iter().map(|t| t.map(hill)).collect();
+    let mut rays = Rays::with_capacity(2048);
+    for i in 0..2048 {
+        let (block, place) = (i / 16, i % 16);
+        let corner = Vec3::new((block % 8 * 8) as f32, (block / 8 % 8 * 8) as f32, 0.0);
+        let target = corner + Vec3::new((place % 4 * 2) as f32, (place / 4 * 2) as f32, 0.0);
+        let origin = Vec3::new(100.0, 90.0, 20.0);
+        rays.push(origin, target + point(rng) - origin, f32::INFINITY);
+    }
+    let primitives = Primitives { triangles, curved: shapes(20, 22) };
+    check("hills", primitives.clone(), &rays);
+    #[cfg(target_arch = "x86_64")]
+    if Isa::Avx512.is_available() {
+        let (mut hits, mut scratch) = (Hits::default(), Scratch::default());
+        hits.reset(rays.len());
+        let tree = KdTree::build(primitives, Isa::Avx512);
+        tree.intersect(&rays, Coherence::Coherent, &mut hits, &mut scratch);
+        assert!(scratch.stack.is_some_and(|stack| stack.lets_go()));
+    }
+}
+
 /// What has one ray for each length of a batch: no lane is traced that holds none.
 #[test]
 fn batches_of_any_length() {

@@ -2,12 +2,20 @@
 //!
 //! A packet's rays have the signs and the largest axis of their directions in common, so that all
 //! of them meet the children of a node in the same order. Each lane keeps the part of its ray that
-//! lies in the cell. Where few lanes are left, they go through that part of the tree one by one.
+//! lies in the cell. Where few lanes are left, they leave the packet with what is on the stack for
+//! them and become rays of the stream, or, where there is none, go through that part of the tree one
+//! by one.
 //!
 //! Before rays and triangles of a leaf are tested one by one, those triangles are left out that lie
 //! beside all rays: bounds on origins and shears give bounds on the sheared corners.
 
 #![allow(clippy::needless_range_loop)] // closures around intrinsics would become calls
+
+mod stack;
+
+pub(super) use stack::{Parking, Stack};
+
+use stack::Later;
 
 use super::leaf::{Best, corners_of, triangle_at};
 use super::node::{Chunk, Node};
@@ -19,17 +27,11 @@ use crate::accel::triangle::lanes::Tested;
 use crate::accel::triangle::turned::{larger, smaller};
 use crate::accel::{LANES, Rays};
 
-/// With so many lanes or fewer, rays go on one by one.
+/// So many lanes or fewer go on by themselves.
 const FEW: u32 = 2;
 
 /// Rays that go the same way make a packet if there are so many of them.
 const ENOUGH: u32 = 4;
-
-/// Packets go on being made while so many of sixteen lanes are in use on average.
-const LANES_IN_USE: u32 = 6;
-
-/// Steps before that is judged.
-const TRIAL: u32 = 200;
 
 /// Triangles beside all rays are left out of chunks with so many or more.
 const CULLED: usize = 3;
@@ -39,7 +41,7 @@ const CULLED: usize = 3;
 const CLEAR: f32 = 1.0 / (1u32 << 23) as f32;
 
 /// Traces the packets that sixteen rays make; returns the rays that are left, which go other ways
-/// than most.
+/// than most. Those that leave a packet are put into `parking`, if there is one.
 ///
 /// # Safety
 /// The CPU has the instructions of `L` and of `K`.
@@ -50,6 +52,7 @@ pub(super) unsafe fn trace<L: Lanes, K: Kernel, const ANY: bool>(
     prepared: &Prepared<LANES>,
     pending: u32,
     stack: &mut Stack,
+    mut parking: Option<&mut Parking>,
     done: &mut impl FnMut(usize, &Best),
 ) -> u32 {
     let mut left = 0;
@@ -72,52 +75,12 @@ pub(super) unsafe fn trace<L: Lanes, K: Kernel, const ANY: bool>(
             // SAFETY: the caller's.
             unsafe {
                 let mut packet = Packet::<L>::new(tree, prepared, base, set >> base);
-                packet.walk::<K, ANY>(tree, rays, stack);
+                packet.walk::<K, ANY>(tree, rays, stack, parking.as_deref_mut());
                 packet.finish(done);
             }
         }
     }
     left
-}
-
-/// What is left for later: a part of the tree, and the parts of rays that lie in it.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-struct Later {
-    near: [f32; LANES],
-    far: [f32; LANES],
-    node: usize,
-    lanes: u32,
-}
-
-/// Working memory, and how well lanes were used.
-#[derive(Debug)]
-pub(super) struct Stack {
-    later: Box<[Later; MAX_DEPTH + 1]>,
-    steps: u32,
-    lanes: u32,
-}
-
-impl Default for Stack {
-    fn default() -> Self {
-        let later = Later { near: [0.0; LANES], far: [0.0; LANES], node: 0, lanes: 0 };
-        Self { later: Box::new([later; MAX_DEPTH + 1]), steps: 0, lanes: 0 }
-    }
-}
-
-impl Stack {
-    /// Forgets how lanes were used.
-    pub(super) fn begin(&mut self) {
-        (self.steps, self.lanes) = (0, 0);
-    }
-
-    /// Whether packets are worth their while: rays that are in many packets with few lanes in use
-    /// are faster by themselves.
-    pub(super) fn is_good<L: Lanes>(&self) -> bool {
-        self.steps < TRIAL
-            || u64::from(self.lanes) * LANES as u64
-                >= u64::from(LANES_IN_USE * self.steps) * L::COUNT as u64
-    }
 }
 
 /// A packet under way.
@@ -232,11 +195,13 @@ impl<'a, L: Lanes> Packet<'a, L> {
         tree: &KdTree,
         rays: &Rays,
         stack: &mut Stack,
+        mut parking: Option<&mut Parking>,
     ) {
         // SAFETY: no way down has more splits than the stack has places; rows have places for all
         // lanes.
         unsafe {
-            let Stack { later, steps, lanes: used } = stack;
+            let Stack { later, steps, lanes: used, packets, alone } = stack;
+            *packets += 1;
             let stack = later.as_mut_ptr();
             let mut depth = 0;
             let mut at = Node::ROOT;
@@ -248,7 +213,13 @@ impl<'a, L: Lanes> Packet<'a, L> {
                 'down: {
                     while !node.is_leaf() {
                         if lanes.count_ones() <= FEW {
-                            self.part::<K, ANY>(tree, rays, lanes, [near, far], at);
+                            *alone += lanes.count_ones();
+                            if let Some(parking) = &mut parking {
+                                let stack = std::slice::from_raw_parts(stack, depth);
+                                self.park(lanes, [near, far], at, stack, parking);
+                            } else {
+                                self.part::<K, ANY>(tree, rays, lanes, [near, far], at);
+                            }
                             break 'down;
                         }
                         *steps += 1;
@@ -292,7 +263,7 @@ impl<'a, L: Lanes> Packet<'a, L> {
                     depth -= 1;
                     let later = &*stack.add(depth);
                     near = L::load(later.near.as_ptr());
-                    lanes = later.lanes & near.le(self.t);
+                    lanes = later.lanes & self.set & near.le(self.t);
                     if lanes != 0 {
                         far = self.t.min(L::load(later.far.as_ptr()));
                         at = later.node;
@@ -487,6 +458,47 @@ impl<'a, L: Lanes> Packet<'a, L> {
             self.primitive.store(hits[3].as_mut_ptr());
         }
         hits
+    }
+
+    /// Lets some lanes leave the packet, before a node, with what is on the stack for them.
+    ///
+    /// # Safety
+    /// The CPU has the instructions of `L`.
+    #[inline(always)]
+    unsafe fn park(
+        &mut self,
+        lanes: u32,
+        span: [L; 2],
+        node: usize,
+        stack: &[Later],
+        parking: &mut Parking,
+    ) {
+        self.set &= !lanes;
+        parking.lanes |= lanes << self.base;
+        let mut spans = [[0.0; LANES]; 2];
+        // SAFETY: the caller's; there are as many values as lanes, or more.
+        let hits = unsafe {
+            span[0].store(spans[0].as_mut_ptr());
+            span[1].store(spans[1].as_mut_ptr());
+            self.hits()
+        };
+        for lane in lanes_of(lanes) {
+            let at = self.base + lane;
+            parking.node[at] = node as u32;
+            for (row, span) in parking.span.iter_mut().zip(&spans) {
+                row[at] = span[lane];
+            }
+            for (row, hits) in parking.best.iter_mut().zip(&hits) {
+                row[at] = hits[lane];
+            }
+            let mut top = 1;
+            for later in stack {
+                parking.later[top % (MAX_DEPTH + 2)][at] =
+                    (later.node as u32, [later.near[lane], later.far[lane]]);
+                top += (later.lanes >> lane & 1) as usize;
+            }
+            parking.top[at] = top as u32;
+        }
     }
 
     /// Takes some lanes through a part of the tree, one by one.

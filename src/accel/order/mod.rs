@@ -1,11 +1,61 @@
 //! The order in which the rays of a batch are made ready, so that sixteen of them go the same way.
 
-use super::steps::Steps;
-use crate::accel::{LANES, Rays};
+#[cfg(target_arch = "x86_64")]
+pub(in crate::accel) mod x86;
+
+use super::simd::lanes_of;
+use super::{LANES, Rays};
+
+/// What ordering and choosing rays is made of, for one instruction set; here in plain Rust.
+pub(in crate::accel) trait Choosing {
+    /// Sixteen elements of an array.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; there are such elements.
+    #[inline(always)]
+    unsafe fn gather(array: *const f32, indices: &[u32; LANES]) -> [f32; LANES] {
+        let mut values = [0.0; LANES];
+        for (value, &index) in values.iter_mut().zip(indices) {
+            // SAFETY: the caller's.
+            *value = unsafe { *array.add(index as usize) };
+        }
+        values
+    }
+
+    /// Which of sixteen values equal one.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set.
+    #[inline(always)]
+    unsafe fn lanes_with(values: &[u8; LANES], value: u8) -> u32 {
+        let mut set = 0;
+        for (lane, &other) in values.iter().enumerate() {
+            set |= u32::from(other == value) << lane;
+        }
+        set
+    }
+
+    /// Writes `first + lane` for each lane of a set, in order.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; `to` is writable for sixteen values.
+    #[inline(always)]
+    unsafe fn compress(first: u32, set: u32, to: *mut u32) {
+        for (i, lane) in lanes_of(set).enumerate() {
+            // SAFETY: a set has at most sixteen lanes.
+            unsafe { *to.add(i) = first + lane as u32 };
+        }
+    }
+}
+
+/// Plain Rust.
+pub(in crate::accel) struct Portable;
+
+impl Choosing for Portable {}
 
 /// Sixteens of a batch's rays.
 #[derive(Debug, Default)]
-pub(super) struct Order {
+pub(in crate::accel) struct Order {
     sixteens: Vec<Place>,
     ways: Vec<u8>,
     /// Rays that do not go the way of their neighbours, by the way they go: for each way as much
@@ -23,7 +73,7 @@ struct Place {
 }
 
 /// Up to sixteen rays of a batch.
-pub(super) enum Sixteen<'a> {
+pub(in crate::accel) enum Sixteen<'a> {
     /// Neighbours, from this ray on.
     Neighbours(usize),
     /// Any; all of these can be read.
@@ -35,7 +85,7 @@ const WAYS: usize = 32;
 
 impl Order {
     /// Takes the rays of a batch as they come.
-    pub(super) fn keep(&mut self, rays: &Rays) {
+    pub(in crate::accel) fn keep(&mut self, rays: &Rays) {
         let n = rays.len();
         let place = |start: usize| Place {
             start: start as u32,
@@ -52,7 +102,7 @@ impl Order {
     /// # Safety
     /// The CPU has the instruction set of `S`.
     #[inline(always)]
-    pub(super) unsafe fn sort<S: Steps>(&mut self, rays: &Rays) {
+    pub(in crate::accel) unsafe fn sort<S: Choosing>(&mut self, rays: &Rays) {
         self.keep(rays);
         let Self { sixteens, ways, bins } = self;
         let n = sixteens.len() * LANES;
@@ -105,7 +155,7 @@ impl Order {
 
     /// The n-th sixteen, and how many of them are rays to be traced; `None` behind the last.
     #[inline(always)]
-    pub(super) fn get(&self, n: usize) -> Option<(Sixteen<'_>, usize)> {
+    pub(in crate::accel) fn get(&self, n: usize) -> Option<(Sixteen<'_>, usize)> {
         let &Place { start, count, are_neighbours } = self.sixteens.get(n)?;
         let start = start as usize;
         let sixteen = if are_neighbours {
@@ -132,7 +182,6 @@ mod tests {
     use glam::Vec3;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
-    use super::super::steps::Portable;
     use super::*;
 
     #[test]
