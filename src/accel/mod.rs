@@ -7,6 +7,7 @@
 mod box_tree;
 mod brute;
 pub mod bvh;
+mod compress;
 pub mod curved;
 mod cwbvh;
 mod isa;
@@ -21,6 +22,7 @@ pub mod triangle;
 
 pub(crate) use box_tree::BoxScratch;
 pub use box_tree::BoxTree;
+pub(crate) use compress::{GROUP, Word};
 pub use isa::Isa;
 pub(crate) use isa::Lanewise;
 pub use primitives::{Curved, Primitives, Triangle};

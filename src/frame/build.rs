@@ -16,7 +16,7 @@ use crate::camera::{Camera, DegenerateView};
 use crate::math::{DRigid, Rigid};
 use crate::sampling::Sampler;
 use crate::scene::{LightShape, Object, SceneDescription};
-use crate::shading::{Light, Material};
+use crate::shading::{Light, Material, MaterialTable};
 
 /// Why a frame of a scene can't be made.
 #[derive(Clone, Debug)]
@@ -115,10 +115,12 @@ impl FrameScene {
                 Arc::new(Structure::build(scene.settings.accelerator, parts.still, isa))
             }
         };
+        let materials: Vec<_> = scene.materials.iter().map(Material::from).collect();
         Ok(Self {
             camera,
             world: World::new(still, parts.instances, isa),
-            materials: scene.materials.iter().map(Material::from).collect(),
+            material_table: MaterialTable::new(&materials),
+            materials,
             lights: scene.lights.iter().map(|light| Light::new(light, origin)).collect(),
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
             settings: scene.settings.clone(),

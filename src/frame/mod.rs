@@ -14,10 +14,10 @@ use crate::camera::Camera;
 use crate::math::{DRigid, Rigid};
 use crate::sampling::Sampler;
 use crate::scene::{Settings, ShadowMode, Texture};
-use crate::shading::{Light, Material};
+use crate::shading::{Light, Material, MaterialTable};
 
 pub use build::FrameError;
-pub(crate) use surfaces::{SurfaceScratch, Surfaces};
+pub(crate) use surfaces::{NO_MATERIAL, SurfaceScratch, Surfaces};
 use tessellate::Geometry;
 pub(crate) use world::{World, WorldHits, WorldScratch};
 
@@ -29,6 +29,8 @@ pub struct FrameScene {
     pub(crate) camera: Camera,
     pub(crate) world: World,
     pub(crate) materials: Vec<Material>,
+    /// The same in columns.
+    pub(crate) material_table: MaterialTable,
     pub(crate) lights: Vec<Light>,
     pub(crate) sampler: Sampler,
     pub(crate) settings: Settings,

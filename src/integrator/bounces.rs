@@ -6,12 +6,12 @@ use super::points::Points;
 use super::queue::{Labels, Sent};
 use super::wave::Wave;
 use crate::accel::Lanewise;
-use crate::frame::FrameScene;
-use crate::math::columns::{BATCH, Column, Vec3s, lanes};
+use crate::frame::{FrameScene, Surfaces};
+use crate::math::columns::{BATCH, Column, Vec3s, lanes, look_up};
 use crate::sampling::batch::{SetPoints, place_of};
 use crate::sampling::{Purpose, Use, next_path};
 use crate::scene::Settings;
-use crate::shading::{Material, lobe};
+use crate::shading::{MaterialTable, lobe};
 
 /// What the hits of a batch reflect and refract, in columns.
 #[derive(Debug, Default)]
@@ -48,7 +48,7 @@ impl Wave {
     /// Finds the lobes of all points; false where none sends anything on.
     pub(super) fn find_lobes(&mut self, frame: &FrameScene, depth: u32) -> bool {
         let Self { points, lobes, .. } = self;
-        let any = depth < frame.settings.recursion && lobes.gather(&frame.materials, points);
+        let any = depth < frame.settings.recursion && lobes.gather(frame, points);
         if any {
             frame.isa.run(FindAxes { points, lobes });
         }
@@ -100,8 +100,9 @@ impl Wave {
         if features.are_wanted() {
             features.leave(lobe, len, next);
         }
-        chosen.set(len, |i| sent.weight.get(i) != Vec3::ZERO && wanted(lobe.inverse.0[i]));
-        bounces[depth as usize + 1].append(frame.isa, sent, next, chosen);
+        let goes = |i: usize| sent.weight.get(i) != Vec3::ZERO && wanted(lobe.inverse.0[i]);
+        chosen.set(frame.isa, len, goes);
+        bounces[depth as usize + 1].append_named(sent, next, chosen);
     }
 }
 
@@ -124,20 +125,36 @@ impl Lobes {
     }
 
     /// What materials say; false where no point sends anything on.
-    fn gather(&mut self, materials: &[Material], points: &Points) -> bool {
-        let surfaces = &points.surfaces;
-        let mut any = 0.0;
-        for i in 0..surfaces.len.min(BATCH) {
-            let material = &materials[surfaces.material[i] as usize];
-            self.reflected.weight.0[i] = material.reflectance;
-            self.reflected.inverse.0[i] = material.reflection_lobe;
-            self.refracted.weight.0[i] = material.refraction;
-            self.refracted.inverse.0[i] = material.refraction_lobe;
-            let index = material.refraction_index;
-            self.eta.0[i] = if surfaces.from_outside[i] == 1 { 1.0 / index } else { index };
-            any += material.reflectance + material.refraction;
+    fn gather(&mut self, frame: &FrameScene, points: &Points) -> bool {
+        frame.isa.run(FromTable { table: &frame.material_table, points, to: self });
+        let some = |lobe: &Lobe| lobe.weight.0[..points.surfaces.len].iter().any(|w| *w > 0.0);
+        some(&self.reflected) || some(&self.refracted)
+    }
+}
+
+/// Fetches what materials say of lobes.
+struct FromTable<'a> {
+    table: &'a MaterialTable,
+    points: &'a Points,
+    to: &'a mut Lobes,
+}
+
+impl Lanewise for FromTable<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { table, points, to } = self;
+        let Surfaces { len, ref material, ref from_outside, .. } = points.surfaces;
+        look_up(&table.reflectance, material, len, |x| x, &mut to.reflected.weight.0);
+        look_up(&table.reflection_lobe, material, len, |x| x, &mut to.reflected.inverse.0);
+        look_up(&table.refraction, material, len, |x| x, &mut to.refracted.weight.0);
+        look_up(&table.refraction_lobe, material, len, |x| x, &mut to.refracted.inverse.0);
+        look_up(&table.refraction_index, material, len, |x| x, &mut to.eta.0);
+        for i in lanes(len) {
+            let index = to.eta.0[i];
+            to.eta.0[i] = if from_outside[i] == 1 { 1.0 / index } else { index };
         }
-        any > 0.0
     }
 }
 

@@ -89,9 +89,9 @@ impl Wave {
             (true, false) => frame.isa.run(Ask::<true, false, _> { from, choose, to: sent }),
             (_, true) => frame.isa.run(Ask::<true, true, _> { from, choose, to: sent }),
         }
-        chosen.set(points.surfaces.len, |i| sent.weight.get(i) != Vec3::ZERO);
+        chosen.set(frame.isa, points.surfaces.len, |i| sent.weight.get(i) != Vec3::ZERO);
         let kind = if depth == 0 { ShadowKind::FromPrimary } else { ShadowKind::FromDeeper };
-        self.shadows[kind as usize].append(frame.isa, sent, &points.labels, chosen);
+        self.shadows[kind as usize].append(sent, &points.labels, chosen);
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod bounces;
 mod camera_rays;
+mod chosen;
 mod features;
 mod light_choice;
 mod lights;

@@ -3,10 +3,11 @@
 use super::queue::{Batch, Labels};
 use crate::accel::Lanewise;
 use crate::frame::{FrameScene, Surfaces};
-use crate::math::columns::{BATCH, Column, Vec3s, lanes};
+use crate::math::columns::{BATCH, Column, Vec3s, lanes, look_up};
 use crate::sampling::batch::SetNames;
 use crate::sampling::{PixelSeed, Purpose};
 use crate::scene::Settings;
+use crate::shading::MaterialTable;
 
 /// Hits in columns; `surfaces.len` of them.
 #[derive(Debug)]
@@ -17,6 +18,8 @@ pub(super) struct Points {
     /// What light that leaves toward where the ray came from is worth.
     pub(super) weight: Vec3s,
     pub(super) labels: Labels,
+    /// k_a of the material, tinted and weighted: what comes from everywhere.
+    pub(super) ambient: Vec3s,
     /// Words of the seeds of the pixels.
     pub(super) seed: Column<u32>,
     /// k_d of the material, tinted and weighted.
@@ -35,6 +38,7 @@ impl Default for Points {
             direction: Vec3s::default(),
             weight: Vec3s::default(),
             labels: Labels::default(),
+            ambient: Vec3s::default(),
             seed: [0; BATCH],
             diffuse: Vec3s::default(),
             specular: Vec3s::default(),
@@ -48,20 +52,12 @@ impl Points {
     /// Fills in what goes with the surfaces: from the batch whose rays hit them, and from tables.
     pub(super) fn gather(&mut self, frame: &FrameScene, batch: &Batch, seeds: &[PixelSeed]) {
         frame.isa.run(FromRays { batch, to: self });
-        self.shines = false;
-        for i in 0..self.surfaces.len.min(BATCH) {
-            self.seed[i] = seeds[self.labels.slot[i] as usize].word();
-            let material = &frame.materials[self.surfaces.material[i] as usize];
-            self.diffuse.set(i, material.diffuse);
-            self.specular.set(i, material.specular);
-            self.shininess[i] = material.shininess;
-            self.shines |= material.shines;
-        }
+        frame.isa.run(FromTables { table: &frame.material_table, seeds, to: self });
         frame.isa.run(Weighted(self));
+        let some = |column: &Column<f32>| column[..self.surfaces.len].iter().any(|k| *k != 0.0);
+        self.shines = self.specular.columns().into_iter().any(some);
     }
-}
 
-impl Points {
     /// Which random numbers ray `i` of `count` takes that is sent from every point, `depth` bounces
     /// behind the camera.
     pub(super) fn names(
@@ -121,6 +117,35 @@ fn fetch<T: Copy>(from: &[T], ray: &Column<u32>, len: usize, to: &mut Column<T>)
     }
 }
 
+/// Fetches what goes with the pixels and the materials.
+struct FromTables<'a> {
+    table: &'a MaterialTable,
+    seeds: &'a [PixelSeed],
+    to: &'a mut Points,
+}
+
+impl Lanewise for FromTables<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { table, seeds, to } = self;
+        let len = to.surfaces.len;
+        look_up(seeds, &to.labels.slot, len, PixelSeed::word, &mut to.seed);
+        let material = &to.surfaces.material;
+        for (from, to) in [
+            (&table.ambient, &mut to.ambient),
+            (&table.diffuse, &mut to.diffuse),
+            (&table.specular, &mut to.specular),
+        ] {
+            look_up(&from[0], material, len, |x| x, &mut to.x);
+            look_up(&from[1], material, len, |x| x, &mut to.y);
+            look_up(&from[2], material, len, |x| x, &mut to.z);
+        }
+        look_up(&table.shininess, material, len, |x| x, &mut to.shininess);
+    }
+}
+
 /// Multiplies materials with weights and tints.
 struct Weighted<'a>(&'a mut Points);
 
@@ -132,7 +157,9 @@ impl Lanewise for Weighted<'_> {
         let points = self.0;
         for i in lanes(points.surfaces.len) {
             let weight = points.weight.get(i);
-            points.diffuse.set(i, points.diffuse.get(i) * points.surfaces.tint.get(i) * weight);
+            let tint = points.surfaces.tint.get(i);
+            points.ambient.set(i, weight * points.ambient.get(i) * tint);
+            points.diffuse.set(i, points.diffuse.get(i) * tint * weight);
             points.specular.set(i, points.specular.get(i) * weight);
         }
     }

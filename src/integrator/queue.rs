@@ -1,7 +1,8 @@
 //! Weighted rays that wait to be traced, and the batches that they are traced in.
 
-use crate::accel::{Isa, Lanewise, Rays};
-use crate::math::columns::{BATCH, Chosen, Column, Vec3s};
+use super::chosen::Chosen;
+use crate::accel::Rays;
+use crate::math::columns::{BATCH, Column, Vec3s};
 
 /// What goes with a ray besides its geometry.
 #[derive(Debug)]
@@ -95,9 +96,16 @@ pub(super) enum ShadowKind {
 pub(super) struct RayQueue {
     rays: Rays,
     weight: [Vec<f32>; 3],
-    density: Vec<f32>,
     time: Vec<f32>,
     slot: Vec<u32>,
+    /// Nothing in a queue of rays to lights.
+    names: Names,
+}
+
+/// What goes with rays of lobes alone.
+#[derive(Debug, Default)]
+struct Names {
+    density: Vec<f32>,
     path: Vec<u32>,
     index: Vec<u32>,
 }
@@ -107,9 +115,31 @@ impl RayQueue {
         self.rays.len()
     }
 
-    /// Adds the chosen ones of the rays that were sent.
-    pub(super) fn append(&mut self, isa: Isa, sent: &Sent, labels: &Labels, chosen: &Chosen) {
-        isa.run(Append { queue: self, sent, labels, chosen });
+    /// Adds the chosen ones of the rays that were sent to lights.
+    pub(super) fn append(&mut self, sent: &Sent, labels: &Labels, chosen: &Chosen) {
+        let start = self.rays.len();
+        self.rays.set_len(start + chosen.len());
+        let new = start..start + chosen.len();
+        for (axis, (origin, direction)) in
+            sent.origin.columns().into_iter().zip(sent.direction.columns()).enumerate()
+        {
+            chosen.copy(origin, &mut self.rays.origin[axis][new.clone()]);
+            chosen.copy(direction, &mut self.rays.direction[axis][new.clone()]);
+        }
+        chosen.copy(&sent.t_max, &mut self.rays.t_max[new]);
+        for (to, from) in self.weight.iter_mut().zip(sent.weight.columns()) {
+            chosen.append(from, to);
+        }
+        chosen.append(&labels.time, &mut self.time);
+        chosen.append(&labels.slot, &mut self.slot);
+    }
+
+    /// Adds the chosen ones of the rays that were sent by lobes.
+    pub(super) fn append_named(&mut self, sent: &Sent, labels: &Labels, chosen: &Chosen) {
+        self.append(sent, labels, chosen);
+        chosen.append(&sent.density, &mut self.names.density);
+        chosen.append(&labels.path, &mut self.names.path);
+        chosen.append(&labels.index, &mut self.names.index);
     }
 
     /// Moves the last rays, a batch at most, to `batch`, their order kept.
@@ -121,45 +151,13 @@ impl RayQueue {
         {
             move_to(from, start, to);
         }
-        move_to(&mut self.density, start, density);
         move_to(&mut self.time, start, &mut labels.time);
         move_to(&mut self.slot, start, &mut labels.slot);
-        move_to(&mut self.path, start, &mut labels.path);
-        move_to(&mut self.index, start, &mut labels.index);
-    }
-}
-
-struct Append<'a> {
-    queue: &'a mut RayQueue,
-    sent: &'a Sent,
-    labels: &'a Labels,
-    chosen: &'a Chosen,
-}
-
-impl Lanewise for Append<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { queue, sent, labels, chosen } = self;
-        let start = queue.rays.len();
-        queue.rays.set_len(start + chosen.len());
-        let new = start..start + chosen.len();
-        for (axis, (origin, direction)) in
-            sent.origin.columns().into_iter().zip(sent.direction.columns()).enumerate()
-        {
-            chosen.copy(origin, &mut queue.rays.origin[axis][new.clone()]);
-            chosen.copy(direction, &mut queue.rays.direction[axis][new.clone()]);
+        if !self.names.path.is_empty() {
+            move_to(&mut self.names.density, start, density);
+            move_to(&mut self.names.path, start, &mut labels.path);
+            move_to(&mut self.names.index, start, &mut labels.index);
         }
-        chosen.copy(&sent.t_max, &mut queue.rays.t_max[new]);
-        for (to, from) in queue.weight.iter_mut().zip(sent.weight.columns()) {
-            chosen.append(from, to);
-        }
-        chosen.append(&sent.density, &mut queue.density);
-        chosen.append(&labels.time, &mut queue.time);
-        chosen.append(&labels.slot, &mut queue.slot);
-        chosen.append(&labels.path, &mut queue.path);
-        chosen.append(&labels.index, &mut queue.index);
     }
 }
 

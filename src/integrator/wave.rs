@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::bounces::Lobes;
 use super::camera_rays::{CameraRays, Place};
+use super::chosen::Chosen;
 use super::features::FeatureSums;
 use super::light_choice::LightChoice;
 use super::lights::tries;
@@ -12,8 +13,10 @@ use super::queue::{Batch, Labels, RayQueue, Sent, ShadowKind};
 use super::sums::Sums;
 use super::{Statistics, Traced, Work};
 use crate::accel::{Coherence, NO_HIT};
-use crate::frame::{FrameScene, Look, SurfaceScratch, Surfaces, WorldHits, WorldScratch};
-use crate::math::columns::{BATCH, Chosen, Vec3s};
+use crate::frame::{
+    FrameScene, Look, NO_MATERIAL, SurfaceScratch, Surfaces, WorldHits, WorldScratch,
+};
+use crate::math::columns::{BATCH, Column, Vec3s};
 use crate::sampling::batch::{Digits, SetPoints};
 use crate::sampling::{PixelSeed, Purpose};
 use crate::scene::ShadowMode;
@@ -34,8 +37,7 @@ pub struct Wave {
     pub(super) features: FeatureSums,
     camera_rays: Box<CameraRays>,
     batch: Box<Batch>,
-    /// What each ray of a batch brings by itself.
-    brought: Box<Vec3s>,
+    ended: Box<Ended>,
     found: WorldHits,
     blocked: Vec<bool>,
     scratch: WorldScratch,
@@ -114,9 +116,10 @@ impl Wave {
         frame.world.intersect(&batch.rays, &batch.labels.time, coherence, found, scratch);
         self.sort_hits(frame, depth);
         self.find_points(frame);
-        let Self { sums, batch, brought, .. } = self;
+        let Self { sums, ended, points, .. } = self;
         self.counts.refused_contributions +=
-            sums.add(frame.isa, brought, &batch.labels.slot, batch.rays.len());
+            sums.add(frame.isa, &ended.brings, &ended.slot, ended.len)
+                + sums.add(frame.isa, &points.ambient, &points.labels.slot, points.surfaces.len);
         if self.features.are_wanted() {
             let Self { features, batch, found, points, .. } = self;
             features.add(frame, batch, found, points);
@@ -128,41 +131,38 @@ impl Wave {
         }
     }
 
-    /// Notes what rays bring that need no shading, and the hits that do.
+    /// Notes what rays bring that end, and the hits that are to be shaded.
     fn sort_hits(&mut self, frame: &FrameScene, depth: u32) {
         let background = Vec3::from(frame.settings.background);
-        let Self { batch, found, brought, points, .. } = self;
-        points.surfaces.len = 0;
+        let Self { batch, found, ended, points, .. } = self;
+        (points.surfaces.len, ended.len) = (0, 0);
         for i in 0..batch.rays.len().min(BATCH) {
             let primitive = found.hits.primitive[i];
-            if primitive == NO_HIT {
-                brought.set(i, batch.weight.get(i) * background);
-                continue;
-            }
-            match frame.look(primitive, found.instance[i]) {
-                Look::Material(material) => points.surfaces.push(i, material),
-                Look::Light(light) => {
-                    let light = &frame.lights[light as usize];
-                    let way = batch.rays.direction(i) * found.hits.t[i];
-                    let share = lobe_share(frame, light, way, batch.density[i], depth);
-                    brought.set(i, batch.weight.get(i) * light.color * share);
+            let (color, share) = if primitive == NO_HIT {
+                (background, 1.0)
+            } else {
+                match frame.look(primitive, found.instance[i]) {
+                    Look::Material(material) => {
+                        points.surfaces.push(i, material);
+                        continue;
+                    }
+                    Look::Light(light) => {
+                        let light = &frame.lights[light as usize];
+                        let way = batch.rays.direction(i) * found.hits.t[i];
+                        (light.color, lobe_share(frame, light, way, batch.density[i], depth))
+                    }
                 }
-            }
+            };
+            ended.push(batch.weight.get(i) * color * share, batch.labels.slot[i]);
         }
     }
 
-    /// Finds everything about the hits that are to be shaded, and what they bring from everywhere.
+    /// Finds everything about the hits that are to be shaded.
     fn find_points(&mut self, frame: &FrameScene) {
-        let Self { batch, found, brought, points, surface_scratch, seeds, .. } = self;
+        let Self { batch, found, points, surface_scratch, seeds, .. } = self;
         let (rays, time) = (&batch.rays, &batch.labels.time);
         frame.find_surfaces(rays, time, found, &mut points.surfaces, surface_scratch);
         points.gather(frame, batch, seeds);
-        let surfaces = &points.surfaces;
-        for i in 0..surfaces.len.min(BATCH) {
-            let ambient = frame.materials[surfaces.material[i] as usize].ambient;
-            let brings = points.weight.get(i) * ambient * surfaces.tint.get(i);
-            brought.set(surfaces.ray[i] as usize, brings);
-        }
     }
 
     fn trace_shadows(&mut self, frame: &FrameScene, kind: ShadowKind) {
@@ -212,7 +212,7 @@ impl Wave {
             batch.weight.set(i, Vec3::ZERO);
             if let Some(passed) = frame.light_passed(primitive, found.instance[i]) {
                 sent.weight.set(surfaces.len, light * passed);
-                surfaces.push(i, 0);
+                surfaces.push(i, NO_MATERIAL);
             }
         }
         let (rays, time) = (&batch.rays, &batch.labels.time);
@@ -228,8 +228,8 @@ impl Wave {
             next.time[i] = time[ray];
             next.slot[i] = batch.labels.slot[ray];
         }
-        chosen.set(surfaces.len, |_| true);
-        self.shadows[kind as usize].append(frame.isa, sent, next, chosen);
+        chosen.set(frame.isa, surfaces.len, |_| true);
+        self.shadows[kind as usize].append(sent, next, chosen);
     }
 
     /// The first `D` random numbers of ray `i` of `count` from every point, `depth` bounces behind
@@ -250,6 +250,29 @@ impl Wave {
         if self.bounces.len() <= depth {
             self.bounces.resize_with(depth + 1, RayQueue::default);
         }
+    }
+}
+
+/// What rays of a batch bring that are not shaded: those to the background and to lights.
+#[derive(Debug)]
+struct Ended {
+    brings: Vec3s,
+    slot: Column<u32>,
+    len: usize,
+}
+
+impl Default for Ended {
+    fn default() -> Self {
+        Self { brings: Vec3s::default(), slot: [0; BATCH], len: 0 }
+    }
+}
+
+impl Ended {
+    #[inline(always)]
+    fn push(&mut self, brings: Vec3, slot: u32) {
+        self.brings.set(self.len, brings);
+        self.slot[self.len] = slot;
+        self.len += 1;
     }
 }
 

@@ -52,44 +52,19 @@ pub(crate) fn lanes(len: usize) -> Range<usize> {
     0..len.next_multiple_of(16).min(BATCH)
 }
 
-/// Entries of a batch, by number, ascending.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Chosen {
-    numbers: Vec<u16>,
-}
-
-impl Chosen {
-    /// The entries below `len` that `is` says yes to.
-    pub(crate) fn set(&mut self, len: usize, is: impl Fn(usize) -> bool) {
-        self.numbers.resize(BATCH, 0);
-        let mut count = 0;
-        for i in 0..len.min(BATCH) {
-            // Written in any case, kept by counting: no branch to be guessed wrong.
-            self.numbers[count] = i as u16;
-            count += usize::from(is(i));
-        }
-        self.numbers.truncate(count);
-    }
-
-    /// How many there are.
-    pub(crate) fn len(&self) -> usize {
-        self.numbers.len()
-    }
-
-    /// Copies the chosen entries of a column to a slice of their number.
-    #[inline(always)]
-    pub(crate) fn copy<T: Copy>(&self, from: &Column<T>, to: &mut [T]) {
-        for (to, &i) in to.iter_mut().zip(&self.numbers) {
-            *to = from[usize::from(i).min(BATCH - 1)];
-        }
-    }
-
-    /// Adds the chosen entries of a column to the end of a vector.
-    #[inline(always)]
-    pub(crate) fn append<T: Copy>(&self, from: &Column<T>, to: &mut Vec<T>) {
-        let start = to.len();
-        to.resize(start + self.numbers.len(), from[0]);
-        self.copy(from, &mut to[start..]);
+/// Fetches something of an entry of a table for each index; beyond the table's end, of the last one.
+/// An empty table has nothing to fetch.
+#[inline(always)]
+pub(crate) fn look_up<T: Copy, U>(
+    table: &[T],
+    index: &Column<u32>,
+    len: usize,
+    of: impl Fn(T) -> U,
+    to: &mut Column<U>,
+) {
+    let Some(last) = table.len().checked_sub(1) else { return };
+    for i in lanes(len) {
+        to[i] = of(table[(index[i] as usize).min(last)]);
     }
 }
 
@@ -98,18 +73,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn chosen_entries_keep_their_order() {
-        let mut chosen = Chosen::default();
-        let column: Column<u32> = std::array::from_fn(|i| i as u32 * 10);
-        chosen.set(100, |i| i % 7 == 3);
-        let mut all = vec![1];
-        chosen.append(&column, &mut all);
-        assert_eq!(all[..4], [1, 30, 100, 170]);
-        assert_eq!((chosen.len(), all.len()), (14, 15));
-        let mut some = [0; 14];
-        chosen.copy(&column, &mut some);
-        assert_eq!(some, all[1..]);
-        chosen.set(BATCH, |_| true);
-        assert_eq!(chosen.len(), BATCH);
+    fn tables_are_looked_up_within_their_ends() {
+        let mut index = [0; BATCH];
+        (index[0], index[1], index[2]) = (2, 0, 7);
+        let mut to = [0.0; BATCH];
+        look_up(&[1, 2, 4], &index, 3, f64::from, &mut to);
+        assert_eq!(to[..3], [4.0, 1.0, 4.0]);
     }
 }

@@ -60,15 +60,22 @@ impl Texture {
 
     /// Red, green and blue in `[0, 1]` of the texel in column `x` from the left and row `y` from
     /// the top; columns and rows past the edge give the last one.
+    #[inline(always)]
     pub fn texel(&self, x: u32, y: u32) -> [f32; 3] {
         let x = x.min(self.width - 1) as usize;
         let y = y.min(self.height - 1) as usize;
         let start = 3 * (y * self.width as usize + x);
         match &self.channels {
-            Channels::Bits8(c) => [0, 1, 2].map(|i| f32::from(c[start + i]) / 255.0),
-            Channels::Bits16(c) => [0, 1, 2].map(|i| f32::from(c[start + i]) / 65535.0),
+            Channels::Bits8(c) => color(&c[start..], 255.0),
+            Channels::Bits16(c) => color(&c[start..], 65535.0),
         }
     }
+}
+
+/// The first three channels over the largest value of one.
+#[inline(always)]
+fn color<C: Copy + Into<f32>>(channels: &[C], most: f32) -> [f32; 3] {
+    [channels[0].into() / most, channels[1].into() / most, channels[2].into() / most]
 }
 
 /// Whether so many channels make an image of that size.

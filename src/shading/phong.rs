@@ -17,8 +17,6 @@ pub struct Material {
     pub specular: Vec3,
     /// Exponent of the highlight.
     pub shininess: f32,
-    /// Whether there is a highlight: `specular` is not 0.
-    pub shines: bool,
     /// k_r
     pub reflectance: f32,
     /// k_t
@@ -40,7 +38,6 @@ impl From<&scene::Material> for Material {
             diffuse: m.diffuse.into(),
             specular: m.specular.into(),
             shininess: m.shininess,
-            shines: m.specular != [0.0; 3],
             reflectance: m.reflectance,
             refraction: m.refraction,
             reflection_lobe: lobe_inverse(m.diffuse_reflection),

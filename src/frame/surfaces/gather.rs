@@ -4,7 +4,7 @@ use glam::{DVec3, Mat3, Vec3};
 
 use super::Surfaces;
 use crate::accel::curved::Part;
-use crate::accel::{Curved, NO_HIT, Rays, Structure, Triangle};
+use crate::accel::{Curved, Lanewise, NO_HIT, Rays, Structure, Triangle};
 use crate::frame::tessellate::Geometry;
 use crate::frame::world::{Instance, STILL, WorldHits};
 use crate::frame::{FrameObject, FrameScene, Look};
@@ -158,17 +158,7 @@ impl FrameScene {
 
     /// Colours of images; `to.point` is still in the space of the structures.
     pub(super) fn look_up_images(&self, found: &WorldHits, to: &mut Surfaces) {
-        for i in 0..to.len.min(BATCH) {
-            let Some(texture) = self.materials[to.material[i] as usize].texture else {
-                to.tint.set(i, Vec3::ONE);
-                continue;
-            };
-            let hit = Hit::new(found, to.ray[i] as usize);
-            let [u, v] = self.uv(&hit, to.point.get(i));
-            let image = &self.textures[texture.texture.0 as usize];
-            let color = sample_bilinear(image, u * texture.scale[0], v * texture.scale[1]);
-            to.tint.set(i, color.into());
-        }
+        self.isa.run(Images { frame: self, found, to });
     }
 
     /// Texture coordinates of a hit, whose point is given in the space of its structure.
@@ -217,6 +207,34 @@ impl FrameScene {
         let refraction = self.materials[material as usize].refraction;
         let open = matches!(object.geometry, Geometry::Mesh(ref mesh, _) if mesh.faces.len() <= 2);
         (refraction > 0.0).then(|| if open { refraction } else { refraction.sqrt() })
+    }
+}
+
+/// Fetches colours of images.
+struct Images<'a> {
+    frame: &'a FrameScene,
+    found: &'a WorldHits,
+    to: &'a mut Surfaces,
+}
+
+impl Lanewise for Images<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { frame, found, to } = self;
+        for i in 0..to.len.min(BATCH) {
+            let material = frame.materials.get(to.material[i] as usize);
+            let Some(texture) = material.and_then(|material| material.texture) else {
+                to.tint.set(i, Vec3::ONE);
+                continue;
+            };
+            let hit = Hit::new(found, to.ray[i] as usize);
+            let [u, v] = frame.uv(&hit, to.point.get(i));
+            let image = &frame.textures[texture.texture.0 as usize];
+            let color = sample_bilinear(image, u * texture.scale[0], v * texture.scale[1]);
+            to.tint.set(i, color.into());
+        }
     }
 }
 

@@ -13,6 +13,9 @@ use crate::accel::{Lanewise, Rays};
 use crate::math::columns::{BATCH, Column, Vec3s, lanes};
 use crate::math::rounding::gamma;
 
+/// Index of the material of hits whose colour nobody asks for.
+pub(crate) const NO_MATERIAL: u32 = u32::MAX;
+
 /// What is at the hits of a batch. Render space.
 #[derive(Debug)]
 pub(crate) struct Surfaces {
@@ -57,7 +60,7 @@ impl Default for Surfaces {
 }
 
 impl Surfaces {
-    /// Adds a hit: the number of its ray and its material.
+    /// Adds a hit: the number of its ray and its material, or [`NO_MATERIAL`].
     #[inline(always)]
     pub(crate) fn push(&mut self, ray: usize, material: u32) {
         self.ray[self.len] = ray as u32;

@@ -1,0 +1,47 @@
+//! Materials in columns: what is looked up at every hit.
+
+use super::Material;
+
+/// One number of every material, by its index.
+type Entries = Vec<f32>;
+
+/// What hits read of materials, but for images; see [`Material`].
+#[derive(Clone, Debug, Default)]
+pub struct MaterialTable {
+    /// Red, green, blue.
+    pub ambient: [Entries; 3],
+    /// Red, green, blue.
+    pub diffuse: [Entries; 3],
+    /// Red, green, blue.
+    pub specular: [Entries; 3],
+    /// Exponents of highlights.
+    pub shininess: Entries,
+    /// k_r
+    pub reflectance: Entries,
+    /// k_t
+    pub refraction: Entries,
+    /// `1 / (n + 1)`
+    pub reflection_lobe: Entries,
+    /// `1 / (n + 1)`
+    pub refraction_lobe: Entries,
+    /// Inside.
+    pub refraction_index: Entries,
+}
+
+impl MaterialTable {
+    /// The same materials, in columns.
+    pub fn new(materials: &[Material]) -> Self {
+        let all = |of: fn(&Material) -> f32| materials.iter().map(of).collect();
+        Self {
+            ambient: [all(|m| m.ambient.x), all(|m| m.ambient.y), all(|m| m.ambient.z)],
+            diffuse: [all(|m| m.diffuse.x), all(|m| m.diffuse.y), all(|m| m.diffuse.z)],
+            specular: [all(|m| m.specular.x), all(|m| m.specular.y), all(|m| m.specular.z)],
+            shininess: all(|m| m.shininess),
+            reflectance: all(|m| m.reflectance),
+            refraction: all(|m| m.refraction),
+            reflection_lobe: all(|m| m.reflection_lobe),
+            refraction_lobe: all(|m| m.refraction_lobe),
+            refraction_index: all(|m| m.refraction_index),
+        }
+    }
+}
