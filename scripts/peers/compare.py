@@ -36,6 +36,7 @@ import stills
 HERE = Path(__file__).resolve().parent
 RENDERERS = {
     "slo-rt": "render_slo_rt",
+    "slo-rt-noise": "render_slo_rt_noise",
     "mitsuba": "render_mitsuba",
     "cycles": "render_cycles",
     "luxcore": "render_luxcore",
@@ -77,8 +78,15 @@ class Renderer:
 
     def render(self, samples, seed, threads=1):
         """The picture, and the processor time that it took."""
+        return self.wish(samples=samples, seed=seed, threads=threads, reference=False)
+
+    def reference(self, samples, seed, threads):
+        """A picture of the same number of samples everywhere."""
+        return self.wish(samples=samples, seed=seed, threads=threads, reference=True)[0]
+
+    def wish(self, **wish):
         path = Path(self.folder.name) / "picture.npy"
-        wish = {"samples": samples, "seed": seed, "threads": threads, "picture": str(path)}
+        wish["picture"] = str(path)
         print(json.dumps(wish), file=self.process.stdin, flush=True)
         seconds = self.answer()["seconds"]
         return np.load(path).astype(np.float64), seconds
@@ -100,7 +108,7 @@ def relative(difference, reference):
 def reference_of(renderer, options):
     """A picture, and its own relative mean square error."""
     count = max(1, options.reference // CHUNKS)
-    pictures = [renderer.render(count, 1000 + chunk, options.reference_threads)[0] for chunk in range(CHUNKS)]
+    pictures = [renderer.reference(count, 1000 + chunk, options.reference_threads) for chunk in range(CHUNKS)]
     mean = np.mean(pictures, axis=0)
     noise = np.mean([relative(picture - mean, mean) for picture in pictures]) / (CHUNKS - 1)
     return mean, noise

@@ -3,6 +3,7 @@
 A renderer's module calls `serve` with a class:
 `Renderer(still, order)` has a `version` and `render(samples, seed, threads)`, which returns the picture as an array
 [row, column, channel] of linear light, the first row on top, and the processor time that counts in seconds.
+Where samples mean something else than the same number everywhere, `reference` does the same with that.
 """
 
 import json
@@ -38,7 +39,8 @@ def serve(renderer_class):
     print(json.dumps({"version": renderer.version}), file=answers, flush=True)
     for line in sys.stdin:
         wish = json.loads(line)
-        picture, seconds = renderer.render(wish["samples"], wish["seed"], wish["threads"])
+        render = getattr(renderer, "reference", renderer.render) if wish["reference"] else renderer.render
+        picture, seconds = render(wish["samples"], wish["seed"], wish["threads"])
         np.save(wish["picture"], np.ascontiguousarray(picture[..., :3], dtype=np.float32))
         print(json.dumps({"seconds": seconds}), file=answers, flush=True)
     answers.flush()

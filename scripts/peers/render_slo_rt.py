@@ -32,10 +32,10 @@ def object_text(still, name):
     return f"mesh {name} {{ filename {mesh} smooth_normals 1 material {look} {frames} }}\n"
 
 
-def scene_text(still):
+def scene_text(still, settings=""):
     v0, v1, v2 = map(numbers, stills.LIGHT)
     center, radius, _ = stills.BALL
-    text = f"""settings s {{ recursion {stills.BOUNCES if still.rough else 0} background {numbers(stills.SKY)} }}
+    text = f"""settings s {{ {settings} recursion {stills.BOUNCES if still.rough else 0} background {numbers(stills.SKY)} }}
 Camera c {{ fps 25
  Film f {{ width {stills.WIDTH} height {stills.HEIGHT} prefix still_ output EXR_IMAGE }}
  CamSegment s {{ videoStart 0 videoEnd 4 sceneStart 0 sceneEnd 4
@@ -97,21 +97,28 @@ class SloRt:
     def __init__(self, still, order):
         self.folder = tempfile.TemporaryDirectory()
         self.program = order["program"]
-        self.scene = Path(self.folder.name) / "still.txt"
-        self.scene.write_text(scene_text(still), encoding="utf-8")
+        self.scene = self.write("still.txt", scene_text(still))
         try:
             self.version = self.run("--version").split()[-1]
         except FileNotFoundError as error:
             job.missing(error)
+
+    def write(self, name, text):
+        path = Path(self.folder.name) / name
+        path.write_text(text, encoding="utf-8")
+        return path
 
     def run(self, *arguments):
         command = [self.program, *map(str, arguments)]
         return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
     def render(self, samples, seed, threads):
+        return self.rendered(self.scene, seed, threads, "--samples", samples)
+
+    def rendered(self, scene, seed, threads, *how):
         began = job.user_time()
-        path = self.run("-q", "--overwrite", "--allow-outside", "-s", self.scene, "--samples", samples, "--seed", seed,
-                        "--threads", threads, "--outdir", self.folder.name).strip()
+        path = self.run("-q", "--overwrite", "--allow-outside", "-s", scene, "--seed", seed, "--threads", threads,
+                        "--outdir", self.folder.name, *how).strip()
         return read_exr(path), job.user_time() - began
 
 
