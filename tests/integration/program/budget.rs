@@ -4,18 +4,11 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::{Folder, Run, SCENE};
+use super::{Folder, Run, noisy_scene};
 
 /// So large that it never gets to the last step.
 fn folder() -> Folder {
-    let text = SCENE.replace("width 16 height 9", "width 400 height 300").replace(
-        "sphere ball",
-        "light_rectangle lamp2 { color { .5 .5 .5 }
-            vertex0 { -3 -3 4 } vertex1 { -1 -3 4 } vertex2 { -1 -1 4 } }
-         plane floor { normal { 0 0 1 } position { 0 0 -1 } material matte }
-         sphere ball",
-    );
-    Folder::with_scene(&text)
+    Folder::with_scene(&noisy_scene([400, 300]))
 }
 
 /// The option that makes a picture again.

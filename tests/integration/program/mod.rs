@@ -47,6 +47,18 @@ material_phong matte { phong_info matte }
 sphere ball { center { 0 0 0 } radius 1 material matte }
 ";
 
+/// The same with a floor and an area light, whose half shadows are noisy, of a size in pixels.
+fn noisy_scene([width, height]: [u32; 2]) -> String {
+    let film = format!("width {width} height {height}");
+    SCENE.replace("width 16 height 9", &film).replace(
+        "sphere ball",
+        "light_rectangle lamp2 { color { .5 .5 .5 }
+            vertex0 { -3 -3 4 } vertex1 { -1 -3 4 } vertex2 { -1 -1 4 } }
+         plane floor { normal { 0 0 1 } position { 0 0 -1 } material matte }
+         sphere ball",
+    )
+}
+
 impl Folder {
     fn new() -> Self {
         Self::with_scene(SCENE)

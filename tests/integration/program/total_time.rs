@@ -4,17 +4,10 @@ use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::{Folder, SCENE};
+use super::{Folder, noisy_scene};
 
 fn folder() -> Folder {
-    let text = SCENE.replace("width 16 height 9", "width 160 height 120").replace(
-        "sphere ball",
-        "light_rectangle lamp2 { color { .5 .5 .5 }
-            vertex0 { -3 -3 4 } vertex1 { -1 -3 4 } vertex2 { -1 -1 4 } }
-         plane floor { normal { 0 0 1 } position { 0 0 -1 } material matte }
-         sphere ball",
-    );
-    Folder::with_scene(&text)
+    Folder::with_scene(&noisy_scene([160, 120]))
 }
 
 fn name(frame: i64) -> String {
