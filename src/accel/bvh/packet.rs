@@ -25,8 +25,10 @@ const FEW: u32 = 2;
 /// Rays that go the same way make a packet if there are so many of them.
 const ENOUGH: u32 = 4;
 
-/// Packets go on being made while at least one lane in so many is in use on average.
-const LANES_PER_USE: u32 = 2;
+/// How many rays of a packet must enter a child on average, so that packets are faster than rays by
+/// themselves; by the bytes of a hierarchy up to which it holds. A stream hides how long memory
+/// takes, a packet waits: the farther away the nodes, the fuller it must be.
+const WORTHWHILE: [(usize, u32); 3] = [(48 << 20, 4), (96 << 20, 5), (usize::MAX, 6)];
 
 /// Working memory of [`trace`].
 #[derive(Debug, Default)]
@@ -171,18 +173,31 @@ pub(super) struct Surroundings<'a> {
     pub(super) use_of_lanes: UseOfLanes,
 }
 
-/// How many of the lanes had something to do, so far in this batch.
-#[derive(Clone, Copy, Debug, Default)]
+/// How many rays entered the children that packets came to, so far in this batch.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct UseOfLanes {
-    all: u32,
-    used: u32,
+    children: u32,
+    rays: u32,
+    worthwhile: u32,
 }
 
 impl UseOfLanes {
+    /// Of nothing yet, in a hierarchy of so many bytes.
+    pub(super) fn new(memory: usize) -> Self {
+        let holds = WORTHWHILE.iter().find(|(most, _)| memory <= *most);
+        Self { children: 0, rays: 0, worthwhile: holds.map_or(u32::MAX, |&(_, rays)| rays) }
+    }
+
+    #[inline(always)]
+    fn count(&mut self, lanes: u32) {
+        self.children += 1;
+        self.rays += lanes.count_ones();
+    }
+
     /// Whether packets are worth their while: rays that are in many packets with few lanes in use
     /// are faster by themselves.
     pub(super) fn is_good(self) -> bool {
-        LANES_PER_USE * self.used >= self.all
+        self.rays >= self.worthwhile * self.children
     }
 }
 
@@ -292,8 +307,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 if lanes == 0 {
                     continue;
                 }
-                around.use_of_lanes.all += S::Lanes::COUNT as u32;
-                around.use_of_lanes.used += lanes.count_ones();
+                around.use_of_lanes.count(lanes);
                 *rests.add(top) = rest;
                 top += usize::from(rest.set != 0);
                 rest.set = 0;

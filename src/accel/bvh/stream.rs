@@ -259,7 +259,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     } else {
         order.keep(rays)
     }
-    let use_of_lanes = UseOfLanes::default();
+    let use_of_lanes = UseOfLanes::new(bvh.memory());
     let around = Surroundings { bvh, rays, memory, stack, flights, use_of_lanes };
     // SAFETY: any bits are a ray; lines are aligned as rays are, and as long as sixteen.
     let ready = unsafe { &mut *ready.as_mut_ptr().cast::<[Ray; LANES]>() };
