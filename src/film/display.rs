@@ -12,6 +12,10 @@ const PIECES: usize = 4096;
 static CURVE: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=PIECES).map(|i| srgb(i as f32 / PIECES as f32)).collect());
 
+/// The same beyond 1, where each doubling has as many pieces.
+static GLARE: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..=Glare::PIECES).map(|i| srgb(Glare::begin(i as u32))).collect());
+
 /// What a channel's radiance becomes on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Display {
@@ -24,11 +28,12 @@ pub enum Display {
 }
 
 impl Display {
-    /// The value that is shown for a channel of linear radiance, within 2e-5: what an error needs.
+    /// The value that is shown for a channel of linear radiance, within 2e-5 (of it, beyond 1): what
+    /// an error needs.
     fn value(self, radiance: f32) -> f32 {
         match self {
             Self::Raw => radiance.clamp(0.0, 1.0),
-            Self::Unclamped if radiance > 1.0 => srgb(radiance),
+            Self::Unclamped if radiance > 1.0 => Glare::value(radiance),
             Self::Srgb | Self::Unclamped => {
                 let at = radiance.clamp(0.0, 1.0) * PIECES as f32;
                 let piece = (at as usize).min(PIECES - 1);
@@ -49,6 +54,32 @@ impl Display {
             half * half
         };
         (of(0) + of(1) + of(2)) / 3.0
+    }
+}
+
+/// The curve from 1 to 65 536: the upper bits of a number tell its piece, the others where in it.
+struct Glare;
+
+impl Glare {
+    const ONE: u32 = 1.0f32.to_bits();
+    const DOUBLINGS: usize = 16;
+    const PIECE_BITS: u32 = 16;
+    const PIECES: usize = Self::DOUBLINGS << (23 - Self::PIECE_BITS);
+
+    fn begin(piece: u32) -> f32 {
+        f32::from_bits(Self::ONE + (piece << Self::PIECE_BITS))
+    }
+
+    fn value(radiance: f32) -> f32 {
+        let above = radiance.to_bits() - Self::ONE;
+        let piece = (above >> Self::PIECE_BITS) as usize;
+        match GLARE.get(piece..piece + 2) {
+            Some(&[low, high]) => {
+                let rest = (above & ((1 << Self::PIECE_BITS) - 1)) as f32;
+                low + (high - low) * (rest / (1 << Self::PIECE_BITS) as f32)
+            }
+            _ => srgb(radiance),
+        }
     }
 }
 
@@ -91,6 +122,12 @@ mod tests {
             let (shown, expected) = (Display::Unclamped.value(x), srgb(x));
             assert!((shown - expected).abs() < 2e-5, "{x}: {shown} {expected}");
         }
+        for i in 0..100_000 {
+            let x = 1.0 + 1e-4 * (i as f32) * (i as f32);
+            let (shown, expected) = (Display::Unclamped.value(x), srgb(x));
+            assert!((shown - expected).abs() < 2e-5 * expected, "{x}: {shown} {expected}");
+        }
+        assert_eq!(Display::Unclamped.value(1e9), srgb(1e9));
     }
 
     #[test]

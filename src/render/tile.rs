@@ -24,7 +24,7 @@ pub(super) struct TileRenderer {
     /// The pixels in the order of their tracing: block by block, and in them patches of 4 x 4, so
     /// that neighbours in a batch are neighbours in the picture.
     order: Vec<u32>,
-    /// Ranges of `order` that decide together, each with its quarters, counted from its start.
+    /// Ranges of `order` that decide together and are not known to be done, each with its quarters, counted from its start.
     groups: Vec<(Range<usize>, Vec<Range<usize>>)>,
     steps: Vec<Step>,
     work: Vec<Work>,
@@ -58,15 +58,19 @@ impl TileRenderer {
 
     /// Plans the next step. False where the tile is done.
     pub(super) fn plan_step(&mut self, plan: &Plan) -> bool {
-        self.steps.clear();
-        for (group, quarters) in &self.groups {
-            let group = &self.order[group.clone()];
-            if let Some(to) = plan.next(&self.film, group, quarters) {
-                let from = |i: u32| self.film.pixels()[i as usize].samples;
+        let Self { film, order, groups, steps, .. } = self;
+        steps.clear();
+        // What is done stays done: only its own samples decide.
+        groups.retain(|(group, quarters)| {
+            let group = &order[group.clone()];
+            let next = plan.next(film, group, quarters);
+            if let Some(to) = next {
+                let from = |i: u32| film.pixels()[i as usize].samples;
                 let step = |&pixel: &u32| Step { pixel, from: from(pixel), to };
-                self.steps.extend(group.iter().map(step).filter(|step| step.from < to));
+                steps.extend(group.iter().map(step).filter(|step| step.from < to));
             }
-        }
+            next.is_some()
+        });
         let each = (SAMPLES_OF_A_STEP / self.steps.len().max(1) as u32).max(1);
         for step in &mut self.steps {
             step.to = step.to.min(step.from.saturating_add(each));
