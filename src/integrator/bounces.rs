@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::points::Points;
 use super::queue::{Labels, Sent};
+use super::roulette::{least_weight, roulette};
 use super::wave::Wave;
 use crate::accel::Lanewise;
 use crate::frame::{FrameScene, Surfaces};
@@ -92,7 +93,7 @@ impl Wave {
         self.draw::<3>(frame, depth, purpose, [i, count]);
         let Self { points, lobes, set, sent, chosen, bounces, next, features, .. } = self;
         let (lobe, len) = (lobes.of(purpose), points.surfaces.len);
-        let least = if frame.clever { LEAST_WEIGHT } else { 0.0 };
+        let least = least_weight(frame);
         let rays = if frame.combines() { count as f32 } else { 0.0 };
         let share = 1.0 / count as f32;
         frame.isa.run(Send { points, lobe, set, share, rays, least, to: sent });
@@ -114,10 +115,6 @@ pub(super) fn glossy_samples(settings: &Settings, purpose: Purpose, depth: u32) 
         _ => settings.diffuse_reflection_samples,
     }
 }
-
-/// Rays of less weight are left out at random, and the others made heavier: what they could add is
-/// less than a step of a PNG's channel, what they cost is not.
-const LEAST_WEIGHT: f32 = 1.0 / 256.0;
 
 impl Lobes {
     fn of(&self, purpose: Purpose) -> &Lobe {
@@ -214,7 +211,7 @@ struct Send<'a> {
     share: f32,
     /// How many rays of the lobe are combined with rays to lamps.
     rays: f32,
-    /// See [`LEAST_WEIGHT`].
+    /// See [`roulette`].
     least: f32,
     to: &'a mut Sent,
 }
@@ -252,15 +249,6 @@ fn send(
     }
 }
 
-/// `weight`, or where its largest component is below `least`, as much as makes that `least`, at a
-/// chance (`u` is uniform) that keeps the mean; 0 otherwise.
-#[inline(always)]
-fn roulette(weight: Vec3, least: f32, u: f32) -> Vec3 {
-    let chance = weight.max_element() / least;
-    let heavier = if u < chance { weight * (1.0 / chance) } else { Vec3::ZERO };
-    if chance < 1.0 { heavier } else { weight }
-}
-
 /// Labels of the rays that are sent on.
 struct Name<'a> {
     points: &'a Points,
@@ -293,19 +281,6 @@ fn name(points: &Points, branch: Use, place: [u32; 2], next: &mut Labels) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn roulette_keeps_the_mean() {
-        let weight = Vec3::new(0.01, 0.005, 0.0);
-        let kept = |i: u16| roulette(weight, 0.04, (f32::from(i) + 0.5) / 1000.0);
-        let mean = (0..1000).map(kept).sum::<Vec3>() / 1000.0;
-        assert!((mean - weight).length() < 1e-6, "{mean}");
-        assert_eq!(kept(999), Vec3::ZERO);
-        assert!((kept(0) - Vec3::new(0.04, 0.02, 0.0)).length() < 1e-6);
-        assert_eq!(roulette(weight, 0.01, 0.999), weight);
-        assert_eq!(roulette(weight, 0.0, 0.999), weight);
-        assert_eq!(roulette(Vec3::ZERO, 0.0, 0.0), Vec3::ZERO);
-    }
 
     #[test]
     fn kinds_of_lobes_are_told_apart() {

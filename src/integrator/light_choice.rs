@@ -18,12 +18,24 @@ pub(super) struct LightChoice {
     below: Column<f32>,
     /// What is expected of the chosen one.
     kept: Column<f32>,
+    /// What is expected of those before the chosen one.
+    before: Column<f32>,
+    /// What the choice left of its number: uniform again.
+    rest: Column<f32>,
 }
 
 impl Default for LightChoice {
     fn default() -> Self {
         let zeros = [0.0; BATCH];
-        Self { light: [0; BATCH], times: zeros, total: zeros, below: zeros, kept: zeros }
+        Self {
+            light: [0; BATCH],
+            times: zeros,
+            total: zeros,
+            below: zeros,
+            kept: zeros,
+            before: zeros,
+            rest: zeros,
+        }
     }
 }
 
@@ -43,13 +55,18 @@ impl LightChoice {
             frame.isa.run(Pass { expect, light, number, u, to: self });
         }
         let (len, count) = (points.surfaces.len, frame.lights.len() as f32);
-        frame.isa.run(Finish { len, count, to: self });
+        frame.isa.run(Finish { len, count, u, to: self });
     }
 
     /// The light of point `i`, and what it counts over what it counts where all are equally likely.
     #[inline(always)]
     pub(super) fn of(&self, lights: &[Light], i: usize) -> (Light, f32) {
         (lights[self.light[i] as usize], self.times[i])
+    }
+
+    /// What the choices left of their numbers: uniform again, and as good as independent of them.
+    pub(super) fn rest(&self) -> &Column<f32> {
+        &self.rest
     }
 }
 
@@ -114,6 +131,7 @@ impl Lanewise for Pass<'_> {
             let passes = u[i] * to.total[i] >= to.below[i] && expected > 0.0;
             to.light[i] = if passes { number } else { to.light[i] };
             to.kept[i] = if passes { expected } else { to.kept[i] };
+            to.before[i] = if passes { to.below[i] } else { to.before[i] };
             to.below[i] += expected;
         }
     }
@@ -122,6 +140,7 @@ impl Lanewise for Pass<'_> {
 struct Finish<'a> {
     len: usize,
     count: f32,
+    u: &'a Column<f32>,
     to: &'a mut LightChoice,
 }
 
@@ -130,10 +149,12 @@ impl Lanewise for Finish<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { len, count, to } = self;
+        let Self { len, count, u, to } = self;
         for i in lanes(len) {
             let times = to.total[i] / (to.kept[i] * count);
             to.times[i] = if to.kept[i] > 0.0 { times } else { 0.0 };
+            // Rounding may take it below 0.
+            to.rest[i] = ((u[i] * to.total[i] - to.before[i]) / to.kept[i]).max(0.0);
         }
     }
 }

@@ -6,10 +6,11 @@ use super::bounces::{Lobe, Lobes, glossy_samples};
 use super::light_choice::LightChoice;
 use super::points::Points;
 use super::queue::{Sent, ShadowKind};
+use super::roulette::{least_weight, roulette};
 use super::wave::Wave;
 use crate::accel::Lanewise;
 use crate::frame::FrameScene;
-use crate::math::columns::lanes;
+use crate::math::columns::{Column, lanes};
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::scene::LightSampling;
@@ -24,6 +25,7 @@ impl Wave {
             glossy: glossy && frame.combines(),
             rays: [Purpose::Reflection, Purpose::Refraction]
                 .map(|purpose| glossy_samples(&frame.settings, purpose, depth) as f32),
+            least: if depth > 0 { least_weight(frame) } else { 0.0 },
             depth,
         };
         match frame.settings.light_sampling {
@@ -54,7 +56,11 @@ impl Wave {
         place: [u32; 2],
         query: &Query,
     ) {
-        self.draw::<2>(frame, query.depth, Purpose::Light(number), place);
+        if query.least > 0.0 {
+            self.draw::<3>(frame, query.depth, Purpose::Light(number), place);
+        } else {
+            self.draw::<2>(frame, query.depth, Purpose::Light(number), place);
+        }
         // A copy, which no column can overlap.
         let light = *light;
         self.ask(
@@ -80,10 +86,14 @@ impl Wave {
         frame: &FrameScene,
         choose: &impl Fn(&LightChoice, usize) -> (Light, f32),
         tries: f32,
-        &Query { glossy, rays, depth }: &Query,
+        &Query { glossy, rays, least, depth }: &Query,
     ) {
         let Self { points, lobes, set, choice, sent, chosen, .. } = self;
-        let from = Asking { points, lobes, set, choice, tries, rays };
+        let survival = match frame.settings.light_sampling {
+            LightSampling::All => &set.numbers[2],
+            LightSampling::One => choice.rest(),
+        };
+        let from = Asking { points, lobes, set, choice, survival, tries, rays, least };
         match (points.shines, glossy) {
             (false, false) => frame.isa.run(Ask::<false, false, _> { from, choose, to: sent }),
             (true, false) => frame.isa.run(Ask::<true, false, _> { from, choose, to: sent }),
@@ -101,6 +111,9 @@ struct Query {
     glossy: bool,
     /// How many rays a glossy lobe sends: reflected, refracted.
     rays: [f32; 2],
+    /// Below which weight rays are left to chance. None is at the first hit: where all is dark, its
+    /// light is all that there is to see.
+    least: f32,
     depth: u32,
 }
 
@@ -126,10 +139,14 @@ struct Asking<'a> {
     lobes: &'a Lobes,
     set: &'a SetPoints,
     choice: &'a LightChoice,
+    /// The number that decides whether a weak ray is sent.
+    survival: &'a Column<f32>,
     /// See [`tries`].
     tries: f32,
     /// See [`Query::rays`].
     rays: [f32; 2],
+    /// See [`Query::least`].
+    least: f32,
 }
 
 struct Ask<'a, const SHINES: bool, const GLOSSY: bool, C> {
@@ -152,7 +169,7 @@ where
 
 #[inline(always)]
 fn ask<const SHINES: bool, const GLOSSY: bool, C: Fn(&LightChoice, usize) -> (Light, f32)>(
-    &Asking { points, lobes, set, choice, tries, rays }: &Asking<'_>,
+    &Asking { points, lobes, set, choice, survival, tries, rays, least }: &Asking<'_>,
     choose: &C,
     to: &mut Sent,
 ) {
@@ -186,7 +203,10 @@ fn ask<const SHINES: bool, const GLOSSY: bool, C: Fn(&LightChoice, usize) -> (Li
         to.origin.set(i, origin);
         to.direction.set(i, direction);
         to.t_max[i] = t_max;
-        to.weight.set(i, if to.is_ray(i) { added * light.color * times } else { Vec3::ZERO });
+        // A dim light must not be left to chance more than a bright one.
+        let least = least * light.color.max_element().min(1.0);
+        let weight = roulette(added * light.color * times, least, survival[i]);
+        to.weight.set(i, if to.is_ray(i) { weight } else { Vec3::ZERO });
     }
 }
 

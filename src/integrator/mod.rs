@@ -13,6 +13,7 @@ mod light_choice;
 mod lights;
 mod points;
 mod queue;
+mod roulette;
 mod sums;
 mod wave;
 

@@ -33,9 +33,32 @@ fn scene(settings: &str, seed: u32) -> String {
     )
 }
 
-/// Means of the left and the right half of the picture, by channel.
-fn halves(settings: &str, seed: u32, plain: bool) -> [f64; 6] {
-    let description = describe(&scene(settings, seed));
+/// A dark ball and a dark floor, seen in a dim mirror: every ray to a light counts little.
+fn dark_scene(settings: &str, seed: u32) -> String {
+    let materials = material("mirror", "reflectance .12 diffuse { 0 0 0 }")
+        + &material("dark", "diffuse { .03 .02 .012 } specular { .01 .01 .01 } shininess 9");
+    format!(
+        "settings s {{ imageSamples 4 recursion 2 generatorType PSEUDO seed {seed} {settings} }}
+         Camera c {{
+             fps 4
+             Film f {{ width 32 height 24 prefix t output PNG_IMAGE }}
+             CamSegment seg {{
+                 videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1 fovStart .4
+                 addPosition {{ 0 -9 3 }} addTarget {{ 0 0 .5 }}
+             }}
+         }}
+         {materials}
+         plane wall {{ material mirror normal {{ 0 -1 0 }} position {{ 0 2 0 }} }}
+         rectangle ground {{ material dark vertex0 {{ -9 -40 -1 }} vertex1 {{ 9 -40 -1 }} vertex2 {{ 9 -9.5 -1 }} }}
+         sphere ball {{ material dark center {{ 0 -14 1 }} radius 2 }}
+         light_rectangle lamp {{ color {{ 1 .9 .8 }} vertex0 {{ -2 -9 9 }} vertex1 {{ 1 -9 9 }} vertex2 {{ 1 -12 9 }} }}
+         light_point dim {{ color {{ .2 .1 .3 }} position {{ 6 -10 5 }} }}"
+    )
+}
+
+/// Means of the left and the right half of a picture, by channel.
+fn halves(scene: &str, plain: bool) -> [f64; 6] {
+    let description = describe(scene);
     let frame = FrameScene::build(&description, 0, Isa::best()).expect("the frame can be built");
     let frame = if plain { frame.plain() } else { frame };
     let image = expose_frame(&description, &frame).image();
@@ -56,12 +79,11 @@ fn moments(values: &[f64]) -> (f64, f64) {
 }
 
 /// For each half and channel how many standard deviations apart the two ways are, and how much
-/// smaller the variance of the second is.
-fn compare(settings: &str, bias: f64) -> [(f64, f64); 6] {
+/// smaller the variance of the second is; of a scene by its seed.
+fn compare(scene: impl Fn(u32) -> String, bias: f64) -> [(f64, f64); 6] {
     let take = |plain| -> Vec<[f64; 6]> {
-        (0..SEEDS)
-            .map(|seed| halves(settings, seed + if plain { 0 } else { SEEDS }, plain))
-            .collect()
+        let first = if plain { 0 } else { SEEDS };
+        (first..first + SEEDS).map(|seed| halves(&scene(seed), plain)).collect()
     };
     let (plain, clever) = (take(true), take(false));
     std::array::from_fn(|k| {
@@ -84,7 +106,7 @@ fn lamps_in_rough_surfaces_are_as_bright_and_less_noisy() {
         "softShadowSamples 3 diffuseReflectionSamples 2 diffuseRefractionSamples 3",
         "shadow TRANSPARENT",
     ] {
-        let compared = compare(settings, 1.0);
+        let compared = compare(|seed| scene(settings, seed), 1.0);
         assert!(compared.iter().all(|(apart, _)| *apart < APART), "{settings}: {compared:?}");
         // Through transparent shadows nothing is combined.
         if settings.is_empty() {
@@ -105,14 +127,26 @@ fn one_light_of_many_is_one_that_matters() {
             )
         })
         .collect();
-    let compared = compare(&format!("lightSamplingType SAMPLE_ONE_AT_TIME }} {many} #"), 1.0);
+    let settings = format!("lightSamplingType SAMPLE_ONE_AT_TIME }} {many} #");
+    let compared = compare(|seed| scene(&settings, seed), 1.0);
     assert!(compared.iter().all(|(apart, _)| *apart < APART), "{compared:?}");
     let less = compared.iter().map(|(_, less)| less).sum::<f64>() / 6.0;
     assert!(less > 1.5, "{compared:?}");
 }
 
 #[test]
+fn weak_rays_to_lights_bring_as_much_at_a_chance() {
+    for settings in ["", "lightSamplingType SAMPLE_ONE_AT_TIME", "shadow TRANSPARENT"] {
+        let compared = compare(|seed| dark_scene(settings, seed), 1.0);
+        assert!(compared.iter().all(|(apart, _)| *apart < APART), "{settings}: {compared:?}");
+        // They do play: fewer rays have more variance.
+        let more = compared.iter().map(|(_, less)| 1.0 / less).sum::<f64>() / 6.0;
+        assert!(!settings.is_empty() || more > 1.2, "{compared:?}");
+    }
+}
+
+#[test]
 fn a_bias_of_two_per_cent_is_found_out() {
-    let compared = compare("", 1.02);
+    let compared = compare(|seed| scene("", seed), 1.02);
     assert!(compared.iter().any(|(apart, _)| *apart > APART), "{compared:?}");
 }

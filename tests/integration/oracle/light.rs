@@ -53,6 +53,25 @@ struct Branch {
 /// Rays that count less are left out at random.
 const LEAST_WEIGHT: f64 = 1.0 / 256.0;
 
+/// A light that is asked for all.
+struct Choice {
+    number: usize,
+    chance: f64,
+    /// What is left of the number that chose it.
+    rest: f64,
+}
+
+/// One of `tries` rays to a light.
+struct Ask {
+    number: usize,
+    u: [f32; 2],
+    tries: f64,
+    /// What it counts more, being asked for others too.
+    times: f64,
+    /// In `[0, 1)`; decides whether a weak one is sent.
+    survival: f64,
+}
+
 /// What there is to shade.
 struct Hit<'a> {
     point: DVec3,
@@ -205,12 +224,13 @@ impl<'a> Oracle<'a> {
             let key = self.key(branch, Purpose::AnyLight, count);
             let one = |i| {
                 let [u, v, choice] = self.sampler.point3(key, branch.index * count + i);
-                let (number, chance) = self.choose(hit, f64::from(choice));
+                let Choice { number, chance, rest } = self.choose(hit, f64::from(choice));
                 if chance == 0.0 {
                     return DVec3::ZERO;
                 }
                 let times = 1.0 / (chance * lights.len() as f64);
-                self.light(hit, number, [u, v], tries, lobes) * times
+                let ask = Ask { number, u: [u, v], tries, times, survival: rest };
+                self.light(hit, branch, &ask, lobes)
             };
             return (0..count).map(one).sum();
         }
@@ -218,26 +238,29 @@ impl<'a> Oracle<'a> {
             let (count, tries) = self.tries(number, branch.depth);
             let key = self.key(branch, Purpose::Light(number as u32), count);
             let sample = |i| {
-                let u = self.sampler.point2(key, branch.index * count + i);
-                self.light(hit, number, u, tries, lobes)
+                let [u, v, w] = self.sampler.point3(key, branch.index * count + i);
+                let survival = f64::from(w);
+                let ask = Ask { number, u: [u, v], tries, times: 1.0, survival };
+                self.light(hit, branch, &ask, lobes)
             };
             (0..count).map(sample).sum::<DVec3>()
         };
         (0..lights.len()).map(all).sum()
     }
 
-    /// A light by a number in `[0, 1)`, and its chance: by what each is expected to bring.
-    fn choose(&self, hit: &Hit<'_>, u: f64) -> (usize, f64) {
+    /// A light by a number in `[0, 1)`: by what each is expected to bring.
+    fn choose(&self, hit: &Hit<'_>, u: f64) -> Choice {
         let expected: Vec<_> = self.scene.lights.iter().map(|l| self.expected(l, hit)).collect();
         let total: f64 = expected.iter().sum();
         let mut below = 0.0;
         for (number, &expected) in expected.iter().enumerate() {
-            below += expected;
-            if u * total < below {
-                return (number, expected / total);
+            if u * total < below + expected {
+                let rest = (u * total - below) / expected;
+                return Choice { number, chance: expected / total, rest };
             }
+            below += expected;
         }
-        (0, 0.0)
+        Choice { number: 0, chance: 0.0, rest: 0.0 }
     }
 
     /// About how bright a light makes a hit.
@@ -259,14 +282,8 @@ impl<'a> Oracle<'a> {
 
     /// One of `tries` estimates of what arrives from a light and is sent to the eye: (2.15), and
     /// its part of what glossy lobes receive.
-    fn light(
-        &self,
-        hit: &Hit<'_>,
-        number: usize,
-        u: [f32; 2],
-        tries: f64,
-        lobes: &[Glossy],
-    ) -> DVec3 {
+    fn light(&self, hit: &Hit<'_>, branch: Branch, ask: &Ask, lobes: &[Glossy]) -> DVec3 {
+        let &Ask { number, u, tries, times, survival } = ask;
         let light = &self.scene.lights[number];
         let target = match light.shape {
             LightShape::Point { position } => position,
@@ -284,12 +301,21 @@ impl<'a> Oracle<'a> {
             if combined { lobe.weight * density / (by_light + rays * density) } else { 0.0 }
         };
         let lobes = DVec3::splat(lobes.iter().map(glossy).sum());
-        let sent = phong(hit, l) / tries + lobes;
+        let color = color(light.color);
+        let sent = (phong(hit, l) / tries + lobes) * color * times;
         if sent == DVec3::ZERO {
             return DVec3::ZERO;
         }
+        let least = LEAST_WEIGHT * color.max_element().min(1.0);
+        let chance = match branch.depth {
+            0 => 1.0,
+            _ => (branch.weight * sent.max_element() / least).min(1.0),
+        };
+        if chance < 1.0 && survival >= chance {
+            return DVec3::ZERO;
+        }
         let ray = Ray { origin: hit.point, direction: l, time: hit.time };
-        sent * color(light.color) * self.passed(ray, way.length(), number)
+        sent * self.passed(ray, way.length(), number) / chance
     }
 
     /// Rays to lamps look for what lobes receive too, where they end at the same things.

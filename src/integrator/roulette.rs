@@ -1,0 +1,44 @@
+//! Russian roulette: rays that could add next to nothing are left out at random, and the others made
+//! heavier, so that the mean stays.
+//!
+//! Source: J. Arvo and D. Kirk, "Particle Transport and Image Synthesis" (1990).
+
+use glam::Vec3;
+
+use crate::frame::FrameScene;
+
+/// Rays of less weight take part: what they could add is about a step of a PNG's channel, what they
+/// cost is as much as that of any other.
+const LEAST_WEIGHT: f32 = 1.0 / 256.0;
+
+/// Below which weight rays of a frame take part; 0 where none does.
+pub(super) fn least_weight(frame: &FrameScene) -> f32 {
+    if frame.clever { LEAST_WEIGHT } else { 0.0 }
+}
+
+/// `weight`, or where its largest component is below `least`, as much as makes that `least`, at a
+/// chance (`u` is uniform) that keeps the mean; 0 otherwise.
+#[inline(always)]
+pub(super) fn roulette(weight: Vec3, least: f32, u: f32) -> Vec3 {
+    let chance = weight.max_element() / least;
+    let heavier = if u < chance { weight * (1.0 / chance) } else { Vec3::ZERO };
+    if chance < 1.0 { heavier } else { weight }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roulette_keeps_the_mean() {
+        let weight = Vec3::new(0.01, 0.005, 0.0);
+        let kept = |i: u16| roulette(weight, 0.04, (f32::from(i) + 0.5) / 1000.0);
+        let mean = (0..1000).map(kept).sum::<Vec3>() / 1000.0;
+        assert!((mean - weight).length() < 1e-6, "{mean}");
+        assert_eq!(kept(999), Vec3::ZERO);
+        assert!((kept(0) - Vec3::new(0.04, 0.02, 0.0)).length() < 1e-6);
+        assert_eq!(roulette(weight, 0.01, 0.999), weight);
+        assert_eq!(roulette(weight, 0.0, 0.999), weight);
+        assert_eq!(roulette(Vec3::ZERO, 0.0, 0.0), Vec3::ZERO);
+    }
+}
