@@ -9,7 +9,8 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use slo_rt::accel::{
-    Accelerator, Coherence, Hits, Isa, NO_HIT, Primitives, Rays, Scratch, Structure, Triangle,
+    Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Primitives, Rays, Scratch, Structure,
+    Triangle,
 };
 
 /// Rays of one call.
@@ -134,15 +135,22 @@ fn answers(structure: &Structure, kind: &Kind, rays: &Rays) -> (Vec<[u32; 4]>, V
     ((0..CHECKED).map(bits).collect(), blocked[..CHECKED].to_vec())
 }
 
+/// Structures that are measured: their names, and whether they have spatial splits.
+const WAYS: [(&str, Accelerator, bool); 4] = [
+    ("BVH", Accelerator::Bvh, false),
+    ("BVH with spatial splits", Accelerator::Bvh, true),
+    ("KDTREE", Accelerator::KdTree, false),
+    ("CWBVH", Accelerator::Cwbvh, false),
+];
+
 fn structures(triangles: &[Triangle]) -> Vec<(String, Structure)> {
     let mut all = vec![];
-    for (name, accelerator) in Accelerator::NAMES {
+    for (name, accelerator, spatial_splits) in WAYS {
         for isa in Isa::available() {
-            if accelerator != Accelerator::None {
-                let primitives = Primitives { triangles: triangles.to_vec(), curved: vec![] };
-                let structure = Structure::build(accelerator, primitives, isa);
-                all.push((format!("{name} {isa:?}"), structure));
-            }
+            let primitives = Primitives { triangles: triangles.to_vec(), curved: vec![] };
+            let options = BuildOptions { isa, spatial_splits };
+            let structure = Structure::build(accelerator, primitives, options);
+            all.push((format!("{name} {isa:?}"), structure));
         }
     }
     all
@@ -152,15 +160,14 @@ fn build(c: &mut Criterion) {
     let triangles = scene();
     let mut group = c.benchmark_group("build");
     group.throughput(Throughput::Elements(triangles.len() as u64)).sample_size(10);
-    for (name, accelerator) in Accelerator::NAMES {
-        if accelerator != Accelerator::None {
-            group.bench_function(name, |b| {
-                b.iter(|| {
-                    let primitives = Primitives { triangles: triangles.clone(), curved: vec![] };
-                    black_box(Structure::build(accelerator, primitives, Isa::best()))
-                });
+    for (name, accelerator, spatial_splits) in WAYS {
+        let options = BuildOptions { isa: Isa::best(), spatial_splits };
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let primitives = Primitives { triangles: triangles.clone(), curved: vec![] };
+                black_box(Structure::build(accelerator, primitives, options))
             });
-        }
+        });
     }
 }
 

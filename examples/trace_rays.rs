@@ -2,7 +2,7 @@
 //! behind `docs/performance.md`.
 //!
 //! ```text
-//! trace_rays MESH.tri RAYS.rays [--accelerator BVH|KDTREE|CWBVH|NONE]
+//! trace_rays MESH.tri RAYS.rays [--accelerator BVH|KDTREE|CWBVH|NONE] [--spatial-splits]
 //!            [--isa auto|avx512|avx2|portable] [--threads N] [--repeat N]
 //! ```
 //!
@@ -22,7 +22,8 @@ use std::time::Instant;
 use clap::Parser;
 use glam::Vec3;
 use slo_rt::accel::{
-    Accelerator, Coherence, Hits, Isa, NO_HIT, Primitives, Rays, Scratch, Structure, Triangle,
+    Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Primitives, Rays, Scratch, Structure,
+    Triangle,
 };
 
 /// Rays that one call answers.
@@ -43,6 +44,9 @@ struct Options {
     /// The structure that is built: BVH, KDTREE, CWBVH, or NONE
     #[arg(long, default_value = "BVH")]
     accelerator: String,
+    /// Cut triangles where boxes of the BVH would overlap
+    #[arg(long)]
+    spatial_splits: bool,
     /// The instruction set: auto, avx512, avx2, or portable
     #[arg(long, default_value = "auto")]
     isa: String,
@@ -190,6 +194,7 @@ fn trace(structure: &Structure, set: &RaySet, coherence: Coherence, threads: usi
 fn run(options: &Options) -> Result<(), String> {
     let accelerator = Accelerator::by_name(&options.accelerator)?;
     let isa = Isa::by_name(&options.isa)?;
+    let how = BuildOptions { isa, spatial_splits: options.spatial_splits };
     let threads = options.threads.max(1);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -199,7 +204,7 @@ fn run(options: &Options) -> Result<(), String> {
     let sets = read_rays(&options.rays)?;
     let count = triangles.len();
     let start = Instant::now();
-    let structure = Structure::build(accelerator, Primitives { triangles, curved: vec![] }, isa);
+    let structure = Structure::build(accelerator, Primitives { triangles, curved: vec![] }, how);
     let build = start.elapsed().as_secs_f64();
     let bytes = structure.memory() as f64 / count.max(1) as f64;
     print(&format!(r#"{{"build_s":{build:.4},"bytes_per_triangle":{bytes:.1}}}"#))?;

@@ -7,6 +7,7 @@
 mod box_tree;
 mod brute;
 pub mod bvh;
+mod clip;
 mod compress;
 pub mod curved;
 mod cwbvh;
@@ -72,6 +73,22 @@ impl std::fmt::Display for Accelerator {
     }
 }
 
+/// How a structure is built. None of it changes a hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuildOptions {
+    /// The instruction set of builder and queries; one that the CPU has.
+    pub isa: Isa,
+    /// Whether triangles may be cut where boxes would overlap: rays are faster among long
+    /// triangles, building is slower. Of the structures only the BVH knows it.
+    pub spatial_splits: bool,
+}
+
+impl From<Isa> for BuildOptions {
+    fn from(isa: Isa) -> Self {
+        Self { isa, spatial_splits: false }
+    }
+}
+
 /// Primitives of one space, with whatever finds them fast.
 #[derive(Debug)]
 pub enum Structure {
@@ -95,10 +112,16 @@ pub struct Scratch {
 impl Structure {
     /// Builds a structure, on all threads of the current rayon pool. The same primitives give the
     /// same structure for any number of threads.
-    pub fn build(accelerator: Accelerator, primitives: Primitives, isa: Isa) -> Self {
+    pub fn build(
+        accelerator: Accelerator,
+        primitives: Primitives,
+        options: impl Into<BuildOptions>,
+    ) -> Self {
+        let options = options.into();
+        let isa = options.isa;
         match accelerator {
             Accelerator::None => Self::Brute(brute::Brute::new(primitives)),
-            Accelerator::Bvh => Self::Bvh(bvh::Bvh::build(primitives, isa)),
+            Accelerator::Bvh => Self::Bvh(bvh::Bvh::build(primitives, options)),
             Accelerator::Cwbvh => Self::Cwbvh(cwbvh::Cwbvh::build(primitives, isa)),
             Accelerator::KdTree => Self::KdTree(kdtree::KdTree::build(primitives, isa)),
         }

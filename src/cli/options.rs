@@ -116,6 +116,8 @@ pub(super) struct Overrides {
     pub(super) is_stepwise: bool,
     pub(super) seed: Option<u64>,
     pub(super) accelerator: Option<Accelerator>,
+    /// Asked for, whatever the scene says.
+    pub(super) spatial_splits: bool,
 }
 
 impl Job {
@@ -220,6 +222,7 @@ fn job(args: Args) -> Result<Job, Problem> {
             is_stepwise: args.time.is_some() || args.total_time.is_some() || args.steps.is_some(),
             seed: args.seed,
             accelerator: args.accelerator.map(Accelerator::from),
+            spatial_splits: args.spatial_splits,
         },
         threads: args.threads.map(|threads| threads as usize),
         isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
@@ -267,6 +270,7 @@ impl Overrides {
         }
         settings.seed = self.seed.unwrap_or(settings.seed);
         settings.accelerator = self.accelerator.unwrap_or(settings.accelerator);
+        settings.spatial_splits |= self.spatial_splits;
     }
 }
 
@@ -311,6 +315,7 @@ mod tests {
             size: Some(Size { width: 3, height: 2 }),
             seed: Some(7),
             accelerator: Some(Accelerator::None),
+            spatial_splits: true,
             format: Some(OutputFormat::Exr),
             layers: vec![Layer::Normal, Layer::Albedo, Layer::Normal],
             ..Overrides::default()
@@ -320,6 +325,7 @@ mod tests {
         assert_eq!((film.width, film.height, &*film.prefix), (3, 2, "p"));
         assert_eq!((film.output, &film.layers[..]), (OutputFormat::Exr, &Layer::ALL[..]));
         assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
+        assert!(scene.settings.spatial_splits);
     }
 
     #[test]

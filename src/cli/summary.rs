@@ -6,10 +6,10 @@ use std::time::Duration;
 use super::progress::human;
 use super::render::Done;
 use super::terminal::Terminal;
-use crate::accel::Isa;
+use crate::accel::{Accelerator, Isa};
 use crate::frame::FrameScene;
 use crate::render::Statistics;
-use crate::scene::SceneDescription;
+use crate::scene::{SceneDescription, Settings};
 
 /// How long the phases took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -110,6 +110,8 @@ impl Summary {
         let Times { loading, building, rendering, writing } = self.times;
         let film = &scene.camera.film;
         let pixels = f64::from(film.width) * f64::from(film.height) * self.frames as f64;
+        let Settings { accelerator, spatial_splits, .. } = scene.settings;
+        let has_spatial_splits = spatial_splits && accelerator == Accelerator::Bvh;
         [
             format!(
                 "loading {}, building {}, rendering {}, writing {}",
@@ -130,10 +132,11 @@ impl Summary {
                 camera_rays as f64 / pixels.max(1.0)
             ),
             format!(
-                "{} threads, {} instructions, {} structure",
+                "{} threads, {} instructions, {} structure{}",
                 rayon::current_num_threads(),
                 self.isa,
-                scene.settings.accelerator
+                scene.settings.accelerator,
+                if has_spatial_splits { " with spatial splits" } else { "" }
             ),
         ]
     }

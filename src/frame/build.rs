@@ -8,14 +8,14 @@ use glam::{DVec3, Vec3};
 use super::tessellate::{CurvedShape, Geometry, geometry, light_rectangle};
 use super::world::{Instance, World};
 use super::{FrameObject, FrameScene, Look};
-use crate::accel::{Curved, Isa, Primitives, Structure};
+use crate::accel::{BuildOptions, Curved, Isa, Primitives, Structure};
 use crate::animation::{
     Clock, KeyFrameError, KeyFrames, NoSegment, ObjectBox, SampledCamera, SampledMotion, Shutter,
 };
 use crate::camera::{Camera, DegenerateView};
 use crate::math::{DRigid, Rigid};
 use crate::sampling::Sampler;
-use crate::scene::{LightShape, Object, SceneDescription};
+use crate::scene::{LightShape, Object, SceneDescription, Settings};
 use crate::shading::{Light, Material, MaterialTable};
 
 /// Why a frame of a scene can't be made.
@@ -112,7 +112,7 @@ impl FrameScene {
             // What lay elsewhere is gone before there is something new.
             other => {
                 drop(other);
-                Arc::new(Structure::build(scene.settings.accelerator, parts.still, isa))
+                Arc::new(structure(parts.still, &scene.settings, isa))
             }
         };
         let materials: Vec<_> = scene.materials.iter().map(Material::from).collect();
@@ -201,7 +201,7 @@ impl Parts {
             let place = DRigid { translation: -center, ..DRigid::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, &geometry, &place);
-            Arc::new(Structure::build(scene.settings.accelerator, local, isa))
+            Arc::new(structure(local, &scene.settings, isa))
         });
         let poses = motion.poses().iter().map(|pose| {
             DRigid { rotation: pose.rotation, translation: pose.point(center) }
@@ -235,6 +235,12 @@ impl Parts {
         let place = place.relative_to(seen.origin);
         self.objects.push(FrameObject { look, geometry, place, first_triangle, normals });
     }
+}
+
+/// The structure that the settings ask for.
+fn structure(primitives: Primitives, settings: &Settings, isa: Isa) -> Structure {
+    let options = BuildOptions { isa, spatial_splits: settings.spatial_splits };
+    Structure::build(settings.accelerator, primitives, options)
 }
 
 /// Adds the primitives of a geometry, placed.

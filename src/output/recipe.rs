@@ -121,6 +121,7 @@ fn add_settings(json: &mut Members, settings: &Settings) {
         background,
         seed,
         accelerator: _,
+        spatial_splits: _,
         shadow,
         noise,
         transform_samples_per_ms,
@@ -347,6 +348,7 @@ mod tests {
         other.settings.sections_vertical = Some(2);
         other.settings.sections_per_thread = 9;
         other.settings.accelerator = Accelerator::None;
+        other.settings.spatial_splits = true;
         other.camera.film.prefix = "x".into();
         assert_eq!(json(&other), json(&scene()));
     }

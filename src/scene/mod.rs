@@ -120,6 +120,8 @@ pub struct Settings {
     pub seed: u64,
     /// `accelerator`
     pub accelerator: Accelerator,
+    /// `spatialSplits`: whether the BVH may cut triangles.
+    pub spatial_splits: bool,
     /// `shadow`
     pub shadow: ShadowMode,
     /// `noise`: error at which a pixel is done; `None`: off.
@@ -149,6 +151,7 @@ impl Default for Settings {
             background: [0.0; 3],
             seed: 0,
             accelerator: Accelerator::default(),
+            spatial_splits: false,
             shadow: ShadowMode::default(),
             noise: None,
             transform_samples_per_ms: 2.0,

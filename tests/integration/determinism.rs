@@ -4,6 +4,7 @@ use std::io::Cursor;
 
 use slo_rt::accel::{Accelerator, Isa};
 use slo_rt::film::Film;
+use slo_rt::frame::FrameScene;
 use slo_rt::output::{Picture, Recipe};
 use slo_rt::scene::{Layer, OutputFormat, SceneDescription, Settings};
 
@@ -121,6 +122,48 @@ fn one_file_with_layers() {
         assert!(image.rgb.iter().any(|value| *value != image.rgb[0]), "{layer:?} is flat");
     }
     assert_one_file(&scene);
+}
+
+/// Rods of two long triangles each, across one another, with a lens that sees them.
+fn rods() -> SceneDescription {
+    let rod = |i: u32| {
+        let (turn, rise) = (0.37 * i as f32, 0.61 * i as f32);
+        let (sin, cos) = libm::sincosf(turn);
+        let (x, y, z) = (4.0 * cos, 4.0 * sin, 2.0 * libm::sinf(rise));
+        format!(
+            "rectangle rod{i} {{ material mirror vertex0 {{ {} {} {} }} vertex1 {{ {x} {y} {z} }} \
+             vertex2 {{ {x} {y} {} }} }}\n",
+            -x,
+            -y,
+            -z,
+            z + 0.02
+        )
+    };
+    let elements = [
+        material("mirror", "diffuse { .4 .3 .2 } reflectance .5"),
+        "light_point lamp { color { .9 .9 .9 } position { 3 -6 5 } }".to_owned(),
+        (0..120).map(rod).collect(),
+    ];
+    let settings = "spatialSplits 1".into();
+    let from = vec![[0.0, -8.0, 1.5]];
+    let shot = Shot { from, lens: 0.1, dof: 8.0, settings, ..Shot::default() };
+    let mut scene = describe(&shot.of(&elements.concat()));
+    (scene.camera.film.width, scene.camera.film.height) = (53, 37);
+    scene
+}
+
+#[test]
+fn spatial_splits_do_not_show() {
+    let mut scene = rods();
+    assert!(scene.settings.spatial_splits && !Settings::default().spatial_splits);
+    for isa in Isa::available() {
+        scene.settings.spatial_splits = false;
+        let plain = FrameScene::build(&scene, 0, isa).unwrap().memory();
+        let expected = files(&scene, &expose(&scene, isa));
+        scene.settings.spatial_splits = true;
+        assert!(FrameScene::build(&scene, 0, isa).unwrap().memory() > plain, "nothing was cut");
+        assert!(files(&scene, &expose(&scene, isa)) == expected, "{isa:?}");
+    }
 }
 
 /// Two to seven samples per pixel; the test would say little if all pixels took the same number.

@@ -99,6 +99,9 @@ class SLO_RT_PT_performance(_RenderPanel, bpy.types.Panel):
         layout, values = self.layout, context.scene.slo_rt
         layout.use_property_split = True
         layout.prop(values, "accelerator")
+        splits = layout.row()
+        splits.active = values.accelerator == "BVH"
+        splits.prop(values, "spatial_splits")
         layout.prop(values, "threads")
 
 

@@ -105,6 +105,11 @@ class RenderSettings(bpy.types.PropertyGroup):
         ],
         default="BVH",
     )
+    spatial_splits: BoolProperty(
+        name="Spatial Splits",
+        description="Cut long triangles in the BVH: slower to build, faster for their rays",
+        default=False,
+    )
     shadow: EnumProperty(
         name="Shadows of glass",
         description="What glass does to light on its way to a surface",

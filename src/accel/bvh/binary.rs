@@ -21,7 +21,7 @@ pub(super) const BLOCK: usize = 4;
 pub(super) const SAH_DEPTH: u32 = 48;
 
 /// Subtrees with more primitives are worth a task of their own.
-const PARALLEL_SUBTREE: usize = 2048;
+pub(super) const PARALLEL_SUBTREE: usize = 2048;
 
 /// An inner node of the binary hierarchy, stored before those below it. Over n primitives there are
 /// n - 1: the root, then those of its left side, then those of its right side.
@@ -36,7 +36,8 @@ pub(super) struct BinaryNode {
 }
 
 impl BinaryNode {
-    const UNBUILT: Self = Self { min: Vec3::ZERO, left: 0, max: Vec3::ZERO, plan: Plan::LEAF };
+    pub(super) const UNBUILT: Self =
+        Self { min: Vec3::ZERO, left: 0, max: Vec3::ZERO, plan: Plan::LEAF };
 
     #[inline(always)]
     pub(super) fn new(all: &Box8, left: usize, plan: Plan) -> Self {
@@ -59,9 +60,11 @@ pub(super) struct Branch {
 /// A binary hierarchy with its plan.
 pub(super) struct BinaryTree {
     /// The inner nodes, the root first.
-    nodes: Vec<BinaryNode>,
+    pub(super) nodes: Vec<BinaryNode>,
     /// The primitives in the order of leaves.
     pub(super) references: Vec<Reference>,
+    /// Whether there may be several references to a triangle.
+    pub(super) has_pieces: bool,
 }
 
 impl BinaryTree {
@@ -80,7 +83,7 @@ impl BinaryTree {
             let job = Job { all, centers, depth: 0, first_curved, isa };
             job.build(&mut references, &mut nodes);
         }
-        Self { nodes, references }
+        Self { nodes, references, has_pieces: false }
     }
 
     /// All of it; none where there are no primitives.
@@ -125,16 +128,16 @@ impl BinaryTree {
 }
 
 /// One subtree to be built.
-struct Job {
-    all: Box8,
-    centers: Box8,
-    depth: u32,
-    first_curved: u32,
-    isa: Isa,
+pub(super) struct Job {
+    pub(super) all: Box8,
+    pub(super) centers: Box8,
+    pub(super) depth: u32,
+    pub(super) first_curved: u32,
+    pub(super) isa: Isa,
 }
 
 impl Job {
-    fn build(self, references: &mut [Reference], nodes: &mut [BinaryNode]) -> Subtree {
+    pub(super) fn build(self, references: &mut [Reference], nodes: &mut [BinaryNode]) -> Subtree {
         let n = references.len();
         if n <= FEW {
             return Few::build(
@@ -146,31 +149,38 @@ impl Job {
                 self.isa,
             );
         }
-        let (node, below) = nodes.split_first_mut().expect("n - 1 nodes for n primitives");
         let (middle, [left, right]) = self.split(references);
-        let (left_refs, right_refs) = references.split_at_mut(middle);
-        let (left_nodes, right_nodes) = below.split_at_mut(middle - 1);
-        let build_left = || left.build(left_refs, left_nodes);
-        let build_right = || right.build(right_refs, right_nodes);
-        let (left, right) = if n > PARALLEL_SUBTREE {
-            rayon::join(build_left, build_right)
-        } else {
-            (build_left(), build_right())
-        };
-        let (subtree, plan) = plan::combine(self.all.half_area(), n, &left, &right);
-        *node = BinaryNode::new(&self.all, middle, plan);
-        subtree
+        fork(
+            &self.all,
+            middle,
+            (references, nodes),
+            |references, nodes| left.build(references, nodes),
+            |references, nodes| right.build(references, nodes),
+        )
     }
 
     /// Sorts the primitives to both sides of the best split.
     fn split(&self, references: &mut [Reference]) -> (usize, [Job; 2]) {
-        if self.depth < SAH_DEPTH {
-            let binning = Binning::new(&self.centers);
-            if let Some(split) = bins::best_split(&binning, references, self.isa) {
-                let (middle, centers) = bins::partition(references, &binning, &split, self.isa);
-                if 0 < middle && middle < references.len() {
-                    return (middle, self.children(split.sides, centers));
-                }
+        let binning = Binning::new(&self.centers);
+        let best = if self.depth < SAH_DEPTH {
+            bins::best_split(&binning, references, self.isa)
+        } else {
+            None
+        };
+        self.split_at(references, &binning, best)
+    }
+
+    /// Sorts the primitives to both sides of a split, or halves them where there is none.
+    pub(super) fn split_at(
+        &self,
+        references: &mut [Reference],
+        binning: &Binning,
+        best: Option<bins::Split>,
+    ) -> (usize, [Job; 2]) {
+        if let Some(split) = best {
+            let (middle, centers) = bins::partition(references, binning, &split, self.isa);
+            if 0 < middle && middle < references.len() {
+                return (middle, self.children(split.sides, centers));
             }
         }
         let middle = halve(references, &self.centers);
@@ -178,7 +188,8 @@ impl Job {
         (middle, self.children([left[0], right[0]], [left[1], right[1]]))
     }
 
-    fn children(&self, all: [Box8; 2], centers: [Box8; 2]) -> [Job; 2] {
+    /// The jobs of both sides, by the boxes about their primitives and about the centres.
+    pub(super) fn children(&self, all: [Box8; 2], centers: [Box8; 2]) -> [Job; 2] {
         [0, 1].map(|side| Job {
             all: all[side],
             centers: centers[side],
@@ -187,6 +198,30 @@ impl Job {
             isa: self.isa,
         })
     }
+}
+
+/// Builds both sides of a node about `all`, of which `middle` primitives are left.
+pub(super) fn fork(
+    all: &Box8,
+    middle: usize,
+    (references, nodes): (&mut [Reference], &mut [BinaryNode]),
+    left: impl FnOnce(&mut [Reference], &mut [BinaryNode]) -> Subtree + Send,
+    right: impl FnOnce(&mut [Reference], &mut [BinaryNode]) -> Subtree + Send,
+) -> Subtree {
+    let n = references.len();
+    let (node, below) = nodes.split_first_mut().expect("n - 1 nodes for n primitives");
+    let (left_refs, right_refs) = references.split_at_mut(middle);
+    let (left_nodes, right_nodes) = below.split_at_mut(middle - 1);
+    let build_left = || left(left_refs, left_nodes);
+    let build_right = || right(right_refs, right_nodes);
+    let (left, right) = if n > PARALLEL_SUBTREE {
+        rayon::join(build_left, build_right)
+    } else {
+        (build_left(), build_right())
+    };
+    let (subtree, plan) = plan::combine(all.half_area(), n, &left, &right);
+    *node = BinaryNode::new(all, middle, plan);
+    subtree
 }
 
 /// Boxes about references and about their [centres](Reference::center).

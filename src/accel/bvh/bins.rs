@@ -13,7 +13,7 @@ use crate::accel::Isa;
 const BINS: usize = 32;
 
 /// Nodes with more primitives bin them in parallel, in chunks of this many.
-const PARALLEL_CHUNK: usize = 1 << 15;
+pub(super) const PARALLEL_CHUNK: usize = 1 << 15;
 
 /// Which bin a centre lies in, on each axis.
 pub(super) struct Binning {
@@ -139,7 +139,7 @@ unsafe fn fill_avx2(binning: &Binning, references: &[Reference]) -> Bins {
 
 /// Primitives whose bin on an axis is below `bin` go left.
 pub(super) struct Split {
-    cost: f32,
+    pub(super) cost: f32,
     axis: usize,
     bin: usize,
     /// Boxes of both sides.

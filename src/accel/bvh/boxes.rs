@@ -31,6 +31,11 @@ impl Box8 {
         self.low
     }
 
+    #[inline(always)]
+    pub(super) fn max(&self) -> Vec4 {
+        -self.high
+    }
+
     pub(super) fn bounds(&self) -> Bounds {
         Bounds { min: self.low.truncate(), max: -self.high.truncate() }
     }
@@ -45,6 +50,28 @@ impl Box8 {
     #[inline(always)]
     pub(super) fn union(&self, other: &Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.min(other.high) }
+    }
+
+    /// The box of what lies in both.
+    #[inline(always)]
+    pub(super) fn intersection(&self, other: &Self) -> Self {
+        Self { low: self.low.max(other.low), high: self.high.max(other.high) }
+    }
+
+    /// What lies on each side of a plane that passes through.
+    #[inline(always)]
+    pub(super) fn split<const AXIS: usize>(&self, at: f32) -> [Self; 2] {
+        let (mut below, mut above) = (*self, *self);
+        below.high[AXIS] = -at;
+        above.low[AXIS] = at;
+        [below, above]
+    }
+
+    /// This box with its corners moved to the next points of another.
+    #[inline(always)]
+    pub(super) fn clamped(&self, to: &Self) -> Self {
+        let inside = |a: Vec4, low: Vec4, high: Vec4| a.max(low).min(-high);
+        Self { low: inside(self.low, to.low, to.high), high: inside(self.high, to.high, to.low) }
     }
 }
 

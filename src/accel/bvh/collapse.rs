@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::binary::{BinaryTree, Branch};
+use super::binary::{BLOCK, BinaryTree, Branch};
 use super::layout::{Child, Corners, Node, Place, WIDTH};
 use super::plan::Family;
 use crate::accel::{Triangle, pages};
@@ -19,7 +19,7 @@ pub(super) struct Wide {
     pub(super) corners: Corners,
     /// Ids of the triangles, by slot.
     pub(super) ids: Vec<u32>,
-    /// Where each triangle is, by id.
+    /// Where each triangle is first, by id.
     pub(super) places: Vec<Place>,
     /// How many nodes there are from the root to the deepest, both counted.
     pub(super) depth: usize,
@@ -36,11 +36,11 @@ struct Draft {
 /// Writes the wide hierarchy; `left_out` are triangles without area, which get a place but no leaf.
 pub(super) fn collapse(mut tree: BinaryTree, triangles: &[Triangle], left_out: &[u32]) -> Wide {
     let (drafts, slots, depth) = draft(&mut tree, triangles.len() as u32);
-    let mut corners = Corners::new(triangles.len());
-    let mut ids = pages::filled(0, triangles.len());
+    let mut corners = Corners::new(slots + left_out.len());
+    let mut ids = pages::filled(0, slots + left_out.len());
     let (leaf_rows, other_rows) = corners.rows_mut().split_at_mut(slots * Corners::PER_TRIANGLE);
     let (leaf_ids, other_ids) = ids.split_at_mut(slots);
-    let places = (0..triangles.len()).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+    let places = (0..triangles.len()).into_par_iter().map(|_| AtomicU32::new(u32::MAX)).collect();
     let writer = Writer { tree: &tree, triangles, places };
     let nodes = writer.write_all(&drafts, leaf_rows, leaf_ids);
     let mut others = Blocks { begin: slots as u32, used: 0, rows: other_rows, ids: other_ids };
@@ -69,7 +69,7 @@ fn draft(tree: &mut BinaryTree, first_curved: u32) -> (Vec<Draft>, usize, usize)
             if !tree.is_leaf(child) {
                 stack.push((child, level + 1));
             } else if tree.references[child.first as usize].id() < first_curved {
-                slots += child.count;
+                slots += block_len(tree, child);
             }
         }
     }
@@ -112,6 +112,16 @@ impl Writer<'_> {
         nodes
     }
 
+    /// Notes where a triangle is; of several places the first one stays, whichever comes first.
+    fn put(&self, id: u32, place: Place) {
+        let known = &self.places[id as usize];
+        if self.tree.has_pieces {
+            known.fetch_min(place.0, Ordering::Relaxed);
+        } else {
+            known.store(place.0, Ordering::Relaxed);
+        }
+    }
+
     fn write(&self, node: &mut Node, family: &Family, blocks: &mut Blocks) {
         for (place, &child) in family.children.iter().enumerate() {
             let bounds = self.tree.bounds(child);
@@ -124,18 +134,11 @@ impl Writer<'_> {
         if !self.tree.is_leaf(child) {
             return Child::node(self.tree.plan(child).number());
         }
-        let first = child.first as usize;
-        let references = &self.tree.references[first..first + child.count as usize];
-        let id = references[0].id();
+        let id = self.tree.references[child.first as usize].id();
         if id as usize >= self.triangles.len() {
             return Child::curved(id - self.triangles.len() as u32);
         }
-        let mut block = [0; 4];
-        let block = &mut block[..references.len()];
-        block.iter_mut().zip(references).for_each(|(id, r)| *id = r.id());
-        // The first lane of several equals is then the one of the lowest id.
-        block.sort_unstable();
-        blocks.push(block, self)
+        blocks.push(Block::of(self.tree, child).ids(), self)
     }
 
     /// The children from far to near, for each octant of directions. Of two sides of a fork the
@@ -175,6 +178,48 @@ fn diagonal(octant: u32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|axis| if octant >> axis & 1 == 0 { 1.0 } else { -1.0 }))
 }
 
+/// How many triangles a leaf has.
+fn block_len(tree: &BinaryTree, leaf: Branch) -> u32 {
+    if tree.has_pieces { Block::of(tree, leaf).len as u32 } else { leaf.count }
+}
+
+/// The triangles of a leaf, each once.
+struct Block {
+    ids: [u32; BLOCK],
+    len: usize,
+}
+
+impl Block {
+    fn of(tree: &BinaryTree, leaf: Branch) -> Self {
+        let (first, mut len) = (leaf.first as usize, leaf.count as usize);
+        let mut ids = [0; BLOCK];
+        let references = &tree.references[first..first + len];
+        ids.iter_mut().zip(references).for_each(|(id, r)| *id = r.id());
+        // The first lane of several equals is then the one of the lowest id.
+        ids[..len].sort_unstable();
+        if tree.has_pieces {
+            len = without_repeats(&mut ids[..len]);
+        }
+        Self { ids, len }
+    }
+
+    fn ids(&self) -> &[u32] {
+        &self.ids[..self.len]
+    }
+}
+
+/// Moves the different ones of sorted ids to the front; how many there are.
+fn without_repeats(ids: &mut [u32]) -> usize {
+    let mut len = 1;
+    for i in 1..ids.len() {
+        if ids[i] != ids[len - 1] {
+            ids[len] = ids[i];
+            len += 1;
+        }
+    }
+    len
+}
+
 /// The slots that one task fills.
 struct Blocks<'a> {
     begin: u32,
@@ -189,8 +234,7 @@ impl Blocks<'_> {
         write_block(&mut self.rows[self.used * Corners::PER_TRIANGLE..], block, writer.triangles);
         self.ids[self.used..self.used + block.len()].copy_from_slice(block);
         for (lane, &id) in (0..).zip(block) {
-            let place = Place::new(slot, count, lane);
-            writer.places[id as usize].store(place.0, Ordering::Relaxed);
+            writer.put(id, Place::new(slot, count, lane));
         }
         self.used += block.len();
         Child::triangles(slot, count)

@@ -124,6 +124,9 @@ impl Child {
     }
 }
 
+/// Slots of triangles that a [`Place`] and a [`Child`] can name.
+pub(super) const MAX_SLOTS: usize = 1 << 28;
+
 /// The corners of triangles, block by block in the order of leaves. A block of n triangles is nine
 /// rows of n: x, y, and z of the first corners, then of the second, then of the third.
 #[derive(Debug, Default)]

@@ -1,8 +1,8 @@
 //! A bounding volume hierarchy of eight children to a node, traced in streams of many rays.
 //!
-//! Built by binned SAH (`binary`), collapsed by dynamic programming (`plan`, `collapse`).
+//! Built by binned SAH (`binary`), with spatial splits on request (`spatial`), collapsed by dynamic programming (`plan`, `collapse`).
 //! Leaves hold the triangles themselves, in blocks of up to four as rows of coordinates: they are
-//! the only copy, found again by id through a table.
+//! the only copy, found again by id through a table; a triangle that was cut may be in several.
 
 mod binary;
 mod bins;
@@ -15,6 +15,7 @@ mod layout;
 mod packet;
 mod plan;
 mod ray;
+mod spatial;
 mod steps;
 mod stops;
 mod stream;
@@ -33,7 +34,7 @@ use self::ray::{Prepared, Ray};
 use self::steps::Portable;
 use self::stream::Query;
 use super::simd::{SetLanes, lanes_of};
-use super::{Coherence, Curved, Hits, Isa, Primitives, Rays, Triangle, triangle};
+use super::{BuildOptions, Coherence, Curved, Hits, Isa, Primitives, Rays, Triangle, triangle};
 use crate::math::Bounds;
 
 /// A bounding volume hierarchy.
@@ -43,7 +44,7 @@ pub struct Bvh {
     corners: Corners,
     /// Ids of the triangles, by slot.
     ids: Vec<u32>,
-    /// Where each triangle is, by id.
+    /// Where each triangle is first, by id.
     places: Vec<Place>,
     curved: Vec<Curved>,
     bounds: Bounds,
@@ -63,13 +64,17 @@ pub(super) struct Scratch {
 impl Bvh {
     /// Builds the hierarchy, on all threads of the current rayon pool; it is the same for any
     /// number of them.
-    pub fn build(primitives: Primitives, isa: Isa) -> Self {
+    pub fn build(primitives: Primitives, options: impl Into<BuildOptions>) -> Self {
+        let BuildOptions { isa, spatial_splits } = options.into();
         let triangle_count = primitives.triangles.len();
         let (references, left_out, extent) = references(&primitives);
         let bounds =
             left_out.iter().fold(extent[0].bounds(), |all, &id| all.union(primitives.bounds(id)));
         let left_out = &left_out[..left_out.partition_point(|&id| (id as usize) < triangle_count)];
-        let tree = BinaryTree::build(references, extent, triangle_count as u32, isa);
+        let tree = match spatial_splits {
+            true => spatial::build(references, extent, &primitives.triangles, isa),
+            false => BinaryTree::build(references, extent, triangle_count as u32, isa),
+        };
         let wide = collapse::collapse(tree, &primitives.triangles, left_out);
         let Wide { nodes, corners, ids, places, depth } = wide;
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -79,7 +84,7 @@ impl Bvh {
     }
 
     pub(super) fn triangle_count(&self) -> usize {
-        self.ids.len()
+        self.places.len()
     }
 
     #[inline]
@@ -155,7 +160,7 @@ impl Bvh {
         let i = ray.index as usize;
         let hit = self.curved[index].intersect(rays.origin(i), rays.direction(i), ray.t.next_up());
         if let Some((t, part)) = hit {
-            ray.offer(t, part.to_u(), 0.0, (self.ids.len() + index) as u32);
+            ray.offer(t, part.to_u(), 0.0, (self.triangle_count() + index) as u32);
         }
     }
 }

@@ -4,20 +4,20 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use super::*;
-use crate::accel::{Accelerator, NO_HIT, Structure};
+use crate::accel::{Accelerator, BuildOptions, NO_HIT, Structure};
 
-struct Random(StdRng);
+pub(super) struct Random(pub(super) StdRng);
 
 impl Random {
-    fn new(seed: u64) -> Self {
+    pub(super) fn new(seed: u64) -> Self {
         Self(StdRng::seed_from_u64(seed))
     }
 
-    fn vector(&mut self, scale: f32) -> Vec3 {
+    pub(super) fn vector(&mut self, scale: f32) -> Vec3 {
         Vec3::from_array(std::array::from_fn(|_| self.0.random_range(-1.0..1.0) * scale))
     }
 
-    fn triangles(&mut self, n: usize, size: f32) -> Vec<Triangle> {
+    pub(super) fn triangles(&mut self, n: usize, size: f32) -> Vec<Triangle> {
         (0..n)
             .map(|_| {
                 let p = self.vector(1.0);
@@ -26,7 +26,7 @@ impl Random {
             .collect()
     }
 
-    fn curved(&mut self, n: usize, size: f32) -> Vec<Curved> {
+    pub(super) fn curved(&mut self, n: usize, size: f32) -> Vec<Curved> {
         (0..n)
             .map(|i| {
                 let (center, radius) = (self.vector(1.0), size * self.0.random_range(0.1..1.0));
@@ -42,7 +42,7 @@ impl Random {
 
     /// Rays through a scene of some size: from outside and inside, slanted and along axes, long
     /// and short, aimed at corners of the grid that flat scenes are made of.
-    fn rays(&mut self, n: usize, scale: f32) -> Rays {
+    pub(super) fn rays(&mut self, n: usize, scale: f32) -> Rays {
         let mut rays = Rays::with_capacity(n);
         for i in 0..n {
             let (mut origin, target) = (self.vector(1.5 * scale), self.vector(0.7 * scale));
@@ -70,7 +70,7 @@ impl Random {
 
     /// Bundles of rays that go nearly the same way, as the samples of a pixel do, from one point or
     /// from a lens; now and then one ends early, or goes elsewhere.
-    fn bundles(&mut self, n: usize, scale: f32) -> Rays {
+    pub(super) fn bundles(&mut self, n: usize, scale: f32) -> Rays {
         let mut rays = Rays::with_capacity(n);
         while rays.len() < n {
             let (origin, target) = (self.vector(1.5 * scale), self.vector(0.7 * scale));
@@ -92,30 +92,34 @@ fn bits(hits: &Hits, i: usize) -> [u32; 4] {
     [hits.t[i].to_bits(), hits.u[i].to_bits(), hits.v[i].to_bits(), hits.primitive[i]]
 }
 
-/// Asks for the same hits as brute force; returns how many there are.
-fn check(primitives: Primitives, rays: &Rays) -> usize {
+/// Asks for the same hits as brute force, with spatial splits and without; returns how many there
+/// are.
+pub(super) fn check(primitives: Primitives, rays: &Rays) -> usize {
     let mut scratch = crate::accel::Scratch::default();
     let oracle = Structure::build(Accelerator::None, primitives.clone(), Isa::Portable);
     let (mut expected, mut expected_blocked) = (Hits::default(), Vec::new());
     oracle.intersect(rays, Coherence::Incoherent, &mut expected, &mut scratch);
     oracle.occluded(rays, Coherence::Incoherent, &mut expected_blocked, &mut scratch);
-    for isa in Isa::available() {
-        let structure = Structure::build(Accelerator::Bvh, primitives.clone(), isa);
+    let ways = Isa::available()
+        .into_iter()
+        .flat_map(|isa| [false, true].map(|spatial_splits| BuildOptions { isa, spatial_splits }));
+    for options in ways {
+        let structure = Structure::build(Accelerator::Bvh, primitives.clone(), options);
         for coherence in [Coherence::Coherent, Coherence::Incoherent] {
             let (mut hits, mut blocked) = (Hits::default(), Vec::new());
             structure.intersect(rays, coherence, &mut hits, &mut scratch);
             structure.occluded(rays, coherence, &mut blocked, &mut scratch);
             for i in 0..rays.len() {
                 let (o, d) = (rays.origin(i), rays.direction(i));
-                assert_eq!(bits(&hits, i), bits(&expected, i), "{isa:?} {coherence:?} {o} {d}");
-                assert_eq!(blocked[i], expected_blocked[i], "{isa:?} {coherence:?} {o} {d}");
+                assert_eq!(bits(&hits, i), bits(&expected, i), "{options:?} {coherence:?} {o} {d}");
+                assert_eq!(blocked[i], expected_blocked[i], "{options:?} {coherence:?} {o} {d}");
             }
         }
     }
     (0..rays.len()).filter(|&i| expected.primitive[i] != NO_HIT).count()
 }
 
-fn of_triangles(triangles: Vec<Triangle>) -> Primitives {
+pub(super) fn of_triangles(triangles: Vec<Triangle>) -> Primitives {
     Primitives { triangles, curved: vec![] }
 }
 
@@ -315,13 +319,21 @@ fn any_number_of_threads_and_any_instruction_set_build_the_same() {
     let one = build(1, Isa::Portable);
     let others = Isa::available().into_iter().map(|isa| build(1, isa));
     for other in others.chain([build(3, Isa::Portable)]) {
-        assert_eq!(one.ids, other.ids);
-        assert_eq!(one.corners.rows(), other.corners.rows());
-        assert_eq!(one.nodes.len(), other.nodes.len());
-        assert!(one.nodes.iter().zip(&other.nodes).all(|(a, b)| {
-            a.planes == b.planes && a.children == b.children && a.order == b.order
-        }));
+        assert_same(&one, &other);
     }
+}
+
+/// Asks for two hierarchies that are the same, bit by bit.
+pub(super) fn assert_same(one: &Bvh, other: &Bvh) {
+    assert_eq!(one.ids, other.ids);
+    assert!(one.places.iter().zip(&other.places).all(|(a, b)| a.0 == b.0));
+    assert_eq!(one.corners.rows(), other.corners.rows());
+    assert_eq!(one.nodes.len(), other.nodes.len());
+    assert!(
+        one.nodes.iter().zip(&other.nodes).all(|(a, b)| {
+            a.planes == b.planes && a.children == b.children && a.order == b.order
+        })
+    );
 }
 
 /// Sizes that shrink geometrically tempt the heuristic to peel off one triangle at a time.

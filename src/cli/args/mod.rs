@@ -275,6 +275,10 @@ pub(super) struct Args {
     #[arg(ignore_case = true)]
     pub(super) accelerator: Option<AcceleratorName>,
 
+    /// Let the BVH cut long triangles: slower to build, faster for their rays
+    #[arg(long, help_heading = DRAFT)]
+    pub(super) spatial_splits: bool,
+
     /// Threads [parallelThreads of the scene, or all]
     #[arg(long, value_name = "N", help_heading = HOW, allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]

@@ -128,6 +128,7 @@ pub(super) const SETTINGS: Schema = Schema {
         color("background"),
         number("seed"),
         choice("accelerator"),
+        number("spatialSplits"),
         choice("shadow"),
         number("noise"),
         number("transformSamplesPerMs"),

@@ -31,6 +31,8 @@ pub(super) fn settings(fields: &mut Fields<'_, '_, '_>) -> Settings {
     choices(fields, &mut settings);
     samples(fields, &mut settings);
     sections(fields, &mut settings);
+    let spatial_splits = fields.count("spatialSplits", 0, 1);
+    settings.spatial_splits = spatial_splits.is_some_and(|s| s.value == 1);
     set(&mut settings.background, fields.color("background"));
     set(&mut settings.seed, fields.seed("seed"));
     settings.noise = fields.number_f32("noise", Bound::Positive);

@@ -43,6 +43,7 @@ fn threads_structures_and_instructions_do_not_show() {
             check(&format!("--threads {threads}"), "auto");
         }
         check("--accelerator none", "auto");
+        check("--spatial-splits", "auto");
         check("--threads 2", "portable");
     }
 }

@@ -51,6 +51,8 @@ def settings_element(values, background):
         ("accelerator", values.accelerator),
         ("shadow", values.shadow),
     ]
+    if values.spatial_splits:
+        body.append(("spatialSplits", 1))
     for keyword, count in (
         ("softShadowSamples", values.shadow_samples),
         ("diffuseReflectionSamples", values.reflection_samples),

@@ -319,6 +319,7 @@ class SceneTest(unittest.TestCase):
         values.samples, values.noise, values.min_samples = 128, 0.01, 8
         values.generator, values.accelerator, values.threads, values.seed = "PSEUDO", "KDTREE", 2, 7
         values.shadow_samples, values.recursion, values.shadow = 3, 2, "OPAQUE"
+        values.spatial_splits = True
         self.scene.render.resolution_percentage = 50
         self.scene.render.fps, self.scene.render.fps_base = 30, 1.001
         blend.cube()
@@ -326,7 +327,7 @@ class SceneTest(unittest.TestCase):
         settings = scene.all("settings")[0]
         for keyword, value in (
             ("imageSamples", "128"), ("imageMinSamples", "8"), ("generatorType", "PSEUDO"),
-            ("accelerator", "KDTREE"), ("parallelThreads", "2"), ("seed", "7"),
+            ("accelerator", "KDTREE"), ("parallelThreads", "2"), ("seed", "7"), ("spatialSplits", "1"),
             ("softShadowSamples", "3"), ("recursion", "2"), ("shadow", "OPAQUE"), ("noise", "0.01"),
         ):  # fmt: skip
             self.assertEqual(settings.values[keyword], [[value]], keyword)

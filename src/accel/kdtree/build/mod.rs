@@ -4,7 +4,6 @@
 //! O(N log N)*, RT 2006. Here leaves cost by the registers of triangles they fill, subtrees are
 //! built in parallel, and a bound on the references keeps any input within a known memory.
 
-mod clip;
 mod events;
 mod split;
 mod sweep;

@@ -3,12 +3,11 @@
 use rayon::prelude::*;
 
 use super::PARALLEL_SIZE;
-use super::clip::clipped_bounds;
 use super::events::{
     END, Event, MAX_SLOTS, PLANAR, START, at, kind, merge_into, push_events, slot, sort, with_slot,
 };
 use super::sweep::Plane;
-use crate::accel::Primitives;
+use crate::accel::{Primitives, clip::clipped_bounds};
 use crate::math::Bounds;
 
 /// A cell and the primitives that reach into it, each in a slot of its own.

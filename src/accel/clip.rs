@@ -1,8 +1,9 @@
-//! The box of what a triangle leaves inside a cell: perfect splits.
+//! The box of what a triangle leaves inside a cell: perfect splits, in the kd-tree and in the
+//! hierarchy.
 
 use glam::{DVec3, Vec3};
 
-use crate::accel::Triangle;
+use super::Triangle;
 use crate::math::Bounds;
 use crate::math::rounding::{round_down, round_up};
 
