@@ -11,6 +11,7 @@ use super::stream::Query;
 use crate::accel::LANES;
 use crate::accel::order::x86 as order;
 use crate::accel::simd::Quads;
+use crate::accel::simd::sets::LANES_OF;
 use crate::accel::triangle::lanes::Tested;
 
 /// AVX2 with fused multiply-add.
@@ -217,24 +218,6 @@ impl Steps for Avx512 {
         unsafe { blocks::<__m512>(meetings, any, hits) }
     }
 }
-
-/// For each set of lanes: their numbers, in order, then zeros.
-static LANES_OF: [[u8; 8]; 256] = {
-    let mut table = [[0; 8]; 256];
-    let mut set = 0;
-    while set < 256 {
-        let (mut lane, mut count) = (0, 0);
-        while lane < 8 {
-            if set >> lane & 1 == 1 {
-                table[set][count] = lane as u8;
-                count += 1;
-            }
-            lane += 1;
-        }
-        set += 1;
-    }
-    table
-};
 
 impl Steps for Avx2 {
     type Choosing = order::Avx2;

@@ -9,12 +9,12 @@
 //! - *Packets* of 16 rays (AVX-512) or 8 (AVX2) that go the same way, for coherent batches: a node
 //!   costs two fused operations and two comparisons for all of them, and most triangles of a leaf
 //!   are left out by bounds on all rays at once.
-//! - A *stream* for rays that have nothing in common (AVX-512): one ray to a lane, nodes gathered,
-//!   stacks in memory, leaves tested 16 triangles at a time, those of four leaves if they are small.
+//! - A *stream* for rays that have nothing in common: one ray to a lane, nodes gathered, stacks in
+//!   memory, leaves tested a register of triangles at a time, those of four leaves if they are small.
 //!   It also takes over the lanes that packets leave alone, where there are many, and what is left
 //!   of a coherent batch whose packets fall apart.
-//! - One ray at a time, for what is left elsewhere (8 triangles at a time on AVX2), and in plain
-//!   Rust as the twin of the others.
+//! - One ray at a time, for lanes that packets leave alone where there are few, and in plain Rust as
+//!   the twin of the others.
 //!
 //! Tried, and lost: scatters in place of the stream's scalar pushes, and four pushes without a
 //! branch (no gain); more groups of rays under way (0.93); smaller and larger leaves by other costs
@@ -36,13 +36,18 @@ mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::{__m256, __m512};
+
 use build::MAX_DEPTH;
 use leaf::{Arena, Best};
 use node::Node;
 use ray::Prepared;
 use single::{Kernel, Portable, Visit};
+#[cfg(target_arch = "x86_64")]
+use stream::{Stream, Vector};
 
-use super::order::{self, Choosing, Order, Sixteen};
+use super::order::{self, Order, Sixteen};
 use super::{Coherence, Hits, Isa, LANES, NO_HIT, Primitives, Rays, pages};
 use crate::math::Bounds;
 
@@ -60,7 +65,9 @@ pub struct KdTree {
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     #[cfg(target_arch = "x86_64")]
-    stream: Option<stream::Stream>,
+    sixteens: Option<Stream<16, 2>>,
+    #[cfg(target_arch = "x86_64")]
+    eights: Option<Stream<8, 4>>,
     #[cfg(target_arch = "x86_64")]
     stack: Option<packet::Stack>,
     order: Order,
@@ -149,9 +156,7 @@ impl KdTree {
             Isa::Avx2 => unsafe { self.trace_avx2::<ANY>(rays, coherence, scratch, done) },
             _ => {
                 scratch.order.keep(rays);
-                let left = Left { rays, order: &scratch.order, next: 0 };
-                // SAFETY: plain Rust runs on every CPU.
-                unsafe { self.trace_singly::<Portable, order::Portable, ANY>(left, done) }
+                self.trace_singly::<ANY>(Left { rays, order: &scratch.order, next: 0 }, done);
             }
         }
         #[cfg(not(target_arch = "x86_64"))]
@@ -159,7 +164,7 @@ impl KdTree {
     }
 
     /// # Safety
-    /// The CPU has AVX-512 F, BW, DQ, VL, AVX2, and FMA.
+    /// The CPU has AVX-512 F, BW, DQ, VL, AVX2, FMA, BMI, LZCNT, and POPCNT.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     unsafe fn trace_avx512<const ANY: bool>(
@@ -169,34 +174,15 @@ impl KdTree {
         scratch: &mut Scratch,
         done: &mut impl FnMut(usize, &Best),
     ) {
-        type Sixteen = std::arch::x86_64::__m512;
-        let Scratch { stream, stack, order } = scratch;
-        let stream = stream.get_or_insert_default();
+        let Scratch { sixteens, stack, order, .. } = scratch;
+        let stream = sixteens.get_or_insert_default();
+        let stack = (coherence == Coherence::Coherent).then(|| stack.get_or_insert_default());
         // SAFETY: the caller's.
-        unsafe {
-            if coherence == Coherence::Incoherent {
-                order.keep(rays);
-                let left = Left { rays, order, next: 0 };
-                stream::trace::<ANY>(self, left, None, stream, done);
-                return;
-            }
-            let stack = stack.get_or_insert_default();
-            order.sort::<order::x86::Avx512>(rays);
-            let left = Left { rays, order, next: 0 };
-            let left = self.trace_together::<Sixteen, x86::Avx512, order::x86::Avx512, ANY>(
-                left,
-                stack,
-                packet::Stack::lets_go,
-                done,
-            );
-            if !left.is_none() {
-                stream::trace::<ANY>(self, left, Some(stack), stream, done);
-            }
-        }
+        unsafe { self.trace_wide::<__m512, 16, 2, ANY>(rays, order, stack, stream, done) }
     }
 
     /// # Safety
-    /// The CPU has AVX2 and FMA.
+    /// The CPU has AVX2, FMA, BMI, LZCNT, and POPCNT.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     unsafe fn trace_avx2<const ANY: bool>(
@@ -206,77 +192,84 @@ impl KdTree {
         scratch: &mut Scratch,
         done: &mut impl FnMut(usize, &Best),
     ) {
-        type Eight = std::arch::x86_64::__m256;
-        let Scratch { stack, order, .. } = scratch;
+        let Scratch { eights, stack, order, .. } = scratch;
+        let stream = eights.get_or_insert_default();
+        let stack = (coherence == Coherence::Coherent).then(|| stack.get_or_insert_default());
+        // SAFETY: the caller's.
+        unsafe { self.trace_wide::<__m256, 8, 4, ANY>(rays, order, stack, stream, done) }
+    }
+
+    /// Traces rays as a stream, with a `stack` in packets as long as those are worth their while.
+    ///
+    /// # Safety
+    /// The CPU has the instructions of `V`.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    unsafe fn trace_wide<V: Vector<N>, const N: usize, const GROUPS: usize, const ANY: bool>(
+        &self,
+        rays: &Rays,
+        order: &mut Order,
+        stack: Option<&mut packet::Stack>,
+        stream: &mut Stream<N, GROUPS>,
+        done: &mut impl FnMut(usize, &Best),
+    ) {
         // SAFETY: the caller's.
         unsafe {
-            let left = if coherence == Coherence::Coherent {
-                let stack = stack.get_or_insert_default();
-                order.sort::<order::x86::Avx2>(rays);
-                let left = Left { rays, order, next: 0 };
-                self.trace_together::<Eight, x86::Avx2, order::x86::Avx2, ANY>(
-                    left,
-                    stack,
-                    |_| false,
-                    done,
-                )
-            } else {
+            let Some(stack) = stack else {
                 order.keep(rays);
-                Left { rays, order, next: 0 }
+                let left = Left { rays, order, next: 0 };
+                return stream::trace::<V, N, GROUPS, ANY>(self, left, None, stream, done);
             };
-            self.trace_singly::<x86::Avx2, order::x86::Avx2, ANY>(left, done);
+            order.sort::<V::Choosing>(rays);
+            let left = Left { rays, order, next: 0 };
+            let left = self.trace_together::<V, N, ANY>(left, stack, done);
+            if !left.is_none() {
+                stream::trace::<V, N, GROUPS, ANY>(self, left, Some(stack), stream, done);
+            }
         }
     }
 
     /// Traces rays in packets, and those that go other ways or are left alone one by one, while
-    /// packets are worth their while and not `enough`; returns what is left.
+    /// packets are worth their while and leave few lanes alone; returns what is left.
     ///
     /// # Safety
-    /// The CPU has the instructions of `L`, of `K`, and of `C`.
+    /// The CPU has the instructions of `V`.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
-    unsafe fn trace_together<'a, L: super::simd::Lanes, K: Kernel, C: Choosing, const ANY: bool>(
+    unsafe fn trace_together<'a, V: Vector<N>, const N: usize, const ANY: bool>(
         &self,
         mut left: Left<'a>,
         stack: &mut packet::Stack,
-        enough: impl Fn(&packet::Stack) -> bool,
         done: &mut impl FnMut(usize, &Best),
     ) -> Left<'a> {
         stack.begin();
         let rays = left.rays;
         let mut prepared = Prepared::<LANES>::EMPTY;
-        while stack.is_good::<L>()
-            && !enough(stack)
+        while stack.is_good::<V>()
+            && !stack.lets_go::<V>()
             && let Some((sixteen, count)) = left.take()
         {
             // SAFETY: the caller's.
             unsafe {
-                prepared.take::<C>(rays, sixteen, count, &self.bounds);
+                prepared.take::<V::Choosing>(rays, sixteen, count, &self.bounds);
                 let set = prepared.entering();
-                let alone =
-                    packet::trace::<L, K, ANY>(self, rays, &prepared, set, stack, None, done);
-                self.trace_set::<K, ANY>(rays, &prepared, alone, done);
+                let alone = packet::trace::<V, V::Kernel, ANY>(
+                    self, rays, &prepared, set, stack, None, done,
+                );
+                self.trace_set::<V::Kernel, ANY>(rays, &prepared, alone, done);
             }
         }
         left
     }
 
-    /// Traces rays one by one.
-    ///
-    /// # Safety
-    /// The CPU has the instructions of `K` and of `C`.
-    #[inline(always)]
-    unsafe fn trace_singly<K: Kernel, C: Choosing, const ANY: bool>(
-        &self,
-        mut left: Left,
-        done: &mut impl FnMut(usize, &Best),
-    ) {
+    /// Traces rays one by one, in plain Rust.
+    fn trace_singly<const ANY: bool>(&self, mut left: Left, done: &mut impl FnMut(usize, &Best)) {
         let mut prepared = Prepared::<LANES>::EMPTY;
         while let Some((sixteen, count)) = left.take() {
-            // SAFETY: the caller's.
+            // SAFETY: plain Rust runs on every CPU.
             unsafe {
-                prepared.take::<C>(left.rays, sixteen, count, &self.bounds);
-                self.trace_set::<K, ANY>(left.rays, &prepared, prepared.entering(), done);
+                prepared.take::<order::Portable>(left.rays, sixteen, count, &self.bounds);
+                self.trace_set::<Portable, ANY>(left.rays, &prepared, prepared.entering(), done);
             }
         }
     }

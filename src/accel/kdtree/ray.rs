@@ -1,5 +1,7 @@
 //! Rays made ready to walk through the tree, sixteen at a time.
 
+use std::mem::offset_of;
+
 use crate::accel::order::{Choosing, Sixteen};
 use crate::accel::triangle::turned::{Turned, lanes_from, larger, smaller};
 use crate::accel::triangle::{POSITION_ERROR, ShearedRay};
@@ -34,10 +36,9 @@ pub(super) struct Prepared<const N: usize> {
     pub(super) far: [f32; N],
     /// The largest t that still counts.
     pub(super) t: [f32; N],
-    /// Which axis of space is z of the sheared ones; x and y follow it in cyclic order.
-    pub(super) z_axis: [u32; N],
-    /// Bit `axis` is set where the inverse is negative.
-    pub(super) octant: [u32; N],
+    /// Bit `axis` is set where the inverse is negative; the bits above tell which axis of space is z
+    /// of the sheared ones, x and y follow it in cyclic order.
+    pub(super) way: [u32; N],
     /// Their places in the batch.
     pub(super) index: [u32; N],
 }
@@ -52,13 +53,12 @@ impl<const N: usize> Prepared<N> {
         near: [f32::INFINITY; N],
         far: [f32::NEG_INFINITY; N],
         t: [0.0; N],
-        z_axis: [0; N],
-        octant: [0; N],
+        way: [0; N],
         index: [0; N],
     };
 
     /// How many arrays there are, all of them of 4 bytes a ray.
-    pub(super) const ROWS: usize = size_of::<Self>() / (4 * N);
+    pub(super) const ROWS: usize = offset_of!(Self, index) / (4 * N) + 1;
 
     /// Makes sixteen rays ready, in the first places; those behind the first `count` miss the tree.
     ///
@@ -156,8 +156,7 @@ impl<const N: usize> Prepared<N> {
             self.near[lane] = near;
             self.far[lane] = far;
             self.t[lane] = t;
-            self.z_axis[lane] = turned.z_axis;
-            self.octant[lane] = octant;
+            self.way[lane] = octant | turned.z_axis << 3;
         }
     }
 
@@ -184,7 +183,7 @@ impl<const N: usize> Prepared<N> {
     /// Which axes of space the sheared ones of a ray are.
     #[inline(always)]
     pub(super) fn axes(&self, lane: usize) -> [usize; 3] {
-        [[1, 2, 0], [2, 0, 1], [0, 1, 2]][self.z_axis[lane] as usize]
+        [[1, 2, 0], [2, 0, 1], [0, 1, 2]][(self.way[lane] >> 3) as usize]
     }
 }
 

@@ -56,7 +56,7 @@ pub(super) unsafe fn trace<K: Kernel, const ANY: bool, const N: usize>(
         *times =
             [prepared.inverse[axis][lane], prepared.early[axis][lane], prepared.late[axis][lane]];
     }
-    let octant = prepared.octant[lane] as usize;
+    let way = prepared.way[lane] as usize;
     let mut stack = [start; MAX_DEPTH + 1];
     let mut depth = 1;
     while depth > 0 {
@@ -73,7 +73,7 @@ pub(super) unsafe fn trace<K: Kernel, const ANY: bool, const N: usize>(
             let [inverse, early, late] = times[axis];
             let product = node.position() * inverse;
             let (early, late) = (product - early, product - late);
-            let falls = octant >> axis & 1;
+            let falls = way >> axis & 1;
             let (first, second) = (node.lower_child() + falls, node.lower_child() + 1 - falls);
             // So written that NaN skips nothing.
             let (skips_near, skips_far) = (near > late, far < early);

@@ -218,19 +218,22 @@ fn rays_that_leave_packets() {
     for i in 0..2048 {
         let (block, place) = (i / 16, i % 16);
         let corner = Vec3::new((block % 8 * 8) as f32, (block / 8 % 8 * 8) as f32, 0.0);
-        let target = corner + Vec3::new((place % 4 * 2) as f32, (place / 4 * 2) as f32, 0.0);
-        let origin = Vec3::new(100.0, 90.0, 20.0);
+        let target = corner + Vec3::new((place % 4 * 4) as f32, (place / 4 * 4) as f32, 0.0);
+        let origin = Vec3::new(100.0, 90.0, 6.0);
         rays.push(origin, target + point(rng) - origin, f32::INFINITY);
     }
     let primitives = Primitives { triangles, curved: shapes(20, 22) };
     check("hills", primitives.clone(), &rays);
     #[cfg(target_arch = "x86_64")]
-    if Isa::Avx512.is_available() {
+    for isa in Isa::available().into_iter().filter(|&isa| isa != Isa::Portable) {
         let (mut hits, mut scratch) = (Hits::default(), Scratch::default());
         hits.reset(rays.len());
-        let tree = KdTree::build(primitives, Isa::Avx512);
+        let tree = KdTree::build(primitives.clone(), isa);
         tree.intersect(&rays, Coherence::Coherent, &mut hits, &mut scratch);
-        assert!(scratch.stack.is_some_and(|stack| stack.lets_go()));
+        let Scratch { sixteens, eights, .. } = scratch;
+        let sixteens = sixteens.is_some_and(|stream| stream.took_over());
+        let eights = eights.is_some_and(|stream| stream.took_over());
+        assert_eq!([sixteens, eights], [isa == Isa::Avx512, isa == Isa::Avx2]);
     }
 }
 

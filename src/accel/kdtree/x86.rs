@@ -59,30 +59,64 @@ impl Kernel for Avx512 {
     }
 }
 
+/// Corners of up to eight triangles of a chunk, from the `first` on, which is even; it has no more than
+/// sixteen vertices, or `MANY`.
+///
+/// # Safety
+/// The CPU has AVX2; the words are those of a finished arena.
+#[inline(always)]
+pub(super) unsafe fn eight<const MANY: bool>(
+    words: *const u32,
+    chunk: Chunk,
+    axes: [usize; 3],
+    first: usize,
+) -> [[__m256; 3]; 3] {
+    let vertices = chunk.vertices();
+    // SAFETY: a finished arena goes on for 64 words after the last chunk.
+    unsafe {
+        let p = words.cast::<f32>();
+        let places = _mm_loadu_si128(p.add(chunk.corners_at() + first / 2).cast());
+        let places = _mm256_cvtepu16_epi32(places);
+        // No vertex but the first for triangles that the chunk does not have: what follows it, taken
+        // for numbers, is subnormal, many times slower on some CPUs.
+        let numbers = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        let count = _mm256_set1_epi32(chunk.triangles() as i32 - first as i32);
+        let places = _mm256_and_si256(places, _mm256_cmpgt_epi32(count, numbers));
+        let places = [places, _mm256_srli_epi32::<5>(places), _mm256_srli_epi32::<10>(places)];
+        let mut corners = [[_mm256_setzero_ps(); 3]; 3];
+        for k in 0..3 {
+            let row = p.add(axes[k] * vertices);
+            if !MANY {
+                let (low, high) = (_mm256_loadu_ps(row), _mm256_loadu_ps(row.add(8)));
+                for c in 0..3 {
+                    let is_high = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(places[c]));
+                    corners[c][k] = _mm256_blendv_ps(
+                        _mm256_permutevar8x32_ps(low, places[c]),
+                        _mm256_permutevar8x32_ps(high, places[c]),
+                        is_high,
+                    );
+                }
+            } else {
+                for c in 0..3 {
+                    let place = _mm256_and_si256(places[c], _mm256_set1_epi32(31));
+                    corners[c][k] = _mm256_i32gather_ps::<4>(row, place);
+                }
+            }
+        }
+        corners
+    }
+}
+
 impl Kernel for Avx2 {
     #[inline(always)]
     unsafe fn test(words: &[u32], chunk: Chunk, line: &Line, best: &mut Best) {
-        let vertices = chunk.vertices();
-        // SAFETY: a finished arena goes on for 64 words after the last chunk.
+        // SAFETY: the caller's.
         unsafe {
-            let p = words.as_ptr().cast::<f32>();
             for base in (0..chunk.triangles()).step_by(8) {
-                let first = p.add(3 * vertices + base / 2);
-                let first = _mm256_cvtepu16_epi32(_mm_loadu_si128(first.cast()));
-                // No vertex but the first for triangles that the chunk does not have: what follows
-                // it, taken for numbers, is subnormal, many times slower on some CPUs.
-                let numbers = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-                let count = _mm256_set1_epi32((chunk.triangles() - base) as i32);
-                let first = _mm256_and_si256(first, _mm256_cmpgt_epi32(count, numbers));
-                let places = [first, _mm256_srli_epi32::<5>(first), _mm256_srli_epi32::<10>(first)];
-                let mut corners = [[_mm256_setzero_ps(); 3]; 3];
-                for c in 0..3 {
-                    let place = _mm256_and_si256(places[c], _mm256_set1_epi32(31));
-                    for k in 0..3 {
-                        let row = p.add(line.axes[k] * vertices);
-                        corners[c][k] = _mm256_i32gather_ps::<4>(row, place);
-                    }
-                }
+                let corners = match chunk.vertices() {
+                    ..=16 => eight::<false>(words.as_ptr(), chunk, line.axes, base),
+                    _ => eight::<true>(words.as_ptr(), chunk, line.axes, base),
+                };
                 let tested = test(corners, base, chunk, line, best.t);
                 keep(tested, base, words, chunk, line, best);
             }

@@ -4,6 +4,8 @@
 //! in plain Rust.
 
 #[cfg(target_arch = "x86_64")]
+pub(in crate::accel) mod sets;
+#[cfg(target_arch = "x86_64")]
 mod x86;
 
 use super::LANES;

@@ -60,10 +60,10 @@ pub(super) unsafe fn trace<L: Lanes, K: Kernel, const ANY: bool>(
         let mut part = pending & (((1 << L::COUNT) - 1) << base);
         while part != 0 {
             let lane = part.trailing_zeros() as usize;
-            let (octant, z_axis) = (prepared.octant[lane], prepared.z_axis[lane]);
+            let way = prepared.way[lane];
             let mut alike = 0;
             for lane in 0..LANES {
-                let is = prepared.octant[lane] == octant && prepared.z_axis[lane] == z_axis;
+                let is = prepared.way[lane] == way;
                 alike |= u32::from(is) << lane;
             }
             let set = part & alike;
@@ -89,7 +89,7 @@ struct Packet<'a, L> {
     /// The first lane of `prepared` that is one of the packet.
     base: usize,
     set: u32,
-    octant: usize,
+    way: usize,
     axes: [usize; 3],
     inverse: [L; 3],
     early: [L; 3],
@@ -171,7 +171,7 @@ impl<'a, L: Lanes> Packet<'a, L> {
                 prepared,
                 base,
                 set,
-                octant: prepared.octant[lane] as usize,
+                way: prepared.way[lane] as usize,
                 axes,
                 inverse: load3(&prepared.inverse, base),
                 early: load3(&prepared.early, base),
@@ -228,7 +228,7 @@ impl<'a, L: Lanes> Packet<'a, L> {
                         let position = L::splat(node.position());
                         let early = position.mul_sub(self.inverse[axis], self.early[axis]);
                         let late = position.mul_sub(self.inverse[axis], self.late[axis]);
-                        let falls = self.octant >> axis & 1;
+                        let falls = self.way >> axis & 1;
                         let first = node.lower_child() + falls;
                         let second = first ^ 1;
                         // So written that NaN skips nothing.

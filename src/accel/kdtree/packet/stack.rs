@@ -10,8 +10,9 @@ const LANES_IN_USE: u32 = 6;
 /// Steps before that is judged.
 const TRIAL: u32 = 200;
 
-/// Packets let rays go to the stream once so many lanes of each were left alone on average.
-const ALONE: u32 = 3;
+/// Packets let rays go to the stream once so many lanes of each were left alone on average: packets
+/// of 16, and of 8, which gain less by it.
+const ALONE: [u32; 2] = [3, 10];
 
 /// What is left for later: a part of the tree, and the parts of rays that lie in it.
 #[derive(Clone, Copy, Debug)]
@@ -58,8 +59,8 @@ impl Stack {
 
     /// Whether lanes that are left alone should leave their packet: where few are, too few of them
     /// would be under way together in a stream.
-    pub(in crate::accel::kdtree) fn lets_go(&self) -> bool {
-        self.alone > ALONE * (self.packets + 4)
+    pub(in crate::accel::kdtree) fn lets_go<L: Lanes>(&self) -> bool {
+        self.alone > ALONE[usize::from(L::COUNT < LANES)] * (self.packets + 4)
     }
 }
 

@@ -1,64 +1,73 @@
 //! Leaves of several rays at once.
 //!
-//! Most leaves fill a part of a register only. Those with up to 4 triangles are tested four at a
-//! time, each for its own ray, those with up to 8 two at a time: the vertices of all of them fill the
-//! two registers of which a permutation takes the corners, as those of one full leaf do.
+//! Most leaves fill a part of a register only. Those with up to a quarter of its lanes of triangles
+//! are tested four at a time, each for its own ray, those with up to half two at a time: the
+//! vertices of all of them fill the two registers of which permutations take the corners, as those
+//! of one full leaf do. Leaves with more than that are tested by themselves.
 
 #![allow(clippy::needless_range_loop)] // closures around intrinsics would become calls
 
-use std::arch::x86_64::*;
 use std::mem::offset_of;
 
-use super::{GROUPS, Group, get, lane_numbers, splat};
+use super::{Group, UNDER_WAY, Vector, get};
 use crate::accel::kdtree::KdTree;
 use crate::accel::kdtree::leaf::{Best, triangle_at};
 use crate::accel::kdtree::node::{Chunk, Node};
 use crate::accel::kdtree::ray::Prepared;
-use crate::accel::kdtree::x86::Avx512;
 use crate::accel::triangle::lanes::Tested;
 use crate::accel::{LANES, Rays};
 
-/// Lanes of all groups that stand before leaves, by how many are tested at once: 4, 2, or 1.
+/// How many leaves of a list are tested together: two registers hold their vertices, and one a
+/// corner of all of their triangles, or of half of those of one leaf. The last list's do not fit.
+const KINDS: [Option<usize>; 4] = [Some(4), Some(2), Some(1), None];
+
+/// Lanes of all groups that stand before leaves, by how many are tested at once.
 #[derive(Debug)]
 pub(super) struct Lists {
     /// With room for a register beyond the last.
-    lanes: [[u32; (GROUPS + 1) * LANES]; 3],
-    lens: [usize; 3],
+    lanes: [[u32; UNDER_WAY + LANES]; KINDS.len()],
+    lens: [usize; KINDS.len()],
 }
 
 impl Lists {
-    pub(super) const EMPTY: Self = Self { lanes: [[0; (GROUPS + 1) * LANES]; 3], lens: [0; 3] };
+    pub(super) const EMPTY: Self =
+        Self { lanes: [[0; UNDER_WAY + LANES]; KINDS.len()], lens: [0; KINDS.len()] };
 
     /// Lists the lanes of all groups that stand before leaves.
     ///
     /// # Safety
     /// As [`trace`](super::trace).
     #[inline(always)]
-    unsafe fn fill(&mut self, groups: &[Group; GROUPS]) {
-        self.lens = [0; 3];
+    unsafe fn fill<V: Vector<N>, const N: usize>(&mut self, groups: &[Group<N>]) {
+        self.lens = [0; KINDS.len()];
         for (g, group) in groups.iter().enumerate() {
             // SAFETY: the caller's; no list gets more lanes than there are, which leaves room for a
             // register.
             unsafe {
-                let leaves = group.in_leaves as u16;
-                let chunk = _mm512_srli_epi32::<2>(get(&group.leaf[1]));
-                let triangles = _mm512_and_si512(chunk, splat(Chunk::TRIANGLES));
-                let vertices = _mm512_and_si512(chunk, splat(Chunk::VERTICES));
-                let whole = leaves & _mm512_testn_epi32_mask(chunk, splat(Chunk::FOLLOWED));
-                let four = whole
-                    & _mm512_cmple_epu32_mask(triangles, splat(4))
-                    & _mm512_cmple_epu32_mask(vertices, splat(Chunk::vertices_bits(8)));
-                let two = whole
-                    & !four
-                    & _mm512_cmple_epu32_mask(triangles, splat(8))
-                    & _mm512_cmple_epu32_mask(vertices, splat(Chunk::vertices_bits(16)));
-                let numbers = _mm512_add_epi32(lane_numbers(), splat((g * LANES) as u32));
-                let sets = [four, two, leaves & !four & !two];
-                for i in 0..3 {
-                    let to = self.lanes[i].as_mut_ptr().add(self.lens[i]);
-                    let listed = _mm512_maskz_compress_epi32(sets[i], numbers);
-                    _mm512_storeu_si512(to.cast(), listed);
-                    self.lens[i] += sets[i].count_ones() as usize;
+                let chunk = V::shift_right(get::<V, N>(&group.leaf[1]), 2);
+                let triangles = V::and_words(chunk, V::splat_words(Chunk::TRIANGLES));
+                let vertices = V::and_words(chunk, V::splat_words(Chunk::VERTICES));
+                let followed = V::and_words(chunk, V::splat_words(Chunk::FOLLOWED));
+                let numbers = V::add_words(V::lane_numbers(), V::splat_words((g * N) as u32));
+                let mut left = V::set(group.in_leaves);
+                let whole = V::equal_words(followed, V::splat_words(0));
+                for i in 0..KINDS.len() {
+                    let mut set = left;
+                    if let Some(m) = KINDS[i] {
+                        let most_triangles = if m == 1 { Chunk::MAX_TRIANGLES } else { N / m };
+                        let most_vertices = Chunk::vertices_bits((2 * N / m) as u32);
+                        let fits = whole
+                            & V::at_most(triangles, V::splat_words(most_triangles as u32))
+                            & V::at_most(vertices, V::splat_words(most_vertices));
+                        set = left & fits;
+                        left = left & !fits;
+                    }
+                    let set = V::bits(set);
+                    if KINDS[i].is_some() || set != 0 {
+                        let to = self.lanes[i].as_mut_ptr().add(self.lens[i]);
+                        V::numbers(numbers).compress(set).store(to.cast());
+                        self.lens[i] += set.count_ones() as usize;
+                    }
                 }
             }
         }
@@ -70,8 +79,8 @@ impl Lists {
 /// # Safety
 /// As [`trace`](super::trace).
 #[inline(always)]
-pub(super) unsafe fn visit<const ANY: bool>(
-    groups: &mut [Group; GROUPS],
+pub(super) unsafe fn visit<V: Vector<N>, const N: usize, const GROUPS: usize, const ANY: bool>(
+    groups: &mut [Group<N>; GROUPS],
     lists: &mut Lists,
     tree: &KdTree,
     rays: &Rays,
@@ -79,10 +88,15 @@ pub(super) unsafe fn visit<const ANY: bool>(
 ) {
     // SAFETY: the caller's; lists are of leaves of their kinds.
     unsafe {
-        lists.fill(groups);
-        visit_each::<4, ANY>(groups, &lists.lanes[0][..lists.lens[0]], tree, rays, done);
-        visit_each::<2, ANY>(groups, &lists.lanes[1][..lists.lens[1]], tree, rays, done);
-        visit_each::<1, ANY>(groups, &lists.lanes[2][..lists.lens[2]], tree, rays, done);
+        lists.fill::<V, N>(groups);
+        let Lists { lanes: [four, two, one, more], lens } = lists;
+        visit_each::<V, N, GROUPS, 4, ANY>(groups, &four[..lens[0]], tree, done);
+        visit_each::<V, N, GROUPS, 2, ANY>(groups, &two[..lens[1]], tree, done);
+        visit_each::<V, N, GROUPS, 1, ANY>(groups, &one[..lens[2]], tree, done);
+        for &number in &more[..lens[3]] {
+            let (g, at) = (number as usize / N % GROUPS, number as usize % N);
+            visit_alone::<V, N, ANY>(&mut groups[g], at, tree, rays, done);
+        }
     }
     for group in groups {
         group.stopped |= group.in_leaves;
@@ -90,68 +104,82 @@ pub(super) unsafe fn visit<const ANY: bool>(
     }
 }
 
-/// Tests leaves, `N` at a time.
+/// Tests leaves, `M` at a time.
 ///
 /// # Safety
-/// As [`trace`](super::trace); the lanes stand before leaves of which `N` fit in a register.
+/// As [`trace`](super::trace); the lanes stand before leaves of which `M` fit in a register.
 #[inline(always)]
-unsafe fn visit_each<const N: usize, const ANY: bool>(
-    groups: &mut [Group; GROUPS],
+unsafe fn visit_each<
+    V: Vector<N>,
+    const N: usize,
+    const GROUPS: usize,
+    const M: usize,
+    const ANY: bool,
+>(
+    groups: &mut [Group<N>; GROUPS],
     lanes: &[u32],
     tree: &KdTree,
-    rays: &Rays,
     done: &mut impl FnMut(usize, &Best),
 ) {
-    for some in lanes.chunks(N) {
+    for some in lanes.chunks(M) {
         // SAFETY: the caller's.
         unsafe {
-            let meeting = Meeting::<N>::new(groups, some, tree);
-            let tested = meeting.test();
-            if tested.hits != 0 {
-                meeting.keep::<ANY>(tested, groups, done);
-            }
-            if N == 1 && meeting.chunks[0].is_followed() {
-                test_rest::<ANY>(groups, meeting.at[0], meeting.chunks[0], tree, rays, done);
+            let mut meeting = Meeting::<N, M>::new(groups, some, tree);
+            loop {
+                let tested = meeting.test::<V>();
+                if tested.hits != 0 {
+                    meeting.keep::<V, ANY>(tested, groups, done);
+                }
+                if M > 1 || N == Chunk::MAX_TRIANGLES || !meeting.go_on(groups) {
+                    break;
+                }
             }
         }
     }
 }
 
-/// `N` rays before leaves that fill a register together. Where there are fewer, the last is taken
-/// again, and none of its triangles.
-struct Meeting<const N: usize> {
+/// `M` rays before leaves that fill a register of `N` lanes together. Where there are fewer, the last
+/// is taken again, and none of its triangles.
+struct Meeting<const N: usize, const M: usize> {
     /// Group and lane.
-    at: [[usize; 2]; N],
+    at: [[usize; 2]; M],
     /// The first row of each ray.
-    rows: [*const f32; N],
-    words: [*const u32; N],
-    chunks: [Chunk; N],
-    axes: [[usize; 3]; N],
+    rows: [*const f32; M],
+    words: [*const u32; M],
+    chunks: [Chunk; M],
+    axes: [[usize; 3]; M],
+    /// The triangle of a single leaf that is in the first lane.
+    first: usize,
     /// Lanes of the register that hold triangles.
     present: u32,
 }
 
-impl<const N: usize> Meeting<N> {
+impl<const N: usize, const M: usize> Meeting<N, M> {
     /// Lanes of the register for each ray.
-    const SHARE: usize = LANES / N;
+    const SHARE: usize = N / M;
 
     /// # Safety
     /// As [`visit_each`]; there is a lane.
     #[inline(always)]
-    unsafe fn new(groups: &[Group; GROUPS], lanes: &[u32], tree: &KdTree) -> Self {
+    unsafe fn new<const GROUPS: usize>(
+        groups: &[Group<N>; GROUPS],
+        lanes: &[u32],
+        tree: &KdTree,
+    ) -> Self {
         let mut meeting = Self {
-            at: [[0; 2]; N],
-            rows: [std::ptr::null(); N],
-            words: [std::ptr::null(); N],
-            chunks: [Chunk::default(); N],
-            axes: [[0; 3]; N],
+            at: [[0; 2]; M],
+            rows: [std::ptr::null(); M],
+            words: [std::ptr::null(); M],
+            chunks: [Chunk::default(); M],
+            axes: [[0; 3]; M],
+            first: 0,
             present: 0,
         };
-        for i in 0..N {
+        for i in 0..M {
             // SAFETY: leaves have offsets in the arena.
             unsafe {
                 let number = *lanes.get_unchecked(i.min(lanes.len() - 1)) as usize;
-                let (g, lane) = (number / LANES % GROUPS, number % LANES);
+                let (g, lane) = (number / N % GROUPS, number % N);
                 let group = &groups[g];
                 meeting.at[i] = [g, lane];
                 meeting.rows[i] = (&raw const group.flights.rays).cast::<f32>().add(lane);
@@ -166,126 +194,47 @@ impl<const N: usize> Meeting<N> {
         meeting
     }
 
+    /// Turns to the next triangles of a single leaf; tells whether there are any, for a ray that is
+    /// not done.
+    #[inline(always)]
+    fn go_on(&mut self, groups: &[Group<N>]) -> bool {
+        self.first += N;
+        self.present >>= N;
+        let [g, at] = self.at[0];
+        self.present != 0 && groups[g].in_leaves >> at & 1 == 1
+    }
+
     /// Tests each ray with the triangles of its leaf.
     ///
     /// # Safety
     /// As [`visit_each`].
     #[inline(always)]
-    unsafe fn test(&self) -> Tested<__m512> {
-        const ROW: usize = 4 * LANES;
-        const ORIGIN: usize = offset_of!(Prepared<LANES>, origin) / ROW;
-        const SHEAR: usize = offset_of!(Prepared<LANES>, shear) / ROW;
-        const T: usize = offset_of!(Prepared<LANES>, t) / ROW;
+    unsafe fn test<V: Vector<N>>(&self) -> Tested<V> {
+        let origin = const { offset_of!(Prepared<N>, origin) / (4 * N) };
+        let shear = const { offset_of!(Prepared<N>, shear) / (4 * N) };
         // SAFETY: rays have these rows.
         unsafe {
-            let origin = [self.row(ORIGIN), self.row(ORIGIN + 1), self.row(ORIGIN + 2)];
-            let shear = [self.row(SHEAR), self.row(SHEAR + 1), self.row(SHEAR + 2)];
-            let t = self.row(T);
-            Tested::without_branch(self.corners(), origin, shear, t, self.present)
+            let origin = [self.row(origin), self.row(origin + 1), self.row(origin + 2)];
+            let shear = [self.row(shear), self.row(shear + 1), self.row(shear + 2)];
+            let t: V = self.row(const { offset_of!(Prepared<N>, t) / (4 * N) });
+            let corners = V::corners(self.words, self.chunks, self.axes, self.first, self.present);
+            Tested::without_branch(corners, origin, shear, t, self.present)
         }
     }
 
     /// A number of each ray, in all of its lanes.
     ///
     /// # Safety
-    /// As [`visit_each`].
+    /// As [`visit_each`]; rays have that row.
     #[inline(always)]
-    unsafe fn row(&self, row: usize) -> __m512 {
-        // SAFETY: rays have that row.
+    unsafe fn row<V: Vector<N>>(&self, row: usize) -> V {
+        let mut from = self.rows;
+        // SAFETY: the caller's.
         unsafe {
-            let mut lanes = _mm512_set1_ps(*self.rows[0].add(row * LANES));
-            for i in 1..N {
-                let share = ((1u32 << Self::SHARE) - 1) << (i * Self::SHARE);
-                let number = _mm_load_ss(self.rows[i].add(row * LANES));
-                lanes = _mm512_mask_broadcastss_ps(lanes, share as u16, number);
+            for i in 0..M {
+                from[i] = from[i].add(row * N);
             }
-            lanes
-        }
-    }
-
-    /// Corners of all triangles.
-    ///
-    /// # Safety
-    /// As [`visit_each`].
-    #[inline(always)]
-    unsafe fn corners(&self) -> [[__m512; 3]; 3] {
-        // SAFETY: a finished arena goes on for 64 words after the last chunk.
-        unsafe {
-            let places = self.places();
-            let places = [places, _mm512_srli_epi32::<5>(places), _mm512_srli_epi32::<10>(places)];
-            // What is no triangle, taken for numbers, is subnormal: many times slower on some CPUs.
-            let present = self.present as u16;
-            let mut corners = [[_mm512_setzero_ps(); 3]; 3];
-            for k in 0..3 {
-                let [low, high] = self.vertices(k);
-                for c in 0..3 {
-                    corners[c][k] = _mm512_maskz_permutex2var_ps(present, low, places[c], high);
-                }
-            }
-            corners
-        }
-    }
-
-    /// In which lanes of two registers of vertices a triangle's corners are: five bits each.
-    ///
-    /// # Safety
-    /// As [`visit_each`].
-    #[inline(always)]
-    unsafe fn places(&self) -> __m512i {
-        // SAFETY: words of a chunk come after its vertices.
-        unsafe {
-            let mut from = [std::ptr::null(); N];
-            for i in 0..N {
-                from[i] = self.words[i].add(self.chunks[i].corners_at());
-            }
-            match N {
-                1 => _mm512_cvtepu16_epi32(_mm256_loadu_si256(from[0].cast())),
-                2 => {
-                    let low = _mm_loadu_si128(from[0].cast());
-                    let high = _mm_loadu_si128(from[1 % N].cast());
-                    let first = _mm512_cvtepu16_epi32(_mm256_set_m128i(high, low));
-                    let other = 16 | 16 << 5 | 16 << 10;
-                    _mm512_mask_or_epi32(first, 0xff00, first, _mm512_set1_epi32(other))
-                }
-                _ => {
-                    let low = _mm_loadl_epi64(from[0].cast());
-                    let low = _mm_unpacklo_epi64(low, _mm_loadl_epi64(from[1 % N].cast()));
-                    let high = _mm_loadl_epi64(from[2 % N].cast());
-                    let high = _mm_unpacklo_epi64(high, _mm_loadl_epi64(from[3 % N].cast()));
-                    let first = _mm512_cvtepu16_epi32(_mm256_set_m128i(high, low));
-                    let nth = 1 | 1 << 5 | 1 << 10;
-                    let numbers = _mm512_srli_epi32::<2>(lane_numbers());
-                    let others = _mm512_mullo_epi32(numbers, _mm512_set1_epi32(8 * nth));
-                    _mm512_or_si512(first, others)
-                }
-            }
-        }
-    }
-
-    /// Coordinates of the vertices along the `k`-th sheared axis: each ray has an equal share.
-    ///
-    /// # Safety
-    /// As [`visit_each`].
-    #[inline(always)]
-    unsafe fn vertices(&self, k: usize) -> [__m512; 2] {
-        // SAFETY: a finished arena goes on for 64 words after the last chunk.
-        unsafe {
-            let mut from = [std::ptr::null(); N];
-            for i in 0..N {
-                let row = self.axes[i][k] * self.chunks[i].vertices();
-                from[i] = self.words[i].cast::<f32>().add(row);
-            }
-            match N {
-                1 => [_mm512_loadu_ps(from[0]), _mm512_loadu_ps(from[0].add(LANES))],
-                2 => [_mm512_loadu_ps(from[0]), _mm512_loadu_ps(from[1 % N])],
-                _ => {
-                    let low = _mm512_castps256_ps512(_mm256_loadu_ps(from[0]));
-                    let low = _mm512_insertf32x8::<1>(low, _mm256_loadu_ps(from[1 % N]));
-                    let high = _mm512_castps256_ps512(_mm256_loadu_ps(from[2 % N]));
-                    let high = _mm512_insertf32x8::<1>(high, _mm256_loadu_ps(from[3 % N]));
-                    [low, high]
-                }
-            }
+            V::shares(from)
         }
     }
 
@@ -294,36 +243,38 @@ impl<const N: usize> Meeting<N> {
     /// # Safety
     /// As [`visit_each`].
     #[inline(always)]
-    unsafe fn keep<const ANY: bool>(
+    unsafe fn keep<V: Vector<N>, const ANY: bool>(
         &self,
-        tested: Tested<__m512>,
-        groups: &mut [Group; GROUPS],
+        tested: Tested<V>,
+        groups: &mut [Group<N>],
         done: &mut impl FnMut(usize, &Best),
     ) {
-        // SAFETY: the caller's; arrays have sixteen places, and ids stand in the arena.
+        // SAFETY: the caller's; arrays have as many places as a register, and ids stand in the arena.
         unsafe {
             let tested = tested.settle(|lane| {
                 let i = lane / Self::SHARE;
                 let [g, at] = self.at[i];
                 let words = std::slice::from_raw_parts(self.words[i], self.chunks[i].ids_at());
-                let triangle = triangle_at(words, self.chunks[i], lane % Self::SHARE);
+                let triangle = triangle_at(words, self.chunks[i], self.first + lane % Self::SHARE);
                 (groups[g].flights.rays.line(at).sheared(), triangle)
             });
             let parts = tested.parts();
-            let mut numbers = [[0.0f32; LANES]; 4];
-            _mm512_storeu_ps(numbers[0].as_mut_ptr(), tested.t);
+            let mut numbers = [[0.0f32; N]; 4];
+            tested.t.store(numbers[0].as_mut_ptr());
             for i in 0..3 {
-                _mm512_storeu_ps(numbers[1 + i].as_mut_ptr(), parts[i]);
+                parts[i].store(numbers[1 + i].as_mut_ptr());
             }
-            let mut nearest = tested.hits & nearest::<N>(tested.t, tested.hits as u16);
+            let t = V::splat(f32::INFINITY).replace(tested.hits, tested.t);
+            let mut nearest = tested.hits & t.le(t.least_of_shares::<M>());
             while nearest != 0 {
                 // The first of equals has the lowest id.
-                let lane = nearest.trailing_zeros() as usize % LANES;
+                let lane = nearest.trailing_zeros() as usize % N;
                 let i = lane / Self::SHARE;
                 nearest &= u32::MAX << ((i + 1) * Self::SHARE);
                 let [g, at] = self.at[i];
                 let group = &mut groups[g];
-                let id = *self.words[i].add(self.chunks[i].ids_at() + lane % Self::SHARE);
+                let nth = self.first + lane % Self::SHARE;
+                let id = *self.words[i].add(self.chunks[i].ids_at() + nth);
                 let t = numbers[0][lane];
                 if t < group.flights.rays.t[at] || id < group.flights.primitive[at] {
                     let determinant = numbers[3][lane];
@@ -340,50 +291,24 @@ impl<const N: usize> Meeting<N> {
     }
 }
 
-/// Lanes whose distance is the least of their ray's hits, of `N` rays.
+/// Tests all that is in the leaf of a lane.
 ///
 /// # Safety
-/// The CPU has AVX-512.
+/// As [`trace`](super::trace).
 #[inline(always)]
-unsafe fn nearest<const N: usize>(t: __m512, hits: u16) -> u32 {
-    // SAFETY: the caller's.
-    unsafe {
-        let t = _mm512_mask_mov_ps(_mm512_set1_ps(f32::INFINITY), hits, t);
-        let least = _mm512_min_ps(t, _mm512_permute_ps::<0b10_11_00_01>(t));
-        let mut least = _mm512_min_ps(least, _mm512_permute_ps::<0b01_00_11_10>(least));
-        if N <= 2 {
-            least = _mm512_min_ps(least, _mm512_shuffle_f32x4::<0b10_11_00_01>(least, least));
-        }
-        if N == 1 {
-            least = _mm512_min_ps(least, _mm512_shuffle_f32x4::<0b01_00_11_10>(least, least));
-        }
-        u32::from(_mm512_cmp_ps_mask::<_CMP_EQ_OQ>(t, least))
-    }
-}
-
-/// Tests what follows the first chunk of a leaf.
-///
-/// # Safety
-/// As [`visit_each`].
-#[inline(always)]
-unsafe fn test_rest<const ANY: bool>(
-    groups: &mut [Group; GROUPS],
-    [g, at]: [usize; 2],
-    chunk: Chunk,
+unsafe fn visit_alone<V: Vector<N>, const N: usize, const ANY: bool>(
+    group: &mut Group<N>,
+    at: usize,
     tree: &KdTree,
     rays: &Rays,
     done: &mut impl FnMut(usize, &Best),
 ) {
-    let group = &mut groups[g];
-    if group.in_leaves >> at & 1 == 0 {
-        return;
-    }
-    let rest = &tree.arena.words[group.leaf[0][at] as usize + chunk.end()..];
+    let leaf = Node::of_words([group.leaf[0][at], group.leaf[1][at]]);
     let line = group.flights.rays.line(at);
     let ray = (rays, group.flights.rays.index[at] as usize);
     let mut best = group.best(at);
     // SAFETY: the caller's.
-    unsafe { tree.test_rest::<Avx512>(rest, chunk, &line, ray, &mut best) };
+    unsafe { tree.test_leaf::<V::Kernel>(leaf, &line, ray, &mut best) };
     let is_new = best.primitive != group.flights.primitive[at];
     group.set_best(at, &best);
     if ANY && is_new {

@@ -1,16 +1,13 @@
 //! Rays that wait to go into flight.
 
-use std::arch::x86_64::*;
-
-use super::{Entry, Flights, Group, ROWS, as_bits, get, get_ps, lane_numbers};
+use super::{Entry, Flights, Group, ROWS, Vector};
 use crate::accel::LANES;
 use crate::accel::kdtree::leaf::Best;
 use crate::accel::kdtree::node::Node;
 use crate::accel::kdtree::packet::{self, Parking};
 use crate::accel::kdtree::ray::Prepared;
-use crate::accel::kdtree::x86::Avx512;
 use crate::accel::kdtree::{KdTree, Left, NO_HIT};
-use crate::accel::order::{Sixteen, x86::Avx512 as Choices};
+use crate::accel::order::Sixteen;
 use crate::accel::simd::lanes_of;
 
 /// Rays that are ready, and those that left packets.
@@ -34,6 +31,14 @@ impl Queue {
     };
 }
 
+#[cfg(test)]
+impl Queue {
+    /// Whether rays that left packets ever were in it.
+    pub(super) fn has_parked(&self) -> bool {
+        self.parking.top.iter().any(|&top| top > 0)
+    }
+}
+
 /// Rays that are not under way yet.
 pub(super) struct Waiting<'a> {
     pub(super) left: Left<'a>,
@@ -50,10 +55,10 @@ impl Waiting<'_> {
     /// # Safety
     /// As [`trace`](super::trace).
     #[inline(always)]
-    pub(super) unsafe fn refill<const ANY: bool>(
+    pub(super) unsafe fn refill<V: Vector<N>, const N: usize, const ANY: bool>(
         &mut self,
         tree: &KdTree,
-        group: &mut Group,
+        group: &mut Group<N>,
         mut free: u32,
         done: &mut impl FnMut(usize, &Best),
     ) {
@@ -61,25 +66,24 @@ impl Waiting<'_> {
             if self.from == self.len {
                 let Some((sixteen, count)) = self.left.take() else { return };
                 // SAFETY: the caller's.
-                unsafe { self.prepare::<ANY>(tree, sixteen, count, done) };
+                unsafe { self.prepare::<V, N, ANY>(tree, sixteen, count, done) };
                 continue;
             }
             // The lowest free lanes, as many as there are rays.
             let count = (self.len - self.from) as u32;
-            // SAFETY: BMI2 comes with AVX2 in all CPUs with AVX-512.
-            let lanes = unsafe { lowest(free, count) };
-            // SAFETY: rows of the queue are readable for sixteen lanes from `from` on, those of
-            // the group hold sixteen.
-            unsafe {
+            // SAFETY: rows of the queue are readable for a register from `from` on, those of the
+            // group hold one.
+            let lanes = unsafe {
+                let lanes = V::lowest(free, count);
                 let to = (&raw mut group.flights).cast::<f32>();
                 let queue = (&raw const self.queue.flights).cast::<f32>();
-                for row in 0..Flights::<LANES>::ROWS {
-                    let to = to.add(row * LANES);
-                    let from = _mm512_loadu_ps(queue.add(row * 2 * LANES + self.from));
-                    let old = _mm512_load_ps(to);
-                    _mm512_store_ps(to, _mm512_mask_expand_ps(old, lanes as u16, from));
+                for row in 0..Flights::<N>::ROWS {
+                    let to = to.add(row * N);
+                    let from = V::load(queue.add(row * 2 * LANES + self.from));
+                    V::load(to).expand(lanes, from).store(to);
                 }
-            }
+                lanes
+            };
             if self.queue.parking.lanes != 0 {
                 self.move_stacks(group, lanes);
             }
@@ -91,7 +95,7 @@ impl Waiting<'_> {
 
     /// Fills the stacks of lanes that were given the next rays.
     #[inline(always)]
-    fn move_stacks(&self, group: &mut Group, lanes: u32) {
+    fn move_stacks<const N: usize>(&self, group: &mut Group<N>, lanes: u32) {
         let parking = &self.queue.parking;
         for (i, lane) in lanes_of(lanes).enumerate() {
             let place = self.queue.place[self.from + i] as usize % LANES;
@@ -109,7 +113,7 @@ impl Waiting<'_> {
     /// # Safety
     /// As [`trace`](super::trace).
     #[inline(always)]
-    unsafe fn prepare<const ANY: bool>(
+    unsafe fn prepare<V: Vector<N>, const N: usize, const ANY: bool>(
         &mut self,
         tree: &KdTree,
         sixteen: Sixteen,
@@ -119,81 +123,85 @@ impl Waiting<'_> {
         let Queue { flights, place, prepared, parking } = self.queue;
         let rays = self.left.rays;
         // SAFETY: the caller's.
-        unsafe { prepared.take::<Choices>(rays, sixteen, count, &tree.bounds) };
+        unsafe { prepared.take::<V::Choosing>(rays, sixteen, count, &tree.bounds) };
         parking.lanes = 0;
         let mut left = prepared.entering();
-        if let Some(stack) = self.packets.as_deref_mut().filter(|stack| stack.is_good::<__m512>()) {
+        if let Some(stack) = self.packets.as_deref_mut().filter(|stack| stack.is_good::<V>()) {
             let place = Some(&mut *parking);
             // SAFETY: the caller's.
             left = unsafe {
-                packet::trace::<__m512, Avx512, ANY>(tree, rays, prepared, left, stack, place, done)
+                packet::trace::<V, V::Kernel, ANY>(tree, rays, prepared, left, stack, place, done)
             };
         }
-        let parked = parking.lanes as u16;
         left |= parking.lanes;
         (self.from, self.len) = (0, left.count_ones() as usize);
         if left == 0 {
             return;
         }
-        // SAFETY: rows hold sixteen lanes, those of the queue more.
+        // SAFETY: rows hold sixteen lanes, those of the queue a register more.
         unsafe {
-            let rows = (&raw const *prepared).cast::<f32>();
-            let queue = (&raw mut *flights).cast::<f32>();
-            let kept = left as u16;
-            for row in 0..Prepared::<LANES>::ROWS {
-                let from = _mm512_load_ps(rows.add(row * LANES));
-                _mm512_store_ps(queue.add(row * 2 * LANES), _mm512_maskz_compress_ps(kept, from));
+            if parking.lanes == 0 {
+                flights.start_at_root();
+            } else {
+                complete(parking, prepared);
+                for (i, lane) in lanes_of(left).enumerate() {
+                    place[i] = lane as u32;
+                }
+                pack::<V, N>(left, parking.node.as_ptr(), &mut flights.node);
+                pack::<V, N>(left, parking.top.as_ptr(), &mut flights.top);
+                pack::<V, N>(left, parking.best[1].as_ptr().cast(), as_bits(&mut flights.hit[0]));
+                pack::<V, N>(left, parking.best[2].as_ptr().cast(), as_bits(&mut flights.hit[1]));
+                pack::<V, N>(left, parking.best[3].as_ptr().cast(), &mut flights.primitive);
             }
-            let numbers = _mm512_maskz_compress_epi32(kept, lane_numbers());
-            _mm512_storeu_si512(place.as_mut_ptr().cast(), numbers);
-            let sets = [kept, parked];
-            let rays = &mut flights.rays;
-            let [t, u, v, ids] = &parking.best;
-            queue_row(&mut rays.near, get_ps(&prepared.near), &parking.span[0], sets);
-            queue_row(&mut rays.far, get_ps(&prepared.far), &parking.span[1], sets);
-            queue_row(&mut rays.t, get_ps(&prepared.t), t, sets);
-            queue_row(&mut flights.hit[0], _mm512_setzero_ps(), u, sets);
-            queue_row(&mut flights.hit[1], _mm512_setzero_ps(), v, sets);
-            queue_bits(&mut flights.primitive, NO_HIT, as_bits(ids), sets);
-            queue_bits(&mut flights.node, Node::ROOT as u32, &parking.node, sets);
-            queue_bits(&mut flights.top, 1, &parking.top, sets);
+            let rows = (&raw const *prepared).cast::<u32>();
+            let queue = (&raw mut flights.rays).cast::<[u32; 2 * LANES]>();
+            for row in 0..Prepared::<LANES>::ROWS {
+                pack::<V, N>(left, rows.add(row * LANES), &mut *queue.add(row));
+            }
         }
     }
 }
 
-/// Puts a row into the queue: what is kept of one, with that of parked rays in its place.
-#[inline(always)]
-unsafe fn queue_row(
-    to: &mut [f32; 2 * LANES],
-    row: __m512,
-    of_parked: &[f32; LANES],
-    [kept, parked]: [u16; 2],
-) {
-    // SAFETY: the caller's.
-    unsafe {
-        let row = _mm512_mask_mov_ps(row, parked, get_ps(of_parked));
-        _mm512_storeu_ps(to.as_mut_ptr(), _mm512_maskz_compress_ps(kept, row));
+/// Puts what rays have that left packets to the other rays, and the other way round.
+fn complete(parking: &mut Parking, prepared: &mut Prepared<LANES>) {
+    for lane in 0..LANES {
+        if parking.lanes >> lane & 1 == 1 {
+            prepared.near[lane] = parking.span[0][lane];
+            prepared.far[lane] = parking.span[1][lane];
+            prepared.t[lane] = parking.best[0][lane];
+        } else {
+            parking.node[lane] = Node::ROOT as u32;
+            parking.top[lane] = 1;
+            (parking.best[1][lane], parking.best[2][lane]) = (0.0, 0.0);
+            parking.best[3][lane] = f32::from_bits(NO_HIT);
+        }
     }
 }
 
+/// Puts the lanes of a set of sixteen into a row, one behind the other.
+///
+/// # Safety
+/// The CPU has the instructions of `V`; there are sixteen words.
 #[inline(always)]
-unsafe fn queue_bits(
-    to: &mut [u32; 2 * LANES],
-    value: u32,
-    of_parked: &[u32; LANES],
-    [kept, parked]: [u16; 2],
+unsafe fn pack<V: Vector<N>, const N: usize>(
+    set: u32,
+    from: *const u32,
+    row: &mut [u32; 2 * LANES],
 ) {
-    // SAFETY: the caller's.
-    unsafe {
-        let row = _mm512_set1_epi32(value as i32);
-        let row = _mm512_mask_mov_epi32(row, parked, get(of_parked));
-        _mm512_storeu_si512(to.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(kept, row));
+    let mut to = row.as_mut_ptr().cast::<f32>();
+    for base in (0..LANES).step_by(N) {
+        let part = set >> base & Group::<N>::ALL;
+        // SAFETY: sixteen lanes and a register more have room.
+        unsafe {
+            V::load(from.add(base).cast()).compress(part).store(to);
+            to = to.add(part.count_ones() as usize);
+        }
     }
 }
 
-/// The lowest `count` bits of a set.
+/// The bits of a row of numbers.
 #[inline(always)]
-unsafe fn lowest(set: u32, count: u32) -> u32 {
-    // SAFETY: the caller's.
-    unsafe { _pdep_u32((1 << count.min(31)) - 1, set) }
+fn as_bits<const N: usize>(row: &mut [f32; N]) -> &mut [u32; N] {
+    // SAFETY: any bits are a number, of the same size and alignment.
+    unsafe { &mut *(&raw mut *row).cast() }
 }

@@ -1,0 +1,34 @@
+//! Tables over all sets of eight lanes, for registers of CPUs that can not pack lanes themselves.
+
+/// For each set of lanes: their numbers, in order, then zeros.
+pub(in crate::accel) static LANES_OF: [[u8; 8]; 256] = {
+    let mut table = [[0; 8]; 256];
+    let mut set = 0;
+    while set < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < 8 {
+            if set >> lane & 1 == 1 {
+                table[set][count] = lane as u8;
+                count += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    table
+};
+
+/// For each set of lanes: how many of them are below each lane.
+pub(in crate::accel) static RANKS_IN: [[u8; 8]; 256] = {
+    let mut table = [[0; 8]; 256];
+    let mut set = 0usize;
+    while set < 256 {
+        let mut lane = 0;
+        while lane < 8 {
+            table[set][lane] = (set & ((1 << lane) - 1)).count_ones() as u8;
+            lane += 1;
+        }
+        set += 1;
+    }
+    table
+};
