@@ -14,8 +14,10 @@ impl Fixed {
     pub const MAX: Self = Self(i64::MAX);
     /// The smallest number.
     pub const MIN: Self = Self(i64::MIN);
-    /// Largest magnitude of one contribution. 2^22 of them, of one sign, fit into a sum.
+    /// Largest magnitude of one contribution.
     pub const LIMIT: f32 = (1 << 17) as f32;
+    /// Contributions, of any sign, that fit into a sum.
+    pub const MOST: u32 = (1 << 22) - 1;
 
     /// 0
     pub const ZERO: Self = Self(0);
@@ -100,6 +102,17 @@ mod tests {
     fn what_can_not_be_summed_is_refused() {
         for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e6, -1e6] {
             assert_eq!(Fixed::new(x), None, "{x}");
+        }
+    }
+
+    #[test]
+    fn as_many_as_a_sum_holds() {
+        for limit in [Fixed::LIMIT, -Fixed::LIMIT] {
+            let one = Fixed::new(limit).unwrap();
+            let most = one.units().checked_mul(Fixed::MOST.into()).map(Fixed::from_units).unwrap();
+            assert!(most.to_f64().abs() > 5e11);
+            let more = most.checked_add(one).and_then(|sum| sum.checked_add(one));
+            assert_eq!(more, None);
         }
     }
 

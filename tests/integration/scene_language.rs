@@ -30,7 +30,13 @@ fn the_least_that_a_scene_needs() {
 #[test]
 fn everything() {
     let loaded = load_fixture("everything.txt");
-    assert_eq!(loaded.diagnostics.render(false), "");
+    let report = loaded.diagnostics.render(false);
+    assert!(!loaded.diagnostics.has_errors(), "{report}");
+    // Not all of it can mean something at once.
+    assert_eq!(report.matches("does nothing beside").count(), 2, "{report}");
+    for name in ["contrastType", "imageContrastLimit"] {
+        assert!(report.contains(&format!("`{name}` does nothing beside `noise`")), "{report}");
+    }
     let mut scene = loaded.scene.expect("there are no errors");
     scene.content_hash = [0; 32];
     insta::assert_snapshot!("everything", format!("{scene:#?}"));

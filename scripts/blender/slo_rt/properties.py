@@ -54,6 +54,7 @@ class RenderSettings(bpy.types.PropertyGroup):
         "Noise",
         "Error at which a pixel is done before all samples are taken; 0: take all",
         soft_max=0.1,
+        max=1.0,
         precision=4,
         step=0.1,
     )
@@ -101,7 +102,7 @@ class RenderSettings(bpy.types.PropertyGroup):
         items=[
             ("BVH", "BVH", "8-wide hierarchy of boxes: mostly the quickest"),
             ("KDTREE", "kd-tree", "kd-tree by the surface area heuristic"),
-            ("CWBVH", "CWBVH", "Compressed wide hierarchy"),
+            ("CWBVH", "CWBVH", "For measuring: may miss hits at edges"),
         ],
         default="BVH",
     )

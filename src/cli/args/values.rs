@@ -55,8 +55,11 @@ pub(super) fn region(text: &str) -> Result<Region, String> {
 
 /// Parses an error.
 pub(super) fn noise(text: &str) -> Result<f32, String> {
-    let error = text.parse().ok().filter(|error| *error > 0.0 && *error <= 1.0);
-    error.ok_or_else(|| "an error is more than 0 and at most 1, such as 0.01".into())
+    let error = text.parse().ok().filter(|error: &f64| *error > 0.0 && *error <= 1.0);
+    match error.map(|error| error as f32) {
+        Some(0.0) => Err("it is too close to 0".into()),
+        error => error.ok_or_else(|| "an error is more than 0 and at most 1, such as 0.01".into()),
+    }
 }
 
 /// Parses a distance that is allowed.

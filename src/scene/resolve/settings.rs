@@ -1,9 +1,10 @@
 //! The `settings` element.
 
 use super::fields::Fields;
-use super::values::Bound;
+use super::values::{Bound, Found};
 use crate::accel::Accelerator;
 use crate::diagnostics::Diagnostic;
+use crate::film::Fixed;
 use crate::sampling::Generator;
 use crate::scene::{Contrast, LightSampling, Settings, ShadowMode};
 
@@ -35,7 +36,10 @@ pub(super) fn settings(fields: &mut Fields<'_, '_, '_>) -> Settings {
     settings.spatial_splits = spatial_splits.is_some_and(|s| s.value == 1);
     set(&mut settings.background, fields.color("background"));
     set(&mut settings.seed, fields.seed("seed"));
-    settings.noise = fields.number_f32("noise", Bound::Positive);
+    settings.noise = fields.number_f32("noise", Bound::Error);
+    if settings.noise.is_some() {
+        warn_of_contrast(fields);
+    }
     let per_ms = fields.number("transformSamplesPerMs", Bound::Positive);
     set(&mut settings.transform_samples_per_ms, per_ms.map(|f| f.value));
     settings
@@ -56,9 +60,8 @@ fn choices(fields: &mut Fields<'_, '_, '_>, settings: &mut Settings) {
 }
 
 fn samples(fields: &mut Fields<'_, '_, '_>, settings: &mut Settings) {
+    camera_samples(fields, settings);
     let mut count = |name| fields.count(name, 1, MOST_SAMPLES).map(|f| f.value);
-    set(&mut settings.image_samples, count("imageSamples"));
-    set(&mut settings.dof_samples, count("dofSamples"));
     set(&mut settings.soft_shadow_samples, count("softShadowSamples"));
     set(&mut settings.diffuse_reflection_samples, count("diffuseReflectionSamples"));
     set(&mut settings.diffuse_refraction_samples, count("diffuseRefractionSamples"));
@@ -68,6 +71,24 @@ fn samples(fields: &mut Fields<'_, '_, '_>, settings: &mut Settings) {
         &mut settings.image_contrast_limit,
         fields.number_f32("imageContrastLimit", Bound::NotNegative),
     );
+}
+
+/// `imageSamples` and `dofSamples`, whose product is not more than the film can add up.
+fn camera_samples(fields: &mut Fields<'_, '_, '_>, settings: &mut Settings) {
+    let [image, dof] =
+        ["imageSamples", "dofSamples"].map(|name| fields.count(name, 1, MOST_SAMPLES));
+    set(&mut settings.image_samples, image.map(|f| f.value));
+    set(&mut settings.dof_samples, dof.map(|f| f.value));
+    let all = u64::from(settings.image_samples) * u64::from(settings.dof_samples);
+    if all > u64::from(Fixed::MOST) {
+        let message = "`imageSamples` times `dofSamples` is more than the film can add up";
+        let error = Diagnostic::error(message).help(format!("at most {}", Fixed::MOST));
+        let mut places = [image, dof].into_iter().flatten().map(|Found { span, .. }| span);
+        let error = places.next().map_or(error.clone(), |span| {
+            error.at(span, format!("{all} samples of a pixel in all"))
+        });
+        fields.diagnostics.push(places.fold(error, |error, span| error.also(span, "")));
+    }
 }
 
 /// `imageMinSamples`, at most `image_samples`.
@@ -81,6 +102,18 @@ fn min_samples(fields: &mut Fields<'_, '_, '_>, image_samples: u32) -> u32 {
         );
     }
     min.value.min(image_samples)
+}
+
+/// Warns of what says nothing where `noise` decides.
+fn warn_of_contrast(fields: &mut Fields<'_, '_, '_>) {
+    let noise = fields.get("noise").map(|field| field.keyword.span);
+    for name in ["contrastType", "imageContrastLimit"] {
+        if let (Some(noise), Some(field)) = (noise, fields.get(name)) {
+            let message = format!("`{name}` does nothing beside `noise`");
+            let warning = Diagnostic::warning(message).at(field.keyword.span, "");
+            fields.diagnostics.push(warning.also(noise, "this decides"));
+        }
+    }
 }
 
 fn sections(fields: &mut Fields<'_, '_, '_>, settings: &mut Settings) {

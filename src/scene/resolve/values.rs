@@ -30,6 +30,8 @@ pub(super) enum Bound {
     NotNegative,
     Positive,
     NotZero,
+    /// More than 0, and not more than the range from black to white.
+    Error,
 }
 
 impl Bound {
@@ -39,6 +41,7 @@ impl Bound {
             Self::NotNegative => (value >= 0.0, "0 or more"),
             Self::Positive => (value > 0.0, "more than 0"),
             Self::NotZero => (value != 0.0, "other than 0"),
+            Self::Error => (value > 0.0 && value <= 1.0, "more than 0 and at most 1"),
         };
         (!is_kept).then_some(rule)
     }
@@ -68,7 +71,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     pub(super) fn number_f32(&mut self, name: &str, bound: Bound) -> Option<f32> {
         let found = self.number(name, bound)?;
         let value = self.fit_f32(found)?;
-        if bound == Bound::Positive && value == 0.0 {
+        if matches!(bound, Bound::Positive | Bound::Error) && value == 0.0 {
             let word = self.word(name)?;
             self.out_of_range(name, word, "is too close to 0");
             return None;
