@@ -72,12 +72,18 @@ fn check(distances: &Distances, args: &CompareArgs) -> Result<(), Problem> {
         ("bias", (distances.mean_ratio - 1.0).abs(), args.max_bias),
         ("flip", distances.flip, args.max_flip),
     ];
-    let beyond = limits.into_iter().find_map(|(name, found, limit)| {
+    let beyond = limits.into_iter().filter_map(|(name, found, limit)| {
         let limit = limit?;
-        (found.is_nan() || found > limit).then(|| format!("{name} is beyond {limit}"))
+        let found = (found.is_nan() || found > limit).then(|| shown(found))?;
+        Some(format!("{name} is {found}, beyond {limit}"))
     });
-    match beyond {
-        Some(message) => Err(Problem::new(Exit::Failed, message)),
-        None => Ok(()),
+    match beyond.collect::<Vec<_>>() {
+        none if none.is_empty() => Ok(()),
+        beyond => Err(Problem::new(Exit::Failed, beyond.join("; "))),
     }
+}
+
+/// A whole number as it is, another with a few digits.
+fn shown(number: f64) -> String {
+    if number.fract() == 0.0 { number.to_string() } else { format!("{number:.4e}") }
 }

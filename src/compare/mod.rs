@@ -9,7 +9,7 @@ pub use flip::flip;
 /// Distances of a picture from a reference of the same size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distances {
-    /// Pixels with a value that differs.
+    /// Pixels with a value that differs, as the files have them: beyond white too.
     pub pixels: usize,
     /// Root mean square over the values as they are shown, 0 to 1.
     pub rmse: f64,
@@ -18,7 +18,7 @@ pub struct Distances {
     /// Mean luminance over the reference's, of the linear values: what is beside 1 is bias. 1 where
     /// both are 0.
     pub mean_ratio: f64,
-    /// Decibels of a range of 1 over `rmse`; infinite for the same values.
+    /// Decibels of a range of 1 over `rmse`; infinite where the same is shown.
     pub psnr: f64,
     /// Mean of [`flip()`].
     pub flip: f64,
@@ -70,9 +70,8 @@ fn compare_alike(picture: &Raster, reference: &Raster) -> (Distances, Vec<f32>) 
     let (linear, expected_linear) = (picture.linear(), reference.linear());
     let relative = |x: f64, r: f64| (x - r) * (x - r) / (r * r + 0.01);
     let map = flip(&expected, &shown);
-    let different = |(a, b): &(&[f32; 3], &[f32; 3])| a != b;
     let distances = Distances {
-        pixels: shown.rgb.iter().zip(&expected.rgb).filter(different).count(),
+        pixels: different(picture, reference),
         rmse: mse.sqrt(),
         relative_mse: mean(&linear, &expected_linear, relative),
         mean_ratio: ratio(total_luminance(&linear), total_luminance(&expected_linear)),
@@ -80,6 +79,18 @@ fn compare_alike(picture: &Raster, reference: &Raster) -> (Distances, Vec<f32>) 
         flip: map.iter().map(|&value| f64::from(value)).sum::<f64>() / map.len().max(1) as f64,
     };
     (distances, map)
+}
+
+/// Pixels whose values differ. Those of files that mean other things by their values are compared as
+/// they are shown.
+fn different(picture: &Raster, reference: &Raster) -> usize {
+    let differ = |one: &Image, other: &Image| {
+        one.rgb.iter().zip(&other.rgb).filter(|(one, other)| one != other).count()
+    };
+    match picture.values == reference.values {
+        true => differ(&picture.image, &reference.image),
+        false => differ(&picture.shown(), &reference.shown()),
+    }
 }
 
 /// The mean over all channels of all pixels.
@@ -121,6 +132,13 @@ mod tests {
         let Comparison { distances: same, flip: map, .. } = compare(&a, &a).unwrap();
         assert_eq!((same.pixels, same.rmse, same.psnr, same.flip), (0, 0.0, f64::INFINITY, 0.0));
         assert!(map.iter().all(|&value| value == 0.0));
+    }
+
+    #[test]
+    fn pixels_differ_beyond_white_too() {
+        let (a, b) = (raster(Values::Linear, [7.0; 3]), raster(Values::Linear, [9.0; 3]));
+        let distances = compare(&a, &b).unwrap().distances;
+        assert_eq!((distances.pixels, distances.rmse, distances.flip), (12, 0.0, 0.0));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! `unsafe` is here since a shared library is called: all of it stays in this file, behind functions
 //! that check what the library trusts.
 
+use std::error::Error;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::ptr;
@@ -11,8 +12,8 @@ use libloading::Library;
 
 use crate::film::Image;
 
-/// Where the system looks for it.
-const NAMES: &[&str] = if cfg!(target_os = "windows") {
+/// What the system is asked for.
+pub(super) const NAMES: &[&str] = if cfg!(target_os = "windows") {
     &["OpenImageDenoise.dll"]
 } else if cfg!(target_os = "macos") {
     &["libOpenImageDenoise.2.dylib", "libOpenImageDenoise.dylib"]
@@ -228,14 +229,24 @@ impl Drop for Filter<'_> {
 fn open(path: Option<&Path>) -> Result<Library, String> {
     let names: Vec<&Path> =
         path.map_or_else(|| NAMES.iter().map(Path::new).collect(), |path| vec![path]);
-    let mut why = String::new();
+    let mut why = Vec::new();
     for name in names {
         // SAFETY: loading runs the library's own initialisation, which is what the user asked for.
         match unsafe { Library::new(name) } {
             Ok(library) => return Ok(library),
-            Err(error) if why.is_empty() => why = error.to_string(),
-            Err(_) => {}
+            Err(error) => why.push(refusal(name, &error)),
         }
     }
-    Err(why)
+    Err(why.join("; "))
+}
+
+/// What was tried, and what the system's loader says of it: in the error's source.
+fn refusal(name: &Path, error: &libloading::Error) -> String {
+    let mut why = format!("`{}`: {error}", name.display());
+    let mut source = error.source();
+    while let Some(error) = source {
+        why += &format!(": {error}");
+        source = error.source();
+    }
+    why
 }

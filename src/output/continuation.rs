@@ -2,6 +2,8 @@
 
 use serde_json::{Map, Value};
 
+use crate::render::LEAST_FOR_NOISE;
+
 /// Members of a recipe that say how many samples are taken, or how they are shown, and nothing
 /// about what a sample is.
 const OF_THE_PLAN: [&str; 10] = [
@@ -70,7 +72,8 @@ fn goes_on(old: &Map<String, Value>, new: &Map<String, Value>) -> Option<bool> {
     Some(match (old.get("noise"), new.get("noise")) {
         (Some(_), Some(_)) => {
             // Where least is most it stands for the least of this rule.
-            let least = |least: f64, most: f64| if least >= most { most.min(16.0) } else { least };
+            let rule = f64::from(LEAST_FOR_NOISE);
+            let least = |least: f64, most: f64| if least >= most { most.min(rule) } else { least };
             least(old_least, old_most) == least(new_least, new_most)
                 && old_most <= new_most
                 && stricter("noise")?
@@ -143,6 +146,15 @@ mod tests {
         check(&noise, &noise.replace("RAW", "SRGB"), false);
         check(&noise, &recipe(64, 64, ""), false);
         check(&recipe(64, 64, ""), &noise, false);
+    }
+
+    #[test]
+    fn noise_begins_with_the_samples_of_its_rule() {
+        // Twice as many in all, by `dofSamples`.
+        let at = |samples: u32| recipe(samples, samples, ", \"noise\": 0.02");
+        let half = LEAST_FOR_NOISE / 2;
+        check(&at(half), &at(64), true);
+        check(&at(half - 1), &at(64), false);
     }
 
     #[test]

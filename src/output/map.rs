@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Crop;
 use super::companion::{self, map_format};
-use crate::film::{Area, Display, Film, Image};
+use crate::film::{Area, Display, Film, Image, Pixel};
 use crate::scene::OutputFormat;
 
 /// Errors that are shown darkest and brightest: a quarter of what one step of 8 bits is, and an
@@ -26,7 +26,8 @@ pub fn write_sample_map(path: &Path, film: &Film, area: Area, whole: Area) -> io
 
 /// Writes the estimated error of each pixel of an area of a picture as the viewer sees it, root mean square over
 /// its channels: as numbers to an `.exr` file, or to a `.png` file in colours from dark blue for
-/// 1/1024 and below to yellow for 1/8 and above, by its logarithm.
+/// 1/1024 and below to yellow for 1/8 and above, by its logarithm. Where it is not known, for less than
+/// two samples, it is 1, the whole range.
 ///
 /// # Errors
 /// Another extension; anything but an earlier map or sheet is there; what the system says.
@@ -37,9 +38,14 @@ pub fn write_error_map(
     whole: Area,
     display: Display,
 ) -> io::Result<()> {
-    let error = |pixel| display.squared_error(pixel).sqrt() as f32;
-    let errors: Vec<f32> = film.pixels_of(area).map(error).collect();
+    let errors: Vec<f32> = film.pixels_of(area).map(|pixel| error(pixel, display)).collect();
     write(path, area, whole, &errors, ERRORS)
+}
+
+/// The error of a pixel as the viewer sees it, or as much as there can be.
+fn error(pixel: &Pixel, display: Display) -> f32 {
+    let error = display.squared_error(pixel).sqrt() as f32;
+    if error.is_finite() { error } else { 1.0 }
 }
 
 /// Writes differences from 0 to 1 in an area of a picture, row by row: as numbers to an `.exr` file, or to a `.png` file in
@@ -104,6 +110,23 @@ fn heat(place: f32) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Fixed;
+    use crate::output::Raster;
+
+    #[test]
+    fn an_error_that_nobody_knows_is_not_none() {
+        let area = Area::whole(3, 1);
+        let mut film = Film::new(area, false).unwrap();
+        for (i, samples) in [0, 1, 2].into_iter().enumerate() {
+            for _ in 0..samples {
+                film.at_mut(i).0.add([Fixed::new(0.5).unwrap(); 3], 1);
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("error.exr");
+        write_error_map(&path, &film, area, area, Display::Unclamped).unwrap();
+        assert_eq!(Raster::read(&path).unwrap().image.rgb, [1.0, 1.0, 0.0].map(|e| [e; 3]));
+    }
 
     #[test]
     fn colours_go_from_dark_to_light() {

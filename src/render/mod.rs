@@ -15,7 +15,7 @@ use crate::film::{Area, Film};
 use crate::frame::FrameScene;
 pub use crate::integrator::Statistics;
 pub use budget::{Budget, render_until};
-pub use plan::{Part, Plan, display_of};
+pub use plan::{LEAST_FOR_NOISE, Part, Plan, display_of};
 use sections::{Sections, TILE};
 pub use steps::Steps;
 use tile::TileRenderer;

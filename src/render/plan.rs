@@ -9,7 +9,7 @@ use super::Steps;
 use super::sections::TILE;
 
 /// First samples of a block where the scene names none: fewer tell no error.
-const LEAST_FOR_NOISE: u32 = 8;
+pub const LEAST_FOR_NOISE: u32 = 8;
 
 /// From so many samples on a block is held to the error that was asked for; below, to less.
 const FULL_ERROR_AT: u32 = 256;
