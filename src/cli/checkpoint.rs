@@ -30,7 +30,7 @@ pub(super) struct Checkpoint {
     others: Vec<PathBuf>,
     /// What is of no use any more when the picture is there.
     spent: Mutex<Vec<PathBuf>>,
-    /// Of a picture that may get more samples.
+    /// Of a picture that may get more samples, in whatever file format.
     kept: PathBuf,
     terminal: Terminal,
     every: Option<Duration>,
@@ -51,7 +51,6 @@ impl Checkpoint {
         every: Option<Duration>,
         terminal: Terminal,
     ) -> Self {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
         let unfinished = unfinished(path, &subject, is_timed);
         Self {
             subject,
@@ -59,7 +58,7 @@ impl Checkpoint {
             others: unfinished_of(path, &unfinished),
             unfinished,
             spent: Mutex::default(),
-            kept: path.with_file_name(format!("{name}.state")),
+            kept: path.with_extension("state"),
             terminal,
             every,
             next: Mutex::new(Instant::now() + every.unwrap_or_default()),
@@ -187,6 +186,16 @@ impl Checkpoint {
             }
         }
         self.write(&self.kept, film, steps, true)
+    }
+
+    /// Where what is known of an unfinished frame lies.
+    pub(super) fn unfinished(&self) -> &Path {
+        &self.unfinished
+    }
+
+    /// Where what is known of a finished picture lies.
+    pub(super) fn kept(&self) -> &Path {
+        &self.kept
     }
 
     fn write(&self, path: &Path, film: Film, steps: Steps, is_complete: bool) -> io::Result<()> {

@@ -8,12 +8,13 @@ use super::Exit;
 use super::args::DenoiseArgs;
 use super::compare::read;
 use super::problem::Problem;
+use super::recipe::NO_PICTURE;
 use super::terminal::{Terminal, print};
 use crate::denoise::{Denoiser, Noisy};
 use crate::film::Layer;
 use crate::output::{
-    Picture, Raster, Values, check_writable, is_denoised, read_layers, read_recipe, settings_of,
-    with_denoiser,
+    Picture, Raster, Values, check_writable, is_companion, is_denoised, read_layers, read_recipe,
+    settings_of, with_denoiser,
 };
 
 /// Denoises the pictures one after the other, and prints the paths of what comes out.
@@ -73,6 +74,9 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
     let bad = |why: String| Problem::new(Exit::BadInput, format!("`{shown}`: {why}"));
     let raster = read(path)?;
     let recipe = read_recipe(path).map_err(|error| bad(error.to_string()))?;
+    if is_companion(&recipe) {
+        return Err(bad(NO_PICTURE.into()));
+    }
     let parsed: Value = serde_json::from_str(&recipe).map_err(|error| bad(error.to_string()))?;
     if is_denoised(&parsed) {
         return Err(bad("it is denoised already".into()));

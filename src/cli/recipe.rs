@@ -6,7 +6,10 @@ use std::path::Path;
 use super::Exit;
 use super::problem::Problem;
 use super::terminal::print;
-use crate::output::{RecipeError, read_recipe};
+use crate::output::{RecipeError, is_companion, read_recipe};
+
+/// What is said of a file that was made of a picture.
+pub(super) const NO_PICTURE: &str = "a map or a sheet of slo-rt, not a picture";
 
 /// Prints the recipe inside `picture`.
 pub(super) fn run(picture: &Path) -> Result<(), Problem> {
@@ -17,6 +20,10 @@ pub(super) fn run(picture: &Path) -> Result<(), Problem> {
         };
         Problem::new(exit, format!("`{}`: {error}", picture.display()))
     })?;
+    if is_companion(&recipe) {
+        let message = format!("`{}`: {NO_PICTURE}", picture.display());
+        return Err(Problem::new(Exit::BadInput, message));
+    }
     print(recipe.as_bytes())
         .map_err(|error| Problem::new(Exit::Failed, format!("can't print the recipe: {error}")))
 }

@@ -37,6 +37,8 @@ pub(super) struct Done {
     pub(super) statistics: Statistics,
     pub(super) size: Size,
     pub(super) outcome: Outcome,
+    /// What was to lie beside the picture and could not be written.
+    pub(super) missing: Option<Problem>,
     /// How far it was taken, where the clock decided about that.
     pub(super) steps: Option<Steps>,
 }
@@ -99,14 +101,15 @@ impl Studio<'_> {
         let start = Instant::now();
         let path = self.target.path(frame, rendering);
         let Exposed { film, statistics, .. } = exposed;
-        let outcome = self.put_in_place(frame, film, steps, &path, &checkpoint)?;
+        let (outcome, beside) = self.put_in_place(frame, film, steps, &path, &checkpoint)?;
         let times =
             Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
         *before = Some(built);
-        Ok(Done { path, times, statistics, size, outcome, steps })
+        Ok(Done { path, times, statistics, size, outcome, missing: beside.err(), steps })
     }
 
-    /// Writes all that is made of a film, and the film where it is still of use.
+    /// Writes all that is made of a film, and the film where it is still of use; how it went with what
+    /// lies beside the picture.
     fn put_in_place(
         &self,
         frame: i64,
@@ -114,25 +117,27 @@ impl Studio<'_> {
         steps: Option<Steps>,
         path: &Path,
         checkpoint: &Checkpoint,
-    ) -> Result<Outcome, Problem> {
+    ) -> Result<(Outcome, Result<(), Problem>), Problem> {
         let reached = steps.unwrap_or_default();
         let is_open = self.job.total_time.is_some();
         if is_open {
             // Before the picture, which is taken for finished where it is alone.
-            let keep = || checkpoint.save(film.clone(), reached, true);
-            patience::write(path, self.terminal, keep).map_err(|error| cant_write(path, &error))?;
+            let (state, keep) =
+                (checkpoint.unfinished(), || checkpoint.save(film.clone(), reached, true));
+            patience::write(state, self.terminal, keep)
+                .map_err(|error| cant_write(state, &error))?;
         }
         let outcome = self.save(frame, &film, steps, path, checkpoint)?;
-        self.target
-            .write_maps(frame, &film, self.terminal)
-            .map_err(|(path, error)| cant_write(&path, &error))?;
+        let maps = self.target.write_maps(frame, &film, self.terminal);
+        let mut beside = maps.map_err(|(path, error)| cant_write(&path, &error));
         if self.job.keep_state && !is_open {
-            checkpoint.keep_finished(film, reached).map_err(|error| cant_write(path, &error))?;
+            let kept = checkpoint.keep_finished(film, reached);
+            beside = beside.and(kept.map_err(|error| cant_write(checkpoint.kept(), &error)));
         }
         if !is_open {
             checkpoint.remove();
         }
-        Ok(outcome)
+        Ok((outcome, beside))
     }
 
     /// Takes a film to the end of the plan or of the budget; with a budget, how far it came.
@@ -161,8 +166,7 @@ impl Studio<'_> {
             checkpoint.remove();
             return Ok(());
         }
-        let path = self.target.plain_path(frame);
-        checkpoint.keep_unfinished().map_err(|error| cant_write(&path, &error))
+        checkpoint.keep_unfinished().map_err(|error| cant_write(checkpoint.kept(), &error))
     }
 
     /// Removes what another run, killed as it wrote, left of a frame whose picture was to be at `path`.

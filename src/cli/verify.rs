@@ -12,12 +12,13 @@ use super::compare::unreadable;
 use super::load;
 use super::options::Job;
 use super::problem::Problem;
+use super::recipe::NO_PICTURE;
 use super::terminal::{Terminal, print};
 use crate::film::{Area, Film, Image, Layer};
 use crate::frame::FrameScene;
 use crate::output::{
-    Crop, Picture, Raster, Recipe, Values, is_denoised, read_layers, read_recipe, restore,
-    steps_of, with_region, with_steps, without_outcome,
+    Crop, Picture, Raster, Recipe, Values, is_companion, is_denoised, read_layers, read_recipe,
+    restore, steps_of, with_region, with_steps, without_outcome,
 };
 use crate::render::{Observer, Plan, Steps, render};
 use crate::scene::SceneDescription;
@@ -114,6 +115,9 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     let bad = |why: String| Refusal { exit: Exit::BadInput, why };
     let raster = Raster::read(path).map_err(|why| Refusal { exit: unreadable(path), why })?;
     let recipe = read_recipe(path).map_err(|error| bad(error.to_string()))?;
+    if is_companion(&recipe) {
+        return Err(bad(NO_PICTURE.into()));
+    }
     let recipe = without_outcome(&recipe);
     let parsed: Value = serde_json::from_str(&recipe).map_err(|error| bad(error.to_string()))?;
     if is_denoised(&parsed) {

@@ -12,6 +12,11 @@ use crate::scene::{Encoding, OutputFormat};
 /// What stands for the recipe in a picture that is not one of a scene.
 const NO_RECIPE: &str = "{}";
 
+/// Whether a picture with this recipe is a map or a sheet.
+pub fn is_companion(recipe: &str) -> bool {
+    recipe == NO_RECIPE
+}
+
 /// The format that the name of a map asks for; `None` where it is none of a map.
 pub fn map_format(path: &Path) -> Option<OutputFormat> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -34,7 +39,7 @@ fn check_replaceable(path: &Path) -> io::Result<()> {
     match (path.metadata(), read_recipe(path)) {
         (Err(_), _) => Ok(()),
         (Ok(there), _) if there.len() == 0 => Ok(()),
-        (_, Ok(recipe)) if recipe == NO_RECIPE => Ok(()),
+        (_, Ok(recipe)) if is_companion(&recipe) => Ok(()),
         (_, Err(RecipeError::Io(error))) => Err(error),
         _ => Err(io::Error::new(
             io::ErrorKind::AlreadyExists,

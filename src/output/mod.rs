@@ -24,7 +24,7 @@ mod values;
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
-pub use companion::{check_companion, map_format, write_sheet};
+pub use companion::{check_companion, is_companion, map_format, write_sheet};
 pub use continuation::{continues, has_same_samples};
 pub use crop::Crop;
 pub use file::{check_free, check_writable, remove_leftovers, write_atomically};

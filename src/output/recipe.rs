@@ -1,7 +1,8 @@
 //! How a picture was made, inside the picture.
 //!
 //! The recipe holds what can change the picture, so that two files with the same recipe have the
-//! same bytes; it holds nothing else: no threads, no sections, no structure, no host, no time.
+//! same bytes; it holds nothing else: no threads, no sections, no host, no time; and of structures none
+//! but the one that is not ours, which may miss hits.
 
 use std::fmt::{self, Display, Write};
 use std::fs::File;
@@ -16,7 +17,8 @@ use crate::film::{Area, Layer};
 use crate::render::Steps;
 use crate::sampling::Generator;
 use crate::scene::{
-    Contrast, Encoding, Film, LightSampling, OutputFormat, SceneDescription, Settings, ShadowMode,
+    Accelerator, Contrast, Encoding, Film, LightSampling, OutputFormat, SceneDescription, Settings,
+    ShadowMode,
 };
 
 /// Keyword of the PNG text chunk and name of the EXR attribute that hold the recipe.
@@ -120,7 +122,7 @@ fn add_settings(json: &mut Members, settings: &Settings) {
         sections_per_thread: _,
         background,
         seed,
-        accelerator: _,
+        accelerator,
         spatial_splits: _,
         shadow,
         noise,
@@ -144,6 +146,9 @@ fn add_settings(json: &mut Members, settings: &Settings) {
         json.number("noise", format_args!("{noise:?}"));
     }
     json.number("transformSamplesPerMs", format_args!("{transform_samples_per_ms:?}"));
+    if *accelerator == Accelerator::Cwbvh {
+        json.text("accelerator", accelerator);
+    }
 }
 
 /// The members of a JSON object in the order of their adding.
@@ -287,7 +292,7 @@ fn from_exr(file: BufReader<File>) -> Result<String, RecipeError> {
 mod tests {
     use super::super::{Picture, tests::sample_image};
     use super::*;
-    use crate::scene::{Accelerator, Camera};
+    use crate::scene::Camera;
 
     fn scene() -> SceneDescription {
         let film = Film {

@@ -7,7 +7,7 @@ use super::recipe::{
     shadow_keyword,
 };
 use crate::sampling::Generator;
-use crate::scene::{Contrast, LightSampling, SceneDescription, ShadowMode};
+use crate::scene::{Accelerator, Contrast, LightSampling, SceneDescription, ShadowMode};
 
 /// The scene as a picture's recipe has it, and the frame.
 ///
@@ -67,6 +67,11 @@ fn set(scene: &mut SceneDescription, recipe: &Value) -> Option<i64> {
     settings.recursion = number("recursion")?;
     settings.noise = real("noise").map(|noise| noise as f32);
     settings.transform_samples_per_ms = real("transformSamplesPerMs")?;
+    settings.accelerator = match recipe.get("accelerator") {
+        Some(name) => Accelerator::by_name(name.as_str()?).ok()?,
+        None if settings.accelerator == Accelerator::Cwbvh => Accelerator::default(),
+        None => settings.accelerator,
+    };
     for (channel, value) in settings.background.iter_mut().zip(recipe["background"].as_array()?) {
         *channel = value.as_f64()? as f32;
     }

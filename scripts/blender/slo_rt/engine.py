@@ -212,8 +212,9 @@ class Run:
 
     def forget_passes(self):
         """Removes what was kept from pass to pass."""
-        if os.path.exists(f"{self.picture}.state"):
-            os.remove(f"{self.picture}.state")
+        state = f"{os.path.splitext(self.picture)[0]}.state"
+        if os.path.exists(state):
+            os.remove(state)
 
 
 def _pixel(fraction, size):

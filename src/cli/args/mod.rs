@@ -131,7 +131,7 @@ pub(super) struct Args {
     /// Columns and rows from the upper left corner. Its pixels are those of the
     /// whole picture.
     #[arg(long, value_name = "WxH+X+Y", help_heading = WHAT, value_parser = region)]
-    #[arg(verbatim_doc_comment)]
+    #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(super) region: Option<Region>,
 
     /// A part of each picture, such as 3/10: the third of ten
@@ -139,6 +139,7 @@ pub(super) struct Args {
     /// Instead of a picture there is a file of samples. `slo-rt merge` makes the
     /// picture of all parts, byte for byte the one of a single run.
     #[arg(long, value_name = "K/N", help_heading = WHAT, value_parser = part)]
+    #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["info", "keep_state"], verbatim_doc_comment)]
     pub(super) part: Option<Part>,
 
@@ -195,8 +196,8 @@ pub(super) struct Args {
 
     /// Keep what is needed to add samples to a picture later
     ///
-    /// In a file beside the picture, its name and .state. A run that asks for
-    /// more samples, or less noise, goes on from there.
+    /// In a file beside the picture, .state in the place of .png or .exr. A run
+    /// that asks for more samples, or less noise, goes on from there.
     #[arg(long, help_heading = WHERE, verbatim_doc_comment)]
     pub(super) keep_state: bool,
 
@@ -222,6 +223,7 @@ pub(super) struct Args {
 
     /// Size of the picture in pixels, such as 320x180
     #[arg(long, value_name = "WxH", help_heading = DRAFT, value_parser = size)]
+    #[arg(allow_hyphen_values = true)]
     pub(super) size: Option<Size>,
 
     /// Camera samples per pixel
@@ -248,6 +250,7 @@ pub(super) struct Args {
     /// Samples go where the noise is, until the time is over. The recipe says what
     /// it came to, and --steps makes the same picture without the clock.
     #[arg(long, value_name = "TIME", help_heading = DRAFT, value_parser = time::time)]
+    #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["noise", "steps", "part", "region"], verbatim_doc_comment)]
     pub(super) time: Option<Duration>,
 
@@ -257,12 +260,14 @@ pub(super) struct Args {
     /// the time is over. A run that was stopped or killed goes on from there, and
     /// has the rest of the time. Recipes and --steps as with --time.
     #[arg(long, value_name = "TIME", help_heading = DRAFT, value_parser = time::time)]
+    #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["time", "noise", "steps", "part", "region", "share", "info"])]
     #[arg(verbatim_doc_comment)]
     pub(super) total_time: Option<Duration>,
 
     /// How far --time or --total-time came: the two numbers in a recipe
     #[arg(long, value_name = "STEP,TILES", help_heading = DRAFT, value_parser = steps)]
+    #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with = "noise")]
     pub(super) steps: Option<Steps>,
 
@@ -463,6 +468,18 @@ mod tests {
     #[test]
     fn numbers_below_their_range_are_told_the_range() {
         for (typed, said) in [("--samples -3", "1..=65535"), ("--threads -1", "1..=4096")] {
+            let error = parse(typed).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+        for (typed, said) in [
+            ("--time -5s", "expected a time"),
+            ("-f 1-2 --total-time -1h", "expected a time"),
+            ("--steps -1,0", "expected a step"),
+            ("--size -4x4", "each side"),
+            ("--part -1/3", "expected a number"),
+            ("--region -4x4+0+0", "each side"),
+            ("--noise 1e-50", "too close to 0"),
+        ] {
             let error = parse(typed).unwrap_err().to_string();
             assert!(error.contains(said), "{error}");
         }

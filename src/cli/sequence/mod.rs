@@ -25,6 +25,7 @@ use super::summary::Summary;
 use super::target::Target;
 use super::terminal::{Terminal, print};
 use super::{Exit, interrupt, load};
+use crate::accel::Accelerator;
 use crate::frame::FrameScene;
 use crate::scene::SceneDescription;
 pub(super) use frames::{Frames, shown};
@@ -64,6 +65,7 @@ fn render(
         let needs = Needs::of(&subject, format, frames);
         let needs = if job.total_time.is_some() { needs.with_states(frames) } else { needs };
         needs.check(&job.outdir, terminal);
+        warn_of_structure(scene.settings.accelerator, terminal);
     }
     let pictures = steps.iter().filter(|step| step.is_to_render());
     job.maps.check(pictures.map(|step| (step.frame, &*step.path)))?;
@@ -82,6 +84,7 @@ fn render(
         found: 0,
         before: None,
         failures: Vec::new(),
+        late: None,
         unprinted: None,
     };
     let start = Instant::now();
@@ -109,6 +112,8 @@ struct Run<'a> {
     /// Frames that were there already.
     found: usize,
     failures: Vec<(i64, Problem)>,
+    /// Why the run took longer than its time.
+    late: Option<String>,
     /// Why a path could not be printed.
     unprinted: Option<io::Error>,
     /// What was built for the last frame.
@@ -156,7 +161,7 @@ impl Run<'_> {
         may_begin(frame)?;
         let (studio, before) = (&self.studio, &mut self.before);
         match studio.render(frame, path, studio.limit(), &self.progress, before, is_lost) {
-            Ok(done) => self.finish(frame, &done),
+            Ok(done) => self.finish(frame, done),
             Err(problem) if problem.exit == Exit::Stopped && interrupt::requested() => {
                 return Err(problem);
             }
@@ -166,11 +171,16 @@ impl Run<'_> {
         Ok(true)
     }
 
-    /// A frame is in place, for good.
-    fn finish(&mut self, frame: i64, done: &Done) {
-        self.summary.add(done);
-        self.progress.finished(frame, &done.path, done.times.total(), done.outcome);
+    /// A picture is in place, for good.
+    fn finish(&mut self, frame: i64, mut done: Done) {
         self.print(&done.path);
+        match done.missing.take() {
+            Some(problem) => self.fail(frame, problem, true),
+            None => {
+                self.summary.add(&done);
+                self.progress.finished(frame, &done.path, done.times.total(), done.outcome);
+            }
+        }
     }
 
     fn fail(&mut self, frame: i64, problem: Problem, counted: bool) {
@@ -203,6 +213,9 @@ impl Run<'_> {
         if self.is_sequence && self.found > 0 {
             terminal.note(format_args!("{} frames were there already", self.found));
         }
+        if let Some(why) = self.late {
+            terminal.note(why);
+        }
         match self.failures.len() {
             0 => self.unprinted.map_or(Ok(()), |error| Err(cant_print(&error))),
             1 if !self.is_sequence => Err(self.failures.remove(0).1),
@@ -213,6 +226,13 @@ impl Run<'_> {
                 Err(Problem::new(exit(&self.failures, failed == all), message))
             }
         }
+    }
+}
+
+/// One structure is there to be measured against.
+fn warn_of_structure(accelerator: Accelerator, terminal: Terminal) {
+    if accelerator == Accelerator::Cwbvh {
+        terminal.warn("CWBVH is for measuring: it may miss hits at edges, and the picture differ");
     }
 }
 

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::super::Exit;
 use super::super::problem::Problem;
+use super::super::progress::human;
 use super::super::render::{Done, Limit};
 use super::ledger::Ledger;
 use super::plan::{Step, is_open};
@@ -31,6 +32,17 @@ impl Rounds {
     /// How much of the span has passed, in seconds.
     fn passed(&self) -> f64 {
         self.earlier + self.begin.elapsed().as_secs_f64()
+    }
+
+    /// Why more than the span has passed, where that is known.
+    fn late(&self, span: f64) -> Option<String> {
+        let is_least = |take: &Take| take.done.as_ref()?.steps.map(|steps| steps.done == 0);
+        let has_least = self.takes.iter().any(|take| is_least(take).unwrap_or(false));
+        (has_least && self.passed() > span).then(|| {
+            let [passed, span] =
+                [self.passed(), span].map(|seconds| human(Duration::from_secs_f64(seconds)));
+            format!("it took {passed} instead of {span}, for one sample per pixel of every frame")
+        })
     }
 
     /// Writes down what is known, for a run that goes on from here.
@@ -71,6 +83,7 @@ impl Run<'_> {
                 break;
             }
         }
+        self.late = rounds.late(span);
         self.close(rounds);
         Ok(())
     }
@@ -164,13 +177,14 @@ impl Run<'_> {
         takes.retain(|take| !failed.contains(&take.step.frame));
         self.progress.go_to(all - takes.len());
         for Take { step, done } in takes {
-            match self.studio.close(step.frame) {
-                Err(problem) => self.fail(step.frame, problem, true),
-                Ok(()) => match done {
-                    Some(done) => self.finish(step.frame, &done),
-                    // All that there was of it came from earlier runs.
-                    None => self.keep(step.frame, &step.path, true),
-                },
+            match (self.studio.close(step.frame), done) {
+                (Err(problem), _) => {
+                    self.print(&step.path);
+                    self.fail(step.frame, problem, true);
+                }
+                (Ok(()), Some(done)) => self.finish(step.frame, done),
+                // All that there was of it came from earlier runs.
+                (Ok(()), None) => self.keep(step.frame, &step.path, true),
             }
         }
         rounds.ledger.remove();

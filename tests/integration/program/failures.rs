@@ -102,6 +102,26 @@ fn files_that_were_damaged_are_rendered_again() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn a_state_that_can_not_be_kept_leaves_the_picture() {
+    let folder = folder();
+    for (typed, pictures) in [
+        ("-s scene.txt --samples 1", "ball_00000.png\n"),
+        ("-s scene.txt --samples 1 -f 1-2", "ball_00001.png\nball_00002.png\n"),
+    ] {
+        let program = env!("CARGO_BIN_EXE_slo-rt");
+        let mut shell = Command::new("sh");
+        // More than a picture, and less than the sums of its samples.
+        shell.arg("-c").arg(format!("ulimit -f 200; exec {program} --keep-state {typed}"));
+        let run = Run::of(shell.current_dir(folder.path()).output().unwrap());
+        assert_eq!((run.exit, &*run.printed), (74, pictures), "{}", run.said);
+        let state = pictures.lines().next().unwrap().replace(".png", ".state");
+        assert!(run.said.contains(&format!("can't write `{state}`")), "{}", run.said);
+    }
+    assert_eq!(folder.names(), ["ball_00000.png", "ball_00001.png", "ball_00002.png"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn a_limit_on_the_size_of_files_is_told_and_leaves_nothing() {
     let folder = folder();
     let limited = |typed: &str| {

@@ -207,11 +207,11 @@ fn what_is_kept_is_not_lost_to_fewer_samples() {
     let folder = short("imageSamples 300");
     let pixels = 250 * 150;
     folder.printed("-q -s scene.txt --samples 64 --keep-state");
-    let kept = folder.read("ball_00000.png.state");
+    let kept = folder.read("ball_00000.state");
     let run = folder.run("-s scene.txt --samples 4 --keep-state");
     assert_eq!(run.exit, 0);
     assert!(run.said.contains("has more samples than this picture"), "{}", run.said);
-    assert!(folder.read("ball_00000.png.state") == kept);
+    assert!(folder.read("ball_00000.state") == kept);
     assert_eq!(rays(&folder, "--samples 80 --keep-state"), (80 - 64) * pixels);
     let run = folder.run("-s scene.txt --samples 4 --keep-state --seed 1");
     assert!(run.said.contains("of other settings, and is replaced"), "{}", run.said);
@@ -224,7 +224,7 @@ fn checkpoints_that_are_damaged_or_foreign_are_not_used() {
     let folder = short(settings);
     folder.printed("-q -s scene.txt --keep-state");
     let expected = folder.read("ball_00000.png");
-    let state = folder.read("ball_00000.png.state");
+    let state = folder.read("ball_00000.state");
     let mut flipped = state.clone();
     flipped[state.len() / 2] ^= 1;
     for (bad, said) in [
@@ -233,7 +233,7 @@ fn checkpoints_that_are_damaged_or_foreign_are_not_used() {
         (b"", "it is no state of slo-rt"),
     ] {
         folder.write(STATE, bad);
-        fs::remove_file(folder.path().join("ball_00000.png.state")).ok();
+        fs::remove_file(folder.path().join("ball_00000.state")).ok();
         let run = folder.run("-s scene.txt");
         assert_eq!(run.exit, 0);
         assert!(run.said.contains(&format!("`{STATE}` can't be used: {said}")), "{}", run.said);
@@ -252,10 +252,11 @@ fn a_picture_gets_more_samples() {
     let pixels = 250 * 150;
     assert_eq!(rays("--samples 64 --keep-state"), 64 * pixels);
     assert_eq!(rays("--samples 100 --keep-state -od other"), 100 * pixels);
+    assert_eq!(rays("--samples 100 --format exr"), (100 - 64) * pixels, "another file format");
     assert_eq!(rays("--samples 256"), (256 - 64) * pixels, "it goes on from 64");
     let extended = folder.read("ball_00000.png");
     assert_eq!(rays("--samples 256 -od other2"), 256 * pixels);
     assert!(extended == folder.read("other2/ball_00000.png"), "other bytes");
     assert_eq!(rays("--samples 32"), 32 * pixels, "fewer samples begin anew");
-    assert!(folder.path().join("ball_00000.png.state").exists(), "what was kept stays");
+    assert!(folder.path().join("ball_00000.state").exists(), "what was kept stays");
 }

@@ -24,7 +24,7 @@ fn pictures_are_compared() {
     assert!(same.contains("psnr\tinf"), "{same}");
     let run = folder.run("compare ball_00001.png ball_00000.png --map map.png --max-rmse 1e-9");
     assert_eq!(run.exit, 1, "{}", run.said);
-    assert!(run.said.contains("rmse is beyond"), "{}", run.said);
+    assert!(run.said.contains(", beyond 0.000000001"), "{}", run.said);
     assert!(value(&run.printed, "rmse") > 1e-4 && value(&run.printed, "flip") > 1e-4);
     let map = image::load_from_memory(&folder.read("map.png")).unwrap();
     assert_eq!((map.width(), map.height()), (100, 70));
@@ -35,7 +35,10 @@ fn pictures_are_compared() {
     assert_eq!(limited("--max-bias 0.05").exit, 0);
     let biased = limited("--max-bias 0");
     assert_eq!(biased.exit, 1);
-    assert!(biased.said.contains("bias is beyond 0"), "{}", biased.said);
+    assert!(biased.said.contains("bias is "), "{}", biased.said);
+    let several = limited("--max-pixels 0 --max-rmse 1 --max-flip 0");
+    assert!(several.said.contains("pixels is ") && several.said.contains("; flip is "));
+    assert!(!several.said.contains("rmse"), "{}", several.said);
     for limit in ["--max-rmse nan", "--max-flip -1", "--max-relative-mse=-0.5", "--max-bias inf"] {
         let run = limited(limit);
         assert_eq!((run.exit, &*run.printed), (2, ""), "{limit}");
@@ -114,6 +117,20 @@ fn pictures_are_verified() {
 }
 
 #[test]
+fn the_yardstick_is_told_from_the_other_structures() {
+    let folder = folder();
+    for (name, is_told) in [("cwbvh", true), ("kdtree", false)] {
+        let run = folder.run(&format!("-s scene.txt -od {name} --accelerator {name}"));
+        assert_eq!(run.exit, 0, "{}", run.said);
+        assert_eq!(run.said.contains("CWBVH is for measuring"), is_told, "{}", run.said);
+        let picture = format!("{name}/ball_00000.png");
+        let recipe = folder.printed(&format!("--recipe {picture}"));
+        assert_eq!(recipe.contains("\"accelerator\": \"CWBVH\""), is_told, "{recipe}");
+        folder.printed(&format!("verify {picture} -s scene.txt"));
+    }
+}
+
+#[test]
 fn regions_are_verified_and_compared_with_the_whole() {
     for keyword in ["PNG_IMAGE", "EXR_IMAGE"] {
         let folder = folder();
@@ -181,6 +198,11 @@ fn maps_and_sheets_replace_nothing_but_their_like() {
         folder.printed("sheet ball_00000.png");
     }
     assert!(folder.path().join("new/take##_0000.png").exists());
+    for typed in ["--recipe new/map.png", "verify new/map.png -s scene.txt", "--recipe sheet.png"] {
+        let run = folder.run(typed);
+        assert_eq!(run.exit, 65, "{typed}");
+        assert!(run.said.contains("of slo-rt, not a picture"), "{typed}: {}", run.said);
+    }
 }
 
 #[test]

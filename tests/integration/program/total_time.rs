@@ -83,7 +83,7 @@ fn states_stay_where_they_are_asked_for() {
     let folder = folder();
     folder.printed("-q -s scene.txt -f 1-2 -od out --total-time 1s --keep-state");
     let expected: Vec<String> =
-        (1..=2).flat_map(|frame| [name(frame), format!("{}.state", name(frame))]).collect();
+        (1..=2).flat_map(|frame| [name(frame), name(frame).replace(".png", ".state")]).collect();
     assert_eq!(names(&folder), expected);
 }
 
@@ -104,4 +104,15 @@ fn one_frame_is_no_sequence() {
     let run = folder().run("-s scene.txt -f 3 --total-time 5s");
     assert_eq!(run.exit, 2);
     assert!(run.said.contains("--total-time is for a sequence"), "{}", run.said);
+}
+
+#[test]
+fn a_time_that_is_too_short_is_told_at_the_end() {
+    let folder = folder();
+    let run = folder.run("-s scene.txt -f 1-2 -od out --total-time 1ms");
+    assert_eq!(run.exit, 0, "{}", run.said);
+    let last = run.said.lines().last().unwrap();
+    assert!(last.contains("for one sample per pixel of every frame"), "{}", run.said);
+    let run = folder.run("-s scene.txt -f 1-2 -od in-time --total-time 2s");
+    assert!(!run.said.contains("one sample"), "{}", run.said);
 }
