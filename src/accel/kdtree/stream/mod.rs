@@ -35,9 +35,6 @@ const UNDER_WAY: usize = 32;
 /// Rays in nodes go on without those in leaves while there are so many of them.
 const ENOUGH: u32 = 18;
 
-/// Free lanes of a group are filled when this part of them are.
-const FREE: usize = 4;
-
 /// Below the bottom of each stack.
 const DONE: u32 = u32::MAX;
 
@@ -172,10 +169,8 @@ pub(super) unsafe fn trace<V: Vector<N>, const N: usize, const GROUPS: usize, co
             let (mut stepping, mut others) = (0, 0);
             for group in groups.iter_mut() {
                 let under_way = group.stepping | group.in_leaves | group.stopped;
-                if under_way.count_ones() as usize <= N - N / FREE {
-                    let free = !under_way & Group::<N>::ALL;
-                    waiting.refill::<V, N, ANY>(tree, group, free, done);
-                }
+                let free = !under_way & Group::<N>::ALL;
+                waiting.refill::<V, N, ANY>(tree, group, free, done);
                 stepping += group.stepping.count_ones();
                 others += (group.in_leaves | group.stopped).count_ones();
             }
