@@ -16,6 +16,7 @@ their number: the error of 2 x 2, 4 x 4 and 8 x 8 pixels together is less than t
 """
 
 import argparse
+import itertools
 import sys
 import time
 
@@ -37,6 +38,9 @@ TOGETHER = {
     (B, CHOICE_B): 0.5, (A, CHOICE_B): 0.2, (PIXEL, CHOICE_B): 0.2, (CHOICE_A, CHOICE_B): 0.2,
     (C, CHOICE_C): 0.3, (B, CHOICE_C): 0.2, (PIXEL, CHOICE_C): 0.2,
 }
+# No two may be bad together: a picture would then not get better with more samples wherever both decide.
+for pair in itertools.combinations(GROUPS, 2):
+    TOGETHER.setdefault(pair if pair in TOGETHER else pair[::-1], 0.1)
 # The same for the samples of neighbours, which see different things in their pixels but the same lights.
 NEIGHBOURS = {
     (A,): 2, (LENS,): 1.5, (TIME,): 1, (B,): 1, (PIXEL,): 0.5, (C,): 0.5, (CHOICE_A,): 0.5, (CHOICE_B,): 0.2,

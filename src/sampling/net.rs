@@ -228,6 +228,28 @@ mod tests {
         (sum / (n * n) as f64 - 1.0) / (independent / n as f64)
     }
 
+    /// As [`variance`], of the first `2^log` points: of a net one row of the table is enough.
+    fn variance_of_net(dimensions: [usize; 2], log: u32) -> f64 {
+        let kernel = |digits: u32| {
+            let part = |scale: u32| 1.0 / (1u64 << scale) as f64;
+            let equal = digits.trailing_zeros();
+            1.0 + (1.0 - part(equal) - part(equal + 1)) / 2.0
+        };
+        let values = (0..1 << log).map(|i| dimensions.map(|d| kernel(digits(d, i))));
+        let sum: f64 = values.map(|[a, b]| a * b).sum();
+        (sum - f64::from(1u32 << log)) / (1.5 * 1.5 - 1.0)
+    }
+
+    #[test]
+    fn no_two_dimensions_know_of_each_other_what_more_samples_do_not_cure() {
+        let pairs = (0..DIMENSIONS).flat_map(|a| (0..a).map(move |b| [b, a]));
+        for (pair, log) in pairs.flat_map(|pair| (3..=12).map(move |log| (pair, log))) {
+            let most = if log < 8 { 1.75 } else { 0.5 };
+            let figure = variance_of_net(pair, log);
+            assert!(figure < most, "{pair:?}, 2^{log} samples: {figure}");
+        }
+    }
+
     #[test]
     fn groups_are_good_together_and_with_neighbours() {
         let of = |samples: u32, pixels: u32| -> Vec<Vec<u32>> {
