@@ -18,11 +18,12 @@ pub(crate) struct Run {
 #[derive(Debug)]
 pub(crate) struct CameraSamples {
     numbers: [Column<f32>; CAMERA],
+    looked: Looked,
 }
 
 impl Default for CameraSamples {
     fn default() -> Self {
-        Self { numbers: [[0.0; BATCH]; CAMERA] }
+        Self { numbers: [[0.0; BATCH]; CAMERA], looked: Looked::default() }
     }
 }
 
@@ -42,7 +43,7 @@ impl CameraSamples {
         let end = runs.iter().map(|run| run.first + run.count).max().unwrap_or(0);
         if sampler.generator == Generator::Quasi && end <= Digits::MOST {
             digits.reach(end);
-            isa.run(Quasi { runs, digits, numbers: &mut self.numbers });
+            self.take_quasi(isa, runs, digits);
             return;
         }
         let mut at = 0;
@@ -57,32 +58,47 @@ impl CameraSamples {
             }
         }
     }
+
+    /// Runs of adaptive pictures are short: numbers are looked up run by run, and scrambled all
+    /// together.
+    fn take_quasi(&mut self, isa: Isa, runs: &[Run], digits: &Digits) {
+        let Self { numbers, looked } = self;
+        let mut len = 0;
+        for run in runs {
+            let end = len + run.count as usize;
+            looked.set[len..end].fill(run.seed.camera().set);
+            len = end;
+        }
+        for (dimension, to) in numbers.iter_mut().enumerate() {
+            isa.run(LookUpRuns { dimension, runs, digits, to: &mut looked.digits });
+            isa.run(Scramble { dimension, len, looked, to });
+        }
+    }
 }
 
-struct Quasi<'a> {
+/// Looks up one dimension of the samples of runs.
+struct LookUpRuns<'a> {
+    dimension: usize,
     runs: &'a [Run],
     digits: &'a Digits,
-    numbers: &'a mut [Column<f32>; CAMERA],
+    to: &'a mut Column<u32>,
 }
 
-impl Lanewise for Quasi<'_> {
+impl Lanewise for LookUpRuns<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        for (dimension, column) in self.numbers.iter_mut().enumerate() {
-            let digits = self.digits.of(dimension);
-            let mut rest = &mut column[..];
-            for run in self.runs {
-                let (now, later) = rest.split_at_mut(run.count as usize);
-                let digits = &digits[run.first as usize..][..now.len()];
-                let Key { set, at, .. } = run.seed.camera();
-                let mask = net::masks_of(dimension)[at as usize];
-                for (number, &digits) in now.iter_mut().zip(digits) {
-                    *number = net::number(digits ^ mask, dimension, set);
-                }
-                rest = later;
+        let Self { dimension, runs, digits, to } = self;
+        let (digits, masks) = (digits.of(dimension), net::masks_of(dimension));
+        let mut rest = &mut to[..];
+        for run in runs {
+            let (now, later) = rest.split_at_mut(run.count as usize);
+            let mask = masks[run.seed.camera().at as usize];
+            for (to, &digits) in now.iter_mut().zip(&digits[run.first as usize..]) {
+                *to = digits ^ mask;
             }
+            rest = later;
         }
     }
 }
@@ -96,8 +112,7 @@ pub(crate) struct SetPoints {
 
 impl Default for SetPoints {
     fn default() -> Self {
-        let looked = Looked { index: [0; BATCH], set: [0; BATCH], digits: [0; BATCH] };
-        Self { numbers: [[0.0; BATCH]; 3], looked }
+        Self { numbers: [[0.0; BATCH]; 3], looked: Looked::default() }
     }
 }
 
@@ -107,6 +122,12 @@ struct Looked {
     index: Column<u32>,
     set: Column<u32>,
     digits: Column<u32>,
+}
+
+impl Default for Looked {
+    fn default() -> Self {
+        Self { index: [0; BATCH], set: [0; BATCH], digits: [0; BATCH] }
+    }
 }
 
 impl Looked {
