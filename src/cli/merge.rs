@@ -9,6 +9,7 @@ use super::Exit;
 use super::args::MergeArgs;
 use super::problem::Problem;
 use super::terminal::{Terminal, print};
+use crate::accel::Isa;
 use crate::film::{Area, Layer, MergeError, Merger, Subject};
 use crate::output::{
     Crop, Outcome, Picture, check_writable, layers_of, read_state, read_subject, settings_of,
@@ -145,7 +146,7 @@ impl<'a> Whole<'a> {
         let film = film(self.parts, region)?;
         let recipe = self.parts[0].subject.recipe.clone();
         let recipe = crop.map_or(recipe.clone(), |_| with_region(recipe, region));
-        let outcome = Outcome::of(&film, region, display_of(format, encoding));
+        let outcome = Outcome::of(&film, region, display_of(format, encoding), Isa::best());
         let recipe = with_outcome(&recipe, &outcome);
         let image = film.image();
         let layers = film.layers_of(region, &self.layers);

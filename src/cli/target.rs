@@ -135,7 +135,7 @@ impl<'a> Target<'a> {
         steps: Option<Steps>,
         path: &Path,
     ) -> io::Result<Written> {
-        let outcome = Outcome::of(film, self.region, self.plan.display());
+        let outcome = Outcome::of(film, self.region, self.plan.display(), self.job.isa);
         if self.job.part.is_some() {
             let state =
                 State { subject: self.subject(frame), film: film.clone(), is_complete: true };

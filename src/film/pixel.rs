@@ -60,20 +60,51 @@ impl Pixel {
     /// Estimated standard error of the mean, by channel; `None` for less than two samples.
     ///
     /// The samples of `base` and the others are two estimates of the pixel. For independent samples
-    /// the expected square is exact; where samples are stratified it is an upper bound.
+    /// the expected square is exact; where samples are stratified it is too large, unless all that
+    /// the second half looks at is what the first has seen.
     pub fn error(&self) -> Option<[f32; 3]> {
         if self.samples < 2 {
             return None;
         }
-        let first = f64::from(base_end(self.samples));
-        let all = f64::from(self.samples);
+        let halves = Halves::of(self.samples);
+        Some([0, 1, 2].map(|c| halves.error(self.base[c].to_f64(), self.sum[c].to_f64())))
+    }
+}
+
+/// The samples of a pixel as `base` divides them, by what sums are multiplied with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Halves {
+    of_all: f64,
+    of_base: f64,
+    of_rest: f64,
+    scale: f64,
+}
+
+impl Halves {
+    /// Of two samples or more.
+    #[inline(always)]
+    pub(super) fn of(samples: u32) -> Self {
+        Self::new(f64::from(base_end(samples)), f64::from(samples))
+    }
+
+    /// Of `first` samples in `base` and `all`.
+    #[inline(always)]
+    pub(super) fn new(first: f64, all: f64) -> Self {
         let rest = all - first;
-        let scale = (first * rest).sqrt() / all;
-        let of = |c: usize| {
-            let (base, sum) = (self.base[c].to_f64(), self.sum[c].to_f64());
-            (scale * (base / first - (sum - base) / rest).abs()) as f32
-        };
-        Some([of(0), of(1), of(2)])
+        let (of_all, of_base, of_rest) = (1.0 / all, 1.0 / first, 1.0 / rest);
+        Self { of_all, of_base, of_rest, scale: (first * rest).sqrt() * of_all }
+    }
+
+    /// The mean of a channel.
+    #[inline(always)]
+    pub(super) fn mean(&self, sum: f64) -> f32 {
+        (sum * self.of_all) as f32
+    }
+
+    /// See [`Pixel::error`].
+    #[inline(always)]
+    pub(super) fn error(&self, base: f64, sum: f64) -> f32 {
+        (self.scale * (base * self.of_base - (sum - base) * self.of_rest).abs()) as f32
     }
 }
 

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::Crop;
 use super::companion::{self, map_format};
-use crate::film::{Area, Display, Film, Image, Pixel};
+use crate::accel::Isa;
+use crate::film::{Area, Display, Film, Image};
 use crate::scene::OutputFormat;
 
 /// Errors that are shown darkest and brightest: a quarter of what one step of 8 bits is, and an
@@ -38,14 +39,14 @@ pub fn write_error_map(
     whole: Area,
     display: Display,
 ) -> io::Result<()> {
-    let errors: Vec<f32> = film.pixels_of(area).map(|pixel| error(pixel, display)).collect();
+    let squares = display.squared_errors(Isa::best(), film.pixels_of(area));
+    let errors: Vec<f32> = squares.into_iter().map(error).collect();
     write(path, area, whole, &errors, ERRORS)
 }
 
-/// The error of a pixel as the viewer sees it, or as much as there can be.
-fn error(pixel: &Pixel, display: Display) -> f32 {
-    let error = display.squared_error(pixel).sqrt() as f32;
-    if error.is_finite() { error } else { 1.0 }
+/// The root of a squared error, or as much as there can be.
+fn error(square: f64) -> f32 {
+    if square.is_finite() { square.sqrt() as f32 } else { 1.0 }
 }
 
 /// Writes differences from 0 to 1 in an area of a picture, row by row: as numbers to an `.exr` file, or to a `.png` file in

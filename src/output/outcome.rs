@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::accel::Isa;
 use crate::film::{Area, Display, Film, Pixel};
 
 /// How clean a picture is, and what it took.
@@ -16,14 +17,14 @@ pub struct Outcome {
 
 impl Outcome {
     /// Of an area of a film.
-    pub fn of(film: &Film, area: Area, display: Display) -> Self {
+    pub fn of(film: &Film, area: Area, display: Display, isa: Isa) -> Self {
         let pixels: Vec<&Pixel> = film.pixels_of(area).collect();
         let count = pixels.len().max(1) as f64;
         let samples: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
         // Rows in parallel, added in order: the bits do not depend on the threads.
         let rows = pixels.par_chunks(area.width().max(1) as usize);
         let row =
-            |row: &[&Pixel]| row.iter().map(|pixel| display.squared_error(pixel)).sum::<f64>();
+            |row: &[&Pixel]| display.squared_errors(isa, row.iter().copied()).iter().sum::<f64>();
         let squares: f64 = rows.map(row).collect::<Vec<_>>().into_iter().sum();
         let error = (squares / count).sqrt();
         Self { samples: samples as f64 / count, error: Some(error).filter(|e| e.is_finite()) }
@@ -110,10 +111,10 @@ mod tests {
                 film.at_mut(i).0.add([Fixed::new(value).unwrap(); 3], 1);
             }
         }
-        let outcome = Outcome::of(&film, film.area(), Display::Raw);
+        let outcome = Outcome::of(&film, film.area(), Display::Raw, Isa::Portable);
         assert!((outcome.error.unwrap() - 0.1 * 0.5f64.sqrt()).abs() < 1e-6, "{outcome:?}");
         assert_eq!(outcome.samples, 2.0);
         film.at_mut(3).0.samples = 1;
-        assert_eq!(Outcome::of(&film, film.area(), Display::Raw).error, None);
+        assert_eq!(Outcome::of(&film, film.area(), Display::Raw, Isa::Portable).error, None);
     }
 }

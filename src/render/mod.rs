@@ -116,12 +116,12 @@ impl<'a> Run<'a> {
     /// Exposes one tile to a plan: what is known after a while is never lost.
     fn expose(&self, renderer: &mut TileRenderer, tile: Area, plan: &Plan) -> Result<(), Stopped> {
         let share = tile.len() as f64 / self.pixels;
-        let before = renderer.begin(&lock(&self.result).0, tile, plan);
+        let before = renderer.begin(self.frame.isa, &lock(&self.result).0, tile, plan);
         let mut shown = before * share;
         if before > 0.0 {
             self.resumed(shown);
         }
-        while renderer.plan_step(plan) {
+        while renderer.plan_step(self.frame.isa, plan) {
             if self.observer.should_stop() {
                 return Err(Stopped);
             }

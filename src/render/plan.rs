@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::accel::Isa;
 use crate::film::{Area, BLOCK, Display, Film, Fixed, Pixel, Spread};
 use crate::scene::{Contrast, Encoding, OutputFormat, SceneDescription, Settings};
 
@@ -163,6 +164,7 @@ impl Plan {
     /// `group` are indices of `film`.
     pub(super) fn next(
         &self,
+        isa: Isa,
         film: &Film,
         group: &[u32],
         quarters: &[Range<usize>],
@@ -183,7 +185,7 @@ impl Plan {
                     stands_out(kind, limit, pixel, &film.spreads()[first])
                 }
                 Rule::Noise(error) => {
-                    self.error(film, group, quarters) >= f64::from(error) * error_share(taken)
+                    self.error(isa, film, group, quarters) >= f64::from(error) * error_share(taken)
                 }
             };
         goes_on.then(|| self.rung_after(taken))
@@ -215,10 +217,11 @@ impl Plan {
 
     /// The error of a block as the viewer sees it: root mean square over the pixels and channels of
     /// its worst quarter, so that what is thin is not lost in its surroundings.
-    fn error(&self, film: &Film, block: &[u32], quarters: &[Range<usize>]) -> f64 {
-        let squared = |&i: &u32| self.display.squared_error(&film.pixels()[i as usize]);
+    fn error(&self, isa: Isa, film: &Film, block: &[u32], quarters: &[Range<usize>]) -> f64 {
+        let pixels = block.iter().map(|&i| &film.pixels()[i as usize]);
+        let squares = self.display.squared_errors(isa, pixels);
         let mean = |quarter: &Range<usize>| {
-            block[quarter.clone()].iter().map(squared).sum::<f64>() / quarter.len() as f64
+            squares[quarter.clone()].iter().sum::<f64>() / quarter.len() as f64
         };
         quarters.iter().map(mean).fold(0.0, f64::max).sqrt()
     }
@@ -328,7 +331,7 @@ mod tests {
     #[test]
     fn a_pixel_goes_on_while_a_sample_stands_out() {
         let plan = plan(4, 16, Rule::Contrast(Contrast::Difference, 0.3));
-        let next = |values: &[f32]| plan.next(&film(values), &[0], &[]);
+        let next = |values: &[f32]| plan.next(Isa::Portable, &film(values), &[0], &[]);
         assert_eq!(next(&[0.5, 0.5, 0.5, 0.5]), None);
         assert_eq!(next(&[0.5, 0.5, 0.5, 0.7]), None);
         assert_eq!(next(&[0.5, 0.5, 0.5, 1.0]), Some(8));
@@ -350,7 +353,9 @@ mod tests {
             }
         }
         let asked = |error: f64| (error / error_share(2)) as f32;
-        let next = |error| plan(2, 64, Rule::Noise(asked(error))).next(&film, &group, &quarters);
+        let next = |error| {
+            plan(2, 64, Rule::Noise(asked(error))).next(Isa::Portable, &film, &group, &quarters)
+        };
         assert_eq!(next(0.099), Some(3));
         assert_eq!(next(0.101), None);
     }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::Plan;
+use crate::accel::Isa;
 use crate::film::{Area, BLOCK, Film, base_end, split};
 use crate::frame::FrameScene;
 use crate::integrator::{SampleSum, Statistics, Traced, Wave, Work};
@@ -45,25 +46,25 @@ struct Step {
 
 impl TileRenderer {
     /// Begins with a tile of which `film` may know something; how much of it is done.
-    pub(super) fn begin(&mut self, film: &Film, tile: Area, plan: &Plan) -> f64 {
+    pub(super) fn begin(&mut self, isa: Isa, film: &Film, tile: Area, plan: &Plan) -> f64 {
         film.copy_to(tile, &mut self.film);
         self.arrange(plan);
         let taken = self.film.pixels().iter().map(|pixel| f64::from(pixel.samples));
         match plan.uniform() {
             Some(all) => taken.sum::<f64>() / f64::from(all.max(1)) / tile.len() as f64,
-            None if self.plan_step(plan) => 0.0,
+            None if self.plan_step(isa, plan) => 0.0,
             None => 1.0,
         }
     }
 
     /// Plans the next step. False where the tile is done.
-    pub(super) fn plan_step(&mut self, plan: &Plan) -> bool {
+    pub(super) fn plan_step(&mut self, isa: Isa, plan: &Plan) -> bool {
         let Self { film, order, groups, steps, .. } = self;
         steps.clear();
         // What is done stays done: only its own samples decide.
         groups.retain(|(group, quarters)| {
             let group = &order[group.clone()];
-            let next = plan.next(film, group, quarters);
+            let next = plan.next(isa, film, group, quarters);
             if let Some(to) = next {
                 let from = |i: u32| film.pixels()[i as usize].samples;
                 let step = |&pixel: &u32| Step { pixel, from: from(pixel), to };
