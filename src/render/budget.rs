@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
+use super::clock::Clock;
 use super::steps::tiles_in_order;
 use super::tile::TileRenderer;
 use super::{Exposed, Observer, Plan, Run, Steps, lock};
@@ -38,7 +39,7 @@ pub fn render_until(
     let last = last.max(least.done + u32::from(least.tiles > 0)).min(Steps::LAST);
     let tiles = tiles_in_order(frame.camera.width(), frame.camera.height());
     let run = Run::new(frame, film, observer);
-    let clock = Clock::new(deadline, tiles.len());
+    let clock = Clock::new(deadline, tiles.len(), plan.most());
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
     let mut reached = Steps::default();
@@ -113,47 +114,9 @@ impl Pass<'_> {
                 self.is_over.store(true, Ordering::Relaxed);
                 return;
             }
-            self.clock.add(i, start.elapsed());
+            self.clock.add(i, start.elapsed(), renderer.samples());
             self.run.observer.advanced(self.clock.share());
         }
-    }
-}
-
-/// What tiles cost, and when time is over.
-struct Clock {
-    start: Instant,
-    deadline: Instant,
-    /// What each tile has cost so far.
-    costs: Vec<Mutex<Duration>>,
-    /// The share of the time that was told.
-    told: Mutex<f64>,
-}
-
-impl Clock {
-    fn new(deadline: Instant, tiles: usize) -> Self {
-        let costs = (0..tiles).map(|_| Mutex::default()).collect();
-        Self { start: Instant::now(), deadline, costs, told: Mutex::new(0.0) }
-    }
-
-    /// Whether a tile has time for another step: at most as many samples as it has, in about as
-    /// much time.
-    fn allows(&self, tile: usize) -> bool {
-        let cost = self.costs.get(tile).map_or(Duration::ZERO, |cost| *lock(cost));
-        Instant::now() + cost <= self.deadline
-    }
-
-    fn add(&self, tile: usize, cost: Duration) {
-        *lock(&self.costs[tile]) += cost;
-    }
-
-    /// The share of the time that has passed since this was asked last.
-    fn share(&self) -> f64 {
-        let all = self.deadline.saturating_duration_since(self.start).as_secs_f64().max(1e-3);
-        let now = (self.start.elapsed().as_secs_f64() / all).min(1.0);
-        let mut told = lock(&self.told);
-        let more = (now - *told).max(0.0);
-        *told += more;
-        more
     }
 }
 
@@ -168,14 +131,5 @@ mod tests {
         assert_eq!(musts, [12, 12, 12, 12, 7, 0, 0]);
         assert_eq!(must(Steps::default(), 0, 12), 12, "there is a picture in any case");
         assert_eq!(must(Steps::default(), 1, 12), 0);
-    }
-
-    #[test]
-    fn a_tile_that_would_take_too_long_is_not_begun() {
-        let clock = Clock::new(Instant::now() + Duration::from_secs(100), 2);
-        assert!(clock.allows(0) && clock.allows(1));
-        clock.add(1, Duration::from_secs(60));
-        clock.add(1, Duration::from_secs(60));
-        assert!(clock.allows(0) && !clock.allows(1));
     }
 }

@@ -1,6 +1,7 @@
 //! Tiles over threads, adaptive blocks, progress, stopping and going on.
 
 mod budget;
+mod clock;
 mod plan;
 mod sections;
 mod steps;

@@ -13,7 +13,7 @@ use super::sections::TILE;
 pub const LEAST_FOR_NOISE: u32 = 8;
 
 /// From so many samples on a block is held to the error that was asked for; below, to less.
-const FULL_ERROR_AT: u32 = 256;
+pub(super) const FULL_ERROR_AT: u32 = 256;
 
 /// Error of the first step that looks at it.
 const FIRST_ERROR: f32 = 0.2;

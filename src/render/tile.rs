@@ -33,6 +33,8 @@ pub(super) struct TileRenderer {
     pixels: Vec<u32>,
     /// Samples in `work`.
     queued: u32,
+    /// Samples per pixel that were there at the beginning.
+    before: f64,
     statistics: Statistics,
 }
 
@@ -49,12 +51,23 @@ impl TileRenderer {
     pub(super) fn begin(&mut self, isa: Isa, film: &Film, tile: Area, plan: &Plan) -> f64 {
         film.copy_to(tile, &mut self.film);
         self.arrange(plan);
-        let taken = self.film.pixels().iter().map(|pixel| f64::from(pixel.samples));
+        self.before = self.mean_samples();
         match plan.uniform() {
-            Some(all) => taken.sum::<f64>() / f64::from(all.max(1)) / tile.len() as f64,
+            Some(all) => self.before / f64::from(all.max(1)),
             None if self.plan_step(isa, plan) => 0.0,
             None => 1.0,
         }
+    }
+
+    /// Samples per pixel of the tile at its beginning, and now.
+    pub(super) fn samples(&self) -> [f64; 2] {
+        [self.before, self.mean_samples()]
+    }
+
+    fn mean_samples(&self) -> f64 {
+        let pixels = self.film.pixels();
+        let all: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        all as f64 / pixels.len().max(1) as f64
     }
 
     /// Plans the next step. False where the tile is done.
