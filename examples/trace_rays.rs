@@ -17,6 +17,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use clap::Parser;
@@ -165,30 +166,32 @@ impl Answers {
     }
 }
 
-/// Seconds that the threads take for a set, of which each gets its share of the batches.
+/// Seconds that the threads take for a set: each takes the next batch as soon as it is free.
 fn trace(structure: &Structure, set: &RaySet, coherence: Coherence, threads: usize) -> f64 {
-    let share = set.batches.len().div_ceil(threads).max(1);
-    let mut answers: Vec<Answers> = (0..threads).map(|_| Answers::default()).collect();
-    // Memory is touched before the clock starts.
-    for (answers, batches) in answers.iter_mut().zip(set.batches.chunks(share)) {
-        answers.ask(structure, &batches[0], set.any_hit, coherence);
-    }
-    let start = Instant::now();
-    std::thread::scope(|scope| {
-        for (answers, batches) in answers.iter_mut().zip(set.batches.chunks(share)) {
-            let mut work = move || {
-                for rays in batches {
-                    answers.ask(structure, rays, set.any_hit, coherence);
-                }
-            };
-            if threads == 1 {
-                work();
-            } else {
-                scope.spawn(work);
-            }
+    let (next, ready) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || {
+        let mut answers = Answers::default();
+        // Memory is touched, and threads are awake, before the clock starts.
+        if let Some(rays) = set.batches.first() {
+            answers.ask(structure, rays, set.any_hit, coherence);
         }
-    });
-    start.elapsed().as_secs_f64()
+        ready.fetch_add(1, Ordering::SeqCst);
+        while ready.load(Ordering::SeqCst) < threads {
+            std::hint::spin_loop();
+        }
+        let start = Instant::now();
+        while let Some(rays) = set.batches.get(next.fetch_add(1, Ordering::Relaxed)) {
+            answers.ask(structure, rays, set.any_hit, coherence);
+        }
+        (start, Instant::now())
+    };
+    std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+        let mine = work();
+        let spans = others.into_iter().map(|other| other.join().expect("no thread panics"));
+        let (start, end) = spans.fold(mine, |(start, end), (s, e)| (start.min(s), end.max(e)));
+        (end - start).as_secs_f64()
+    })
 }
 
 fn run(options: &Options) -> Result<(), String> {
