@@ -78,8 +78,9 @@ impl std::fmt::Display for Accelerator {
 pub struct BuildOptions {
     /// The instruction set of builder and queries; one that the CPU has.
     pub isa: Isa,
-    /// Whether triangles may be cut where boxes would overlap: rays are faster among long
-    /// triangles, building is slower. Of the structures only the BVH knows it.
+    /// Whether triangles may be cut where boxes would overlap: among long ones incoherent rays
+    /// are faster, packets of shadow rays and building slower. Of the structures only the BVH
+    /// knows it.
     pub spatial_splits: bool,
 }
 

@@ -134,7 +134,8 @@ impl Studio<'_> {
             let kept = checkpoint.keep_finished(film, reached);
             beside = beside.and(kept.map_err(|error| cant_write(checkpoint.kept(), &error)));
         }
-        if !is_open {
+        // Where the film could not be kept, what was known of it still is.
+        if !is_open && beside.is_ok() {
             checkpoint.remove();
         }
         Ok((outcome, beside))

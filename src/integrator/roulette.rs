@@ -7,11 +7,11 @@ use glam::Vec3;
 
 use crate::frame::FrameScene;
 
-/// Rays of less weight take part: what they could add is about a step of a PNG's channel, what they
+/// Rays of less weight are left to chance: what they could add is about a step of a PNG's channel, what they
 /// cost is as much as that of any other.
 const LEAST_WEIGHT: f32 = 1.0 / 256.0;
 
-/// Below which weight rays of a frame take part; 0 where none does.
+/// Below which weight rays of a frame are left to chance; 0 where none is.
 pub(super) fn least_weight(frame: &FrameScene) -> f32 {
     if frame.clever { LEAST_WEIGHT } else { 0.0 }
 }

@@ -124,7 +124,7 @@ mod tests {
         assert!(clock.allows(0) && clock.allows(1));
         clock.add(1, Duration::from_secs(120), [0.0, 1.0]);
         assert!(clock.allows(0) && !clock.allows(1));
-        let over = Clock::new(Instant::now(), 1, 4096);
+        let over = Clock::new(Instant::now() - Duration::from_millis(1), 1, 4096);
         assert!(!over.allows(0));
     }
 

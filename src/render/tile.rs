@@ -25,7 +25,8 @@ pub(super) struct TileRenderer {
     /// The pixels in the order of their tracing: block by block, and in them patches of 4 x 4, so
     /// that neighbours in a batch are neighbours in the picture.
     order: Vec<u32>,
-    /// Ranges of `order` that decide together and are not known to be done, each with its quarters, counted from its start.
+    /// Ranges of `order` that decide together and are not known to be done, each with its quarters,
+    /// counted from its start.
     groups: Vec<(Range<usize>, Vec<Range<usize>>)>,
     steps: Vec<Step>,
     work: Vec<Work>,

@@ -209,14 +209,16 @@ mod tests {
         }
     }
 
+    /// What two points have in common in a dimension, whose digits differ by `digits`.
+    fn kernel(digits: u32) -> f64 {
+        let part = |scale: u32| 1.0 / (1u64 << scale) as f64;
+        let equal = digits.trailing_zeros();
+        1.0 + (1.0 - part(equal) - part(equal + 1)) / 2.0
+    }
+
     /// Variance of an Owen-scrambled set of points in some dimensions over that of independent
     /// ones: for an integrand whose part at scale 2^-k has the variance 2^-k in each dimension.
     fn variance(dimensions: &[usize], words: &[Vec<u32>]) -> f64 {
-        let part = |scale: u32| 1.0 / (1u64 << scale) as f64;
-        let kernel = |digits: u32| {
-            let equal = digits.trailing_zeros();
-            1.0 + (1.0 - part(equal) - part(equal + 1)) / 2.0
-        };
         let n = words[0].len();
         let sum: f64 = (0..n)
             .flat_map(|i| (0..n).map(move |j| (i, j)))
@@ -230,18 +232,13 @@ mod tests {
 
     /// As [`variance`], of the first `2^log` points: of a net one row of the table is enough.
     fn variance_of_net(dimensions: [usize; 2], log: u32) -> f64 {
-        let kernel = |digits: u32| {
-            let part = |scale: u32| 1.0 / (1u64 << scale) as f64;
-            let equal = digits.trailing_zeros();
-            1.0 + (1.0 - part(equal) - part(equal + 1)) / 2.0
-        };
         let values = (0..1 << log).map(|i| dimensions.map(|d| kernel(digits(d, i))));
         let sum: f64 = values.map(|[a, b]| a * b).sum();
         (sum - f64::from(1u32 << log)) / (1.5 * 1.5 - 1.0)
     }
 
     #[test]
-    fn no_two_dimensions_know_of_each_other_what_more_samples_do_not_cure() {
+    fn no_two_dimensions_are_bad_together() {
         let pairs = (0..DIMENSIONS).flat_map(|a| (0..a).map(move |b| [b, a]));
         for (pair, log) in pairs.flat_map(|pair| (3..=12).map(move |log| (pair, log))) {
             let most = if log < 8 { 1.75 } else { 0.5 };

@@ -168,26 +168,26 @@ fn spatial_splits_do_not_show() {
 
 /// Two to seven samples per pixel; the test would say little if all pixels took the same number.
 #[track_caller]
-fn assert_one_adaptive_file(change: impl Fn(&mut Settings), counts: &[u32]) {
+fn assert_one_adaptive_file(change: impl Fn(&mut Settings)) {
     let mut scene = everything();
     scene.settings.image_min_samples = 2;
     scene.settings.image_samples = 7;
     change(&mut scene.settings);
     let found = expose(&scene, Isa::Portable).sample_counts();
-    for count in counts {
-        assert!(found.contains(count), "no pixel of {count} samples");
+    for count in [2, 7] {
+        assert!(found.contains(&count), "no pixel of {count} samples");
     }
     assert_one_file(&scene);
 }
 
 #[test]
 fn one_file_with_a_contrast_limit() {
-    assert_one_adaptive_file(|settings| settings.image_contrast_limit = 0.1, &[2, 7]);
+    assert_one_adaptive_file(|settings| settings.image_contrast_limit = 0.1);
 }
 
 #[test]
 fn one_file_with_a_noise_level() {
-    assert_one_adaptive_file(|settings| settings.noise = Some(0.03), &[2, 4, 7]);
+    assert_one_adaptive_file(|settings| settings.noise = Some(0.03));
 }
 
 #[test]

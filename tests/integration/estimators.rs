@@ -6,6 +6,21 @@ use slo_rt::frame::FrameScene;
 
 use crate::support::{describe, expose_frame, material};
 
+/// Settings and camera.
+fn seen(settings: &str, seed: u32) -> String {
+    format!(
+        "settings s {{ imageSamples 4 recursion 3 generatorType PSEUDO seed {seed} {settings} }}
+         Camera c {{
+             fps 4
+             Film f {{ width 32 height 24 prefix t output PNG_IMAGE }}
+             CamSegment seg {{
+                 videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1 fovStart .4
+                 addPosition {{ 0 -9 3 }} addTarget {{ 0 0 .5 }}
+             }}
+         }}"
+    )
+}
+
 /// A lamp over a rough floor, half behind a pane of rough glass; `settings` besides.
 fn scene(settings: &str, seed: u32) -> String {
     let materials = material(
@@ -16,20 +31,13 @@ fn scene(settings: &str, seed: u32) -> String {
         "refraction .8 refraction_index 1.4 diffuse_refraction .2 reflectance .1 diffuse_reflection .2",
     );
     format!(
-        "settings s {{ imageSamples 4 recursion 3 generatorType PSEUDO seed {seed} {settings} }}
-         Camera c {{
-             fps 4
-             Film f {{ width 32 height 24 prefix t output PNG_IMAGE }}
-             CamSegment seg {{
-                 videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1 fovStart .4
-                 addPosition {{ 0 -9 3 }} addTarget {{ 0 0 .5 }}
-             }}
-         }}
+        "{}
          {materials}
          plane floor {{ material brushed normal {{ 0 0 1 }} position {{ 0 0 -.5 }} }}
          box pane {{ material frosted vertex0 {{ -3 -3 -.4 }} vertex1 {{ -.5 -3 -.4 }} vertex2 {{ -.5 -2.8 -.4 }} height 4 }}
          light_rectangle lamp {{ color {{ 3 2 1 }} vertex0 {{ -2 3 3 }} vertex1 {{ 1 3 3 }} vertex2 {{ 1 4 3.5 }} }}
-         light_rectangle low {{ color {{ 1 1 2 }} vertex0 {{ 2 2 0 }} vertex1 {{ 3 2 0 }} vertex2 {{ 3 2 1 }} }}"
+         light_rectangle low {{ color {{ 1 1 2 }} vertex0 {{ 2 2 0 }} vertex1 {{ 3 2 0 }} vertex2 {{ 3 2 1 }} }}",
+        seen(settings, seed)
     )
 }
 
@@ -38,21 +46,14 @@ fn dark_scene(settings: &str, seed: u32) -> String {
     let materials = material("mirror", "reflectance .12 diffuse { 0 0 0 }")
         + &material("dark", "diffuse { .03 .02 .012 } specular { .01 .01 .01 } shininess 9");
     format!(
-        "settings s {{ imageSamples 4 recursion 2 generatorType PSEUDO seed {seed} {settings} }}
-         Camera c {{
-             fps 4
-             Film f {{ width 32 height 24 prefix t output PNG_IMAGE }}
-             CamSegment seg {{
-                 videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1 fovStart .4
-                 addPosition {{ 0 -9 3 }} addTarget {{ 0 0 .5 }}
-             }}
-         }}
+        "{}
          {materials}
          plane wall {{ material mirror normal {{ 0 -1 0 }} position {{ 0 2 0 }} }}
          rectangle ground {{ material dark vertex0 {{ -9 -40 -1 }} vertex1 {{ 9 -40 -1 }} vertex2 {{ 9 -9.5 -1 }} }}
          sphere ball {{ material dark center {{ 0 -14 1 }} radius 2 }}
          light_rectangle lamp {{ color {{ 1 .9 .8 }} vertex0 {{ -2 -9 9 }} vertex1 {{ 1 -9 9 }} vertex2 {{ 1 -12 9 }} }}
-         light_point dim {{ color {{ .2 .1 .3 }} position {{ 6 -10 5 }} }}"
+         light_point dim {{ color {{ .2 .1 .3 }} position {{ 6 -10 5 }} }}",
+        seen(settings, seed)
     )
 }
 

@@ -108,7 +108,7 @@ class RenderSettings(bpy.types.PropertyGroup):
     )
     spatial_splits: BoolProperty(
         name="Spatial Splits",
-        description="Cut long triangles in the BVH: slower to build, faster for their rays",
+        description="Cut long triangles in the BVH: faster bounces among them, slower shadows and building",
         default=False,
     )
     shadow: EnumProperty(

@@ -1,6 +1,7 @@
 //! A bounding volume hierarchy of eight children to a node, traced in streams of many rays.
 //!
-//! Built by binned SAH (`binary`), with spatial splits on request (`spatial`), collapsed by dynamic programming (`plan`, `collapse`).
+//! Built by binned SAH (`binary`), with spatial splits on request (`spatial`), collapsed by dynamic
+//! programming (`plan`, `collapse`).
 //! Leaves hold the triangles themselves, in blocks of up to four as rows of coordinates: they are
 //! the only copy, found again by id through a table; a triangle that was cut may be in several.
 

@@ -2,8 +2,8 @@
 //!
 //! A packet's rays have the signs and the largest axis of their directions in common. A node is
 //! tested once for all of them, by intervals that hold every origin and every direction; the
-//! children that are left are tested lane by lane, and every child keeps on the stack where each
-//! lane enters it. Where few lanes are left they leave the packet and go into flight by themselves,
+//! children that are left are tested lane by lane when their turn comes; the stack holds what is left
+//! of nodes. Where few lanes are left they leave the packet and go into flight by themselves,
 //! with their part of the stack.
 //!
 //! Source of the interval test: Boulos, Wald, Shirley, *Geometric and Arithmetic Culling Methods
@@ -25,10 +25,19 @@ const FEW: u32 = 2;
 /// Rays that go the same way make a packet if there are so many of them.
 const ENOUGH: u32 = 4;
 
-/// How many rays of a packet must enter a child on average, so that packets are faster than rays by
-/// themselves; by the bytes of a hierarchy up to which it holds. A stream hides how long memory
-/// takes, a packet waits: the farther away the nodes, the fuller it must be.
-const WORTHWHILE: [(usize, u32); 3] = [(48 << 20, 4), (96 << 20, 5), (usize::MAX, 6)];
+/// How many rays of a packet must enter a child on average, so that packets of 16 or 8 are faster than
+/// rays by themselves, in a hierarchy of so many bytes. A stream hides how long memory takes, a packet
+/// waits: the farther away the nodes, the fuller it must be.
+fn worthwhile(memory: usize) -> u32 {
+    const MIB: usize = 1 << 20;
+    if memory <= 48 * MIB {
+        4
+    } else if memory <= 96 * MIB {
+        5
+    } else {
+        6
+    }
+}
 
 /// Working memory of [`trace`].
 #[derive(Debug, Default)]
@@ -57,8 +66,8 @@ pub(super) trait PacketSteps: Steps {
     /// One lane for each ray of a packet.
     type Lanes: SetLanes;
 
-    /// Writes the places of the children that some ray of the packet may enter before `t_max`, from
-    /// far to near; returns how many. Eight may be overwritten.
+    /// The children that some ray of the packet may enter before `t_max`: bit `s` for the one that
+    /// lies `s`-th from the near end.
     ///
     /// # Safety
     /// The CPU has the instruction set.
@@ -170,22 +179,21 @@ pub(super) struct Surroundings<'a> {
     pub(super) memory: Memory,
     pub(super) stack: &'a mut Stack,
     pub(super) flights: Flights<'a>,
-    pub(super) use_of_lanes: UseOfLanes,
+    pub(super) rays_per_child: RaysPerChild,
 }
 
 /// How many rays entered the children that packets came to, so far in this batch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct UseOfLanes {
+pub(super) struct RaysPerChild {
     children: u32,
     rays: u32,
     worthwhile: u32,
 }
 
-impl UseOfLanes {
+impl RaysPerChild {
     /// Of nothing yet, in a hierarchy of so many bytes.
     pub(super) fn new(memory: usize) -> Self {
-        let holds = WORTHWHILE.iter().find(|(most, _)| memory <= *most);
-        Self { children: 0, rays: 0, worthwhile: holds.map_or(u32::MAX, |&(_, rays)| rays) }
+        Self { children: 0, rays: 0, worthwhile: worthwhile(memory) }
     }
 
     #[inline(always)]
@@ -194,8 +202,8 @@ impl UseOfLanes {
         self.rays += lanes.count_ones();
     }
 
-    /// Whether packets are worth their while: rays that are in many packets with few lanes in use
-    /// are faster by themselves.
+    /// Whether packets are worth their while: rays that are in many packets with few others are
+    /// faster by themselves.
     pub(super) fn is_good(self) -> bool {
         self.rays >= self.worthwhile * self.children
     }
@@ -307,7 +315,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 if lanes == 0 {
                     continue;
                 }
-                around.use_of_lanes.count(lanes);
+                around.rays_per_child.count(lanes);
                 *rests.add(top) = rest;
                 top += usize::from(rest.set != 0);
                 rest.set = 0;
@@ -328,7 +336,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
         }
     }
 
-    /// Where the lanes enter a child; NaN in those that do not, `None` if none does.
+    /// The lanes that enter a child.
     ///
     /// # Safety
     /// The CPU has the instruction set.

@@ -21,7 +21,7 @@ const TAME_DIRECTION: f32 = (1u64 << 30) as f32;
 /// widened; and the inverse stays finite.
 const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// Sixteen neighbouring rays of a batch, made ready together, as structures of arrays.
+/// Sixteen rays of a batch, neighbours or chosen, made ready together, as structures of arrays.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Prepared {

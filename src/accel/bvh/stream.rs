@@ -8,7 +8,7 @@
 use super::Bvh;
 use super::binary::BLOCK;
 use super::layout::{Child, Corners, Node, WIDTH};
-use super::packet::{self, Surroundings, UseOfLanes};
+use super::packet::{self, RaysPerChild, Surroundings};
 use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, MOST_BLOCKS, Meeting, Steps};
 use super::stops::{IN_FLIGHT, Lists, Stop, Stops};
@@ -212,7 +212,7 @@ impl Pending<'_> {
             let ray = Ray::new(self.prepared, lane);
             query.finish(&super::careful::trace(bvh, rays, ray, Q::ANY));
         }
-        self.left = if self.packets && self.around.use_of_lanes.is_good() {
+        self.left = if self.packets && self.around.rays_per_child.is_good() {
             // SAFETY: the caller's.
             unsafe { S::packets(&mut self.around, self.prepared, tame, query) }
         } else {
@@ -259,8 +259,8 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     } else {
         order.keep(rays)
     }
-    let use_of_lanes = UseOfLanes::new(bvh.memory());
-    let around = Surroundings { bvh, rays, memory, stack, flights, use_of_lanes };
+    let rays_per_child = RaysPerChild::new(bvh.memory());
+    let around = Surroundings { bvh, rays, memory, stack, flights, rays_per_child };
     // SAFETY: any bits are a ray; lines are aligned as rays are, and as long as sixteen.
     let ready = unsafe { &mut *ready.as_mut_ptr().cast::<[Ray; LANES]>() };
     let mut pending = Pending { around, prepared, ready, packets, order, next: 0, left: 0 };

@@ -36,12 +36,17 @@ impl Rounds {
 
     /// Why more than the span has passed, where that is known.
     fn late(&self, span: f64) -> Option<String> {
-        let is_least = |take: &Take| take.done.as_ref()?.steps.map(|steps| steps.done == 0);
+        let is_least =
+            |take: &Take| take.done.as_ref()?.steps.map(|s| s == crate::render::Steps::default());
         let has_least = self.takes.iter().any(|take| is_least(take).unwrap_or(false));
-        (has_least && self.passed() > span).then(|| {
-            let [passed, span] =
-                [self.passed(), span].map(|seconds| human(Duration::from_secs_f64(seconds)));
-            format!("it took {passed} instead of {span}, for one sample per pixel of every frame")
+        let seconds = self.passed();
+        let [passed, asked] = [seconds, span].map(|s| human(Duration::from_secs_f64(s)));
+        let earlier = if self.earlier > 0.0 { ", with earlier runs" } else { "" };
+        (has_least && seconds > span && passed != asked).then(|| {
+            format!(
+                "these frames took {passed} instead of {asked}{earlier}, \
+                 for one sample per pixel of every frame"
+            )
         })
     }
 

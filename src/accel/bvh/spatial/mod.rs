@@ -42,7 +42,8 @@ pub(super) fn build(
     isa: Isa,
 ) -> BinaryTree {
     let n = references.len();
-    let spare = (n / SPARE).min(MAX_SLOTS.saturating_sub(n));
+    // Triangles without area take slots too.
+    let spare = (n / SPARE).min(MAX_SLOTS.saturating_sub(n.max(triangles.len())));
     references.resize(n + spare, Reference::NONE);
     let splitter = Splitter { triangles, least_overlap: LEAST_OVERLAP * all.half_area() };
     let job = Job { all, centers, depth: 0, first_curved: triangles.len() as u32, isa };

@@ -154,6 +154,12 @@ struct Meeting<const N: usize, const M: usize> {
     present: u32,
 }
 
+/// The first row of the ray of a lane.
+#[inline(always)]
+fn row_of<const N: usize>(group: &Group<N>, lane: usize) -> *const f32 {
+    (&raw const group.flights.rays).cast::<f32>().wrapping_add(lane)
+}
+
 impl<const N: usize, const M: usize> Meeting<N, M> {
     /// Lanes of the register for each ray.
     const SHARE: usize = N / M;
@@ -182,7 +188,7 @@ impl<const N: usize, const M: usize> Meeting<N, M> {
                 let (g, lane) = (number / N % GROUPS, number % N);
                 let group = &groups[g];
                 meeting.at[i] = [g, lane];
-                meeting.rows[i] = (&raw const group.flights.rays).cast::<f32>().add(lane);
+                meeting.rows[i] = row_of(group, lane);
                 meeting.words[i] = tree.arena.words.as_ptr().add(group.leaf[0][lane] as usize);
                 let chunk = Node::of_words([0, group.leaf[1][lane]]).chunk();
                 meeting.chunks[i] = chunk;
@@ -201,6 +207,8 @@ impl<const N: usize, const M: usize> Meeting<N, M> {
         self.first += N;
         self.present >>= N;
         let [g, at] = self.at[0];
+        // The ray has been written to since.
+        self.rows[0] = row_of(&groups[g], at);
         self.present != 0 && groups[g].in_leaves >> at & 1 == 1
     }
 

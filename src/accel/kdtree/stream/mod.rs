@@ -93,6 +93,10 @@ impl<const N: usize> Flights<N> {
     /// How many arrays there are, all of them of 4 bytes a ray.
     const ROWS: usize = offset_of!(Self, primitive) / (4 * N) + 1;
 
+    /// Which of them tells where rays stand: the first behind those of the rays, which may have been
+    /// padded.
+    const NODE_ROW: usize = offset_of!(Self, node) / (4 * N);
+
     /// Rays that have met nothing yet.
     #[inline(always)]
     fn start_at_root(&mut self) {

@@ -69,6 +69,11 @@ impl Waiting<'_> {
                 unsafe { self.prepare::<V, N, ANY>(tree, sixteen, count, done) };
                 continue;
             }
+            // Rows of both have the same numbers.
+            const {
+                assert!(Flights::<N>::ROWS == Flights::<{ 2 * LANES }>::ROWS);
+                assert!(Flights::<N>::NODE_ROW == Flights::<{ 2 * LANES }>::NODE_ROW);
+            }
             // The lowest free lanes, as many as there are rays.
             let count = (self.len - self.from) as u32;
             // SAFETY: rows of the queue are readable for a register from `from` on, those of the
