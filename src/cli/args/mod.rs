@@ -280,7 +280,7 @@ pub(super) struct Args {
     #[arg(ignore_case = true)]
     pub(super) accelerator: Option<AcceleratorName>,
 
-    /// Let the BVH cut long triangles: faster bounces among them, slower shadows and building
+    /// Let the BVH cut long triangles: bounces are faster, shadows slower
     #[arg(long, help_heading = DRAFT)]
     pub(super) spatial_splits: bool,
 
