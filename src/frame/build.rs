@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 
 use super::tessellate::{CurvedShape, Geometry, geometry, light_rectangle};
 use super::world::{Instance, World};
+use super::looks::Looks;
 use super::{FrameObject, FrameScene, Look};
 use crate::accel::{BuildOptions, Curved, Isa, Primitives, Structure};
 use crate::animation::{
@@ -115,6 +116,10 @@ impl FrameScene {
                 Arc::new(structure(parts.still, &scene.settings, isa))
             }
         };
+        let looks = Looks::new(
+            parts.looks.into_iter(),
+            parts.instances.iter().map(|instance| instance.object),
+        );
         let materials: Vec<_> = scene.materials.iter().map(Material::from).collect();
         Ok(Self {
             camera,
@@ -128,6 +133,7 @@ impl FrameScene {
             clever: true,
             textures: scene.textures.clone(),
             objects: parts.objects,
+            looks,
             still_places: parts.places,
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
         })
@@ -164,6 +170,8 @@ struct Seen<'a> {
 #[derive(Default)]
 struct Parts {
     objects: Vec<FrameObject>,
+    /// What each object shows.
+    looks: Vec<Look>,
     still: Primitives,
     /// Where each still object lies.
     places: Vec<(u32, DRigid)>,
@@ -213,8 +221,8 @@ impl Parts {
             poses: poses.collect(),
             object: number,
         });
+        self.looks.push(look);
         self.objects.push(FrameObject {
-            look,
             normals: vertex_normals(&geometry, &DRigid::IDENTITY),
             geometry,
             place: Rigid::IDENTITY,
@@ -233,7 +241,8 @@ impl Parts {
         self.curved_objects.resize(self.still.curved.len(), number);
         let normals = vertex_normals(&geometry, place);
         let place = place.relative_to(seen.origin);
-        self.objects.push(FrameObject { look, geometry, place, first_triangle, normals });
+        self.looks.push(look);
+        self.objects.push(FrameObject { geometry, place, first_triangle, normals });
     }
 }
 

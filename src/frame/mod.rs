@@ -1,6 +1,7 @@
 //! What one shutter sees: everything a frame needs, immutable, shared by all threads.
 
 mod build;
+mod looks;
 mod surfaces;
 mod tessellate;
 mod world;
@@ -17,6 +18,8 @@ use crate::scene::{Settings, ShadowMode, Texture};
 use crate::shading::{Light, Material, MaterialTable};
 
 pub use build::FrameError;
+pub(crate) use looks::Look;
+use looks::Looks;
 pub(crate) use surfaces::{NO_MATERIAL, SurfaceScratch, Surfaces};
 use tessellate::Geometry;
 pub(crate) use world::{World, WorldHits, WorldScratch};
@@ -40,6 +43,7 @@ pub struct FrameScene {
     pub(crate) clever: bool,
     textures: Vec<Arc<Texture>>,
     objects: Vec<FrameObject>,
+    looks: Looks,
     /// Where each still object lies: what the still structure was built of.
     still_places: Vec<(u32, DRigid)>,
     /// For each primitive of the still structure its index in `objects`.
@@ -49,7 +53,6 @@ pub struct FrameScene {
 /// An object, as shading asks for it.
 #[derive(Debug)]
 struct FrameObject {
-    look: Look,
     geometry: Geometry,
     /// `render_from_object` while it is still.
     place: Rigid,
@@ -58,15 +61,6 @@ struct FrameObject {
     /// Unit normals of the vertices, turned as the object is while it is still; empty where it is
     /// not smooth.
     normals: Vec<Vec3>,
-}
-
-/// What a surface shows.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Look {
-    /// Index of a material.
-    Material(u32),
-    /// The surface of the light of that index, from both sides.
-    Light(u32),
 }
 
 impl FrameScene {

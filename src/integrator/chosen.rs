@@ -34,9 +34,24 @@ impl Chosen {
         self.count
     }
 
-    /// Copies the chosen entries of a column, in order, to a slice of their number.
-    pub(super) fn copy<T: Word>(&self, from: &Column<T>, to: &mut [T]) {
-        self.isa.compress(&self.bits, from, to);
+    /// The entries below `len` that were not chosen, in order.
+    pub(super) fn others(&self, len: usize) -> impl Iterator<Item = usize> {
+        let groups = self.bits.iter().enumerate().take(len.div_ceil(GROUP));
+        groups.flat_map(move |(group, &bits)| {
+            let start = group * GROUP;
+            let mut left = !u32::from(bits) & ((1 << (len - start).min(GROUP)) - 1);
+            std::iter::from_fn(move || {
+                let first = (left != 0).then(|| start + left.trailing_zeros() as usize);
+                left &= left.wrapping_sub(1);
+                first
+            })
+        })
+    }
+
+    /// Copies the chosen entries of a column, in order, to a slice of their number. What the column
+    /// has beyond its end counts as not chosen.
+    pub(super) fn copy<T: Word>(&self, from: &[T], to: &mut [T]) {
+        self.isa.compress(&self.bits[..from.len().div_ceil(GROUP).min(self.bits.len())], from, to);
     }
 
     /// Adds the chosen entries of a column, in order, to the end of a vector.
@@ -85,7 +100,10 @@ mod tests {
         let mut some = [0; 14];
         chosen.copy(&column, &mut some);
         assert_eq!(some, all[1..]);
+        let others: Vec<usize> = chosen.others(20).collect();
+        assert_eq!(others, (0..20).filter(|i| i % 7 != 3).collect::<Vec<_>>());
         chosen.set(Isa::best(), BATCH, |_| true);
+        assert_eq!(chosen.others(BATCH).count(), 0);
         assert_eq!(chosen.len(), BATCH);
         chosen.set(Isa::best(), 17, |_| true);
         assert_eq!(chosen.len(), 17, "what stands behind the end is not chosen");

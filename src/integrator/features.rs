@@ -10,10 +10,9 @@ use glam::Vec3;
 use super::bounces::Lobe;
 use super::points::Points;
 use super::queue::{Batch, Labels};
-use crate::accel::NO_HIT;
 use crate::film::{Features, Fixed};
-use crate::frame::{FrameScene, Look, WorldHits};
-use crate::math::columns::BATCH;
+use crate::frame::{FrameScene, Look};
+use crate::math::columns::{BATCH, Column};
 use crate::shading::Material;
 
 /// Exact sums, one for each slot that is not behind a rough lobe; none where nobody wants them.
@@ -46,23 +45,20 @@ impl FeatureSums {
         }
     }
 
-    /// Adds what the rays of a batch see.
+    /// Adds what the rays of a batch see; `looks` are words of [`Look`].
     pub(super) fn add(
         &mut self,
         frame: &FrameScene,
         batch: &Batch,
-        found: &WorldHits,
+        looks: &Column<u32>,
         points: &Points,
     ) {
         let background = Vec3::from(frame.settings.background);
         for i in 0..batch.rays.len().min(BATCH) {
-            let primitive = found.hits.primitive[i];
-            let color = match primitive {
-                NO_HIT => background,
-                _ => match frame.look(primitive, found.instance[i]) {
-                    Look::Light(light) => frame.lights[light as usize].color,
-                    Look::Material(_) => continue,
-                },
+            let color = match Look::of_word(looks[i]) {
+                Look::Nothing => background,
+                Look::Light(light) => frame.lights[light as usize].color,
+                Look::Material(_) => continue,
             };
             let albedo = batch.weight.get(i) * color.clamp(Vec3::ZERO, Vec3::ONE);
             self.add_to(batch.labels.slot[i], albedo, Vec3::ZERO);

@@ -1,9 +1,10 @@
 //! The hits of one batch that are to be shaded, with everything that shading reads.
 
+use super::chosen::Chosen;
 use super::queue::{Batch, Labels};
 use crate::accel::Lanewise;
 use crate::frame::{FrameScene, Surfaces};
-use crate::math::columns::{BATCH, Column, Vec3s, lanes, look_up};
+use crate::math::columns::{BATCH, Column, Vec3s, lanes, look_up, look_up_each};
 use crate::sampling::batch::SetNames;
 use crate::sampling::{PixelSeed, Purpose};
 use crate::scene::Settings;
@@ -27,7 +28,7 @@ pub(super) struct Points {
     /// k_s of the material, weighted.
     pub(super) specular: Vec3s,
     pub(super) shininess: Column<f32>,
-    /// Whether any material has a highlight.
+    /// Whether any point has a highlight.
     pub(super) shines: bool,
 }
 
@@ -49,13 +50,47 @@ impl Default for Points {
 }
 
 impl Points {
-    /// Fills in what goes with the surfaces: from the batch whose rays hit them, and from tables.
-    pub(super) fn gather(&mut self, frame: &FrameScene, batch: &Batch, seeds: &[PixelSeed]) {
-        frame.isa.run(FromRays { batch, to: self });
+    /// Fills in what goes with the surfaces: from the batch, whose chosen rays hit them, and from
+    /// tables.
+    pub(super) fn gather(
+        &mut self,
+        frame: &FrameScene,
+        batch: &Batch,
+        chosen: &Chosen,
+        seeds: &[PixelSeed],
+    ) {
+        self.take(batch, chosen);
         frame.isa.run(FromTables { table: &frame.material_table, seeds, to: self });
         frame.isa.run(Weighted(self));
         let some = |column: &Column<f32>| column[..self.surfaces.len].iter().any(|k| *k != 0.0);
-        self.shines = self.specular.columns().into_iter().any(some);
+        self.shines =
+            frame.material_table.shines && self.specular.columns().into_iter().any(some);
+    }
+
+    /// Fetches what goes with the rays.
+    fn take(&mut self, batch: &Batch, chosen: &Chosen) {
+        let len = chosen.len();
+        let Self { direction, weight, labels, .. } = self;
+        let [x, y, z] = batch.rays.direction.each_ref().map(|column| &column[..]);
+        let Vec3s { x: weight_x, y: weight_y, z: weight_z } = &batch.weight;
+        for (from, to) in [
+            (x, &mut direction.x),
+            (y, &mut direction.y),
+            (z, &mut direction.z),
+            (weight_x, &mut weight.x),
+            (weight_y, &mut weight.y),
+            (weight_z, &mut weight.z),
+            (&batch.labels.time, &mut labels.time),
+        ] {
+            chosen.copy(from, &mut to[..len]);
+        }
+        for (from, to) in [
+            (&batch.labels.slot, &mut labels.slot),
+            (&batch.labels.path, &mut labels.path),
+            (&batch.labels.index, &mut labels.index),
+        ] {
+            chosen.copy(from, &mut to[..len]);
+        }
     }
 
     /// Which random numbers ray `i` of `count` takes that is sent from every point, `depth` bounces
@@ -82,41 +117,6 @@ impl Points {
     }
 }
 
-/// Fetches what goes with the rays.
-struct FromRays<'a> {
-    batch: &'a Batch,
-    to: &'a mut Points,
-}
-
-impl Lanewise for FromRays<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { batch, to } = self;
-        let len = to.surfaces.len;
-        let [x, y, z] = batch.rays.direction.each_ref();
-        fetch(x, &to.surfaces.ray, len, &mut to.direction.x);
-        fetch(y, &to.surfaces.ray, len, &mut to.direction.y);
-        fetch(z, &to.surfaces.ray, len, &mut to.direction.z);
-        fetch(&batch.weight.x, &to.surfaces.ray, len, &mut to.weight.x);
-        fetch(&batch.weight.y, &to.surfaces.ray, len, &mut to.weight.y);
-        fetch(&batch.weight.z, &to.surfaces.ray, len, &mut to.weight.z);
-        fetch(&batch.labels.time, &to.surfaces.ray, len, &mut to.labels.time);
-        fetch(&batch.labels.slot, &to.surfaces.ray, len, &mut to.labels.slot);
-        fetch(&batch.labels.path, &to.surfaces.ray, len, &mut to.labels.path);
-        fetch(&batch.labels.index, &to.surfaces.ray, len, &mut to.labels.index);
-    }
-}
-
-#[inline(always)]
-fn fetch<T: Copy>(from: &[T], ray: &Column<u32>, len: usize, to: &mut Column<T>) {
-    let Some(from) = from.first_chunk::<BATCH>() else { return };
-    for i in lanes(len) {
-        to[i] = from[(ray[i] as usize).min(BATCH - 1)];
-    }
-}
-
 /// Fetches what goes with the pixels and the materials.
 struct FromTables<'a> {
     table: &'a MaterialTable,
@@ -124,7 +124,7 @@ struct FromTables<'a> {
     to: &'a mut Points,
 }
 
-impl Lanewise for FromTables<'_> {
+impl<'a> Lanewise for FromTables<'a> {
     type Output = ();
 
     #[inline(always)]
@@ -132,17 +132,27 @@ impl Lanewise for FromTables<'_> {
         let Self { table, seeds, to } = self;
         let len = to.surfaces.len;
         look_up(seeds, &to.labels.slot, len, PixelSeed::word, &mut to.seed);
-        let material = &to.surfaces.material;
-        for (from, to) in [
-            (&table.ambient, &mut to.ambient),
-            (&table.diffuse, &mut to.diffuse),
-            (&table.specular, &mut to.specular),
-        ] {
-            look_up(&from[0], material, len, |x| x, &mut to.x);
-            look_up(&from[1], material, len, |x| x, &mut to.y);
-            look_up(&from[2], material, len, |x| x, &mut to.z);
-        }
-        look_up(&table.shininess, material, len, |x| x, &mut to.shininess);
+        let Points { surfaces, ambient, diffuse, specular, shininess, .. } = to;
+        let colors = |[x, y, z]: &'a [Vec<f32>; 3]| [&x[..], &y[..], &z[..]];
+        let ([ax, ay, az], [dx, dy, dz]) = (colors(&table.ambient), colors(&table.diffuse));
+        let [sx, sy, sz] = colors(&table.specular);
+        look_up_each(
+            [ax, ay, az, dx, dy, dz, sx, sy, sz, &table.shininess],
+            &surfaces.material,
+            len,
+            [
+                &mut ambient.x,
+                &mut ambient.y,
+                &mut ambient.z,
+                &mut diffuse.x,
+                &mut diffuse.y,
+                &mut diffuse.z,
+                &mut specular.x,
+                &mut specular.y,
+                &mut specular.z,
+                shininess,
+            ],
+        );
     }
 }
 

@@ -12,7 +12,7 @@ use super::points::Points;
 use super::queue::{Batch, Labels, RayQueue, Sent, ShadowKind};
 use super::sums::Sums;
 use super::{Statistics, Traced, Work};
-use crate::accel::{Coherence, NO_HIT};
+use crate::accel::{Coherence, Lanewise, NO_HIT};
 use crate::frame::{
     FrameScene, Look, NO_MATERIAL, SurfaceScratch, Surfaces, WorldHits, WorldScratch,
 };
@@ -37,6 +37,8 @@ pub struct Wave {
     pub(super) features: FeatureSums,
     camera_rays: Box<CameraRays>,
     batch: Box<Batch>,
+    /// What the rays of the batch see, as words of [`Look`].
+    looks: Box<Looks>,
     ended: Box<Ended>,
     found: WorldHits,
     blocked: Vec<bool>,
@@ -117,12 +119,15 @@ impl Wave {
         self.sort_hits(frame, depth);
         self.find_points(frame);
         let Self { sums, ended, points, .. } = self;
-        self.counts.refused_contributions +=
-            sums.add(frame.isa, &ended.brings, &ended.slot, ended.len)
-                + sums.add(frame.isa, &points.ambient, &points.labels.slot, points.surfaces.len);
+        let mut refused = sums.add(frame.isa, &ended.brings, &ended.slot, ended.len);
+        if frame.material_table.has_ambient {
+            let (slot, len) = (&points.labels.slot, points.surfaces.len);
+            refused += sums.add(frame.isa, &points.ambient, slot, len);
+        }
+        self.counts.refused_contributions += refused;
         if self.features.are_wanted() {
-            let Self { features, batch, found, points, .. } = self;
-            features.add(frame, batch, found, points);
+            let Self { features, batch, looks, points, .. } = self;
+            features.add(frame, batch, &looks.0, points);
         }
         let glossy = self.find_lobes(frame, depth);
         self.ask_lights(frame, glossy, depth);
@@ -134,35 +139,33 @@ impl Wave {
     /// Notes what rays bring that end, and the hits that are to be shaded.
     fn sort_hits(&mut self, frame: &FrameScene, depth: u32) {
         let background = Vec3::from(frame.settings.background);
-        let Self { batch, found, ended, points, .. } = self;
-        (points.surfaces.len, ended.len) = (0, 0);
-        for i in 0..batch.rays.len().min(BATCH) {
-            let primitive = found.hits.primitive[i];
-            let (color, share) = if primitive == NO_HIT {
-                (background, 1.0)
-            } else {
-                match frame.look(primitive, found.instance[i]) {
-                    Look::Material(material) => {
-                        points.surfaces.push(i, material);
-                        continue;
-                    }
-                    Look::Light(light) => {
-                        let light = &frame.lights[light as usize];
-                        let way = batch.rays.direction(i) * found.hits.t[i];
-                        (light.color, lobe_share(frame, light, way, batch.density[i], depth))
-                    }
+        let Self { batch, found, looks, chosen, ended, points, .. } = self;
+        let len = batch.rays.len().min(BATCH);
+        frame.find_looks(found, &mut looks.0);
+        chosen.set(frame.isa, len, |i| Look::is_material(looks.0[i]));
+        points.surfaces.len = chosen.len();
+        chosen.copy(&NUMBERS, &mut points.surfaces.ray[..chosen.len()]);
+        chosen.copy(&looks.0, &mut points.surfaces.material[..chosen.len()]);
+        ended.len = 0;
+        for i in chosen.others(len) {
+            let (color, share) = match Look::of_word(looks.0[i]) {
+                Look::Light(light) => {
+                    let light = &frame.lights[light as usize];
+                    let way = batch.rays.direction(i) * found.hits.t[i];
+                    (light.color, lobe_share(frame, light, way, batch.density[i], depth))
                 }
+                _ => (background, 1.0),
             };
             ended.push(batch.weight.get(i) * color * share, batch.labels.slot[i]);
         }
     }
 
-    /// Finds everything about the hits that are to be shaded.
+    /// Finds everything about the hits that are to be shaded: those that were chosen.
     fn find_points(&mut self, frame: &FrameScene) {
-        let Self { batch, found, points, surface_scratch, seeds, .. } = self;
+        let Self { batch, found, points, surface_scratch, seeds, chosen, .. } = self;
         let (rays, time) = (&batch.rays, &batch.labels.time);
         frame.find_surfaces(rays, time, found, &mut points.surfaces, surface_scratch);
-        points.gather(frame, batch, seeds);
+        points.gather(frame, batch, chosen, seeds);
     }
 
     fn trace_shadows(&mut self, frame: &FrameScene, kind: ShadowKind) {
@@ -185,10 +188,7 @@ impl Wave {
     fn trace_opaque_shadows(&mut self, frame: &FrameScene, coherence: Coherence) {
         let Self { batch, blocked, scratch, .. } = self;
         frame.world.occluded(&batch.rays, &batch.labels.time, coherence, blocked, scratch);
-        for (i, &blocked) in blocked.iter().enumerate().take(batch.rays.len().min(BATCH)) {
-            let light = batch.weight.get(i);
-            batch.weight.set(i, if blocked { Vec3::ZERO } else { light });
-        }
+        frame.isa.run(Darken { blocked, light: &mut batch.weight });
     }
 
     /// Leaves nothing of the light of rays that hit; one that meets a refractive object goes on
@@ -250,6 +250,47 @@ impl Wave {
         if self.bounces.len() <= depth {
             self.bounces.resize_with(depth + 1, RayQueue::default);
         }
+    }
+}
+
+/// Makes the light of blocked rays 0.
+struct Darken<'a> {
+    blocked: &'a [bool],
+    light: &'a mut Vec3s,
+}
+
+impl Lanewise for Darken<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Vec3s { x, y, z } = self.light;
+        for column in [x, y, z] {
+            for (light, &blocked) in column.iter_mut().zip(self.blocked) {
+                *light = if blocked { 0.0 } else { *light };
+            }
+        }
+    }
+}
+
+/// Numbers of the rays of a batch.
+static NUMBERS: Column<u32> = {
+    let mut numbers = [0; BATCH];
+    let mut i = 0;
+    while i < BATCH {
+        numbers[i] = i as u32;
+        i += 1;
+    }
+    numbers
+};
+
+/// See [`Look`].
+#[derive(Debug)]
+struct Looks(Column<u32>);
+
+impl Default for Looks {
+    fn default() -> Self {
+        Self([0; BATCH])
     }
 }
 

@@ -68,6 +68,41 @@ pub(crate) fn look_up<T: Copy, U>(
     }
 }
 
+/// Entries that [`look_up_each`] looks up together.
+const TOGETHER: usize = 16;
+
+/// Fetches an entry of each of several tables of one length for each index; beyond their end, the
+/// last one. Neighbours mostly ask for the same entry, which is then looked up once.
+#[inline(always)]
+pub(crate) fn look_up_each<const N: usize>(
+    tables: [&[f32]; N],
+    index: &Column<u32>,
+    len: usize,
+    to: [&mut Column<f32>; N],
+) {
+    let Some(last) = tables.iter().map(|table| table.len()).min().and_then(|n| n.checked_sub(1))
+    else {
+        return;
+    };
+    let mut to = to.map(|column| column.as_chunks_mut::<TOGETHER>().0);
+    let groups = index.as_chunks::<TOGETHER>().0.iter().take(len.div_ceil(TOGETHER));
+    for (group, index) in groups.enumerate() {
+        let differs = index.iter().fold(0, |all, i| all | (i ^ index[0]));
+        if differs == 0 {
+            let at = (index[0] as usize).min(last);
+            for (table, to) in tables.iter().zip(&mut to) {
+                to[group] = [table[at]; TOGETHER];
+            }
+        } else {
+            for (table, to) in tables.iter().zip(&mut to) {
+                for (to, &i) in to[group].iter_mut().zip(index) {
+                    *to = table[(i as usize).min(last)];
+                }
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,5 +114,18 @@ mod tests {
         let mut to = [0.0; BATCH];
         look_up(&[1, 2, 4], &index, 3, f64::from, &mut to);
         assert_eq!(to[..3], [4.0, 1.0, 4.0]);
+    }
+
+    #[test]
+    fn tables_are_looked_up_together_as_one_by_one() {
+        let index = std::array::from_fn(|i| if i < 40 { 1 } else { i as u32 % 5 });
+        let tables = [&[3.0, 5.0, 7.0][..], &[2.0, 4.0, 8.0]];
+        let (mut a, mut b, mut one) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH]);
+        look_up_each(tables, &index, 100, [&mut a, &mut b]);
+        for (table, both) in tables.into_iter().zip([a, b]) {
+            look_up(table, &index, 100, |x| x, &mut one);
+            assert_eq!(both[..112], one[..112]);
+            assert_eq!(both[112..], [0.0; BATCH - 112]);
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! Materials in columns: what is looked up at every hit.
 
+use glam::Vec3;
+
 use super::Material;
 
 /// One number of every material, by its index.
@@ -14,6 +16,10 @@ pub struct MaterialTable {
     pub diffuse: [Entries; 3],
     /// Red, green, blue.
     pub specular: [Entries; 3],
+    /// Whether any of `ambient` is not 0.
+    pub has_ambient: bool,
+    /// Whether any of `specular` is not 0.
+    pub shines: bool,
     /// Exponents of highlights.
     pub shininess: Entries,
     /// k_r
@@ -36,6 +42,8 @@ impl MaterialTable {
             ambient: [all(|m| m.ambient.x), all(|m| m.ambient.y), all(|m| m.ambient.z)],
             diffuse: [all(|m| m.diffuse.x), all(|m| m.diffuse.y), all(|m| m.diffuse.z)],
             specular: [all(|m| m.specular.x), all(|m| m.specular.y), all(|m| m.specular.z)],
+            has_ambient: materials.iter().any(|m| m.ambient != Vec3::ZERO),
+            shines: materials.iter().any(|m| m.specular != Vec3::ZERO),
             shininess: all(|m| m.shininess),
             reflectance: all(|m| m.reflectance),
             refraction: all(|m| m.refraction),

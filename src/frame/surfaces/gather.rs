@@ -182,13 +182,6 @@ impl FrameScene {
         }
     }
 
-    /// What is seen of a primitive.
-    #[inline]
-    pub(crate) fn look(&self, primitive: u32, instance: u32) -> Look {
-        self.objects[self.object_of(primitive, instance) as usize].look
-    }
-
-    #[inline]
     fn object_of(&self, primitive: u32, instance: u32) -> u32 {
         if instance == STILL {
             self.still_objects[primitive as usize]
@@ -202,10 +195,11 @@ impl FrameScene {
     ///
     /// A closed object lets `refraction` through in all: the square root at each of its surfaces.
     pub(crate) fn light_passed(&self, primitive: u32, instance: u32) -> Option<f32> {
-        let object = &self.objects[self.object_of(primitive, instance) as usize];
-        let Look::Material(material) = object.look else { return None };
+        let number = self.object_of(primitive, instance);
+        let Look::Material(material) = self.looks.of(number) else { return None };
         let refraction = self.materials[material as usize].refraction;
-        let open = matches!(object.geometry, Geometry::Mesh(ref mesh, _) if mesh.faces.len() <= 2);
+        let geometry = &self.objects[number as usize].geometry;
+        let open = matches!(geometry, Geometry::Mesh(mesh, _) if mesh.faces.len() <= 2);
         (refraction > 0.0).then(|| if open { refraction } else { refraction.sqrt() })
     }
 }
