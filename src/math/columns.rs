@@ -39,6 +39,16 @@ impl Vec3s {
         (self.x[i], self.y[i], self.z[i]) = (v.x, v.y, v.z);
     }
 
+    /// Gives `N` entries from `start` on one vector; none where there are less.
+    #[inline(always)]
+    pub(crate) fn fill<const N: usize>(&mut self, start: usize, v: Vec3) {
+        for (column, x) in [&mut self.x, &mut self.y, &mut self.z].into_iter().zip(v.to_array()) {
+            if let Some(entries) = column[start..].first_chunk_mut::<N>() {
+                *entries = [x; N];
+            }
+        }
+    }
+
     /// Its three columns.
     pub(crate) fn columns(&self) -> [&Column<f32>; 3] {
         [&self.x, &self.y, &self.z]

@@ -1,5 +1,7 @@
 //! What is fetched from tables for each hit, one hit at a time: memory is random there.
 
+use std::ops::Range;
+
 use glam::{DVec3, Mat3, Vec3};
 
 use super::Surfaces;
@@ -8,7 +10,7 @@ use crate::accel::{Curved, Lanewise, NO_HIT, Rays, Structure, Triangle};
 use crate::frame::tessellate::Geometry;
 use crate::frame::world::{Instance, STILL, WorldHits};
 use crate::frame::{FrameObject, FrameScene, Look};
-use crate::math::columns::{BATCH, Column, Vec3s};
+use crate::math::columns::{BATCH, Column, Vec3s, lanes};
 use crate::scene::Mesh;
 use crate::shading::texture::sample_bilinear;
 
@@ -68,6 +70,50 @@ impl Hit {
             instance: found.instance[ray],
         }
     }
+
+    /// 0 where a ray hits the same primitive.
+    #[inline(always)]
+    fn differs(&self, found: &WorldHits, ray: usize) -> u32 {
+        (self.primitive ^ found.hits.primitive[ray]) | (self.instance ^ found.instance[ray])
+    }
+}
+
+/// Hits that are looked at together: neighbours often see the same triangle.
+const GROUP: usize = 16;
+
+/// A triangle that was seen last.
+struct Corners {
+    /// Its primitive and its instance.
+    of: (u32, u32),
+    corners: Triangle,
+    normals: [Vec3; 3],
+}
+
+impl Default for Corners {
+    /// Stands where a hit has no triangle.
+    fn default() -> Self {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        Self { of: (NO_HIT, STILL), corners, normals: [Vec3::ZERO; 3] }
+    }
+}
+
+impl Gathered {
+    #[inline(always)]
+    fn set(&mut self, i: usize, from: &Corners) {
+        for k in 0..3 {
+            self.corners[k].set(i, from.corners[k]);
+            self.normals[k].set(i, from.normals[k]);
+        }
+    }
+
+    /// Sets all of the group of hits that begins at `start`.
+    #[inline(always)]
+    fn fill(&mut self, start: usize, from: &Corners) {
+        for k in 0..3 {
+            self.corners[k].fill::<GROUP>(start, from.corners[k]);
+            self.normals[k].fill::<GROUP>(start, from.normals[k]);
+        }
+    }
 }
 
 impl FrameScene {
@@ -81,29 +127,46 @@ impl FrameScene {
     ) {
         to.curved.clear();
         to.moving.clear();
-        // Neighbouring rays often hit the same triangle: what the last one saw.
-        let mut last = (NO_HIT, STILL, DUMMY, [Vec3::ZERO; 3]);
-        for (i, &ray) in rays[..len].iter().enumerate() {
-            let hit = Hit::new(found, ray as usize);
-            let (structure, object) = if hit.instance == STILL {
-                (&self.world.still, self.still_objects[hit.primitive as usize])
-            } else {
-                let instance = &self.world.instances[hit.instance as usize];
-                to.moving.push(i as u16);
-                (&instance.structure, instance.object)
+        let mut last = Corners::default();
+        for (group, rays) in rays[..len].chunks(GROUP).enumerate() {
+            let start = group * GROUP;
+            let (first, u_v) = (Hit::new(found, rays[0] as usize), |ray| Hit::new(found, ray).uv);
+            let differs = rays.iter().fold(0, |all, &ray| all | first.differs(found, ray as usize));
+            if differs == 0 {
+                self.find_corners(&first, start..start + rays.len(), &mut last, to);
+                to.fill(start, &last);
+            }
+            for (i, &ray) in (start..).zip(rays) {
+                [to.u[i], to.v[i]] = u_v(ray as usize);
+                if differs != 0 {
+                    let hit = Hit::new(found, ray as usize);
+                    self.find_corners(&hit, i..i + 1, &mut last, to);
+                    to.set(i, &last);
+                }
+            }
+        }
+    }
+
+    /// Corners and normals of the triangle that some hits lie on, if `last` is not that; notes which
+    /// of the hits need more.
+    #[inline(always)]
+    fn find_corners(&self, hit: &Hit, hits: Range<usize>, last: &mut Corners, to: &mut Gathered) {
+        let numbers = hits.start as u16..hits.end as u16;
+        let (structure, object) = if hit.instance == STILL {
+            (&self.world.still, self.still_objects[hit.primitive as usize])
+        } else {
+            let instance = &self.world.instances[hit.instance as usize];
+            to.moving.extend(numbers.clone());
+            (&instance.structure, instance.object)
+        };
+        if (hit.primitive as usize) >= structure.triangle_count() {
+            to.curved.extend(numbers);
+        } else if (hit.primitive, hit.instance) != last.of {
+            *last = Corners {
+                of: (hit.primitive, hit.instance),
+                corners: structure.triangle(hit.primitive),
+                normals: self.objects[object as usize].corner_normals(hit.primitive),
             };
-            if (hit.primitive as usize) >= structure.triangle_count() {
-                to.curved.push(i as u16);
-            } else if (hit.primitive, hit.instance) != (last.0, last.1) {
-                let normals = self.objects[object as usize].corner_normals(hit.primitive);
-                let corners = structure.triangle(hit.primitive);
-                last = (hit.primitive, hit.instance, corners, normals);
-            }
-            [to.u[i], to.v[i]] = hit.uv;
-            for k in 0..3 {
-                to.corners[k].set(i, last.2[k]);
-                to.normals[k].set(i, last.3[k]);
-            }
         }
     }
 
@@ -217,6 +280,11 @@ impl Lanewise for Images<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { frame, found, to } = self;
+        if frame.textures.is_empty() {
+            let Vec3s { x, y, z } = &mut to.tint;
+            [x, y, z].into_iter().for_each(|column| column[lanes(to.len)].fill(1.0));
+            return;
+        }
         for i in 0..to.len.min(BATCH) {
             let material = frame.materials.get(to.material[i] as usize);
             let Some(texture) = material.and_then(|material| material.texture) else {
@@ -245,9 +313,6 @@ impl FrameObject {
         }
     }
 }
-
-/// Stands where a hit has no triangle.
-const DUMMY: Triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
 
 /// A point of a primitive, in one space.
 struct Local {
