@@ -49,6 +49,13 @@ struct Pose {
 }
 
 impl Pose {
+    /// Where the ray from the middle of the lens goes through, at distance 1 along the view: not
+    /// unit.
+    #[inline(always)]
+    fn through(&self, [film_x, film_y]: [f32; 2]) -> Vec3 {
+        self.forward + self.half_right * film_x + self.half_up * film_y
+    }
+
     /// `f(self, other)` for every number of the two.
     #[inline(always)]
     fn lerp(&self, other: &Self, x: f32) -> Self {
@@ -102,6 +109,11 @@ impl Camera {
         self.height
     }
 
+    /// Whether rays start anywhere but at one point: whether points of the lens matter.
+    pub(crate) fn has_lens(&self) -> bool {
+        self.poses.iter().any(|pose| pose.lens_right != Vec3::ZERO)
+    }
+
     /// Origin and unit direction of the ray of one sample of the pixel in column `x` and row `y`
     /// (downward), in render space.
     ///
@@ -121,8 +133,16 @@ impl Camera {
         [origins, directions]: [&mut Vec3s; 2],
         len: usize,
     ) {
-        // Twice the same loop: what is constant in the first one stays in registers.
-        if let [pose] = *self.poses {
+        // Three times the same loop: what is constant in the first ones stays in registers.
+        if let [pose] = *self.poses
+            && !self.has_lens()
+        {
+            for i in lanes(len) {
+                let direction = pose.through(self.on_film(x[i], y[i], samples.get(i).pixel));
+                origins.set(i, pose.position);
+                directions.set(i, direction * (1.0 / direction.length()));
+            }
+        } else if let [pose] = *self.poses {
             for i in lanes(len) {
                 let (origin, direction) = self.ray_of(&pose, x[i], y[i], &samples.get(i));
                 origins.set(i, origin);
@@ -139,13 +159,19 @@ impl Camera {
 
     #[inline(always)]
     fn ray_of(&self, pose: &Pose, x: u32, y: u32, sample: &CameraSample) -> (Vec3, Vec3) {
-        let film_x = 2.0 * (x as f32 + sample.pixel[0]) / self.width as f32 - 1.0;
-        let film_y = 1.0 - 2.0 * (y as f32 + sample.pixel[1]) / self.height as f32;
         let [u, v] = warp::concentric_disc(sample.lens);
         let offset = pose.lens_right * u + pose.lens_up * v;
-        let through = pose.forward + pose.half_right * film_x + pose.half_up * film_y;
+        let through = pose.through(self.on_film(x, y, sample.pixel));
         let direction = through - offset * pose.inverse_dof;
         (pose.position + offset, direction * (1.0 / direction.length()))
+    }
+
+    /// The place of a point of a pixel on the film: from -1 to 1, to the right and up.
+    #[inline(always)]
+    fn on_film(&self, x: u32, y: u32, [in_x, in_y]: [f32; 2]) -> [f32; 2] {
+        let film_x = 2.0 * (x as f32 + in_x) / self.width as f32 - 1.0;
+        let film_y = 1.0 - 2.0 * (y as f32 + in_y) / self.height as f32;
+        [film_x, film_y]
     }
 
     #[inline(always)]

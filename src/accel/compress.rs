@@ -29,7 +29,7 @@ impl Isa {
         match self {
             // SAFETY: the CPU has AVX-512, and there is room, which was just looked at.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => unsafe { compress_avx512(bits, from, to) },
+            Self::Avx512 => unsafe { compress_avx512(bits, from, to, count) },
             _ => compress_portable(bits, from, to),
         }
         count
@@ -53,24 +53,34 @@ fn compress_portable<T: Word>(bits: &[u16], from: &[T], to: &mut [T]) {
     }
 }
 
+/// The packed entries of a group are stored with whatever is behind them where that is overwritten
+/// later, since masked stores are slow.
+///
 /// # Safety
-/// `from` has 16 entries for each of `bits`, and `to` one for each bit that is set.
+/// `from` has 16 entries for each of `bits`, and `to` one for each bit that is set: `count`.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,bmi2,popcnt")]
-unsafe fn compress_avx512<T: Word>(bits: &[u16], from: &[T], to: &mut [T]) {
+unsafe fn compress_avx512<T: Word>(bits: &[u16], from: &[T], to: &mut [T], count: usize) {
     use std::arch::x86_64::{
         _bzhi_u32, _mm512_loadu_si512, _mm512_mask_storeu_epi32, _mm512_maskz_compress_epi32,
+        _mm512_storeu_si512,
     };
     let (mut from, mut to) = (from.as_ptr(), to.as_mut_ptr());
+    let mut left = count;
     for &group in bits {
         let count = group.count_ones();
-        let kept = _bzhi_u32(u32::from(u16::MAX), count) as u16;
-        // SAFETY: 16 entries are there to be read, and as many as bits are set to be written.
+        // SAFETY: 16 entries are there to be read, and as many as are left to be written.
         unsafe {
             let packed = _mm512_maskz_compress_epi32(group, _mm512_loadu_si512(from.cast()));
-            _mm512_mask_storeu_epi32(to.cast(), kept, packed);
+            if left >= GROUP {
+                _mm512_storeu_si512(to.cast(), packed);
+            } else {
+                let kept = _bzhi_u32(u32::from(u16::MAX), count) as u16;
+                _mm512_mask_storeu_epi32(to.cast(), kept, packed);
+            }
             (from, to) = (from.add(GROUP), to.add(count as usize));
         }
+        left -= count as usize;
     }
 }
 

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
+use super::looks::Looks;
 use super::tessellate::{CurvedShape, Geometry, geometry, light_rectangle};
 use super::world::{Instance, World};
-use super::looks::Looks;
 use super::{FrameObject, FrameScene, Look};
 use crate::accel::{BuildOptions, Curved, Isa, Primitives, Structure};
 use crate::animation::{

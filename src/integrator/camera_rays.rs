@@ -1,5 +1,7 @@
 //! The camera rays of a batch.
 
+use std::ops::Range;
+
 use super::Work;
 use super::queue::Batch;
 use crate::accel::Lanewise;
@@ -7,13 +9,14 @@ use crate::camera::Camera;
 use crate::frame::FrameScene;
 use crate::math::columns::{BATCH, Column, Vec3s};
 use crate::sampling::PixelSeed;
-use crate::sampling::batch::{CameraSamples, Digits, Run};
+use crate::sampling::batch::{CameraNames, CameraSamples};
 
 /// What is left of some work, and the working memory of making its camera rays.
 #[derive(Debug)]
 pub(super) struct CameraRays {
     samples: CameraSamples,
-    runs: Vec<Run>,
+    /// Words of the seeds of the pixels.
+    seed: Column<u32>,
     x: Column<u32>,
     y: Column<u32>,
     origin: Vec3s,
@@ -24,7 +27,7 @@ impl Default for CameraRays {
     fn default() -> Self {
         Self {
             samples: CameraSamples::default(),
-            runs: Vec::new(),
+            seed: [0; BATCH],
             x: [0; BATCH],
             y: [0; BATCH],
             origin: Vec3s::default(),
@@ -50,29 +53,13 @@ impl CameraRays {
         work: &[Work],
         seeds: &[PixelSeed],
         place: &mut Place,
-        digits: &mut Digits,
         batch: &mut Batch,
     ) {
-        self.runs.clear();
-        let mut len = 0;
-        while let Some(w) = work.get(place.work).filter(|_| len < BATCH) {
-            let count = (w.count - place.samples).min((BATCH - len) as u32);
-            let first = w.first + place.samples;
-            self.runs.push(Run { seed: seeds[place.work], first, count });
-            let lanes = len..len + count as usize;
-            self.x[lanes.clone()].fill(w.x);
-            self.y[lanes.clone()].fill(w.y);
-            batch.labels.slot[lanes.clone()].fill(place.work as u32);
-            for (index, lane) in (first..).zip(&mut batch.labels.index[lanes]) {
-                *lane = index;
-            }
-            len += count as usize;
-            place.samples += count;
-            if place.samples == w.count {
-                *place = Place { work: place.work + 1, samples: 0 };
-            }
-        }
-        self.samples.take(&frame.sampler, frame.isa, &self.runs, digits);
+        let list = List { work, seeds, place, rays: self, batch };
+        let (len, end) = frame.isa.run(list);
+        let lens = frame.camera.has_lens();
+        let names = CameraNames { seed: &self.seed, index: &batch.labels.index, end, lens, len };
+        self.samples.take(&frame.sampler, frame.isa, &names);
         frame.isa.run(Expose { camera: &frame.camera, rays: self, len });
         self.put(len, batch);
     }
@@ -91,6 +78,60 @@ impl CameraRays {
         batch.labels.path[..len].fill(0);
         for weight in [&mut batch.weight.x, &mut batch.weight.y, &mut batch.weight.z] {
             weight[..len].fill(1.0);
+        }
+    }
+}
+
+/// Lists the next samples of some work, a batch at most: how many, and one more than the highest
+/// number.
+struct List<'a> {
+    work: &'a [Work],
+    seeds: &'a [PixelSeed],
+    place: &'a mut Place,
+    rays: &'a mut CameraRays,
+    batch: &'a mut Batch,
+}
+
+impl Lanewise for List<'_> {
+    type Output = (usize, u32);
+
+    #[inline(always)]
+    fn run(self) -> (usize, u32) {
+        let Self { work, seeds, place, rays, batch } = self;
+        let (mut len, mut end) = (0, 0);
+        while let Some(w) = work.get(place.work).filter(|_| len < BATCH) {
+            let count = (w.count - place.samples).min((BATCH - len) as u32);
+            let first = w.first + place.samples;
+            let lanes = len..len + count as usize;
+            put(&mut rays.x, lanes.clone(), |_| w.x);
+            put(&mut rays.y, lanes.clone(), |_| w.y);
+            put(&mut rays.seed, lanes.clone(), |_| seeds[place.work].word());
+            put(&mut batch.labels.slot, lanes.clone(), |_| place.work as u32);
+            put(&mut batch.labels.index, lanes, |i| first.wrapping_add(i));
+            len += count as usize;
+            end = end.max(first.saturating_add(count));
+            place.samples += count;
+            if place.samples == w.count {
+                *place = Place { work: place.work + 1, samples: 0 };
+            }
+        }
+        (len, end)
+    }
+}
+
+/// Puts numbers into some entries of a column, counted from the first of them; behind them may be
+/// others, too, since most pixels of adaptive pictures take fewer samples than a register holds.
+#[inline(always)]
+fn put(column: &mut Column<u32>, lanes: Range<usize>, of: impl Fn(u32) -> u32) {
+    const REGISTER: usize = 16;
+    match column[lanes.start..].first_chunk_mut::<REGISTER>() {
+        Some(entries) if lanes.len() <= REGISTER => {
+            *entries = std::array::from_fn(|i| of(i as u32));
+        }
+        _ => {
+            for (i, entry) in (0..).zip(&mut column[lanes]) {
+                *entry = of(i);
+            }
         }
     }
 }

@@ -63,8 +63,7 @@ impl Points {
         frame.isa.run(FromTables { table: &frame.material_table, seeds, to: self });
         frame.isa.run(Weighted(self));
         let some = |column: &Column<f32>| column[..self.surfaces.len].iter().any(|k| *k != 0.0);
-        self.shines =
-            frame.material_table.shines && self.specular.columns().into_iter().any(some);
+        self.shines = frame.material_table.shines && self.specular.columns().into_iter().any(some);
     }
 
     /// Fetches what goes with the rays.

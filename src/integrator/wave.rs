@@ -17,7 +17,7 @@ use crate::frame::{
     FrameScene, Look, NO_MATERIAL, SurfaceScratch, Surfaces, WorldHits, WorldScratch,
 };
 use crate::math::columns::{BATCH, Column, Vec3s};
-use crate::sampling::batch::{Digits, SetPoints};
+use crate::sampling::batch::SetPoints;
 use crate::sampling::{PixelSeed, Purpose};
 use crate::scene::ShadowMode;
 use crate::shading::Light;
@@ -47,7 +47,6 @@ pub struct Wave {
     pub(super) points: Box<Points>,
     pub(super) lobes: Box<Lobes>,
     pub(super) set: Box<SetPoints>,
-    digits: Digits,
     pub(super) choice: Box<LightChoice>,
     pub(super) sent: Box<Sent>,
     pub(super) next: Box<Labels>,
@@ -67,8 +66,8 @@ impl Wave {
         self.features.reset(if with_features { work.len() } else { 0 });
         let mut place = Place::default();
         loop {
-            let Self { camera_rays, seeds, digits, batch, .. } = self;
-            camera_rays.fill(frame, work, seeds, &mut place, digits, batch);
+            let Self { camera_rays, seeds, batch, .. } = self;
+            camera_rays.fill(frame, work, seeds, &mut place, batch);
             if self.batch.rays.is_empty() {
                 break;
             }
@@ -242,7 +241,7 @@ impl Wave {
         [i, count]: [u32; 2],
     ) {
         let names = self.points.names(&frame.settings, depth, purpose, [i, count]);
-        self.set.take::<D>(&frame.sampler, frame.isa, &names, &mut self.digits);
+        self.set.take::<D>(&frame.sampler, frame.isa, &names);
     }
 
     /// Makes sure that there is a queue for rays with `depth` bounces behind them.

@@ -1,29 +1,38 @@
 //! The same samples as [`Sampler`] names one by one, for whole batches.
 
-pub(crate) use super::net::Digits;
-use super::net::{self, BLOCK, CAMERA};
+use super::net::{self, AT_HIT, CAMERA};
 use super::{CameraSample, Generator, Hit, Key, PixelSeed, Sampler, Use};
 use crate::accel::{Isa, Lanewise};
 use crate::math::columns::{BATCH, Column, lanes};
-
-/// Samples `first..first + count` of one pixel.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Run {
-    pub(crate) seed: PixelSeed,
-    pub(crate) first: u32,
-    pub(crate) count: u32,
-}
 
 /// Camera samples in columns: lens u, v, time, pixel x, y.
 #[derive(Debug)]
 pub(crate) struct CameraSamples {
     numbers: [Column<f32>; CAMERA],
-    looked: Looked,
 }
 
 impl Default for CameraSamples {
     fn default() -> Self {
-        Self { numbers: [[0.0; BATCH]; CAMERA], looked: Looked::default() }
+        Self { numbers: [[0.0; BATCH]; CAMERA] }
+    }
+}
+
+/// Which camera samples, in columns.
+pub(crate) struct CameraNames<'a> {
+    /// Words of the seeds of the pixels.
+    pub(crate) seed: &'a Column<u32>,
+    pub(crate) index: &'a Column<u32>,
+    /// One more than the highest index.
+    pub(crate) end: u32,
+    /// Whether anybody looks at the dimensions of the lens.
+    pub(crate) lens: bool,
+    pub(crate) len: usize,
+}
+
+impl CameraNames<'_> {
+    #[inline(always)]
+    fn name(&self, i: usize) -> (PixelSeed, u32) {
+        (PixelSeed::from_word(self.seed[i]), self.index[i])
     }
 }
 
@@ -38,67 +47,63 @@ impl CameraSamples {
         &self.numbers[2]
     }
 
-    /// Fills in the samples of runs, one after the other; together a batch at most.
-    pub(crate) fn take(&mut self, sampler: &Sampler, isa: Isa, runs: &[Run], digits: &mut Digits) {
-        let end = runs.iter().map(|run| run.first + run.count).max().unwrap_or(0);
-        if sampler.generator == Generator::Quasi && end <= Digits::MOST {
-            digits.reach(end);
-            self.take_quasi(isa, runs, digits);
+    /// Fills in the named samples.
+    pub(crate) fn take(&mut self, sampler: &Sampler, isa: Isa, names: &CameraNames<'_>) {
+        if sampler.generator != Generator::Quasi {
+            isa.run(TakeCamera { sampler, names, to: self });
             return;
         }
-        let mut at = 0;
-        for run in runs {
-            for index in run.first..run.first + run.count {
-                let CameraSample { pixel: [x, y], time, lens: [u, v] } =
-                    sampler.camera(run.seed, index);
-                for (column, number) in self.numbers.iter_mut().zip([u, v, time, x, y]) {
-                    column[at] = number;
-                }
-                at += 1;
-            }
-        }
-    }
-
-    /// Runs of adaptive pictures are short: numbers are looked up run by run, and scrambled all
-    /// together.
-    fn take_quasi(&mut self, isa: Isa, runs: &[Run], digits: &Digits) {
-        let Self { numbers, looked } = self;
-        let mut len = 0;
-        for run in runs {
-            let end = len + run.count as usize;
-            looked.set[len..end].fill(run.seed.camera().set);
-            len = end;
-        }
-        for (dimension, to) in numbers.iter_mut().enumerate() {
-            isa.run(LookUpRuns { dimension, runs, digits, to: &mut looked.digits });
-            isa.run(Scramble { dimension, len, looked, to });
+        match (names.end, names.lens) {
+            (..=0x10, false) => isa.run(TakeCameraQuasi::<4, false> { names, to: self }),
+            (..=0x10, true) => isa.run(TakeCameraQuasi::<4, true> { names, to: self }),
+            (..=0x100, false) => isa.run(TakeCameraQuasi::<8, false> { names, to: self }),
+            (..=0x100, true) => isa.run(TakeCameraQuasi::<8, true> { names, to: self }),
+            (..=0x1000, _) => isa.run(TakeCameraQuasi::<12, true> { names, to: self }),
+            (..=0x1_0000, _) => isa.run(TakeCameraQuasi::<16, true> { names, to: self }),
+            _ => isa.run(TakeCameraQuasi::<32, true> { names, to: self }),
         }
     }
 }
 
-/// Looks up one dimension of the samples of runs.
-struct LookUpRuns<'a> {
-    dimension: usize,
-    runs: &'a [Run],
-    digits: &'a Digits,
-    to: &'a mut Column<u32>,
+/// Camera samples of `QUASI`, of less than `2^BITS`.
+struct TakeCameraQuasi<'a, const BITS: u32, const LENS: bool> {
+    names: &'a CameraNames<'a>,
+    to: &'a mut CameraSamples,
 }
 
-impl Lanewise for LookUpRuns<'_> {
+impl<const BITS: u32, const LENS: bool> Lanewise for TakeCameraQuasi<'_, BITS, LENS> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { dimension, runs, digits, to } = self;
-        let (digits, masks) = (digits.of(dimension), net::masks_of(dimension));
-        let mut rest = &mut to[..];
-        for run in runs {
-            let (now, later) = rest.split_at_mut(run.count as usize);
-            let mask = masks[run.seed.camera().at as usize];
-            for (to, &digits) in now.iter_mut().zip(&digits[run.first as usize..]) {
-                *to = digits ^ mask;
-            }
-            rest = later;
+        let Self { names, to } = self;
+        let [u, v, time, x, y] = &mut to.numbers;
+        for i in lanes(names.len) {
+            let (seed, index) = names.name(i);
+            [u[i], v[i], time[i], x[i], y[i]] = net::camera::<BITS, LENS>(seed.camera(), index);
+        }
+    }
+}
+
+/// Camera samples of any generator.
+struct TakeCamera<'a> {
+    sampler: &'a Sampler,
+    names: &'a CameraNames<'a>,
+    to: &'a mut CameraSamples,
+}
+
+impl Lanewise for TakeCamera<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sampler, names, to } = self;
+        let [u, v, time, x, y] = &mut to.numbers;
+        for i in lanes(names.len) {
+            let (seed, index) = names.name(i);
+            let sample = sampler.camera(seed, index);
+            ([u[i], v[i]], [x[i], y[i]]) = (sample.lens, sample.pixel);
+            time[i] = sample.time;
         }
     }
 }
@@ -106,37 +111,12 @@ impl Lanewise for LookUpRuns<'_> {
 /// Points of sets of three dimensions, in columns.
 #[derive(Debug)]
 pub(crate) struct SetPoints {
-    pub(crate) numbers: [Column<f32>; 3],
-    looked: Looked,
+    pub(crate) numbers: [Column<f32>; AT_HIT],
 }
 
 impl Default for SetPoints {
     fn default() -> Self {
-        Self { numbers: [[0.0; BATCH]; 3], looked: Looked::default() }
-    }
-}
-
-/// What is looked up in tables, in a loop of its own, and what for.
-#[derive(Debug)]
-struct Looked {
-    index: Column<u32>,
-    set: Column<u32>,
-    digits: Column<u32>,
-}
-
-impl Default for Looked {
-    fn default() -> Self {
-        Self { index: [0; BATCH], set: [0; BATCH], digits: [0; BATCH] }
-    }
-}
-
-impl Looked {
-    fn look_up(&mut self, dimension: usize, names: &SetNames<'_>, digits: &Digits) {
-        let (digits, masks) = (digits.of(dimension), net::masks_of(dimension));
-        for i in 0..names.len.min(BATCH) {
-            self.digits[i] =
-                digits[self.index[i] as usize] ^ masks[(names.seed[i] % BLOCK) as usize];
-        }
+        Self { numbers: [[0.0; BATCH]; AT_HIT] }
     }
 }
 
@@ -157,9 +137,13 @@ pub(crate) struct SetNames<'a> {
 
 impl SetNames<'_> {
     #[inline(always)]
+    fn hit(&self, path: u32) -> Hit {
+        Hit { path, depth: self.depth, split: self.split }
+    }
+
+    #[inline(always)]
     fn key(&self, i: usize) -> Key {
-        let hit = Hit { path: self.path[i], depth: self.depth, split: self.split };
-        PixelSeed::from_word(self.seed[i]).key_of(hit, self.purpose)
+        PixelSeed::from_word(self.seed[i]).key_of(self.hit(self.path[i]), self.purpose)
     }
 
     #[inline(always)]
@@ -167,10 +151,10 @@ impl SetNames<'_> {
         place_of(self.index[i], self.place)
     }
 
-    /// One more than the highest number.
-    fn end(&self) -> u32 {
-        let highest = lanes(self.len).map(|i| if i < self.len { self.number(i) } else { 0 }).max();
-        highest.map_or(0, |number| number.saturating_add(1))
+    /// A number that no point's place in the order of its set reaches.
+    fn end(&self, isa: Isa) -> u32 {
+        let end = isa.run(End(self));
+        if self.hit(0).is_joint() { end } else { end.max(net::SHUFFLED) }
     }
 }
 
@@ -188,30 +172,22 @@ impl SetPoints {
         sampler: &Sampler,
         isa: Isa,
         names: &SetNames<'_>,
-        digits: &mut Digits,
     ) {
-        if sampler.generator == Generator::Quasi {
-            let end = isa.run(End(names)).next_multiple_of(net::SHUFFLED);
-            if end <= Digits::MOST {
-                digits.reach(end);
-                self.take_quasi::<D>(isa, names, digits);
-                return;
-            }
+        if sampler.generator != Generator::Quasi {
+            isa.run(Take::<D> { sampler, names, to: self });
+            return;
         }
-        isa.run(Take::<D> { sampler, names, to: self });
-    }
-
-    fn take_quasi<const D: usize>(&mut self, isa: Isa, names: &SetNames<'_>, digits: &Digits) {
-        let Self { numbers, looked } = self;
-        isa.run(Order { names, to: looked });
-        let first = net::first_dimension(names.depth);
-        for (dimension, to) in (first..).zip(numbers).take(D) {
-            looked.look_up(dimension, names, digits);
-            isa.run(Scramble { dimension, len: names.len, looked, to });
+        match names.end(isa) {
+            ..=0x10 => isa.run(TakeQuasi::<D, 4> { names, to: self }),
+            ..=0x100 => isa.run(TakeQuasi::<D, 8> { names, to: self }),
+            ..=0x1000 => isa.run(TakeQuasi::<D, 12> { names, to: self }),
+            ..=0x1_0000 => isa.run(TakeQuasi::<D, 16> { names, to: self }),
+            _ => isa.run(TakeQuasi::<D, 32> { names, to: self }),
         }
     }
 }
 
+/// One more than the highest number of the named points.
 struct End<'a>(&'a SetNames<'a>);
 
 impl Lanewise for End<'_> {
@@ -219,51 +195,36 @@ impl Lanewise for End<'_> {
 
     #[inline(always)]
     fn run(self) -> u32 {
-        self.0.end()
+        let names = self.0;
+        let number = |i| if i < names.len { names.number(i) } else { 0 };
+        lanes(names.len).map(number).max().map_or(0, |number| number.saturating_add(1))
     }
 }
 
-/// Which point of its dimensions each named point is, and the word of its set.
-struct Order<'a> {
+/// Points of `QUASI`, of less than `2^BITS`.
+struct TakeQuasi<'a, const D: usize, const BITS: u32> {
     names: &'a SetNames<'a>,
-    to: &'a mut Looked,
+    to: &'a mut SetPoints,
 }
 
-impl Lanewise for Order<'_> {
+impl<const D: usize, const BITS: u32> Lanewise for TakeQuasi<'_, D, BITS> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { names, to } = self;
+        let [u, v, w] = &mut to.numbers;
         for i in lanes(names.len) {
-            let key = names.key(i);
-            to.index[i] = net::order(key, names.number(i));
-            to.set[i] = key.set;
+            let numbers = net::at_hit::<BITS>(names.key(i), names.number(i));
+            (u[i], v[i]) = (numbers[0], numbers[1]);
+            if D > 2 {
+                w[i] = numbers[2];
+            }
         }
     }
 }
 
-/// Scrambles what was looked up for one dimension.
-struct Scramble<'a> {
-    dimension: usize,
-    len: usize,
-    looked: &'a Looked,
-    to: &'a mut Column<f32>,
-}
-
-impl Lanewise for Scramble<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { dimension, len, looked, to } = self;
-        for i in lanes(len) {
-            to[i] = net::number(looked.digits[i], dimension, looked.set[i]);
-        }
-    }
-}
-
-/// Any generator, any number of points.
+/// Points of any generator.
 struct Take<'a, const D: usize> {
     sampler: &'a Sampler,
     names: &'a SetNames<'a>,

@@ -1,6 +1,6 @@
 //! Names of sample sets: integers that depend on everything a sample may depend on.
 
-use super::net::{BLOCK, first_dimension, has_group};
+use super::net::{BLOCK, has_groups};
 
 /// A bijection of 32-bit words in which every input bit changes every output bit about half the
 /// time.
@@ -34,8 +34,8 @@ pub struct Key {
     pub(super) set: u32,
     /// Place of the pixel in its block.
     pub(super) at: u32,
-    /// First of its dimensions among those of a path.
-    pub(super) dimension: usize,
+    /// Bounces before it.
+    pub(super) depth: u32,
     /// Whether the points of the same number of a path belong together.
     pub(super) joint: bool,
 }
@@ -58,6 +58,14 @@ pub struct Hit {
     /// Whether rays have numbers of their own, since this or an earlier hit sends several of a
     /// kind.
     pub split: bool,
+}
+
+impl Hit {
+    /// Whether the points of its sets belong to those of the same number before it.
+    #[inline(always)]
+    pub(super) fn is_joint(self) -> bool {
+        !self.split && has_groups(self.depth)
+    }
 }
 
 /// What a hit needs random numbers for.
@@ -112,7 +120,7 @@ impl PixelSeed {
     /// The set of camera samples.
     #[inline(always)]
     pub(super) fn camera(self) -> Key {
-        Key { set: self.0 / BLOCK, at: self.0 % BLOCK, dimension: 0, joint: true }
+        Key { set: self.0 / BLOCK, at: self.0 % BLOCK, depth: 0, joint: true }
     }
 
     /// The set for one purpose at one hit.
@@ -126,8 +134,8 @@ impl PixelSeed {
         Key {
             set: hash2(hash2(self.0 / BLOCK, hit.path), word),
             at: self.0 % BLOCK,
-            dimension: first_dimension(hit.depth),
-            joint: !hit.split && has_group(hit.depth),
+            depth: hit.depth,
+            joint: hit.is_joint(),
         }
     }
 }

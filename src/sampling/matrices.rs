@@ -24,7 +24,7 @@ pub(super) const MATRICES: [[u32; 12]; 9] = [
 ];
 
 /// By group, what each bit of a pixel's number in its block adds.
-pub(super) const MASKS: [[u32; 6]; 9] = [
+pub(super) static MASKS: [[u32; 6]; 9] = [
     // lens
     [0x6ddb, 0xdbb7, 0x4552, 0x69cc, 0xb85f, 0xbda7],
     // time

@@ -63,7 +63,7 @@ impl Sampler {
     pub fn camera(&self, pixel: PixelSeed, index: u32) -> CameraSample {
         let key = pixel.camera();
         let [lens_u, lens_v, time, x, y] = match self.generator {
-            Generator::Quasi => quasi(key, index),
+            Generator::Quasi => net::camera::<32, true>(key, index),
             Generator::Pseudo => std::array::from_fn(|d| pseudo(key.word(), index, d)),
             Generator::ZeroTwo => {
                 let lens = sobol::zero_two(index, mix(key.word() ^ 1));
@@ -79,7 +79,7 @@ impl Sampler {
     #[inline(always)]
     pub fn point3(&self, key: Key, index: u32) -> [f32; 3] {
         match self.generator {
-            Generator::Quasi => quasi(key, index),
+            Generator::Quasi => net::at_hit::<32>(key, index),
             Generator::Pseudo => std::array::from_fn(|d| pseudo(key.word(), index, d)),
             Generator::ZeroTwo => {
                 let [u, v] = sobol::zero_two(index, key.word());
@@ -94,17 +94,6 @@ impl Sampler {
         let [u, v, _] = self.point3(key, index);
         [u, v]
     }
-}
-
-/// Point `index` of the first `D` dimensions of a set.
-#[inline(always)]
-fn quasi<const D: usize>(key: Key, index: u32) -> [f32; D] {
-    let index = net::order(key, index);
-    std::array::from_fn(|d| {
-        let dimension = key.dimension + d;
-        let digits = net::digits(dimension, index) ^ net::masks_of(dimension)[key.at as usize];
-        net::number(digits, dimension, key.set)
-    })
 }
 
 /// An independent uniform number for every (key, index, dimension).

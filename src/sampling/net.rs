@@ -24,66 +24,49 @@ use super::unit;
 /// Pixels of a block whose samples belong together: 8 x 8.
 pub(super) const BLOCK: u32 = 64;
 
-/// Numbers of all groups: lens u and v, time, pixel x and y, then u, v and w at each of
-/// [`HITS`] hits.
-const DIMENSIONS: usize = CAMERA + HITS * AT_HIT;
-
-/// Dimensions of a camera sample.
+/// Dimensions of a camera sample: lens u and v, time, pixel x and y.
 pub(super) const CAMERA: usize = 5;
+
+/// Groups of a camera sample: lens, time, pixel.
+const CAMERA_GROUPS: usize = 3;
 
 /// Hits of a path that have groups of their own.
 const HITS: usize = 3;
 
-/// Dimensions of a hit.
+/// Dimensions of a hit: u, v and w, the last one a group alone.
 pub(super) const AT_HIT: usize = 3;
 
-/// First dimension of the hit after `depth` bounces; those beyond the last share its own.
+const GROUPS: usize = CAMERA_GROUPS + 2 * HITS;
+
+/// Which hit's groups the hit after `depth` bounces has; those beyond the last share its own.
 #[inline(always)]
-pub(super) fn first_dimension(depth: u32) -> usize {
-    CAMERA + (depth as usize).min(HITS - 1) * AT_HIT
+fn hit_of(depth: u32) -> usize {
+    (depth as usize).min(HITS - 1)
 }
 
-/// Whether the hit after `depth` bounces has a group of its own.
+/// Whether the hit after `depth` bounces has groups of its own.
 #[inline(always)]
-pub(super) fn has_group(depth: u32) -> bool {
+pub(super) fn has_groups(depth: u32) -> bool {
     (depth as usize) < HITS
 }
 
-/// By dimension, what each bit of the index adds to the digits.
-const COLUMNS: [[u32; 32]; DIMENSIONS] = columns();
+/// By group, what each bit of the index adds to the digits of its first dimension.
+static COLUMNS: [[u32; 32]; GROUPS] = columns();
 
-/// By dimension and place in the block, what is XORed to the digits.
-static MASK: [[u32; BLOCK as usize]; DIMENSIONS] = masks();
-
-/// Row of [`MATRICES`] of a dimension, and whether it is the second of its group.
-const fn place(dimension: usize) -> (usize, bool) {
-    match dimension {
-        0 | 1 => (0, dimension == 1),
-        2 => (1, false),
-        3 | 4 => (2, dimension == 4),
-        _ => {
-            let (hit, of_hit) = ((dimension - CAMERA) / AT_HIT, (dimension - CAMERA) % AT_HIT);
-            (3 + 2 * hit + of_hit / 2, of_hit == 1)
-        }
-    }
-}
-
-const fn columns() -> [[u32; 32]; DIMENSIONS] {
-    let mut all = [[0; 32]; DIMENSIONS];
-    let mut d = 0;
-    while d < DIMENSIONS {
-        let (group, is_second) = place(d);
+const fn columns() -> [[u32; 32]; GROUPS] {
+    let mut all = [[0; 32]; GROUPS];
+    let mut group = 0;
+    while group < GROUPS {
         let mut bit = 0;
         while bit < 32 {
-            let first = if bit < MATRICES[group].len() {
+            all[group][bit] = if bit < MATRICES[group].len() {
                 MATRICES[group][bit]
             } else {
                 any_column(group as u32, bit as u32)
             };
-            all[d][bit] = if is_second { second(first) } else { first };
             bit += 1;
         }
-        d += 1;
+        group += 1;
     }
     all
 }
@@ -95,98 +78,93 @@ const fn any_column(group: u32, bit: u32) -> u32 {
     (word ^ (word >> 15)) & ((1 << bit) - 1) | (1 << bit)
 }
 
-const fn masks() -> [[u32; BLOCK as usize]; DIMENSIONS] {
-    let mut all = [[0; BLOCK as usize]; DIMENSIONS];
-    let mut d = 0;
-    while d < DIMENSIONS {
-        let (group, is_second) = place(d);
-        let mut at = 1;
-        while at < BLOCK as usize {
-            let bit = at.trailing_zeros() as usize;
-            let first = MASKS[group][bit];
-            all[d][at] = all[d][at & (at - 1)] ^ if is_second { second(first) } else { first };
-            at += 1;
-        }
-        d += 1;
-    }
-    all
-}
-
 /// So many points of a set change places with each other; a power of two.
 pub(super) const SHUFFLED: u32 = 1 << 10;
 
 /// Which point of its dimensions point `index` of a set is. Sets whose points do not belong to those
 /// of the same number elsewhere come in an order of their own.
 #[inline(always)]
-pub(super) fn order(key: Key, index: u32) -> u32 {
+fn order(key: Key, index: u32) -> u32 {
     let low = SHUFFLED - 1;
     let shuffled = shuffle(index, key.set) & low | index & !low;
     if key.joint { index } else { shuffled }
 }
 
-/// Digits of point `index` in a dimension, the most significant the lowest bit.
+/// The five dimensions of point `index < 2^BITS` of a set of camera samples; those of the lens are
+/// 0 without `LENS`. No branches, so that loops over many points become vector code.
 #[inline(always)]
-pub(super) fn digits(dimension: usize, index: u32) -> u32 {
-    let (mut rest, mut digits) = (index, 0);
-    while rest != 0 {
-        digits ^= COLUMNS[dimension][rest.trailing_zeros() as usize];
-        rest &= rest - 1;
+pub(super) fn camera<const BITS: u32, const LENS: bool>(key: Key, index: u32) -> [f32; CAMERA] {
+    let lens = if LENS { digits::<BITS>(0, index, key.at) } else { 0 };
+    let time = digits::<BITS>(1, index, key.at);
+    let pixel = digits::<BITS>(2, index, key.at);
+    let number = |dimension, digits| number(digits, dimension, key.set);
+    let [u, v] = if LENS { [number(0, lens), number(1, second(lens))] } else { [0.0; 2] };
+    [u, v, number(2, time), number(3, pixel), number(4, second(pixel))]
+}
+
+/// The dimensions of point `index` of a set of a hit, which has less than `2^BITS` before it in the
+/// set's [order]. No branches.
+#[inline(always)]
+pub(super) fn at_hit<const BITS: u32>(key: Key, index: u32) -> [f32; AT_HIT] {
+    let (index, hit) = (order(key, index), hit_of(key.depth));
+    let (group, dimension) = (CAMERA_GROUPS + 2 * hit, CAMERA + AT_HIT * hit);
+    let point = digits::<BITS>(group, index, key.at);
+    let choice = digits::<BITS>(group + 1, index, key.at);
+    let number = |dimension, digits| number(digits, dimension, key.set);
+    [number(dimension, point), number(dimension + 1, second(point)), number(dimension + 2, choice)]
+}
+
+/// Digits of point `index < 2^BITS` in the first dimension of a group, the most significant the
+/// lowest bit, for the pixel at a place of its block.
+#[inline(always)]
+fn digits<const BITS: u32>(group: usize, index: u32, at: u32) -> u32 {
+    let (columns, masks) = (&COLUMNS[group], &MASKS[group]);
+    let mut digits = 0;
+    for bit in 0..BITS as usize {
+        digits ^= (index >> bit & 1).wrapping_neg() & columns[bit];
+    }
+    for bit in 0..masks.len() {
+        digits ^= (at >> bit & 1).wrapping_neg() & masks[bit];
     }
     digits
 }
 
-/// By place in the block, what is XORed to the digits of a dimension.
+/// The number in `[0, 1)` that digits become in the set `set`.
 #[inline(always)]
-pub(super) fn masks_of(dimension: usize) -> &'static [u32; BLOCK as usize] {
-    &MASK[dimension]
-}
-
-/// The number in `[0, 1)` that masked digits become in the set `set`.
-#[inline(always)]
-pub(super) fn number(digits: u32, dimension: usize, set: u32) -> f32 {
+fn number(digits: u32, dimension: usize, set: u32) -> f32 {
     unit(scramble(digits, dimension_key(set, dimension)))
-}
-
-/// Digits of the first points, by dimension: all sets and pixels scramble the same ones.
-#[derive(Debug, Default)]
-pub(crate) struct Digits {
-    /// All of the same length.
-    dimensions: [Vec<u32>; DIMENSIONS],
-}
-
-impl Digits {
-    /// Beyond so many points the digits are computed again for each use.
-    pub(super) const MOST: u32 = 1 << 16;
-
-    /// Makes sure that those of the points below `end` are there, if it is not beyond
-    /// [`MOST`](Self::MOST).
-    pub(super) fn reach(&mut self, end: u32) {
-        for (dimension, known) in self.dimensions.iter_mut().enumerate() {
-            let start = known.len() as u32;
-            known.extend((start..end.min(Self::MOST)).map(|index| digits(dimension, index)));
-        }
-    }
-
-    /// Those of a dimension.
-    #[inline(always)]
-    pub(super) fn of(&self, dimension: usize) -> &[u32] {
-        &self.dimensions[dimension]
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn bits(dimension: usize) -> impl Iterator<Item = u32> {
-        (0..32).map(move |bit| COLUMNS[dimension][bit])
+    const DIMENSIONS: usize = CAMERA + HITS * AT_HIT;
+
+    /// Digits of a point in any dimension, for the pixel at a place of its block.
+    fn digits_at(dimension: usize, index: u32, at: u32) -> u32 {
+        let (group, is_second) = match dimension {
+            0 | 1 => (0, dimension == 1),
+            2 => (1, false),
+            3 | 4 => (2, dimension == 4),
+            _ => {
+                let (hit, of_hit) = ((dimension - CAMERA) / AT_HIT, (dimension - CAMERA) % AT_HIT);
+                (CAMERA_GROUPS + 2 * hit + of_hit / 2, of_hit == 1)
+            }
+        };
+        let first = super::digits::<32>(group, index, at);
+        if is_second { second(first) } else { first }
+    }
+
+    fn digits(dimension: usize, index: u32) -> u32 {
+        digits_at(dimension, index, 0)
     }
 
     #[test]
     fn matrices_are_upper_triangular_with_ones_on_the_diagonal() {
         for dimension in 0..DIMENSIONS {
-            for (bit, column) in bits(dimension).enumerate() {
-                assert_eq!(column.ilog2() as usize, bit, "dimension {dimension}");
+            for bit in 0..32 {
+                assert_eq!(digits(dimension, 1 << bit).ilog2(), bit, "dimension {dimension}");
             }
         }
     }
@@ -206,6 +184,19 @@ mod tests {
                 cells.dedup();
                 assert_eq!(cells.len(), 1 << samples, "dimensions {a} and {b}, {in_a} digits");
             }
+        }
+    }
+
+    #[test]
+    fn fewer_bits_are_enough_for_fewer_points() {
+        let key = Key { set: 77, at: 45, depth: 1, joint: false };
+        for index in [0, 1, 9, 15] {
+            assert_eq!(camera::<4, true>(key, index), camera::<32, true>(key, index));
+            let [_, _, rest @ ..] = camera::<32, true>(key, index);
+            assert_eq!(camera::<8, false>(key, index)[2..], rest);
+        }
+        for index in [0, 15, 900, 4000] {
+            assert_eq!(at_hit::<12>(key, index), at_hit::<32>(key, index));
         }
     }
 
@@ -252,7 +243,7 @@ mod tests {
         let of = |samples: u32, pixels: u32| -> Vec<Vec<u32>> {
             let words = |d: usize| {
                 let all = (0..samples).flat_map(|i| (0..pixels).map(move |at| (i, at)));
-                all.map(|(i, at)| digits(d, i) ^ MASK[d][at as usize]).collect()
+                all.map(|(i, at)| digits_at(d, i, at)).collect()
             };
             (0..DIMENSIONS).map(words).collect()
         };
