@@ -187,7 +187,8 @@ def mutation(random):
 
 
 def rust(name, about, rows):
-    lines = [f"/// {about}", f"pub(super) const {name}: [[u32; {len(rows[GROUPS[0]])}]; {len(GROUPS)}] = ["]
+    keyword = "static" if name == "MASKS" else "const"
+    lines = [f"/// {about}", f"pub(super) {keyword} {name}: [[u32; {len(rows[GROUPS[0]])}]; {len(GROUPS)}] = ["]
     for group in GROUPS:
         words = ", ".join(f"{word:#x}" for word in rows[group])
         lines += [f"    // {group}", "    " + f"[{words}],"]
