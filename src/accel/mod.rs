@@ -181,39 +181,43 @@ impl Structure {
         }
     }
 
-    /// The first hit of every ray with `0 < t < t_max`, written to `hits[0..rays.len()]`.
+    /// The first hit of every ray with `0 < t < t_max`, written to `hits[0..rays.len()]`; comes back
+    /// with how alike the rays turned out to be, where that can be told.
     pub fn intersect(
         &self,
         rays: &Rays,
         coherence: Coherence,
         hits: &mut Hits,
         scratch: &mut Scratch,
-    ) {
+    ) -> Coherence {
         hits.reset(rays.len());
         match self {
             Self::KdTree(tree) => tree.intersect(rays, coherence, hits, &mut scratch.kdtree),
-            Self::Bvh(bvh) => bvh.intersect(rays, coherence, hits, &mut scratch.bvh),
+            Self::Bvh(bvh) => return bvh.intersect(rays, coherence, hits, &mut scratch.bvh),
             Self::Cwbvh(cwbvh) => cwbvh.intersect(rays, hits),
             Self::Brute(brute) => brute.intersect(rays, hits),
         }
+        coherence
     }
 
-    /// Whether anything lies on each ray with `0 < t < t_max`, written to `blocked[0..rays.len()]`.
+    /// Whether anything lies on each ray with `0 < t < t_max`, written to `blocked[0..rays.len()]`;
+    /// comes back with how alike the rays turned out to be, where that can be told.
     pub fn occluded(
         &self,
         rays: &Rays,
         coherence: Coherence,
         blocked: &mut Vec<bool>,
         scratch: &mut Scratch,
-    ) {
+    ) -> Coherence {
         blocked.clear();
         blocked.resize(rays.len().next_multiple_of(LANES), false);
         match self {
             Self::KdTree(tree) => tree.occluded(rays, coherence, blocked, &mut scratch.kdtree),
-            Self::Bvh(bvh) => bvh.occluded(rays, coherence, blocked, &mut scratch.bvh),
+            Self::Bvh(bvh) => return bvh.occluded(rays, coherence, blocked, &mut scratch.bvh),
             Self::Cwbvh(cwbvh) => cwbvh.occluded(rays, blocked),
             Self::Brute(brute) => brute.occluded(rays, blocked),
         }
+        coherence
     }
 }
 

@@ -7,14 +7,14 @@ pub const LANES: usize = 16;
 /// Primitive id of a ray that hits nothing.
 pub const NO_HIT: u32 = u32::MAX;
 
-/// How alike neighbouring rays of a batch are: a hint from which a structure picks its kernel; it
-/// never changes an answer.
+/// How alike neighbouring rays of a batch are: from what is expected a structure picks its kernel,
+/// and tells what it found. It never changes an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coherence {
-    /// Runs of 16 rays come from one small patch of pixels: camera rays, and shadow rays of
-    /// neighbouring hits toward one light.
+    /// Runs of 16 rays go similar ways: camera rays of a small patch of pixels, what mirrors and
+    /// glass make of them, and shadow rays of neighbouring hits toward one light.
     Coherent,
-    /// Neighbours have nothing in common: glossy and refracted bounces.
+    /// Neighbours have nothing in common: bounces of rough surfaces.
     Incoherent,
 }
 

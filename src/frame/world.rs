@@ -85,7 +85,8 @@ impl World {
         Self { still, instances, boxes: BoxTree::new(&boxes), isa }
     }
 
-    /// The first hit of every ray at its own time in `[0, 1]`.
+    /// The first hit of every ray at its own time in `[0, 1]`; comes back with how alike the rays
+    /// turned out to be for what is still.
     pub(crate) fn intersect(
         &self,
         rays: &Rays,
@@ -93,12 +94,12 @@ impl World {
         coherence: Coherence,
         found: &mut WorldHits,
         scratch: &mut WorldScratch,
-    ) {
-        self.still.intersect(rays, coherence, &mut found.hits, &mut scratch.accel);
+    ) -> Coherence {
+        let coherence = self.still.intersect(rays, coherence, &mut found.hits, &mut scratch.accel);
         found.instance.clear();
         found.instance.resize(rays.len(), STILL);
         if self.instances.is_empty() {
-            return;
+            return coherence;
         }
         let reach = |t: f32, i: usize| t.min(rays.t_max[i]);
         scratch.reach.clear();
@@ -128,9 +129,11 @@ impl World {
                 }
             }
         }
+        coherence
     }
 
-    /// Whether anything lies on each ray at its own time.
+    /// Whether anything lies on each ray at its own time; comes back with how alike the rays turned
+    /// out to be for what is still.
     pub(crate) fn occluded(
         &self,
         rays: &Rays,
@@ -138,10 +141,10 @@ impl World {
         coherence: Coherence,
         blocked: &mut Vec<bool>,
         scratch: &mut WorldScratch,
-    ) {
-        self.still.occluded(rays, coherence, blocked, &mut scratch.accel);
+    ) -> Coherence {
+        let coherence = self.still.occluded(rays, coherence, blocked, &mut scratch.accel);
         if self.instances.is_empty() {
-            return;
+            return coherence;
         }
         let reach = |i: usize| if blocked[i] { -1.0 } else { rays.t_max[i] };
         scratch.reach.clear();
@@ -165,6 +168,7 @@ impl World {
                 blocked[i as usize] |= hit;
             }
         }
+        coherence
     }
 
     /// Lists for each instance the rays that enter its box within their reach, in order.

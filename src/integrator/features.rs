@@ -54,8 +54,8 @@ impl FeatureSums {
         points: &Points,
     ) {
         let background = Vec3::from(frame.settings.background);
-        for i in 0..batch.rays.len().min(BATCH) {
-            let color = match Look::of_word(looks[i]) {
+        for (i, &look) in looks.iter().enumerate().take(batch.rays.len()) {
+            let color = match Look::of_word(look) {
                 Look::Nothing => background,
                 Look::Light(light) => frame.lights[light as usize].color,
                 Look::Material(_) => continue,

@@ -1,7 +1,7 @@
 //! Weighted rays that wait to be traced, and the batches that they are traced in.
 
 use super::chosen::Chosen;
-use crate::accel::Rays;
+use crate::accel::{Coherence, Rays};
 use crate::math::columns::{BATCH, Column, Vec3s};
 
 /// What goes with a ray besides its geometry.
@@ -82,7 +82,7 @@ impl Sent {
     }
 }
 
-/// Where rays to lights come from: neighbours of the first kind are alike.
+/// Where rays to lights come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ShadowKind {
     /// Hits of camera rays.
@@ -100,6 +100,36 @@ pub(super) struct RayQueue {
     slot: Vec<u32>,
     /// Nothing in a queue of rays to lights.
     names: Names,
+    pub(super) habit: Habit,
+}
+
+/// Whether the rays of a queue go similar ways, by what its last batches turned out to be. It
+/// decides how fast they are traced, and nothing else.
+#[derive(Debug, Default)]
+pub(super) struct Habit {
+    /// Batches that are not tried as similar ones.
+    untried: u32,
+}
+
+impl Habit {
+    /// Of rays that went different ways, one batch of so many is tried again.
+    const TRIED: u32 = 8;
+
+    /// What the next batch is taken for.
+    pub(super) fn expected(&mut self) -> Coherence {
+        if self.untried == 0 {
+            return Coherence::Coherent;
+        }
+        self.untried -= 1;
+        Coherence::Incoherent
+    }
+
+    /// Notes what a batch turned out to be that was taken for `expected`.
+    pub(super) fn learn(&mut self, expected: Coherence, found: Coherence) {
+        if (expected, found) == (Coherence::Coherent, Coherence::Incoherent) {
+            self.untried = Self::TRIED - 1;
+        }
+    }
 }
 
 /// What goes with rays of lobes alone.
@@ -165,4 +195,25 @@ impl RayQueue {
 fn move_to<T: Copy>(from: &mut Vec<T>, start: usize, to: &mut Column<T>) {
     to[..from.len() - start].copy_from_slice(&from[start..]);
     from.truncate(start);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Coherence::{Coherent, Incoherent};
+
+    #[test]
+    fn rays_that_go_different_ways_are_tried_again_now_and_then() {
+        let mut habit = Habit::default();
+        assert_eq!([habit.expected(), habit.expected()], [Coherent; 2]);
+        habit.learn(Coherent, Coherent);
+        assert_eq!(habit.expected(), Coherent);
+        habit.learn(Coherent, Incoherent);
+        let tried = (0..16).filter(|_| {
+            let expected = habit.expected();
+            habit.learn(expected, Incoherent);
+            expected == Coherent
+        });
+        assert_eq!(tried.count(), 2);
+    }
 }

@@ -9,7 +9,7 @@ use super::features::FeatureSums;
 use super::light_choice::LightChoice;
 use super::lights::tries;
 use super::points::Points;
-use super::queue::{Batch, Labels, RayQueue, Sent, ShadowKind};
+use super::queue::{Batch, Habit, Labels, RayQueue, Sent, ShadowKind};
 use super::sums::Sums;
 use super::{Statistics, Traced, Work};
 use crate::accel::{Coherence, Lanewise, NO_HIT};
@@ -28,6 +28,7 @@ pub struct Wave {
     /// Rays by the number of bounces behind them; none wait at the first place, which is the
     /// camera's.
     pub(super) bounces: Vec<RayQueue>,
+    camera_habit: Habit,
     /// Rays to lights, by [`ShadowKind`].
     pub(super) shadows: [RayQueue; 2],
     /// Seed of the pixel of each slot.
@@ -112,9 +113,13 @@ impl Wave {
 
     /// Traces the batch, adds what its rays bring, and queues the rays that its hits send out.
     fn trace_batch(&mut self, frame: &FrameScene, depth: u32) {
-        let Self { batch, found, scratch, .. } = self;
-        let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Incoherent };
-        frame.world.intersect(&batch.rays, &batch.labels.time, coherence, found, scratch);
+        let Self { batch, found, scratch, camera_habit, bounces, .. } = self;
+        let habit = match depth {
+            0 => camera_habit,
+            _ => &mut bounces[depth as usize].habit,
+        };
+        let (rays, time, expected) = (&batch.rays, &batch.labels.time, habit.expected());
+        habit.learn(expected, frame.world.intersect(rays, time, expected, found, scratch));
         self.sort_hits(frame, depth);
         self.find_points(frame);
         let Self { sums, ended, points, .. } = self;
@@ -170,36 +175,37 @@ impl Wave {
     fn trace_shadows(&mut self, frame: &FrameScene, kind: ShadowKind) {
         self.shadows[kind as usize].take_batch(&mut self.batch);
         self.counts.shadow_rays += self.batch.rays.len() as u64;
-        let coherence = match kind {
-            ShadowKind::FromPrimary => Coherence::Coherent,
-            ShadowKind::FromDeeper => Coherence::Incoherent,
+        let expected = self.shadows[kind as usize].habit.expected();
+        let found = match frame.settings.shadow {
+            ShadowMode::Opaque => self.trace_opaque_shadows(frame, expected),
+            ShadowMode::Transparent => self.trace_transparent_shadows(frame, expected, kind),
         };
-        match frame.settings.shadow {
-            ShadowMode::Opaque => self.trace_opaque_shadows(frame, coherence),
-            ShadowMode::Transparent => self.trace_transparent_shadows(frame, coherence, kind),
-        }
+        self.shadows[kind as usize].habit.learn(expected, found);
         let Self { sums, batch, .. } = self;
         self.counts.refused_contributions +=
             sums.add(frame.isa, &batch.weight, &batch.labels.slot, batch.rays.len());
     }
 
-    /// Leaves nothing of the light of blocked rays.
-    fn trace_opaque_shadows(&mut self, frame: &FrameScene, coherence: Coherence) {
+    /// Leaves nothing of the light of blocked rays; comes back with how alike the rays were.
+    fn trace_opaque_shadows(&mut self, frame: &FrameScene, expected: Coherence) -> Coherence {
         let Self { batch, blocked, scratch, .. } = self;
-        frame.world.occluded(&batch.rays, &batch.labels.time, coherence, blocked, scratch);
+        let (rays, time) = (&batch.rays, &batch.labels.time);
+        let coherence = frame.world.occluded(rays, time, expected, blocked, scratch);
         frame.isa.run(Darken { blocked, light: &mut batch.weight });
+        coherence
     }
 
     /// Leaves nothing of the light of rays that hit; one that meets a refractive object goes on
-    /// behind it, weaker.
+    /// behind it, weaker. Comes back with how alike the rays were.
     fn trace_transparent_shadows(
         &mut self,
         frame: &FrameScene,
-        coherence: Coherence,
+        expected: Coherence,
         kind: ShadowKind,
-    ) {
+    ) -> Coherence {
         let Self { batch, found, scratch, points, surface_scratch, sent, next, chosen, .. } = self;
-        frame.world.intersect(&batch.rays, &batch.labels.time, coherence, found, scratch);
+        let (rays, time) = (&batch.rays, &batch.labels.time);
+        let coherence = frame.world.intersect(rays, time, expected, found, scratch);
         let surfaces: &mut Surfaces = &mut points.surfaces;
         surfaces.len = 0;
         for i in 0..batch.rays.len().min(BATCH) {
@@ -229,6 +235,7 @@ impl Wave {
         }
         chosen.set(frame.isa, surfaces.len, |_| true);
         self.shadows[kind as usize].append(sent, next, chosen);
+        coherence
     }
 
     /// The first `D` random numbers of ray `i` of `count` from every point, `depth` bounces behind

@@ -53,16 +53,22 @@ impl CameraSamples {
             isa.run(TakeCamera { sampler, names, to: self });
             return;
         }
-        match (names.end, names.lens) {
-            (..=0x10, false) => isa.run(TakeCameraQuasi::<4, false> { names, to: self }),
-            (..=0x10, true) => isa.run(TakeCameraQuasi::<4, true> { names, to: self }),
-            (..=0x100, false) => isa.run(TakeCameraQuasi::<8, false> { names, to: self }),
-            (..=0x100, true) => isa.run(TakeCameraQuasi::<8, true> { names, to: self }),
-            (..=0x1000, _) => isa.run(TakeCameraQuasi::<12, true> { names, to: self }),
-            (..=0x1_0000, _) => isa.run(TakeCameraQuasi::<16, true> { names, to: self }),
+        match (bits_of(names.end), names.lens) {
+            (4, false) => isa.run(TakeCameraQuasi::<4, false> { names, to: self }),
+            (4, true) => isa.run(TakeCameraQuasi::<4, true> { names, to: self }),
+            (8, false) => isa.run(TakeCameraQuasi::<8, false> { names, to: self }),
+            (8, true) => isa.run(TakeCameraQuasi::<8, true> { names, to: self }),
+            (12, _) => isa.run(TakeCameraQuasi::<12, true> { names, to: self }),
+            (16, _) => isa.run(TakeCameraQuasi::<16, true> { names, to: self }),
             _ => isa.run(TakeCameraQuasi::<32, true> { names, to: self }),
         }
     }
+}
+
+/// How many bits of numbers below `end` there is a loop for.
+fn bits_of(end: u32) -> u32 {
+    let bits = u32::BITS - end.saturating_sub(1).leading_zeros();
+    if bits > 16 { 32 } else { bits.next_multiple_of(4).max(4) }
 }
 
 /// Camera samples of `QUASI`, of less than `2^BITS`.
@@ -177,11 +183,11 @@ impl SetPoints {
             isa.run(Take::<D> { sampler, names, to: self });
             return;
         }
-        match names.end(isa) {
-            ..=0x10 => isa.run(TakeQuasi::<D, 4> { names, to: self }),
-            ..=0x100 => isa.run(TakeQuasi::<D, 8> { names, to: self }),
-            ..=0x1000 => isa.run(TakeQuasi::<D, 12> { names, to: self }),
-            ..=0x1_0000 => isa.run(TakeQuasi::<D, 16> { names, to: self }),
+        match bits_of(names.end(isa)) {
+            4 => isa.run(TakeQuasi::<D, 4> { names, to: self }),
+            8 => isa.run(TakeQuasi::<D, 8> { names, to: self }),
+            12 => isa.run(TakeQuasi::<D, 12> { names, to: self }),
+            16 => isa.run(TakeQuasi::<D, 16> { names, to: self }),
             _ => isa.run(TakeQuasi::<D, 32> { names, to: self }),
         }
     }
@@ -241,6 +247,57 @@ impl<const D: usize> Lanewise for Take<'_, D> {
             let numbers = sampler.point3(names.key(i), names.number(i));
             for (column, number) in to.numbers.iter_mut().zip(numbers).take(D) {
                 column[i] = number;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_hold_all_numbers() {
+        for (end, bits) in [(0, 4), (1, 4), (16, 4), (17, 8), (256, 8), (257, 12), (4096, 12)] {
+            assert_eq!(bits_of(end), bits, "{end}");
+        }
+        assert_eq!([4097, 65536, 65537, u32::MAX].map(bits_of), [16, 16, 32, 32]);
+    }
+
+    #[test]
+    fn batches_hold_the_samples_that_are_named_one_by_one() {
+        for generator in [Generator::Pseudo, Generator::ZeroTwo, Generator::Quasi] {
+            for first in [0, 9, 250, 4090, 65530] {
+                let sampler = Sampler::new(generator, 3, 5);
+                let seed: Column<u32> =
+                    std::array::from_fn(|i| sampler.pixel(i as u32 / 3, 7).word());
+                let index: Column<u32> = std::array::from_fn(|i| first + i as u32 % 3);
+                let path: Column<u32> = std::array::from_fn(|i| i as u32 % 2);
+                let (mut samples, mut points) = (CameraSamples::default(), SetPoints::default());
+                for isa in Isa::available() {
+                    let (end, len) = (first + 3, BATCH);
+                    let names = CameraNames { seed: &seed, index: &index, end, lens: true, len };
+                    samples.take(&sampler, isa, &names);
+                    let hit = |i: usize| Hit { path: path[i], depth: 1, split: false };
+                    let purpose = crate::sampling::Purpose::Light(2);
+                    let names = SetNames {
+                        seed: &seed,
+                        path: &path,
+                        index: &index,
+                        depth: 1,
+                        split: false,
+                        purpose: purpose.into(),
+                        place: [0, 1],
+                        len,
+                    };
+                    points.take::<3>(&sampler, isa, &names);
+                    for i in 0..BATCH {
+                        let pixel = PixelSeed::from_word(seed[i]);
+                        assert_eq!(samples.get(i), sampler.camera(pixel, index[i]), "{isa}, {i}");
+                        let point = sampler.point3(pixel.key(hit(i), purpose), index[i]);
+                        assert_eq!(points.numbers.each_ref().map(|column| column[i]), point);
+                    }
+                }
             }
         }
     }

@@ -117,6 +117,10 @@ pub(super) fn at_hit<const BITS: u32>(key: Key, index: u32) -> [f32; AT_HIT] {
 /// Digits of point `index < 2^BITS` in the first dimension of a group, the most significant the
 /// lowest bit, for the pixel at a place of its block.
 #[inline(always)]
+#[expect(
+    clippy::needless_range_loop,
+    reason = "iterators keep loops over points from being vector code"
+)]
 fn digits<const BITS: u32>(group: usize, index: u32, at: u32) -> u32 {
     let (columns, masks) = (&COLUMNS[group], &MASKS[group]);
     let mut digits = 0;

@@ -117,8 +117,8 @@ impl Bvh {
         coherence: Coherence,
         hits: &mut Hits,
         scratch: &mut Scratch,
-    ) {
-        self.run(rays, coherence, &mut Closest { hits }, scratch);
+    ) -> Coherence {
+        self.run(rays, coherence, &mut Closest { hits }, scratch)
     }
 
     pub(super) fn occluded(
@@ -127,8 +127,8 @@ impl Bvh {
         coherence: Coherence,
         blocked: &mut [bool],
         scratch: &mut Scratch,
-    ) {
-        self.run(rays, coherence, &mut Any { blocked }, scratch);
+    ) -> Coherence {
+        self.run(rays, coherence, &mut Any { blocked }, scratch)
     }
 
     fn run<Q: Query>(
@@ -137,9 +137,9 @@ impl Bvh {
         coherence: Coherence,
         query: &mut Q,
         scratch: &mut Scratch,
-    ) {
+    ) -> Coherence {
         if self.nodes.is_empty() {
-            return;
+            return coherence;
         }
         // SAFETY: the set is one that the CPU has.
         unsafe {
@@ -174,7 +174,7 @@ unsafe fn stream_avx512<Q: Query>(
     coherence: Coherence,
     query: &mut Q,
     stream: &mut stream::Stream,
-) {
+) -> Coherence {
     // SAFETY: the caller's.
     unsafe { stream::trace::<x86::Avx512, Q>(bvh, rays, coherence, query, stream) }
 }
@@ -187,7 +187,7 @@ unsafe fn stream_avx2<Q: Query>(
     coherence: Coherence,
     query: &mut Q,
     stream: &mut stream::Stream,
-) {
+) -> Coherence {
     // SAFETY: the caller's.
     unsafe { stream::trace::<x86::Avx2, Q>(bvh, rays, coherence, query, stream) }
 }

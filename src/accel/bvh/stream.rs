@@ -225,7 +225,7 @@ impl Pending<'_> {
     }
 }
 
-/// Traces the rays of a batch.
+/// Traces the rays of a batch; comes back with how alike they turned out to be.
 ///
 /// # Safety
 /// The CPU has the instruction set of `S`.
@@ -236,7 +236,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
     coherence: Coherence,
     query: &mut Q,
     stream: &mut Stream,
-) {
+) -> Coherence {
     const { assert!(size_of::<Ray>() == RAY_LINES * size_of::<Line>()) };
     // An odd number of lines, so that stacks do not compete for the same places of a cache.
     let lines = (RAY_LINES + bvh.stack.div_ceil(8)) | 1;
@@ -303,6 +303,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
             }
         }
     }
+    if pending.around.rays_per_child.is_good() { coherence } else { Coherence::Incoherent }
 }
 
 /// Takes rays that stand before blocks of triangles past them, several at once; if rays stand before
