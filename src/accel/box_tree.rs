@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::{Isa, Lanewise, Rays};
+use super::{GROUP, Isa, LANES, Lanewise, Rays};
 use crate::math::{Bounds, rounding::gamma};
 
 /// A binary tree over boxes, split at the median centre of the longest axis.
@@ -57,7 +57,7 @@ impl BoxTree {
     /// Lists for each box the rays that enter it before `reach`, in their order, and perhaps some
     /// that miss it by a rounding error; a ray whose reach is negative enters none.
     ///
-    /// `reach` is as long as the arrays of `rays`.
+    /// `reach` goes on to a multiple of [`LANES`], negative behind the last ray.
     pub(crate) fn gather(
         &self,
         isa: Isa,
@@ -68,19 +68,22 @@ impl BoxTree {
     ) {
         entering.iter_mut().for_each(Vec::clear);
         let Some(root) = self.nodes.first() else { return };
-        let BoxScratch { inverse, enters } = scratch;
+        scratch.reset(rays.len());
+        let BoxScratch { inverse, numbers, any, enters } = scratch;
         isa.run(Invert { rays, to: inverse });
+        let around = Around { rays, inverse, reach };
+        isa.run(Enter { around, bounds: &root.bounds, among: None, to: any });
         if self.nodes.len() < 2 * FEW {
             for leaf in self.nodes.iter().filter(|node| node.is_leaf) {
-                let bounds = &leaf.bounds;
-                isa.run(Enter { bounds, rays, inverse, reach, to: enters });
+                isa.run(Enter { around, bounds: &leaf.bounds, among: Some(any), to: enters });
                 let list = &mut entering[leaf.index as usize];
-                list.extend((0u32..).zip(&*enters).filter(|(_, is)| **is).map(|(i, _)| i));
+                let count = enters.iter().map(|group| group.count_ones() as usize).sum();
+                list.resize(count, 0);
+                isa.compress(enters, numbers, list);
             }
             return;
         }
-        isa.run(Enter { bounds: &root.bounds, rays, inverse, reach, to: enters });
-        for i in (0..rays.len()).filter(|&i| enters[i]) {
+        for i in (0..rays.len()).filter(|&i| any[i / GROUP] >> (i % GROUP) & 1 == 1) {
             self.visit(rays.origin(i), rays.direction(i), reach[i], |number| {
                 entering[number as usize].push(i as u32);
             });
@@ -123,8 +126,24 @@ const FEW: usize = 16;
 pub(crate) struct BoxScratch {
     /// 1 / direction of each ray.
     inverse: [Vec<f32>; 3],
-    /// Whether each ray enters.
-    enters: Vec<bool>,
+    /// 0, 1, 2, and so on.
+    numbers: Vec<u32>,
+    /// For each ray a bit: whether it enters the box about all.
+    any: Vec<u16>,
+    /// For each ray a bit: whether it enters one box.
+    enters: Vec<u16>,
+}
+
+impl BoxScratch {
+    fn reset(&mut self, len: usize) {
+        const { assert!(GROUP == LANES) };
+        let groups = len.div_ceil(GROUP);
+        let known = self.numbers.len() as u32;
+        self.numbers.extend(known..(groups * GROUP) as u32);
+        self.any.resize(groups, 0);
+        self.enters.resize(groups, 0);
+        self.inverse.iter_mut().for_each(|column| column.resize(groups * GROUP, 0.0));
+    }
 }
 
 struct Invert<'a> {
@@ -137,23 +156,28 @@ impl Lanewise for Invert<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let len = self.rays.len();
         for (from, to) in self.rays.direction.iter().zip(self.to) {
-            to.resize(len, 0.0);
-            for (to, x) in to.iter_mut().zip(&from[..len]) {
+            for (to, x) in to.iter_mut().zip(from) {
                 *to = 1.0 / x;
             }
         }
     }
 }
 
-/// [`enters`] for all rays.
-struct Enter<'a> {
-    bounds: &'a Bounds,
+/// Rays that may enter boxes, in columns.
+#[derive(Clone, Copy)]
+struct Around<'a> {
     rays: &'a Rays,
     inverse: &'a [Vec<f32>; 3],
     reach: &'a [f32],
-    to: &'a mut Vec<bool>,
+}
+
+/// [`enters`] for all rays of the groups that have any bit of `among`.
+struct Enter<'a> {
+    around: Around<'a>,
+    bounds: &'a Bounds,
+    among: Option<&'a [u16]>,
+    to: &'a mut [u16],
 }
 
 impl Lanewise for Enter<'_> {
@@ -161,16 +185,24 @@ impl Lanewise for Enter<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let len = self.rays.len();
-        self.to.resize(len, false);
-        let to = &mut self.to[..len];
-        let [ox, oy, oz] = [0, 1, 2].map(|axis: usize| &self.rays.origin[axis][..len]);
-        let [ix, iy, iz] = [0, 1, 2].map(|axis: usize| &self.inverse[axis][..len]);
-        let reach = &self.reach[..len];
-        for i in 0..len {
-            let (origin, inverse) =
-                (Vec3::new(ox[i], oy[i], oz[i]), Vec3::new(ix[i], iy[i], iz[i]));
-            to[i] = reach[i] >= 0.0 && enters(self.bounds, origin, inverse, reach[i]);
+        let Around { rays, inverse, reach } = self.around;
+        for (group, to) in self.to.iter_mut().enumerate() {
+            *to = 0;
+            if self.among.is_some_and(|among| among[group] == 0) {
+                continue;
+            }
+            let of = |column: &'_ [f32]| -> [f32; GROUP] { column.as_chunks().0[group] };
+            let [ox, oy, oz] = [of(&rays.origin[0]), of(&rays.origin[1]), of(&rays.origin[2])];
+            let [ix, iy, iz] = [of(&inverse[0]), of(&inverse[1]), of(&inverse[2])];
+            let reach = of(reach);
+            let mut flags = [0u32; GROUP];
+            for i in 0..GROUP {
+                let origin = Vec3::new(ox[i], oy[i], oz[i]);
+                let inverse = Vec3::new(ix[i], iy[i], iz[i]);
+                let enters = enters(self.bounds, origin, inverse, reach[i]);
+                flags[i] = u32::from((reach[i] >= 0.0) & enters);
+            }
+            *to = (0..GROUP).fold(0, |bits, i| bits | (flags[i] << i)) as u16;
         }
     }
 }
@@ -245,6 +277,7 @@ mod tests {
                 rays.push(v(), v(), f32::INFINITY);
                 reach.push([1.5, f32::INFINITY, -1.0][i % 3]);
             }
+            reach.resize(112, -1.0);
             let mut entering = vec![Vec::new(); n];
             tree.gather(isa, &rays, &reach, &mut entering, &mut BoxScratch::default());
             let mut expected = vec![Vec::new(); n];

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::accel::{BoxScratch, BoxTree, Coherence, Hits, Isa, NO_HIT, Rays, Scratch, Structure};
+use crate::accel::{
+    BoxScratch, BoxTree, Coherence, Hits, Isa, LANES, NO_HIT, Rays, Scratch, Structure,
+};
 use crate::math::rounding::gamma;
 use crate::math::{Bounds, Rigid};
 
@@ -175,6 +177,7 @@ impl World {
     fn gather(&self, rays: &Rays, scratch: &mut WorldScratch) {
         let WorldScratch { reach, boxes, entering, .. } = scratch;
         entering.resize_with(self.instances.len(), Vec::new);
+        reach.resize(rays.len().next_multiple_of(LANES), -1.0);
         self.boxes.gather(self.isa, rays, reach, entering, boxes);
     }
 
