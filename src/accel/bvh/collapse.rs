@@ -8,17 +8,18 @@ use rayon::prelude::*;
 use super::binary::{BLOCK, BinaryTree, Branch};
 use super::layout::{Child, Corners, Node, Place, WIDTH};
 use super::plan::Family;
-use crate::accel::{Triangle, pages};
+use crate::accel::Triangle;
+use crate::accel::pages::Array;
 
 /// Wide nodes that one task writes.
 const TASK: usize = 256;
 
 /// The parts of a finished hierarchy.
 pub(super) struct Wide {
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Array<Node>,
     pub(super) corners: Corners,
     /// Ids of the triangles, by slot.
-    pub(super) ids: Vec<u32>,
+    pub(super) ids: Array<u32>,
     /// Where each triangle is first, by id.
     pub(super) places: Vec<Place>,
     /// How many nodes there are from the root to the deepest, both counted.
@@ -37,7 +38,7 @@ struct Draft {
 pub(super) fn collapse(mut tree: BinaryTree, triangles: &[Triangle], left_out: &[u32]) -> Wide {
     let (drafts, slots, depth) = draft(&mut tree, triangles.len() as u32);
     let mut corners = Corners::new(slots + left_out.len());
-    let mut ids = pages::filled(0, slots + left_out.len());
+    let mut ids = Array::filled(0, slots + left_out.len());
     let (leaf_rows, other_rows) = corners.rows_mut().split_at_mut(slots * Corners::PER_TRIANGLE);
     let (leaf_ids, other_ids) = ids.split_at_mut(slots);
     let places = (0..triangles.len()).into_par_iter().map(|_| AtomicU32::new(u32::MAX)).collect();
@@ -84,8 +85,13 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn write_all(&self, drafts: &[Draft], mut rows: &mut [f32], mut ids: &mut [u32]) -> Vec<Node> {
-        let mut nodes = pages::filled(Node::EMPTY, drafts.len());
+    fn write_all(
+        &self,
+        drafts: &[Draft],
+        mut rows: &mut [f32],
+        mut ids: &mut [u32],
+    ) -> Array<Node> {
+        let mut nodes = Array::filled(Node::EMPTY, drafts.len());
         let slots = ids.len() as u32;
         let tasks: Vec<_> = nodes
             .chunks_mut(TASK)

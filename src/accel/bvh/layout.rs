@@ -1,8 +1,9 @@
 //! What the hierarchy is made of in memory.
 
 use super::stops::Stops;
+use crate::accel::Triangle;
+use crate::accel::pages::Array;
 use crate::accel::triangle::POSITION_ERROR;
-use crate::accel::{Triangle, pages};
 use crate::math::{Bounds, rounding::UNIT_ROUNDOFF};
 use glam::Vec3;
 
@@ -131,7 +132,7 @@ pub(super) const MAX_SLOTS: usize = 1 << 28;
 /// rows of n: x, y, and z of the first corners, then of the second, then of the third.
 #[derive(Debug, Default)]
 pub(super) struct Corners {
-    rows: Vec<f32>,
+    rows: Array<f32>,
 }
 
 impl Corners {
@@ -142,9 +143,7 @@ impl Corners {
 
     /// Room for so many triangles.
     pub(super) fn new(count: usize) -> Self {
-        let rows = vec![0.0; count * Self::PER_TRIANGLE + Self::PADDING];
-        pages::ask_for_large(&rows);
-        Self { rows }
+        Self { rows: Array::filled(0.0, count * Self::PER_TRIANGLE + Self::PADDING) }
     }
 
     pub(super) fn rows_mut(&mut self) -> &mut [f32] {

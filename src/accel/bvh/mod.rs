@@ -34,6 +34,7 @@ use self::layout::{Child, Corners, Node, Place};
 use self::ray::{Prepared, Ray};
 use self::steps::Portable;
 use self::stream::Query;
+use super::pages::Array;
 use super::simd::{SetLanes, lanes_of};
 use super::{BuildOptions, Coherence, Curved, Hits, Isa, Primitives, Rays, Triangle, triangle};
 use crate::math::Bounds;
@@ -41,10 +42,10 @@ use crate::math::Bounds;
 /// A bounding volume hierarchy.
 #[derive(Debug)]
 pub struct Bvh {
-    nodes: Vec<Node>,
+    nodes: Array<Node>,
     corners: Corners,
     /// Ids of the triangles, by slot.
-    ids: Vec<u32>,
+    ids: Array<u32>,
     /// Where each triangle is first, by id.
     places: Vec<Place>,
     curved: Vec<Curved>,
@@ -104,9 +105,9 @@ impl Bvh {
 
     /// Bytes held, geometry included.
     pub(super) fn memory(&self) -> usize {
-        size_of_val(self.nodes.as_slice())
+        size_of_val(&*self.nodes)
             + size_of_val(self.corners.rows())
-            + size_of_val(self.ids.as_slice())
+            + size_of_val(&*self.ids)
             + size_of_val(self.places.as_slice())
             + size_of_val(self.curved.as_slice())
     }
