@@ -39,6 +39,9 @@ use super::simd::{SetLanes, lanes_of};
 use super::{BuildOptions, Coherence, Curved, Hits, Isa, Primitives, Rays, Triangle, triangle};
 use crate::math::Bounds;
 
+/// Hierarchies of more bytes are far away: most of one is in no cache of one core.
+const FAR: usize = 48 << 20;
+
 /// A bounding volume hierarchy.
 #[derive(Debug)]
 pub struct Bvh {
@@ -55,6 +58,8 @@ pub struct Bvh {
     isa: Isa,
     /// Whether tame rays stay tame here.
     is_tame: bool,
+    /// Whether its nodes are far away, beyond [`FAR`].
+    is_far: bool,
 }
 
 /// Working memory of queries.
@@ -82,7 +87,12 @@ impl Bvh {
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let is_tame = largest <= ray::TAME_COORDINATE;
         let stack = stream::stack_size(depth);
-        Self { nodes, corners, ids, places, curved: primitives.curved, bounds, stack, isa, is_tame }
+        let curved = primitives.curved;
+        let is_far = false;
+        let mut bvh =
+            Self { nodes, corners, ids, places, curved, bounds, stack, isa, is_tame, is_far };
+        bvh.is_far = bvh.memory() > FAR;
+        bvh
     }
 
     pub(super) fn triangle_count(&self) -> usize {
@@ -142,16 +152,23 @@ impl Bvh {
         if self.nodes.is_empty() {
             return coherence;
         }
+        let stream = &mut scratch.stream;
         // SAFETY: the set is one that the CPU has.
         unsafe {
-            match self.isa {
+            match (self.isa, self.is_far) {
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx512 => stream_avx512(self, rays, coherence, query, &mut scratch.stream),
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx2 => stream_avx2(self, rays, coherence, query, &mut scratch.stream),
-                _ => {
-                    stream::trace::<Portable, Q>(self, rays, coherence, query, &mut scratch.stream)
+                (Isa::Avx512, false) => {
+                    stream_avx512::<Q, false>(self, rays, coherence, query, stream)
                 }
+                #[cfg(target_arch = "x86_64")]
+                (Isa::Avx512, true) => {
+                    stream_avx512::<Q, true>(self, rays, coherence, query, stream)
+                }
+                #[cfg(target_arch = "x86_64")]
+                (Isa::Avx2, false) => stream_avx2::<Q, false>(self, rays, coherence, query, stream),
+                #[cfg(target_arch = "x86_64")]
+                (Isa::Avx2, true) => stream_avx2::<Q, true>(self, rays, coherence, query, stream),
+                _ => stream::trace::<Portable, Q>(self, rays, coherence, query, stream),
             }
         }
     }
@@ -169,7 +186,7 @@ impl Bvh {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
-unsafe fn stream_avx512<Q: Query>(
+unsafe fn stream_avx512<Q: Query, const FAR: bool>(
     bvh: &Bvh,
     rays: &Rays,
     coherence: Coherence,
@@ -177,12 +194,12 @@ unsafe fn stream_avx512<Q: Query>(
     stream: &mut stream::Stream,
 ) -> Coherence {
     // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx512, Q>(bvh, rays, coherence, query, stream) }
+    unsafe { stream::trace::<x86::Avx512<FAR>, Q>(bvh, rays, coherence, query, stream) }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn stream_avx2<Q: Query>(
+unsafe fn stream_avx2<Q: Query, const FAR: bool>(
     bvh: &Bvh,
     rays: &Rays,
     coherence: Coherence,
@@ -190,7 +207,7 @@ unsafe fn stream_avx2<Q: Query>(
     stream: &mut stream::Stream,
 ) -> Coherence {
     // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx2, Q>(bvh, rays, coherence, query, stream) }
+    unsafe { stream::trace::<x86::Avx2<FAR>, Q>(bvh, rays, coherence, query, stream) }
 }
 
 /// Primitives that one task makes references to.

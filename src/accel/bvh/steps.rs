@@ -14,6 +14,9 @@ pub(super) trait Steps {
     /// How rays are chosen from a batch.
     type Choosing: Choosing;
 
+    /// Whether it is for hierarchies most of which is in no cache of one core.
+    const IS_FAR: bool = false;
+
     /// Writes the children whose boxes the ray enters up to its best hit, from far to near, with
     /// the distances where it enters; returns how many. Eight entries of both arrays may be
     /// overwritten.
@@ -27,6 +30,26 @@ pub(super) trait Steps {
         ts: *mut f32,
         children: *mut Child,
     ) -> usize;
+
+    /// As [`children`](Self::children) of all, and what the ray visits next: the nearest of them, or
+    /// `last` where there is none. That is not read back from where it was just stored.
+    ///
+    /// # Safety
+    /// As [`children`](Self::children); `last` is the entry before the first that is written.
+    #[inline(always)]
+    unsafe fn advance(
+        node: &Node,
+        ray: &Ray,
+        _last: Child,
+        ts: *mut f32,
+        children: *mut Child,
+    ) -> (usize, Child) {
+        // SAFETY: the caller's.
+        unsafe {
+            let count = Self::children(node, ray, u8::MAX, ts, children);
+            (count, *children.add(count).sub(1))
+        }
+    }
 
     /// Drops those of the first `len` entries of a stack whose distance is more than `t`; returns
     /// how many are left.

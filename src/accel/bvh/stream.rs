@@ -279,8 +279,8 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
                 let stop = stops.get(Stops::NODES, i);
                 let ray = &mut *pending.around.flights.ray(stop.place());
                 let node = &*memory.nodes.add(stop.child().0 as usize);
-                memory.push_children::<S>(node, ray, u8::MAX);
-                stops.push(Stop::new(stop.place(), memory.pop(ray)));
+                let child = memory.advance::<S>(node, ray);
+                stops.push(Stop::new(stop.place(), child));
             }
             test_blocks::<S, Q>(bvh, &memory, &pending.around.flights, &mut stops);
             for i in 0..stops.take(Stops::OTHERS) {
@@ -291,7 +291,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
                     bvh.test_curved(rays, child, ray);
                     memory.cull::<S>(ray);
                     if !(Q::ANY && ray.is_hit != 0) {
-                        stops.push(Stop::new(place, memory.pop(ray)));
+                        stops.push(Stop::new(place, memory.pop::<S>(ray)));
                         continue;
                     }
                 }
@@ -344,7 +344,7 @@ unsafe fn test_blocks<S: Steps, Q: Query>(
                 for (i, meeting) in meetings[..count].iter().enumerate() {
                     let ray = &mut *meeting.ray;
                     ray.is_hit = u32::from(of_block(set, i) != 0);
-                    let next = memory.pop(ray);
+                    let next = memory.pop::<S>(ray);
                     let next = if ray.is_hit != 0 { Child::DONE } else { next };
                     stops.push(Stop::new(group[i].place(), next));
                 }
@@ -366,7 +366,7 @@ unsafe fn test_blocks<S: Steps, Q: Query>(
                 left &= u32::MAX << (BLOCK * i) << BLOCK;
             }
             for (stop, meeting) in group[..count].iter().zip(&meetings) {
-                stops.push(Stop::new(stop.place(), memory.pop(&mut *meeting.ray)));
+                stops.push(Stop::new(stop.place(), memory.pop::<S>(&mut *meeting.ray)));
             }
         }
         for i in now..len {
@@ -399,18 +399,37 @@ impl Memory {
         }
     }
 
+    /// Puts the children of a node that a ray enters on its stack but for the nearest, or takes the
+    /// last entry where it enters none; asks for the memory of what it visits next.
+    ///
+    /// # Safety
+    /// The ray's stack holds its first entry at least, and there is room for eight more; the CPU has
+    /// the instruction set.
+    #[inline(always)]
+    unsafe fn advance<S: Steps>(&self, node: &Node, ray: &mut Ray) -> Child {
+        // SAFETY: the caller's.
+        let child = unsafe {
+            let names = ray.top.add(self.stack).cast::<Child>();
+            let (count, child) = S::advance(node, ray, *names.sub(1), ray.top, names);
+            ray.top = ray.top.add(count).sub(1);
+            child
+        };
+        self.prefetch::<S>(child);
+        child
+    }
+
     /// Takes the last entry from a ray's stack, and asks for its memory.
     ///
     /// # Safety
     /// The ray's stack holds its first entry at least.
     #[inline(always)]
-    unsafe fn pop(&self, ray: &mut Ray) -> Child {
+    unsafe fn pop<S: Steps>(&self, ray: &mut Ray) -> Child {
         // SAFETY: the caller's.
         let child = unsafe {
             ray.top = ray.top.sub(1);
             *ray.top.add(self.stack).cast::<Child>()
         };
-        self.prefetch(child);
+        self.prefetch::<S>(child);
         child
     }
 
@@ -431,16 +450,23 @@ impl Memory {
 
     /// Asks for the memory of a node or a block.
     #[inline(always)]
-    pub(super) fn prefetch(&self, child: Child) {
+    fn prefetch<S: Steps>(&self, child: Child) {
         #[cfg(target_arch = "x86_64")]
         {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
             let node = self.nodes.wrapping_add(child.0 as usize).cast::<i8>();
             let block = self.rows.wrapping_add(child.index() * Corners::PER_TRIANGLE).cast::<i8>();
             let at = if child.is_leaf() { block } else { node };
             for line in 0..4 {
+                let line = at.wrapping_add(64 * line);
                 // SAFETY: a prefetch reads nothing.
-                unsafe { _mm_prefetch::<_MM_HINT_T0>(at.wrapping_add(64 * line)) };
+                unsafe {
+                    if S::IS_FAR {
+                        _mm_prefetch::<_MM_HINT_T1>(line);
+                    } else {
+                        _mm_prefetch::<_MM_HINT_T0>(line);
+                    }
+                }
             }
         }
         #[cfg(not(target_arch = "x86_64"))]

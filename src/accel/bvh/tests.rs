@@ -104,8 +104,15 @@ pub(super) fn check(primitives: Primitives, rays: &Rays) -> usize {
         .into_iter()
         .flat_map(|isa| [false, true].map(|spatial_splits| BuildOptions { isa, spatial_splits }));
     for options in ways {
-        let structure = Structure::build(Accelerator::Bvh, primitives.clone(), options);
-        for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+        let mut structure = Structure::build(Accelerator::Bvh, primitives.clone(), options);
+        for (coherence, is_far) in [
+            (Coherence::Coherent, false),
+            (Coherence::Incoherent, false),
+            (Coherence::Incoherent, true),
+        ] {
+            if let Structure::Bvh(bvh) = &mut structure {
+                bvh.is_far = is_far;
+            }
             let (mut hits, mut blocked) = (Hits::default(), Vec::new());
             structure.intersect(rays, coherence, &mut hits, &mut scratch);
             structure.occluded(rays, coherence, &mut blocked, &mut scratch);

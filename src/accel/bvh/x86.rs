@@ -15,10 +15,10 @@ use crate::accel::simd::sets::LANES_OF;
 use crate::accel::triangle::lanes::Tested;
 
 /// AVX2 with fused multiply-add.
-pub(super) struct Avx2;
+pub(super) struct Avx2<const FAR: bool>;
 
 /// AVX-512 on 8 lanes.
-pub(super) struct Avx512;
+pub(super) struct Avx512<const FAR: bool>;
 
 /// Distances where a ray enters and leaves the eight boxes.
 ///
@@ -127,7 +127,26 @@ unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
     }
 }
 
-impl PacketSteps for Avx512 {
+/// The children of a node from far to near: distances where a ray enters them, their names, and which
+/// of those in `among` it does enter.
+///
+/// # Safety
+/// The CPU has AVX-512.
+#[inline(always)]
+unsafe fn sorted(node: &Node, ray: &Ray, among: u8) -> (__m256, __m256i, u8) {
+    // SAFETY: the caller's.
+    unsafe {
+        let (near, far) = slabs(node, ray);
+        let order = shifted(node, ray.order_shift);
+        let near = _mm256_permutevar8x32_ps(near, order);
+        let far = _mm256_permutevar8x32_ps(far, order);
+        let names = _mm256_load_si256(node.children.as_ptr().cast());
+        let names = _mm256_permutevar8x32_epi32(names, order);
+        (near, names, _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(among, near, far))
+    }
+}
+
+impl<const FAR: bool> PacketSteps for Avx512<FAR> {
     type Lanes = __m512;
 
     #[inline(always)]
@@ -137,7 +156,7 @@ impl PacketSteps for Avx512 {
     }
 }
 
-impl PacketSteps for Avx2 {
+impl<const FAR: bool> PacketSteps for Avx2<FAR> {
     type Lanes = __m256;
 
     #[inline(always)]
@@ -147,8 +166,10 @@ impl PacketSteps for Avx2 {
     }
 }
 
-impl Steps for Avx512 {
+impl<const FAR: bool> Steps for Avx512<FAR> {
     type Choosing = order::Avx512;
+
+    const IS_FAR: bool = FAR;
 
     #[inline(always)]
     unsafe fn packets<Q: Query>(
@@ -171,16 +192,31 @@ impl Steps for Avx512 {
     ) -> usize {
         // SAFETY: the caller's.
         unsafe {
-            let (near, far) = slabs(node, ray);
-            let order = shifted(node, ray.order_shift);
-            let near = _mm256_permutevar8x32_ps(near, order);
-            let far = _mm256_permutevar8x32_ps(far, order);
-            let names = _mm256_load_si256(node.children.as_ptr().cast());
-            let names = _mm256_permutevar8x32_epi32(names, order);
-            let entered = _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(among, near, far);
+            let (near, names, entered) = sorted(node, ray, among);
             _mm256_storeu_ps(ts, _mm256_maskz_compress_ps(entered, near));
             _mm256_storeu_si256(children.cast(), _mm256_maskz_compress_epi32(entered, names));
             entered.count_ones() as usize
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn advance(
+        node: &Node,
+        ray: &Ray,
+        last: Child,
+        ts: *mut f32,
+        children: *mut Child,
+    ) -> (usize, Child) {
+        // SAFETY: the caller's.
+        unsafe {
+            let (near, names, entered) = sorted(node, ray, u8::MAX);
+            _mm256_storeu_ps(ts, _mm256_maskz_compress_ps(entered, near));
+            _mm256_storeu_si256(children.cast(), _mm256_maskz_compress_epi32(entered, names));
+            // Its lane, 0 to 7; 15, and so the other register's last, where no child is entered.
+            let lane = !u32::from(entered).leading_zeros();
+            let lane = _mm256_castsi128_si256(_mm_cvtsi32_si128(lane as i32));
+            let next = _mm256_permutex2var_epi32(names, lane, _mm256_set1_epi32(last.0 as i32));
+            (entered.count_ones() as usize, Child(_mm256_cvtsi256_si32(next) as u32))
         }
     }
 
@@ -219,8 +255,10 @@ impl Steps for Avx512 {
     }
 }
 
-impl Steps for Avx2 {
+impl<const FAR: bool> Steps for Avx2<FAR> {
     type Choosing = order::Avx2;
+
+    const IS_FAR: bool = FAR;
 
     #[inline(always)]
     unsafe fn packets<Q: Query>(
