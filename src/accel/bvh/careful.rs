@@ -48,7 +48,7 @@ fn test_leaf(bvh: &Bvh, rays: &Rays, child: Child, ray: &mut Ray, any: bool) {
         let triangle = bvh.corners.triangle(first, count, lane);
         let t_max = if any { ray.t } else { ray.t.next_up() };
         if let Some(hit) = triangle::intersect(&sheared, &triangle, t_max) {
-            ray.offer(hit.t, hit.u, hit.v, bvh.ids[first + lane]);
+            ray.offer(hit.t, hit.u, hit.v, bvh.corners.id(first, count, lane));
         }
     }
 }

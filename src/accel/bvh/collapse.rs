@@ -6,7 +6,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::binary::{BLOCK, BinaryTree, Branch};
-use super::layout::{Child, Corners, Node, Place, WIDTH};
+use super::layout::{Child, Corners, ID_ROW, Node, Place, WIDTH};
 use super::plan::Family;
 use crate::accel::Triangle;
 use crate::accel::pages::Array;
@@ -18,8 +18,6 @@ const TASK: usize = 256;
 pub(super) struct Wide {
     pub(super) nodes: Array<Node>,
     pub(super) corners: Corners,
-    /// Ids of the triangles, by slot.
-    pub(super) ids: Array<u32>,
     /// Where each triangle is first, by id.
     pub(super) places: Vec<Place>,
     /// How many nodes there are from the root to the deepest, both counted.
@@ -38,18 +36,16 @@ struct Draft {
 pub(super) fn collapse(mut tree: BinaryTree, triangles: &[Triangle], left_out: &[u32]) -> Wide {
     let (drafts, slots, depth) = draft(&mut tree, triangles.len() as u32);
     let mut corners = Corners::new(slots + left_out.len());
-    let mut ids = Array::filled(0, slots + left_out.len());
     let (leaf_rows, other_rows) = corners.rows_mut().split_at_mut(slots * Corners::PER_TRIANGLE);
-    let (leaf_ids, other_ids) = ids.split_at_mut(slots);
     let places = (0..triangles.len()).into_par_iter().map(|_| AtomicU32::new(u32::MAX)).collect();
     let writer = Writer { tree: &tree, triangles, places };
-    let nodes = writer.write_all(&drafts, leaf_rows, leaf_ids);
-    let mut others = Blocks { begin: slots as u32, used: 0, rows: other_rows, ids: other_ids };
+    let nodes = writer.write_all(&drafts, leaf_rows);
+    let mut others = Blocks { begin: slots as u32, used: 0, rows: other_rows };
     for &id in left_out {
         others.push(&[id], &writer);
     }
     let places = writer.places.into_iter().map(|place| Place(place.into_inner())).collect();
-    Wide { nodes, corners, ids, places, depth }
+    Wide { nodes, corners, places, depth }
 }
 
 /// Numbers the wide nodes, parents before children and subtrees together; the plan of each binary
@@ -85,14 +81,9 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    fn write_all(
-        &self,
-        drafts: &[Draft],
-        mut rows: &mut [f32],
-        mut ids: &mut [u32],
-    ) -> Array<Node> {
+    fn write_all(&self, drafts: &[Draft], mut rows: &mut [f32]) -> Array<Node> {
         let mut nodes = Array::filled(Node::EMPTY, drafts.len());
-        let slots = ids.len() as u32;
+        let slots = (rows.len() / Corners::PER_TRIANGLE) as u32;
         let tasks: Vec<_> = nodes
             .chunks_mut(TASK)
             .zip(drafts.chunks(TASK))
@@ -100,16 +91,15 @@ impl Writer<'_> {
             .map(|(i, (nodes, task))| {
                 let end = drafts.get((i + 1) * TASK).map_or(slots, |next| next.first_slot);
                 let count = (end - task[0].first_slot) as usize;
-                let (task_ids, later_ids) = std::mem::take(&mut ids).split_at_mut(count);
                 let (task_rows, later_rows) =
                     std::mem::take(&mut rows).split_at_mut(count * Corners::PER_TRIANGLE);
-                (ids, rows) = (later_ids, later_rows);
-                (nodes, task, task_rows, task_ids)
+                rows = later_rows;
+                (nodes, task, task_rows)
             })
             .collect();
-        tasks.into_par_iter().for_each(|(nodes, task, rows, ids)| {
+        tasks.into_par_iter().for_each(|(nodes, task, rows)| {
             let mut family = Family::default();
-            let mut blocks = Blocks { begin: task[0].first_slot, used: 0, rows, ids };
+            let mut blocks = Blocks { begin: task[0].first_slot, used: 0, rows };
             for (node, draft) in nodes.iter_mut().zip(task) {
                 family.gather(self.tree, draft.root);
                 self.write(node, &family, &mut blocks);
@@ -231,14 +221,12 @@ struct Blocks<'a> {
     begin: u32,
     used: usize,
     rows: &'a mut [f32],
-    ids: &'a mut [u32],
 }
 
 impl Blocks<'_> {
     fn push(&mut self, block: &[u32], writer: &Writer) -> Child {
         let (slot, count) = (self.begin + self.used as u32, block.len() as u32);
         write_block(&mut self.rows[self.used * Corners::PER_TRIANGLE..], block, writer.triangles);
-        self.ids[self.used..self.used + block.len()].copy_from_slice(block);
         for (lane, &id) in (0..).zip(block) {
             writer.put(id, Place::new(slot, count, lane));
         }
@@ -250,6 +238,7 @@ impl Blocks<'_> {
 fn write_block(rows: &mut [f32], block: &[u32], triangles: &[Triangle]) {
     let n = block.len();
     for (lane, &id) in block.iter().enumerate() {
+        rows[ID_ROW * n + lane] = f32::from_bits(id);
         for (corner, p) in triangles[id as usize].iter().enumerate() {
             for axis in 0..3 {
                 rows[(3 * corner + axis) * n + lane] = p[axis];

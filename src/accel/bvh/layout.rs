@@ -128,8 +128,9 @@ impl Child {
 /// Slots of triangles that a [`Place`] and a [`Child`] can name.
 pub(super) const MAX_SLOTS: usize = 1 << 28;
 
-/// The corners of triangles, block by block in the order of leaves. A block of n triangles is nine
-/// rows of n: x, y, and z of the first corners, then of the second, then of the third.
+/// The triangles, block by block in the order of leaves. A block of n triangles is ten rows of n: x,
+/// y, and z of the first corners, then of the second, then of the third, then bits of ids. An id that
+/// is asked for is so in a line of memory that its triangle's test has just read.
 #[derive(Debug, Default)]
 pub(super) struct Corners {
     rows: Array<f32>,
@@ -139,7 +140,7 @@ impl Corners {
     /// Rows are readable this far beyond their end, so that four lanes may be loaded.
     pub(super) const PADDING: usize = 4;
 
-    pub(super) const PER_TRIANGLE: usize = 9;
+    pub(super) const PER_TRIANGLE: usize = 10;
 
     /// Room for so many triangles.
     pub(super) fn new(count: usize) -> Self {
@@ -155,6 +156,17 @@ impl Corners {
         &self.rows
     }
 
+    /// How many triangles there is room for.
+    #[cfg(test)]
+    pub(super) fn slots(&self) -> usize {
+        (self.rows.len() - Self::PADDING) / Self::PER_TRIANGLE
+    }
+
+    /// The id of a triangle of the block of `count` that begins at `slot`.
+    pub(super) fn id(&self, slot: usize, count: usize, lane: usize) -> u32 {
+        self.rows[slot * Self::PER_TRIANGLE + ID_ROW * count + lane].to_bits()
+    }
+
     /// One triangle of the block of `count` that begins at `slot`.
     pub(super) fn triangle(&self, slot: usize, count: usize, lane: usize) -> Triangle {
         block_triangle(&self.rows[slot * Self::PER_TRIANGLE..], count, lane)
@@ -167,6 +179,19 @@ pub(super) fn block_triangle(rows: &[f32], count: usize, lane: usize) -> Triangl
     std::array::from_fn(|corner| {
         Vec3::from_array(std::array::from_fn(|axis| rows[(3 * corner + axis) * count + lane]))
     })
+}
+
+/// The row of a block that holds ids.
+pub(super) const ID_ROW: usize = 9;
+
+/// The id of a triangle of the block of `count` that begins at `block`.
+///
+/// # Safety
+/// There is such a block.
+#[inline(always)]
+pub(super) unsafe fn id_at(block: *const f32, count: usize, lane: usize) -> u32 {
+    // SAFETY: the caller's.
+    unsafe { *block.add(ID_ROW * count + lane).cast() }
 }
 
 /// One triangle of the block of `count` that begins at `block`.

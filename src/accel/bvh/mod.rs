@@ -47,8 +47,6 @@ const FAR: usize = 48 << 20;
 pub struct Bvh {
     nodes: Array<Node>,
     corners: Corners,
-    /// Ids of the triangles, by slot.
-    ids: Array<u32>,
     /// Where each triangle is first, by id.
     places: Vec<Place>,
     curved: Vec<Curved>,
@@ -83,14 +81,13 @@ impl Bvh {
             false => BinaryTree::build(references, extent, triangle_count as u32, isa),
         };
         let wide = collapse::collapse(tree, &primitives.triangles, left_out);
-        let Wide { nodes, corners, ids, places, depth } = wide;
+        let Wide { nodes, corners, places, depth } = wide;
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let is_tame = largest <= ray::TAME_COORDINATE;
         let stack = stream::stack_size(depth);
         let curved = primitives.curved;
         let is_far = false;
-        let mut bvh =
-            Self { nodes, corners, ids, places, curved, bounds, stack, isa, is_tame, is_far };
+        let mut bvh = Self { nodes, corners, places, curved, bounds, stack, isa, is_tame, is_far };
         bvh.is_far = bvh.memory() > FAR;
         bvh
     }
@@ -117,7 +114,6 @@ impl Bvh {
     pub(super) fn memory(&self) -> usize {
         size_of_val(&*self.nodes)
             + size_of_val(self.corners.rows())
-            + size_of_val(&*self.ids)
             + size_of_val(self.places.as_slice())
             + size_of_val(self.curved.as_slice())
     }

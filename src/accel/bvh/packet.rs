@@ -11,7 +11,7 @@
 //! that the steps rely on too.
 
 use super::Bvh;
-use super::layout::{Child, Corners, Node, WIDTH, triangle_at};
+use super::layout::{Child, Corners, Node, WIDTH, id_at, triangle_at};
 use super::ray::{Prepared, Ray};
 use super::steps::Steps;
 use super::stream::{Flights, Memory, Query};
@@ -388,7 +388,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 if Q::ANY {
                     self.block(nearer);
                 } else {
-                    let id = *around.bvh.ids.get_unchecked(child.index() + k);
+                    let id = id_at(block, count, k);
                     self.keep(&tested, nearer, id);
                     self.beam.t_max = self.farthest();
                 }

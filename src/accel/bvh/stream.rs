@@ -7,7 +7,7 @@
 
 use super::Bvh;
 use super::binary::BLOCK;
-use super::layout::{Child, Corners, Node, WIDTH};
+use super::layout::{Child, Corners, Node, WIDTH, id_at};
 use super::packet::{self, RaysPerChild, Surroundings};
 use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, MOST_BLOCKS, Meeting, Steps};
@@ -282,7 +282,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
                 let child = memory.advance::<S>(node, ray);
                 stops.push(Stop::new(stop.place(), child));
             }
-            test_blocks::<S, Q>(bvh, &memory, &pending.around.flights, &mut stops);
+            test_blocks::<S, Q>(&memory, &pending.around.flights, &mut stops);
             for i in 0..stops.take(Stops::OTHERS) {
                 let stop = stops.get(Stops::OTHERS, i);
                 let (place, child) = (stop.place(), stop.child());
@@ -312,12 +312,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
 /// # Safety
 /// As [`trace`].
 #[inline(always)]
-unsafe fn test_blocks<S: Steps, Q: Query>(
-    bvh: &Bvh,
-    memory: &Memory,
-    flights: &Flights,
-    stops: &mut Stops,
-) {
+unsafe fn test_blocks<S: Steps, Q: Query>(memory: &Memory, flights: &Flights, stops: &mut Stops) {
     let may_wait = stops.len(Stops::NODES) > 0;
     let len = stops.take(Stops::BLOCKS);
     let now = if may_wait { len - len % S::BLOCKS } else { len };
@@ -357,7 +352,7 @@ unsafe fn test_blocks<S: Steps, Q: Query>(
                 let t = ray.t;
                 for lane in lanes_of(of_block(left, i)) {
                     let [t, u, v] = hits.get(i * BLOCK + lane);
-                    let id = *bvh.ids.get_unchecked(group[i].child().index() + lane);
+                    let id = id_at(meetings[i].block, meetings[i].count, lane);
                     ray.offer(t, u, v, id);
                 }
                 if ray.t < t {

@@ -56,7 +56,7 @@ fn long_triangles_are_cut_and_cost_less() {
     let triangles = mixture(&mut Random::new(1), 4_400);
     let plain = Bvh::build(of_triangles(triangles.clone()), Isa::best());
     let bvh = build(of_triangles(triangles));
-    let slots = bvh.ids.len();
+    let slots = bvh.corners.slots();
     assert!((4_800..=5_500).contains(&slots), "{slots}");
     let ratio = expected_boxes(&bvh) / expected_boxes(&plain);
     assert!(ratio < 0.85, "{ratio}");
@@ -85,16 +85,21 @@ fn a_leaf_holds_a_triangle_once_and_places_are_first_slots() {
     triangles[17] = [Vec3::ONE; 3];
     let primitives = Primitives { triangles, curved: random.curved(50, 0.2) };
     let bvh = build(primitives.clone());
-    assert!(bvh.ids.len() > bvh.places.len());
+    assert!(bvh.corners.slots() > bvh.places.len());
     for (slot, len) in blocks(&bvh) {
-        assert!(bvh.ids[slot..slot + len].is_sorted_by(|a, b| a < b), "{slot} {len}");
+        let ids: Vec<_> = (0..len).map(|lane| bvh.corners.id(slot, len, lane)).collect();
+        assert!(ids.is_sorted_by(|a, b| a < b), "{slot} {len}");
     }
-    assert_eq!(blocks(&bvh).map(|(_, len)| len).sum::<usize>() + 1, bvh.ids.len());
+    assert_eq!(blocks(&bvh).map(|(_, len)| len).sum::<usize>() + 1, bvh.corners.slots());
     assert_eq!(bvh.triangle_count(), 3_000);
     for (id, triangle) in (0..).zip(&primitives.triangles) {
         let place = bvh.places[id as usize];
-        let first = bvh.ids.iter().position(|&other| other == id);
-        assert_eq!(first, Some(place.slot() + place.lane()));
+        let is_first = |&(slot, len): &(usize, usize)| {
+            (0..len).any(|lane| bvh.corners.id(slot, len, lane) == id)
+        };
+        let first = blocks(&bvh).filter(is_first).map(|(slot, _)| slot).min();
+        assert!(first.is_none_or(|first| first == place.slot()));
+        assert_eq!(bvh.corners.id(place.slot(), place.count(), place.lane()), id);
         assert_eq!(bvh.triangle(id), *triangle);
     }
     assert_eq!(bvh.curved(), primitives.curved);
@@ -113,7 +118,7 @@ fn any_number_of_threads_and_any_instruction_set_build_the_same() {
         pool.install(|| Bvh::build(primitives.clone(), options))
     };
     let one = build(1, Isa::Portable);
-    assert!(one.ids.len() > 90_000);
+    assert!(one.corners.slots() > 90_000);
     let others = Isa::available().into_iter().map(|isa| build(1, isa));
     for other in others.chain([build(3, Isa::Portable)]) {
         assert_same(&one, &other);
@@ -124,7 +129,7 @@ fn any_number_of_threads_and_any_instruction_set_build_the_same() {
 fn weighs_at_most_80_bytes_a_triangle() {
     for n in [3_000, 30_000] {
         let bvh = build(of_triangles(mixture(&mut Random::new(4), n)));
-        assert!(bvh.ids.len() > n * 11 / 10, "{}", bvh.ids.len());
+        assert!(bvh.corners.slots() > n * 11 / 10, "{}", bvh.corners.slots());
         assert!(bvh.memory() <= 80 * n, "{}", bvh.memory() / n);
     }
 }
@@ -142,7 +147,7 @@ fn depth_is_bounded() {
         })
         .collect();
     let bvh = build(of_triangles(triangles));
-    assert!(bvh.ids.len() > 3_000);
+    assert!(bvh.corners.slots() > 3_000);
     assert!(bvh.stack <= stream::stack_size(48 + 13));
 }
 
@@ -151,7 +156,7 @@ fn needles_in_any_light() {
     let mut random = Random::new(5);
     let triangles = [needles(&mut random, 300, 2.0), random.triangles(300, 0.05)].concat();
     let primitives = Primitives { triangles, curved: random.curved(9, 0.2) };
-    assert!(build(primitives.clone()).ids.len() > 700);
+    assert!(build(primitives.clone()).corners.slots() > 700);
     assert!(check(primitives.clone(), &random.rays(6_000, 1.0)) > 1_000);
     assert!(check(primitives, &random.bundles(4_000, 1.0)) > 500);
 }
@@ -165,7 +170,7 @@ fn rays_in_the_planes_of_cuts() {
         triangles.extend(random.triangles(300, 0.1));
         triangles.iter_mut().flatten().for_each(|p| *p += shift);
         let bvh = build(of_triangles(triangles.clone()));
-        assert!(bvh.ids.len() > 430, "{}", bvh.ids.len());
+        assert!(bvh.corners.slots() > 430, "{}", bvh.corners.slots());
         let mut rays = Rays::with_capacity(9_000);
         for i in 0..9_000 {
             let axis = i % 3;
@@ -214,7 +219,7 @@ fn huge_triangles_grazed_near_the_origin() {
         }
         let primitives = of_triangles(triangles);
         let bvh = build(primitives.clone());
-        assert!(bvh.ids.len() > 460, "{reach} {}", bvh.ids.len());
+        assert!(bvh.corners.slots() > 460, "{reach} {}", bvh.corners.slots());
         assert!(check(primitives, &rays) > 2_000, "{reach}");
     }
 }
