@@ -35,7 +35,7 @@ fn worthwhile(memory: usize) -> u32 {
     } else if memory <= 96 * MIB {
         5
     } else {
-        6
+        9
     }
 }
 

@@ -31,26 +31,6 @@ pub(super) trait Steps {
         children: *mut Child,
     ) -> usize;
 
-    /// As [`children`](Self::children) of all, and what the ray visits next: the nearest of them, or
-    /// `last` where there is none. That is not read back from where it was just stored.
-    ///
-    /// # Safety
-    /// As [`children`](Self::children); `last` is the entry before the first that is written.
-    #[inline(always)]
-    unsafe fn advance(
-        node: &Node,
-        ray: &Ray,
-        _last: Child,
-        ts: *mut f32,
-        children: *mut Child,
-    ) -> (usize, Child) {
-        // SAFETY: the caller's.
-        unsafe {
-            let count = Self::children(node, ray, u8::MAX, ts, children);
-            (count, *children.add(count).sub(1))
-        }
-    }
-
     /// Drops those of the first `len` entries of a stack whose distance is more than `t`; returns
     /// how many are left.
     ///

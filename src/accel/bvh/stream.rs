@@ -58,6 +58,9 @@ pub(super) struct Stream {
     lists: Lists,
 }
 
+/// Steps at far nodes before it is looked up what their rays visit next.
+const FAR_TURN: usize = 8;
+
 /// Lines of a [`Ray`].
 const RAY_LINES: usize = 2;
 
@@ -275,13 +278,7 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
             stops.push(stop);
         }
         while !stops.are_none() {
-            for i in 0..stops.take(Stops::NODES) {
-                let stop = stops.get(Stops::NODES, i);
-                let ray = &mut *pending.around.flights.ray(stop.place());
-                let node = &*memory.nodes.add(stop.child().0 as usize);
-                let child = memory.advance::<S>(node, ray);
-                stops.push(Stop::new(stop.place(), child));
-            }
+            test_nodes::<S>(&memory, &pending.around.flights, &mut stops);
             test_blocks::<S, Q>(&memory, &pending.around.flights, &mut stops);
             for i in 0..stops.take(Stops::OTHERS) {
                 let stop = stops.get(Stops::OTHERS, i);
@@ -304,6 +301,37 @@ pub(super) unsafe fn trace<S: Steps, Q: Query>(
         }
     }
     if pending.around.rays_per_child.is_good() { coherence } else { Coherence::Incoherent }
+}
+
+/// Takes rays that stand before nodes one step on.
+///
+/// What a ray visits next is looked up in a second loop: waiting for a step's outcome, that work would
+/// fill the CPU's schedulers, and fewer steps would overlap. Where nodes are far away the loops take
+/// turns, so that memory is asked for early, and not all at once.
+///
+/// # Safety
+/// As [`trace`].
+#[inline(always)]
+unsafe fn test_nodes<S: Steps>(memory: &Memory, flights: &Flights, stops: &mut Stops) {
+    let len = stops.take(Stops::NODES);
+    let turn = if S::IS_FAR { FAR_TURN } else { IN_FLIGHT };
+    let mut begin = 0;
+    // SAFETY: stops of this list are nodes, and rays in flight.
+    unsafe {
+        while begin < len {
+            let end = len.min(begin + turn);
+            for i in begin..end {
+                let stop = stops.get(Stops::NODES, i);
+                let node = &*memory.nodes.add(stop.child().0 as usize);
+                memory.push_children::<S>(node, &mut *flights.ray(stop.place()), u8::MAX);
+            }
+            for i in begin..end {
+                let place = stops.get(Stops::NODES, i).place();
+                stops.push(Stop::new(place, memory.pop::<S>(&mut *flights.ray(place))));
+            }
+            begin = end;
+        }
+    }
 }
 
 /// Takes rays that stand before blocks of triangles past them, several at once; if rays stand before
@@ -392,25 +420,6 @@ impl Memory {
             let count = S::children(node, ray, among, ray.top, ray.top.add(self.stack).cast());
             ray.top = ray.top.add(count);
         }
-    }
-
-    /// Puts the children of a node that a ray enters on its stack but for the nearest, or takes the
-    /// last entry where it enters none; asks for the memory of what it visits next.
-    ///
-    /// # Safety
-    /// The ray's stack holds its first entry at least, and there is room for eight more; the CPU has
-    /// the instruction set.
-    #[inline(always)]
-    unsafe fn advance<S: Steps>(&self, node: &Node, ray: &mut Ray) -> Child {
-        // SAFETY: the caller's.
-        let child = unsafe {
-            let names = ray.top.add(self.stack).cast::<Child>();
-            let (count, child) = S::advance(node, ray, *names.sub(1), ray.top, names);
-            ray.top = ray.top.add(count).sub(1);
-            child
-        };
-        self.prefetch::<S>(child);
-        child
     }
 
     /// Takes the last entry from a ray's stack, and asks for its memory.

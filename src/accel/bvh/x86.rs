@@ -200,27 +200,6 @@ impl<const FAR: bool> Steps for Avx512<FAR> {
     }
 
     #[inline(always)]
-    unsafe fn advance(
-        node: &Node,
-        ray: &Ray,
-        last: Child,
-        ts: *mut f32,
-        children: *mut Child,
-    ) -> (usize, Child) {
-        // SAFETY: the caller's.
-        unsafe {
-            let (near, names, entered) = sorted(node, ray, u8::MAX);
-            _mm256_storeu_ps(ts, _mm256_maskz_compress_ps(entered, near));
-            _mm256_storeu_si256(children.cast(), _mm256_maskz_compress_epi32(entered, names));
-            // Its lane, 0 to 7; 15, and so the other register's last, where no child is entered.
-            let lane = !u32::from(entered).leading_zeros();
-            let lane = _mm256_castsi128_si256(_mm_cvtsi32_si128(lane as i32));
-            let next = _mm256_permutex2var_epi32(names, lane, _mm256_set1_epi32(last.0 as i32));
-            (entered.count_ones() as usize, Child(_mm256_cvtsi256_si32(next) as u32))
-        }
-    }
-
-    #[inline(always)]
     unsafe fn cull(ts: *mut f32, children: *mut Child, len: usize, t: f32) -> usize {
         let mut kept = 0;
         // SAFETY: what is read and written beyond the entries is among the eight behind them.
