@@ -2,12 +2,15 @@
 """How fast the noise of each effect falls with the number of samples, by generator; or what adaptive sampling saves.
 
     python3 scripts/convergence.py [--program slo-rt] [--size 96x54] [--samples 4,16,64,256] [--reference 4096]
+                                   [--columns 4,16,64,256] [--plot FILE.svg]
     python3 scripts/convergence.py --noise 0.04,0.02,0.01 --size 320x180 --samples 4,8,16,32,64,128,256
 
 Renders shipped scenes of one effect each, compares them with a reference of another seed by the program's own
 `compare`, and prints a Markdown table of relative mean square errors. The last columns are the exponent of the error
 (root mean square) in the number of samples, -0.5 for independent ones; how many samples PSEUDO takes for the error
-that this generator has at the largest number; and FLIP, the difference as seen, at the second number.
+that this generator has at the largest number; and FLIP, the difference as seen, at the second number. --columns says
+which of the numbers have a column; the exponent is fitted to all. --plot draws all of them: the root of the error, so
+that the exponents are the slopes.
 
 With --noise the table is of pictures rendered by `--noise E` on one thread: how many samples a pixel they took, and
 what share that is of the samples, and of the processor time, that as many for every pixel would take for the same
@@ -22,6 +25,8 @@ import resource
 import subprocess
 import tempfile
 from pathlib import Path
+
+import convergence_plot
 
 ROOT = Path(__file__).resolve().parent.parent
 EFFECTS = {
@@ -67,6 +72,10 @@ def compare(options, picture, reference):
     return {name: float(value) for name, value in map(str.split, lines)}
 
 
+def numbers(text):
+    return [int(n) for n in text.split(",")]
+
+
 def slope(counts, errors):
     """Least squares exponent of the root of the errors."""
     xs = [math.log(n) for n in counts]
@@ -92,14 +101,19 @@ def timed(options, *arguments):
 
 
 def generators(options, effect, scene, counts, reference, outdir):
-    pseudo = None
+    """Prints the rows of an effect; by generator, the roots of the errors at all counts, and their exponent."""
+    lines, pseudo = {}, None
     for generator in GENERATORS:
-        pictures = [render(options, scene, generator, n, 0, outdir) for n in counts]
-        found = [compare(options, picture, reference) for picture in pictures]
+        found = [compare(options, render(options, scene, generator, n, 0, outdir), reference) for n in counts]
         errors = [figures["relative-mse"] for figures in found]
-        pseudo = pseudo or errors
-        figures = [f"{e:.2e}" for e in errors] + [f"{slope(counts, errors):.2f}", f"{pseudo[-1] / errors[-1]:.1f} x"]
-        print(f"| {effect} | {generator} |", " | ".join(figures), f"| {found[1]['flip']:.4f} |", flush=True)
+        exponent = slope(counts, errors)
+        lines[generator] = [math.sqrt(e) for e in errors], exponent
+        shown = [counts.index(n) for n in options.columns]
+        last = errors[shown[-1]]
+        pseudo = pseudo or last
+        figures = [*(f"{errors[i]:.2e}" for i in shown), f"{exponent:.2f}", f"{pseudo / last:.1f} x"]
+        print(f"| {effect} | {generator} |", " | ".join(figures), f"| {found[shown[1]]['flip']:.4f} |", flush=True)
+    return lines
 
 
 def adaptive(options, effect, scene, counts, reference, outdir):
@@ -119,24 +133,35 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", default=str(ROOT / "target/release/slo-rt"))
     parser.add_argument("--size", default="96x54")
-    parser.add_argument("--samples", default="4,16,64,256")
+    parser.add_argument("--samples", type=numbers, default="4,16,64,256")
+    parser.add_argument("--columns", type=numbers, metavar="N,...", help="those of the samples that have a column (all)")
     parser.add_argument("--reference", type=int, default=4096)
+    parser.add_argument("--plot", metavar="FILE.svg", help="draw the errors of the generators, too")
     parser.add_argument("--noise", metavar="E,...", help="errors to stop at, instead of the generators")
     parser.add_argument("--only", default="", help="one effect, by a part of its name")
     options = parser.parse_args()
-    counts = [int(n) for n in options.samples.split(",")]
+    counts = options.samples
+    options.columns = options.columns or counts
+    if not set(options.columns) <= set(counts):
+        parser.error("--columns has a number that --samples has not")
+    if options.plot and options.noise:
+        parser.error("--plot is of the generators, without --noise")
     if options.noise:
         head = ["effect", "`--noise`", "samples a pixel", "relative-mse", "uniform takes", "samples over uniform's"]
         head += ["time over uniform's", "mean over the reference's"]
     else:
-        head = ["effect", "generator", *map(str, counts), "exponent", "PSEUDO needs", f"FLIP at {counts[1]}"]
+        head = ["effect", "generator", *map(str, options.columns), "exponent", "PSEUDO needs"]
+        head.append(f"FLIP at {options.columns[1]}")
     print("|", " | ".join(head), "|\n|" + "---|" * len(head))
+    panels = {}
     for effect, scene in EFFECTS.items():
         if options.only in effect:
             with tempfile.TemporaryDirectory() as outdir:
                 reference = render(options, scene, "QUASI", options.reference, 1, outdir)
                 table = adaptive if options.noise else generators
-                table(options, effect, scene, counts, reference, outdir)
+                panels[effect] = table(options, effect, scene, counts, reference, outdir)
+    if options.plot and panels:
+        convergence_plot.write(options.plot, counts, panels)
 
 
 if __name__ == "__main__":
