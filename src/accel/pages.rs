@@ -8,10 +8,6 @@ use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
 use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;
 
-/// Growing arrays of fewer bytes stay on the pages that they get.
-#[cfg(target_os = "linux")]
-const LARGE: usize = 4 << 20;
-
 /// What a large page holds; it begins at a multiple of that.
 const LARGE_PAGE: usize = 2 << 20;
 
@@ -107,34 +103,6 @@ const MADV_HUGEPAGE: i32 = 14;
 unsafe extern "C" {
     fn madvise(start: *mut std::ffi::c_void, len: usize, advice: i32) -> i32;
 }
-
-/// Tells the system what to do with an array's pages; that it refuses does no harm.
-#[cfg(target_os = "linux")]
-fn advise<T>(array: &Vec<T>, advice: i32) {
-    // A multiple of what a page is on any system.
-    const PAGE: usize = 1 << 16;
-    let bytes = array.capacity() * size_of::<T>();
-    if bytes < LARGE {
-        return;
-    }
-    let start = array.as_ptr().cast::<u8>();
-    let skip = start.align_offset(PAGE).min(bytes);
-    let whole = (bytes - skip) / PAGE * PAGE;
-    // SAFETY: the pages belong to the array, and neither advice that is given here changes what
-    // they hold or who may use them.
-    unsafe { madvise(start.wrapping_add(skip).cast_mut().cast(), whole, advice) };
-}
-
-/// Moves an array to large pages if the system can, for one that grew as it was written.
-#[cfg(target_os = "linux")]
-pub(super) fn collapse<T>(array: &Vec<T>) {
-    const MADV_COLLAPSE: i32 = 25;
-    advise(array, MADV_HUGEPAGE);
-    advise(array, MADV_COLLAPSE);
-}
-
-#[cfg(not(target_os = "linux"))]
-pub(super) fn collapse<T>(_: &Vec<T>) {}
 
 #[cfg(test)]
 mod tests {

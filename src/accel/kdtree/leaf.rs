@@ -2,11 +2,83 @@
 
 use glam::Vec3;
 
-use super::node::{Chunk, Node};
+use super::build::Node;
+use super::treelet::Child;
 use crate::accel::triangle::{self, ShearedRay, TriangleHit};
 use crate::accel::{LANES, Primitives, Triangle};
 
-/// The contents of all leaves, one after the other, in words.
+/// Up to 16 triangles of a leaf and what comes after them.
+///
+/// In memory, in words of 4 bytes: the chunk itself; the x, y, and z of its vertices; per triangle
+/// the three vertices it joins, 5 bits each in 16; the triangles' ids. Then, if flagged, a count of
+/// curved primitives and their ids; or, if flagged, the [`Chunk`] that follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(super) struct Chunk(pub(super) u32);
+
+impl Chunk {
+    pub(super) const MAX_TRIANGLES: usize = 16;
+    pub(super) const MAX_VERTICES: usize = 32;
+    const CURVED: u32 = 1 << 11;
+    const MORE: u32 = 1 << 12;
+    const FOLLOWED: u32 = Self::CURVED | Self::MORE;
+
+    pub(super) fn new(triangles: usize, vertices: usize, curved: bool, more: bool) -> Self {
+        debug_assert!(triangles <= Self::MAX_TRIANGLES && vertices <= Self::MAX_VERTICES);
+        let flags = (u32::from(curved) * Self::CURVED) | (u32::from(more) * Self::MORE);
+        Self(triangles as u32 | (vertices as u32) << 5 | flags)
+    }
+
+    #[inline(always)]
+    pub(super) fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    #[inline(always)]
+    pub(super) fn triangles(self) -> usize {
+        (self.0 & 31) as usize
+    }
+
+    #[inline(always)]
+    pub(super) fn vertices(self) -> usize {
+        (self.0 >> 5 & 63) as usize
+    }
+
+    /// Whether four such chunks fit into a register of 16 triangles and two of vertices.
+    pub(super) fn fits_in_quarter(self) -> bool {
+        self.triangles() <= Self::MAX_TRIANGLES / 4 && self.vertices() <= Self::MAX_VERTICES / 4
+    }
+
+    #[inline(always)]
+    pub(super) fn has_curved(self) -> bool {
+        self.0 & Self::CURVED != 0
+    }
+
+    /// Whether anything follows the triangles.
+    #[inline(always)]
+    pub(super) fn is_followed(self) -> bool {
+        self.0 & Self::FOLLOWED != 0
+    }
+
+    /// Words of the vertices: all words are counted from the one behind the chunk.
+    #[inline(always)]
+    pub(super) fn corners_at(self) -> usize {
+        3 * self.vertices()
+    }
+
+    /// Words before the ids.
+    #[inline(always)]
+    pub(super) fn ids_at(self) -> usize {
+        self.corners_at() + self.triangles().div_ceil(2)
+    }
+
+    /// Words before what follows the triangles.
+    #[inline(always)]
+    pub(super) fn end(self) -> usize {
+        self.ids_at() + self.triangles()
+    }
+}
+
+/// The contents of all leaves, one after the other, in words; each begins at a multiple of four.
 #[derive(Debug, Default)]
 pub(super) struct Arena {
     pub(super) words: Vec<u32>,
@@ -17,9 +89,7 @@ impl Arena {
     pub(super) fn push_leaf(&mut self, primitives: &Primitives, ids: &[u32]) -> Node {
         let triangles = ids.partition_point(|&id| (id as usize) < primitives.triangles.len());
         let (mut flat, curved) = ids.split_at(triangles);
-        let offset = self.words.len() as u32;
-        let mut first = Chunk::default();
-        let mut header = None;
+        let offset = self.words.len();
         loop {
             let packed = Packed::first_of(primitives, flat);
             flat = &flat[packed.ids.len()..];
@@ -30,22 +100,18 @@ impl Arena {
                 !more && !curved.is_empty(),
                 more,
             );
-            match header {
-                None => first = chunk,
-                Some(at) => self.words[at] = chunk.0,
-            }
+            self.words.push(chunk.0);
             packed.append_to(&mut self.words);
             if !more {
                 break;
             }
-            header = Some(self.words.len());
-            self.words.push(0);
         }
         if !curved.is_empty() {
             self.words.push(curved.len() as u32);
             self.words.extend_from_slice(curved);
         }
-        Node::leaf(offset, first)
+        self.words.resize(self.words.len().next_multiple_of(Child::UNIT), 0);
+        Node::leaf(offset as u32, Chunk(self.words[offset]))
     }
 
     /// Appends another arena's words.

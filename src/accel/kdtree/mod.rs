@@ -1,54 +1,46 @@
 //! A kd-tree built by the surface area heuristic.
 //!
-//! Nodes have 8 bytes, siblings share a cache line, and a node tells which of its children are
-//! empty. A leaf holds chunks of up to 16 triangles over shared vertices: about 45 bytes a triangle
-//! beyond the primitives on closed meshes, references to split triangles included.
+//! Three levels of planes are a *treelet*: seven planes and eight children in one cache line. A leaf
+//! holds chunks of up to 16 triangles over shared vertices: about 45 bytes a triangle beyond the
+//! primitives on closed meshes, references to split triangles included. Treelets and leaves lie in
+//! one array, so that a child's place tells its address whatever it is.
 //!
 //! Three ways lead through it, all to the same hits:
 //!
-//! - *Packets* of 16 rays (AVX-512) or 8 (AVX2) that go the same way, for coherent batches: a node
+//! - *Packets* of 16 rays (AVX-512) or 8 (AVX2) that go the same way, for coherent batches: a plane
 //!   costs two fused operations and two comparisons for all of them, and most triangles of a leaf
 //!   are left out by bounds on all rays at once.
-//! - A *stream* for rays that have nothing in common: one ray to a lane, nodes gathered, stacks in
-//!   memory, leaves tested a register of triangles at a time, those of four leaves if they are small.
-//!   It also takes over the lanes that packets leave alone, where there are many, and what is left
-//!   of a coherent batch whose packets fall apart.
-//! - One ray at a time, for lanes that packets leave alone where there are few, and in plain Rust as
-//!   the twin of the others.
-//!
-//! Tried, and lost: scatters in place of the stream's scalar pushes, and four pushes without a
-//! branch (no gain); more groups of rays under way (0.93); smaller and larger leaves by other costs
-//! (within noise from half to twice the cost of a register, and for costs that favour leaves that
-//! share a register). What counted most on some CPUs was to keep integers out of lanes that are
-//! taken for numbers: as subnormals they made every step and every test 1.6 times as slow.
+//! - A *stream* for rays that have nothing in common: many in flight, a treelet for one of them at a
+//!   time without a branch, leaves tested a register of triangles at once, those of several rays if
+//!   they are small. It also takes over the lanes that packets leave alone, and what is left of a
+//!   coherent batch whose packets fall apart.
+//! - One ray at a time in plain Rust, as the twin of the others.
 
 mod build;
 mod leaf;
-mod node;
 #[cfg(target_arch = "x86_64")]
 mod packet;
+mod query;
 mod ray;
 mod single;
 #[cfg(target_arch = "x86_64")]
 mod stream;
 #[cfg(test)]
 mod tests;
-#[cfg(target_arch = "x86_64")]
-mod x86;
+mod treelet;
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{__m256, __m512};
 
 use build::MAX_DEPTH;
-use leaf::{Arena, Best};
-use node::Node;
+use query::{Blocked, Nearest, Query};
 use ray::Prepared;
-use single::{Kernel, Portable, Visit};
-#[cfg(target_arch = "x86_64")]
-use stream::{Stream, Vector};
+use treelet::{Child, Stand, TOP, Treelet};
 
-use super::order::{self, Order, Sixteen};
-use super::{Coherence, Hits, Isa, LANES, NO_HIT, Primitives, Rays, pages};
+use super::order::{self, Order};
+use super::pages::Array;
+use super::simd::lanes_of;
+use super::{Coherence, Hits, Isa, NO_HIT, Primitives, Rays};
 use crate::math::Bounds;
 
 /// A kd-tree over primitives.
@@ -56,8 +48,11 @@ use crate::math::Bounds;
 pub struct KdTree {
     primitives: Primitives,
     bounds: Bounds,
-    nodes: Vec<Node>,
-    arena: Arena,
+    /// Treelets, then leaves.
+    lines: Array<Treelet>,
+    /// How many treelets follow each other on the longest way down.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    depth: usize,
     isa: Isa,
 }
 
@@ -65,45 +60,15 @@ pub struct KdTree {
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     #[cfg(target_arch = "x86_64")]
-    sixteens: Option<Stream<16, 2>>,
-    #[cfg(target_arch = "x86_64")]
-    eights: Option<Stream<8, 4>>,
-    #[cfg(target_arch = "x86_64")]
-    stack: Option<packet::Stack>,
+    stream: Option<Box<stream::Stream>>,
     order: Order,
-}
-
-/// What is left of a batch.
-struct Left<'a> {
-    rays: &'a Rays,
-    order: &'a Order,
-    /// The sixteen that is taken next.
-    next: usize,
-}
-
-impl<'a> Left<'a> {
-    /// The next sixteen, and how many of them are rays to be traced.
-    #[inline(always)]
-    fn take(&mut self) -> Option<(Sixteen<'a>, usize)> {
-        let order: &'a Order = self.order;
-        let taken = order.get(self.next);
-        self.next += usize::from(taken.is_some());
-        taken
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    fn is_none(&self) -> bool {
-        self.order.get(self.next).is_none()
-    }
 }
 
 impl KdTree {
     /// Builds the tree.
     pub fn build(primitives: Primitives, isa: Isa) -> Self {
-        let built = build::build(&primitives);
-        pages::collapse(&built.nodes);
-        pages::collapse(&built.arena.words);
-        Self { primitives, bounds: built.bounds, nodes: built.nodes, arena: built.arena, isa }
+        let build::Built { bounds, lines, depth } = build::build(&primitives);
+        Self { primitives, bounds, lines, depth, isa }
     }
 
     pub(super) fn primitives(&self) -> &Primitives {
@@ -112,8 +77,24 @@ impl KdTree {
 
     /// Bytes that it holds beyond the primitives.
     pub(super) fn memory(&self) -> usize {
-        std::mem::size_of_val(self.nodes.as_slice())
-            + std::mem::size_of_val(self.arena.words.as_slice())
+        std::mem::size_of_val(&*self.lines)
+    }
+
+    /// The lines as words.
+    fn words(&self) -> &[u32] {
+        const { assert!(size_of::<Treelet>() == 64) };
+        let len = self.memory() / 4;
+        // SAFETY: a treelet is sixteen words, without padding.
+        unsafe { std::slice::from_raw_parts(self.lines.as_ptr().cast(), len) }
+    }
+
+    fn treelet(&self, at: Child) -> &Treelet {
+        &self.lines[at.line()]
+    }
+
+    /// Where every ray begins.
+    fn root(&self) -> Stand {
+        self.treelet(Child::ROOT).at_plane(Child::ROOT, TOP)
     }
 
     pub(super) fn intersect(
@@ -123,10 +104,7 @@ impl KdTree {
         hits: &mut Hits,
         scratch: &mut Scratch,
     ) {
-        self.trace::<false>(rays, coherence, scratch, &mut |i, best: &Best| {
-            (hits.t[i], hits.u[i], hits.v[i]) = (best.t, best.u, best.v);
-            hits.primitive[i] = best.primitive;
-        });
+        self.trace(rays, coherence, scratch, &mut Nearest { hits });
     }
 
     pub(super) fn occluded(
@@ -136,28 +114,28 @@ impl KdTree {
         blocked: &mut [bool],
         scratch: &mut Scratch,
     ) {
-        self.trace::<true>(rays, coherence, scratch, &mut |i, _: &Best| blocked[i] = true);
+        self.trace(rays, coherence, scratch, &mut Blocked { blocked });
     }
 
-    /// Tells every ray's nearest hit, of `ANY` the first that is found.
-    fn trace<const ANY: bool>(
+    /// Answers a query about every ray.
+    fn trace<Q: Query>(
         &self,
         rays: &Rays,
         coherence: Coherence,
         scratch: &mut Scratch,
-        done: &mut impl FnMut(usize, &Best),
+        query: &mut Q,
     ) {
+        if self.bounds.is_empty() {
+            return;
+        }
         match self.isa {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: a tree is built for an instruction set that the CPU has.
-            Isa::Avx512 => unsafe { self.trace_avx512::<ANY>(rays, coherence, scratch, done) },
+            Isa::Avx512 => unsafe { self.trace_avx512(rays, coherence, scratch, query) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
-            Isa::Avx2 => unsafe { self.trace_avx2::<ANY>(rays, coherence, scratch, done) },
-            _ => {
-                scratch.order.keep(rays);
-                self.trace_singly::<ANY>(Left { rays, order: &scratch.order, next: 0 }, done);
-            }
+            Isa::Avx2 => unsafe { self.trace_avx2(rays, coherence, scratch, query) },
+            _ => self.trace_singly(rays, &mut scratch.order, query),
         }
         #[cfg(not(target_arch = "x86_64"))]
         let _ = coherence;
@@ -167,139 +145,48 @@ impl KdTree {
     /// The CPU has AVX-512 F, BW, DQ, VL, AVX2, FMA, BMI, LZCNT, and POPCNT.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    unsafe fn trace_avx512<const ANY: bool>(
+    unsafe fn trace_avx512<Q: Query>(
         &self,
         rays: &Rays,
         coherence: Coherence,
-        scratch: &mut Scratch,
-        done: &mut impl FnMut(usize, &Best),
+        Scratch { stream, order }: &mut Scratch,
+        query: &mut Q,
     ) {
-        let Scratch { sixteens, stack, order, .. } = scratch;
-        let stream = sixteens.get_or_insert_default();
-        let stack = (coherence == Coherence::Coherent).then(|| stack.get_or_insert_default());
+        let stream = stream.get_or_insert_default();
         // SAFETY: the caller's.
-        unsafe { self.trace_wide::<__m512, 16, 2, ANY>(rays, order, stack, stream, done) }
+        unsafe { stream::trace::<__m512, Q, 4>(self, rays, coherence, order, stream, query) }
     }
 
     /// # Safety
     /// The CPU has AVX2, FMA, BMI, LZCNT, and POPCNT.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    unsafe fn trace_avx2<const ANY: bool>(
+    unsafe fn trace_avx2<Q: Query>(
         &self,
         rays: &Rays,
         coherence: Coherence,
-        scratch: &mut Scratch,
-        done: &mut impl FnMut(usize, &Best),
+        Scratch { stream, order }: &mut Scratch,
+        query: &mut Q,
     ) {
-        let Scratch { eights, stack, order, .. } = scratch;
-        let stream = eights.get_or_insert_default();
-        let stack = (coherence == Coherence::Coherent).then(|| stack.get_or_insert_default());
+        let stream = stream.get_or_insert_default();
         // SAFETY: the caller's.
-        unsafe { self.trace_wide::<__m256, 8, 4, ANY>(rays, order, stack, stream, done) }
-    }
-
-    /// Traces rays as a stream, with a `stack` in packets as long as those are worth their while.
-    ///
-    /// # Safety
-    /// The CPU has the instructions of `V`.
-    #[cfg(target_arch = "x86_64")]
-    #[inline(always)]
-    unsafe fn trace_wide<V: Vector<N>, const N: usize, const GROUPS: usize, const ANY: bool>(
-        &self,
-        rays: &Rays,
-        order: &mut Order,
-        stack: Option<&mut packet::Stack>,
-        stream: &mut Stream<N, GROUPS>,
-        done: &mut impl FnMut(usize, &Best),
-    ) {
-        // SAFETY: the caller's.
-        unsafe {
-            let Some(stack) = stack else {
-                order.keep(rays);
-                let left = Left { rays, order, next: 0 };
-                return stream::trace::<V, N, GROUPS, ANY>(self, left, None, stream, done);
-            };
-            order.sort::<V::Choosing>(rays);
-            let left = Left { rays, order, next: 0 };
-            let left = self.trace_together::<V, N, ANY>(left, stack, done);
-            if !left.is_none() {
-                stream::trace::<V, N, GROUPS, ANY>(self, left, Some(stack), stream, done);
-            }
-        }
-    }
-
-    /// Traces rays in packets, and those that go other ways or are left alone one by one, while
-    /// packets are worth their while and leave few lanes alone; returns what is left.
-    ///
-    /// # Safety
-    /// The CPU has the instructions of `V`.
-    #[cfg(target_arch = "x86_64")]
-    #[inline(always)]
-    unsafe fn trace_together<'a, V: Vector<N>, const N: usize, const ANY: bool>(
-        &self,
-        mut left: Left<'a>,
-        stack: &mut packet::Stack,
-        done: &mut impl FnMut(usize, &Best),
-    ) -> Left<'a> {
-        stack.begin();
-        let rays = left.rays;
-        let mut prepared = Prepared::<LANES>::EMPTY;
-        while stack.is_good::<V>()
-            && !stack.lets_go::<V>()
-            && let Some((sixteen, count)) = left.take()
-        {
-            // SAFETY: the caller's.
-            unsafe {
-                prepared.take::<V::Choosing>(rays, sixteen, count, &self.bounds);
-                let set = prepared.entering();
-                let alone = packet::trace::<V, V::Kernel, ANY>(
-                    self, rays, &prepared, set, stack, None, done,
-                );
-                self.trace_set::<V::Kernel, ANY>(rays, &prepared, alone, done);
-            }
-        }
-        left
+        unsafe { stream::trace::<__m256, Q, 2>(self, rays, coherence, order, stream, query) }
     }
 
     /// Traces rays one by one, in plain Rust.
-    fn trace_singly<const ANY: bool>(&self, mut left: Left, done: &mut impl FnMut(usize, &Best)) {
-        let mut prepared = Prepared::<LANES>::EMPTY;
-        while let Some((sixteen, count)) = left.take() {
-            // SAFETY: plain Rust runs on every CPU.
-            unsafe {
-                prepared.take::<order::Portable>(left.rays, sixteen, count, &self.bounds);
-                self.trace_set::<Portable, ANY>(left.rays, &prepared, prepared.entering(), done);
-            }
-        }
-    }
-
-    /// Traces some of sixteen rays one by one.
-    ///
-    /// # Safety
-    /// The CPU has the instructions of `K`.
-    #[inline(always)]
-    unsafe fn trace_set<K: Kernel, const ANY: bool>(
-        &self,
-        rays: &Rays,
-        prepared: &Prepared<LANES>,
-        mut set: u32,
-        done: &mut impl FnMut(usize, &Best),
-    ) {
-        while set != 0 {
-            let lane = set.trailing_zeros() as usize;
-            set &= set - 1;
-            let index = prepared.index[lane] as usize;
-            let (near, far) = (prepared.near[lane], prepared.far[lane]);
-            let root = Visit { node: Node::ROOT, near, far };
-            let mut best = Best::up_to(prepared.t[lane]);
-            // SAFETY: the caller's.
-            unsafe {
-                let ray = (rays, index);
-                single::trace::<K, ANY, LANES>(self, prepared, lane, ray, root, &mut best);
-            }
-            if best.is_hit() {
-                done(index, &best);
+    fn trace_singly<Q: Query>(&self, rays: &Rays, order: &mut Order, query: &mut Q) {
+        order.keep(rays);
+        let mut prepared = Prepared::EMPTY;
+        let mut next = 0;
+        while let Some((sixteen, count)) = order.get(next) {
+            next += 1;
+            // SAFETY: plain Rust runs on every CPU, and these are rays of the batch.
+            unsafe { prepared.take::<order::Portable>(rays, sixteen, count, &self.bounds) };
+            for lane in lanes_of(prepared.entering()) {
+                let best = self.trace_one(Q::ANY, &prepared, lane, rays);
+                if best.is_hit() {
+                    query.accept(prepared.index[lane] as usize, &best);
+                }
             }
         }
     }

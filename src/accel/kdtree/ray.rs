@@ -1,7 +1,5 @@
 //! Rays made ready to walk through the tree, sixteen at a time.
 
-use std::mem::offset_of;
-
 use crate::accel::order::{Choosing, Sixteen};
 use crate::accel::triangle::turned::{Turned, lanes_from, larger, smaller};
 use crate::accel::triangle::{POSITION_ERROR, ShearedRay};
@@ -20,47 +18,48 @@ const SMALLEST_SLOPE: f32 = 1.0 / (1u32 << 30) as f32;
 /// is skipped only if the ray is clear of it.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Prepared<const N: usize> {
+pub(super) struct Prepared {
     /// 1 / direction, by axis, never infinite; negative where the upper child is the nearer.
-    pub(super) inverse: [[f32; N]; 3],
+    pub(super) inverse: [[f32; LANES]; 3],
     /// `position * inverse` less this is the earliest time of crossing.
-    pub(super) early: [[f32; N]; 3],
+    pub(super) early: [[f32; LANES]; 3],
     /// `position * inverse` less this is the latest time of crossing.
-    pub(super) late: [[f32; N]; 3],
+    pub(super) late: [[f32; LANES]; 3],
     /// Origin in sheared axes.
-    pub(super) origin: [[f32; N]; 3],
+    pub(super) origin: [[f32; LANES]; 3],
     /// See [`ShearedRay`].
-    pub(super) shear: [[f32; N]; 3],
+    pub(super) shear: [[f32; LANES]; 3],
     /// The part of the ray in which it may meet what is in the tree; near > far if none.
-    pub(super) near: [f32; N],
-    pub(super) far: [f32; N],
+    pub(super) near: [f32; LANES],
+    pub(super) far: [f32; LANES],
     /// The largest t that still counts.
-    pub(super) t: [f32; N],
+    pub(super) t: [f32; LANES],
     /// Bit `axis` is set where the inverse is negative; the bits above tell which axis of space is z
     /// of the sheared ones, x and y follow it in cyclic order.
-    pub(super) way: [u32; N],
+    pub(super) way: [u32; LANES],
     /// Their places in the batch.
-    pub(super) index: [u32; N],
+    pub(super) index: [u32; LANES],
+    /// Whether the places follow each other.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    pub(super) are_neighbours: bool,
 }
 
-impl<const N: usize> Prepared<N> {
+impl Prepared {
     pub(super) const EMPTY: Self = Self {
-        inverse: [[0.0; N]; 3],
-        early: [[0.0; N]; 3],
-        late: [[0.0; N]; 3],
-        origin: [[0.0; N]; 3],
-        shear: [[0.0; N]; 3],
-        near: [f32::INFINITY; N],
-        far: [f32::NEG_INFINITY; N],
-        t: [0.0; N],
-        way: [0; N],
-        index: [0; N],
+        inverse: [[0.0; LANES]; 3],
+        early: [[0.0; LANES]; 3],
+        late: [[0.0; LANES]; 3],
+        origin: [[0.0; LANES]; 3],
+        shear: [[0.0; LANES]; 3],
+        near: [f32::INFINITY; LANES],
+        far: [f32::NEG_INFINITY; LANES],
+        t: [0.0; LANES],
+        way: [0; LANES],
+        index: [0; LANES],
+        are_neighbours: true,
     };
 
-    /// How many arrays there are, all of them of 4 bytes a ray.
-    pub(super) const ROWS: usize = offset_of!(Self, index) / (4 * N) + 1;
-
-    /// Makes sixteen rays ready, in the first places; those behind the first `count` miss the tree.
+    /// Makes sixteen rays ready; those behind the first `count` miss the tree.
     ///
     /// Inlined, so that the lanes become those of the instruction set it is compiled for.
     ///
@@ -74,6 +73,7 @@ impl<const N: usize> Prepared<N> {
         count: usize,
         bounds: &Bounds,
     ) {
+        self.are_neighbours = matches!(sixteen, Sixteen::Neighbours(_));
         match sixteen {
             Sixteen::Neighbours(first) => {
                 let origin = lanes_from(&rays.origin, first);
@@ -87,7 +87,7 @@ impl<const N: usize> Prepared<N> {
             }
             // SAFETY: the caller's.
             Sixteen::Chosen(indices) => unsafe {
-                self.index[..LANES].copy_from_slice(indices);
+                self.index = *indices;
                 let mut origin = [[0.0; LANES]; 3];
                 let mut direction = [[0.0; LANES]; 3];
                 for axis in 0..3 {
@@ -160,7 +160,7 @@ impl<const N: usize> Prepared<N> {
         }
     }
 
-    /// Which of the first sixteen rays may meet what is in the tree.
+    /// Which of the rays may meet what is in the tree.
     #[inline(always)]
     pub(super) fn entering(&self) -> u32 {
         let mut set = 0;

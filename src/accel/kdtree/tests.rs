@@ -230,10 +230,7 @@ fn rays_that_leave_packets() {
         hits.reset(rays.len());
         let tree = KdTree::build(primitives.clone(), isa);
         tree.intersect(&rays, Coherence::Coherent, &mut hits, &mut scratch);
-        let Scratch { sixteens, eights, .. } = scratch;
-        let sixteens = sixteens.is_some_and(|stream| stream.took_over());
-        let eights = eights.is_some_and(|stream| stream.took_over());
-        assert_eq!([sixteens, eights], [isa == Isa::Avx512, isa == Isa::Avx2]);
+        assert!(scratch.stream.is_some_and(|stream| stream.took_over), "{isa:?}");
     }
 }
 
@@ -296,8 +293,7 @@ fn threads_do_not_change_the_tree() {
         pool.install(|| KdTree::build(primitives, Isa::Portable))
     });
     for tree in &built[1..] {
-        assert_eq!(tree.nodes, built[0].nodes);
-        assert_eq!(tree.arena.words, built[0].arena.words);
+        assert_eq!(tree.words(), built[0].words());
     }
 }
 
@@ -311,13 +307,23 @@ fn memory_is_bounded() {
         .collect();
     let tree = KdTree::build(Primitives { triangles, curved: vec![] }, Isa::Portable);
     assert!(tree.memory() < 700 * n, "{}", tree.memory() / n);
-    assert!(depth(&tree, 0) <= MAX_DEPTH);
+    assert!(planes(&tree, tree.root()) <= MAX_DEPTH);
+    assert_eq!(treelets(&tree, Child::ROOT), tree.depth);
 }
 
-fn depth(tree: &KdTree, node: usize) -> usize {
-    if tree.nodes[node].is_leaf() {
+/// How many planes lie on the longest way down.
+fn planes(tree: &KdTree, Stand { at, plane }: Stand) -> usize {
+    if !at.is_treelet() {
         return 0;
     }
-    let lower = tree.nodes[node].lower_child();
-    1 + depth(tree, lower).max(depth(tree, lower + 1))
+    let sides = (0..2).filter(|&side| !tree.treelet(at).is_empty(plane, side));
+    let below = sides.map(|side| planes(tree, tree.treelet(at).beyond(at, plane, side)));
+    1 + below.max().unwrap_or(0)
+}
+
+/// How many treelets lie on the longest way down.
+fn treelets(tree: &KdTree, at: Child) -> usize {
+    let children = tree.treelet(at).children.into_iter();
+    let below = children.filter(|&child| child != Child::EMPTY && child.is_treelet());
+    1 + below.map(|child| treelets(tree, child)).max().unwrap_or(0)
 }

@@ -1,4 +1,4 @@
-//! Tables over all sets of eight lanes, for registers of CPUs that can not pack lanes themselves.
+//! A table over all sets of eight lanes, for registers of CPUs that can not pack lanes themselves.
 
 /// For each set of lanes: their numbers, in order, then zeros.
 pub(in crate::accel) static LANES_OF: [[u8; 8]; 256] = {
@@ -11,21 +11,6 @@ pub(in crate::accel) static LANES_OF: [[u8; 8]; 256] = {
                 table[set][count] = lane as u8;
                 count += 1;
             }
-            lane += 1;
-        }
-        set += 1;
-    }
-    table
-};
-
-/// For each set of lanes: how many of them are below each lane.
-pub(in crate::accel) static RANKS_IN: [[u8; 8]; 256] = {
-    let mut table = [[0; 8]; 256];
-    let mut set = 0usize;
-    while set < 256 {
-        let mut lane = 0;
-        while lane < 8 {
-            table[set][lane] = (set & ((1 << lane) - 1)).count_ones() as u8;
             lane += 1;
         }
         set += 1;

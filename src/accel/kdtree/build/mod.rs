@@ -4,7 +4,9 @@
 //! O(N log N)*, RT 2006. Here leaves cost by the registers of triangles they fill, subtrees are
 //! built in parallel, and a bound on the references keeps any input within a known memory.
 
+mod collapse;
 mod events;
+mod node;
 mod split;
 mod sweep;
 
@@ -13,18 +15,21 @@ use rayon::prelude::*;
 use split::Cell;
 use sweep::{Costs, Plane, best_plane};
 
-use super::leaf::Arena;
-use super::node::{Chunk, Node};
+pub(super) use node::Node;
+
+use super::leaf::{Arena, Chunk};
+use super::treelet::Treelet;
+use crate::accel::pages::Array;
 use crate::accel::{Primitives, triangle};
 use crate::math::Bounds;
 
-/// No tree is deeper, so that stacks of this many entries never overflow.
+/// No tree has more planes on the way to a leaf.
 pub(super) const MAX_DEPTH: usize = 60;
 
 /// What the sweep expects leaves to cost, before it knows how their primitives fill registers.
 const COSTS: Costs = Costs { leaf: 6.0, primitive: 0.6, empty_bonus: 0.9 };
 
-/// Cost of a register of triangles, in steps of a ray from node to node.
+/// Cost of a register of triangles, in planes that a ray comes to.
 const REGISTER_COST: f64 = 10.0;
 
 /// Expected cost of a leaf of `n` primitives.
@@ -35,13 +40,14 @@ fn leaf_cost(n: usize) -> f64 {
 /// Cells with at least so many primitives are built in parallel.
 const PARALLEL_SIZE: usize = 16384;
 
-/// A tree, or a part of one.
+/// A tree.
 #[derive(Debug)]
 pub(super) struct Built {
     pub(super) bounds: Bounds,
-    /// Root first.
-    pub(super) nodes: Vec<Node>,
-    pub(super) arena: Arena,
+    /// Treelets, the root first, then the words of leaves.
+    pub(super) lines: Array<Treelet>,
+    /// How many treelets follow each other on the longest way down.
+    pub(super) depth: usize,
 }
 
 /// Builds the tree of all primitives that can be hit.
@@ -60,8 +66,8 @@ pub(super) fn build(primitives: &Primitives) -> Built {
     let mut part = Part::new();
     builder.grow(&mut part, Node::ROOT, cell, Limits { depth, duplicates: 4 * n });
     part.arena.finish();
-    part.nodes.shrink_to_fit();
-    Built { bounds, nodes: part.nodes, arena: part.arena }
+    let (lines, depth) = collapse::collapse(&part.nodes, &part.arena.words, bounds);
+    Built { bounds, lines, depth }
 }
 
 /// What a subtree may still use.
@@ -133,8 +139,7 @@ impl Builder<'_> {
             part.arena.words.truncate(before.1);
             return self.leaf(part, at, &ids);
         }
-        let empty = [0, 1].map(|side| part.nodes[before.0 + side] == Node::EMPTY);
-        part.nodes[at] = Node::inner(plane.axis, plane.position, before.0 / 2, empty);
+        part.nodes[at] = Node::inner(plane.axis, plane.position, before.0 / 2);
         cost
     }
 

@@ -1,325 +1,290 @@
 //! Leaves of several rays at once.
 //!
-//! Most leaves fill a part of a register only. Those with up to a quarter of its lanes of triangles
-//! are tested four at a time, each for its own ray, those with up to half two at a time: the
-//! vertices of all of them fill the two registers of which permutations take the corners, as those
-//! of one full leaf do. Leaves with more than that are tested by themselves.
+//! Most leaves fill a part of a register only. Those with up to four triangles are tested together
+//! with those of other rays, one in each quad of lanes: the vertices of all of them fill the two
+//! registers of which permutations take the corners, as those of one full leaf do.
 
 #![allow(clippy::needless_range_loop)] // closures around intrinsics would become calls
 
-use std::mem::offset_of;
-
-use super::{Group, UNDER_WAY, Vector, get};
+use super::memory::Memory;
+use super::ray::Ray;
+use super::stops::{Stop, Stops};
+use super::vector::Vector;
+use crate::accel::Rays;
 use crate::accel::kdtree::KdTree;
-use crate::accel::kdtree::leaf::{Best, triangle_at};
-use crate::accel::kdtree::node::{Chunk, Node};
-use crate::accel::kdtree::ray::Prepared;
+use crate::accel::kdtree::leaf::{Chunk, triangle_at};
+use crate::accel::kdtree::query::Query;
+use crate::accel::kdtree::treelet::Child;
+use crate::accel::simd::Lanes;
 use crate::accel::triangle::lanes::Tested;
-use crate::accel::{LANES, Rays};
 
-/// How many leaves of a list are tested together: two registers hold their vertices, and one a
-/// corner of all of their triangles, or of half of those of one leaf. The last list's do not fit.
-const KINDS: [Option<usize>; 4] = [Some(4), Some(2), Some(1), None];
+/// Lanes of a quad.
+const QUAD: usize = 4;
 
-/// Lanes of all groups that stand before leaves, by how many are tested at once.
-#[derive(Debug)]
-pub(super) struct Lists {
-    /// With room for a register beyond the last.
-    lanes: [[u32; UNDER_WAY + LANES]; KINDS.len()],
-    lens: [usize; KINDS.len()],
-}
-
-impl Lists {
-    pub(super) const EMPTY: Self =
-        Self { lanes: [[0; UNDER_WAY + LANES]; KINDS.len()], lens: [0; KINDS.len()] };
-
-    /// Lists the lanes of all groups that stand before leaves.
-    ///
-    /// # Safety
-    /// As [`trace`](super::trace).
-    #[inline(always)]
-    unsafe fn fill<V: Vector<N>, const N: usize>(&mut self, groups: &[Group<N>]) {
-        self.lens = [0; KINDS.len()];
-        for (g, group) in groups.iter().enumerate() {
-            // SAFETY: the caller's; no list gets more lanes than there are, which leaves room for a
-            // register.
-            unsafe {
-                let chunk = V::shift_right(get::<V, N>(&group.leaf[1]), 2);
-                let triangles = V::and_words(chunk, V::splat_words(Chunk::TRIANGLES));
-                let vertices = V::and_words(chunk, V::splat_words(Chunk::VERTICES));
-                let followed = V::and_words(chunk, V::splat_words(Chunk::FOLLOWED));
-                let numbers = V::add_words(V::lane_numbers(), V::splat_words((g * N) as u32));
-                let mut left = V::set(group.in_leaves);
-                let whole = V::equal_words(followed, V::splat_words(0));
-                for i in 0..KINDS.len() {
-                    let mut set = left;
-                    if let Some(m) = KINDS[i] {
-                        let most_triangles = if m == 1 { Chunk::MAX_TRIANGLES } else { N / m };
-                        let most_vertices = Chunk::vertices_bits((2 * N / m) as u32);
-                        let fits = whole
-                            & V::at_most(triangles, V::splat_words(most_triangles as u32))
-                            & V::at_most(vertices, V::splat_words(most_vertices));
-                        set = left & fits;
-                        left = left & !fits;
-                    }
-                    let set = V::bits(set);
-                    if KINDS[i].is_some() || set != 0 {
-                        let to = self.lanes[i].as_mut_ptr().add(self.lens[i]);
-                        V::numbers(numbers).compress(set).store(to.cast());
-                        self.lens[i] += set.count_ones() as usize;
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Tests what is in the leaves; rays go on from there.
+/// Tests the leaves that fit into quads, `QUADS` at a time; rays go on from there. Leaves less than
+/// that wait for others, unless no more than they are left.
 ///
 /// # Safety
 /// As [`trace`](super::trace).
 #[inline(always)]
-pub(super) unsafe fn visit<V: Vector<N>, const N: usize, const GROUPS: usize, const ANY: bool>(
-    groups: &mut [Group<N>; GROUPS],
-    lists: &mut Lists,
-    tree: &KdTree,
-    rays: &Rays,
-    done: &mut impl FnMut(usize, &Best),
+pub(super) unsafe fn visit_quarters<V: Vector, Q: Query, const QUADS: usize>(
+    memory: &Memory,
+    stops: &mut Stops,
 ) {
-    // SAFETY: the caller's; lists are of leaves of their kinds.
+    let len = stops.len(Child::QUARTERS);
+    if len == 0 {
+        return;
+    }
+    let now = if len < QUADS { len } else { len / QUADS * QUADS };
+    stops.take(Child::QUARTERS);
+    // SAFETY: stops of this list are leaves of that kind, and rays in flight.
     unsafe {
-        lists.fill::<V, N>(groups);
-        let Lists { lanes: [four, two, one, more], lens } = lists;
-        visit_each::<V, N, GROUPS, 4, ANY>(groups, &four[..lens[0]], tree, done);
-        visit_each::<V, N, GROUPS, 2, ANY>(groups, &two[..lens[1]], tree, done);
-        visit_each::<V, N, GROUPS, 1, ANY>(groups, &one[..lens[2]], tree, done);
-        for &number in &more[..lens[3]] {
-            let (g, at) = (number as usize / N % GROUPS, number as usize % N);
-            visit_alone::<V, N, ANY>(&mut groups[g], at, tree, rays, done);
-        }
-    }
-    for group in groups {
-        group.stopped |= group.in_leaves;
-        group.in_leaves = 0;
-    }
-}
-
-/// Tests leaves, `M` at a time.
-///
-/// # Safety
-/// As [`trace`](super::trace); the lanes stand before leaves of which `M` fit in a register.
-#[inline(always)]
-unsafe fn visit_each<
-    V: Vector<N>,
-    const N: usize,
-    const GROUPS: usize,
-    const M: usize,
-    const ANY: bool,
->(
-    groups: &mut [Group<N>; GROUPS],
-    lanes: &[u32],
-    tree: &KdTree,
-    done: &mut impl FnMut(usize, &Best),
-) {
-    for some in lanes.chunks(M) {
-        // SAFETY: the caller's.
-        unsafe {
-            let mut meeting = Meeting::<N, M>::new(groups, some, tree);
-            loop {
-                let tested = meeting.test::<V>();
-                if tested.hits != 0 {
-                    meeting.keep::<V, ANY>(tested, groups, done);
-                }
-                if M > 1 || N == Chunk::MAX_TRIANGLES || !meeting.go_on(groups) {
-                    break;
-                }
+        for first in (0..now).step_by(QUADS) {
+            let count = (now - first).min(QUADS);
+            // Where there are too few, the last are taken again.
+            let mut group = [stops.get(Child::QUARTERS, first); QUADS];
+            for i in 1..QUADS {
+                group[i] = stops.get(Child::QUARTERS, first + i.min(count - 1));
             }
+            test_quarters::<V, Q, QUADS>(memory, &group, count);
+            for stop in &group[..count] {
+                go_on::<Q>(memory, stops, stop.place());
+            }
+        }
+        for i in now..len {
+            stops.push(stops.get(Child::QUARTERS, i));
         }
     }
 }
 
-/// `M` rays before leaves that fill a register of `N` lanes together. Where there are fewer, the last
-/// is taken again, and none of its triangles.
-struct Meeting<const N: usize, const M: usize> {
-    /// Group and lane.
-    at: [[usize; 2]; M],
-    /// The first row of each ray.
-    rows: [*const f32; M],
-    words: [*const u32; M],
-    chunks: [Chunk; M],
-    axes: [[usize; 3]; M],
-    /// The triangle of a single leaf that is in the first lane.
-    first: usize,
-    /// Lanes of the register that hold triangles.
-    present: u32,
-}
-
-/// The first row of the ray of a lane.
-#[inline(always)]
-fn row_of<const N: usize>(group: &Group<N>, lane: usize) -> *const f32 {
-    (&raw const group.flights.rays).cast::<f32>().wrapping_add(lane)
-}
-
-impl<const N: usize, const M: usize> Meeting<N, M> {
-    /// Lanes of the register for each ray.
-    const SHARE: usize = N / M;
-
-    /// # Safety
-    /// As [`visit_each`]; there is a lane.
-    #[inline(always)]
-    unsafe fn new<const GROUPS: usize>(
-        groups: &[Group<N>; GROUPS],
-        lanes: &[u32],
-        tree: &KdTree,
-    ) -> Self {
-        let mut meeting = Self {
-            at: [[0; 2]; M],
-            rows: [std::ptr::null(); M],
-            words: [std::ptr::null(); M],
-            chunks: [Chunk::default(); M],
-            axes: [[0; 3]; M],
-            first: 0,
-            present: 0,
-        };
-        for i in 0..M {
-            // SAFETY: leaves have offsets in the arena.
-            unsafe {
-                let number = *lanes.get_unchecked(i.min(lanes.len() - 1)) as usize;
-                let (g, lane) = (number / N % GROUPS, number % N);
-                let group = &groups[g];
-                meeting.at[i] = [g, lane];
-                meeting.rows[i] = row_of(group, lane);
-                meeting.words[i] = tree.arena.words.as_ptr().add(group.leaf[0][lane] as usize);
-                let chunk = Node::of_words([0, group.leaf[1][lane]]).chunk();
-                meeting.chunks[i] = chunk;
-                meeting.axes[i] = group.flights.rays.axes(lane);
-                let set = (1 << chunk.triangles()) - 1;
-                meeting.present |= if i < lanes.len() { set << (i * Self::SHARE) } else { 0 };
-            }
-        }
-        meeting
-    }
-
-    /// Turns to the next triangles of a single leaf; tells whether there are any, for a ray that is
-    /// not done.
-    #[inline(always)]
-    fn go_on(&mut self, groups: &[Group<N>]) -> bool {
-        self.first += N;
-        self.present >>= N;
-        let [g, at] = self.at[0];
-        // The ray has been written to since.
-        self.rows[0] = row_of(&groups[g], at);
-        self.present != 0 && groups[g].in_leaves >> at & 1 == 1
-    }
-
-    /// Tests each ray with the triangles of its leaf.
-    ///
-    /// # Safety
-    /// As [`visit_each`].
-    #[inline(always)]
-    unsafe fn test<V: Vector<N>>(&self) -> Tested<V> {
-        let origin = const { offset_of!(Prepared<N>, origin) / (4 * N) };
-        let shear = const { offset_of!(Prepared<N>, shear) / (4 * N) };
-        // SAFETY: rays have these rows.
-        unsafe {
-            let origin = [self.row(origin), self.row(origin + 1), self.row(origin + 2)];
-            let shear = [self.row(shear), self.row(shear + 1), self.row(shear + 2)];
-            let t: V = self.row(const { offset_of!(Prepared<N>, t) / (4 * N) });
-            let corners = V::corners(self.words, self.chunks, self.axes, self.first, self.present);
-            Tested::without_branch(corners, origin, shear, t, self.present)
-        }
-    }
-
-    /// A number of each ray, in all of its lanes.
-    ///
-    /// # Safety
-    /// As [`visit_each`]; rays have that row.
-    #[inline(always)]
-    unsafe fn row<V: Vector<N>>(&self, row: usize) -> V {
-        let mut from = self.rows;
-        // SAFETY: the caller's.
-        unsafe {
-            for i in 0..M {
-                from[i] = from[i].add(row * N);
-            }
-            V::shares(from)
-        }
-    }
-
-    /// Keeps the nearest hit of each ray.
-    ///
-    /// # Safety
-    /// As [`visit_each`].
-    #[inline(always)]
-    unsafe fn keep<V: Vector<N>, const ANY: bool>(
-        &self,
-        tested: Tested<V>,
-        groups: &mut [Group<N>],
-        done: &mut impl FnMut(usize, &Best),
-    ) {
-        // SAFETY: the caller's; arrays have as many places as a register, and ids stand in the arena.
-        unsafe {
-            let tested = tested.settle(|lane| {
-                let i = lane / Self::SHARE;
-                let [g, at] = self.at[i];
-                let words = std::slice::from_raw_parts(self.words[i], self.chunks[i].ids_at());
-                let triangle = triangle_at(words, self.chunks[i], self.first + lane % Self::SHARE);
-                (groups[g].flights.rays.line(at).sheared(), triangle)
-            });
-            let parts = tested.parts();
-            let mut numbers = [[0.0f32; N]; 4];
-            tested.t.store(numbers[0].as_mut_ptr());
-            for i in 0..3 {
-                parts[i].store(numbers[1 + i].as_mut_ptr());
-            }
-            let t = V::splat(f32::INFINITY).replace(tested.hits, tested.t);
-            let mut nearest = tested.hits & t.le(t.least_of_shares::<M>());
-            while nearest != 0 {
-                // The first of equals has the lowest id.
-                let lane = nearest.trailing_zeros() as usize % N;
-                let i = lane / Self::SHARE;
-                nearest &= u32::MAX << ((i + 1) * Self::SHARE);
-                let [g, at] = self.at[i];
-                let group = &mut groups[g];
-                let nth = self.first + lane % Self::SHARE;
-                let id = *self.words[i].add(self.chunks[i].ids_at() + nth);
-                let t = numbers[0][lane];
-                if t < group.flights.rays.t[at] || id < group.flights.primitive[at] {
-                    let determinant = numbers[3][lane];
-                    group.flights.rays.t[at] = t;
-                    group.flights.hit[0][at] = numbers[1][lane] / determinant;
-                    group.flights.hit[1][at] = numbers[2][lane] / determinant;
-                    group.flights.primitive[at] = id;
-                    if ANY {
-                        group.finish(at, done);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Tests all that is in the leaf of a lane.
+/// Tests the leaves that need a register for themselves; rays go on from there.
 ///
 /// # Safety
 /// As [`trace`](super::trace).
 #[inline(always)]
-unsafe fn visit_alone<V: Vector<N>, const N: usize, const ANY: bool>(
-    group: &mut Group<N>,
-    at: usize,
+pub(super) unsafe fn visit_wholes<V: Vector, Q: Query>(memory: &Memory, stops: &mut Stops) {
+    // SAFETY: stops of this list are leaves of that kind, and rays in flight.
+    unsafe {
+        for i in 0..stops.take(Child::WHOLES) {
+            let stop = stops.get(Child::WHOLES, i);
+            let ray = memory.ray(stop.place());
+            let words = memory.words.add(stop.child().offset());
+            test_chunk::<V, Q>(memory, ray, Chunk(*words), words.add(1));
+            go_on::<Q>(memory, stops, stop.place());
+        }
+    }
+}
+
+/// Sends a ray on from a leaf.
+///
+/// # Safety
+/// The ray is in flight, and in no list.
+#[inline(always)]
+unsafe fn go_on<Q: Query>(memory: &Memory, stops: &mut Stops, place: u32) {
+    // SAFETY: the caller's.
+    unsafe {
+        let ray = memory.ray(place);
+        let next = memory.pop(ray);
+        let next = if Q::ANY && (*ray).is_hit() { Child::DONE } else { next };
+        stops.push(Stop::new(place, next));
+    }
+}
+
+/// Tests all that is in a leaf of any kind.
+///
+/// # Safety
+/// As [`trace`](super::trace).
+#[inline(always)]
+pub(super) unsafe fn visit_any<V: Vector, Q: Query>(
+    memory: &Memory,
     tree: &KdTree,
     rays: &Rays,
-    done: &mut impl FnMut(usize, &Best),
+    leaf: Child,
+    ray: *mut Ray,
 ) {
-    let leaf = Node::of_words([group.leaf[0][at], group.leaf[1][at]]);
-    let line = group.flights.rays.line(at);
-    let ray = (rays, group.flights.rays.index[at] as usize);
-    let mut best = group.best(at);
+    let mut words = &tree.words()[leaf.offset()..];
+    loop {
+        let chunk = Chunk(words[0]);
+        // SAFETY: the caller's.
+        unsafe { test_chunk::<V, Q>(memory, ray, chunk, words[1..].as_ptr()) };
+        words = &words[1 + chunk.end()..];
+        if chunk.has_curved() {
+            // SAFETY: the caller's.
+            unsafe {
+                let mut best = (*ray).best();
+                tree.test_curved(words, (rays, (*ray).index), &mut best);
+                (*ray).set_best(&best);
+                memory.cull::<V>(ray);
+            }
+            return;
+        }
+        if !chunk.is_followed() {
+            return;
+        }
+    }
+}
+
+/// Tests leaves that fit into quads, each for its ray; the first `count` count.
+///
+/// # Safety
+/// As [`trace`](super::trace).
+#[inline(always)]
+unsafe fn test_quarters<V: Vector, Q: Query, const QUADS: usize>(
+    memory: &Memory,
+    group: &[Stop; QUADS],
+    count: usize,
+) {
+    const { assert!(QUADS * QUAD == V::COUNT) };
+    let mut rays = [std::ptr::null_mut::<Ray>(); QUADS];
+    let mut words = [std::ptr::null(); QUADS];
+    let mut chunks = [Chunk::default(); QUADS];
+    let mut axes = [[0; 3]; QUADS];
+    let mut present = 0;
+    let mut rows = [[std::ptr::null(); QUAD]; 3];
+    // SAFETY: the caller's; rows have four numbers.
+    unsafe {
+        for i in 0..QUADS {
+            let at = memory.words.add(group[i].child().offset());
+            let ray = memory.ray(group[i].place());
+            (rays[i], words[i], chunks[i]) = (ray, at.add(1), Chunk(*at));
+            axes[i] = (*ray).axes();
+            let set = (1 << chunks[i].triangles()) - 1;
+            present |= if i < count { set << (i * QUAD) } else { 0 };
+            rows[0][i] = (&raw const (*ray).origin).cast();
+            rows[1][i] = (&raw const (*ray).shear).cast();
+            rows[2][i] = &raw const (*ray).t;
+        }
+        let (origin, shear) = (V::quads(&rows[0]), V::quads(&rows[1]));
+        let origin = [
+            origin.splat_in_quads::<0>(),
+            origin.splat_in_quads::<0x55>(),
+            origin.splat_in_quads::<0xaa>(),
+        ];
+        let shear = [
+            shear.splat_in_quads::<0>(),
+            shear.splat_in_quads::<0x55>(),
+            shear.splat_in_quads::<0xaa>(),
+        ];
+        let t_max = V::splat_quads(&rows[2]);
+        let corners = V::corners_of_quads(words, chunks, axes, present);
+        let tested = Tested::without_branch(corners, origin, shear, t_max, present);
+        if tested.hits == 0 {
+            return;
+        }
+        let tested = tested.settle(|lane| {
+            let i = lane / QUAD % QUADS;
+            let words = std::slice::from_raw_parts(words[i], chunks[i].ids_at());
+            ((*rays[i]).line().sheared(), triangle_at(words, chunks[i], lane % QUAD))
+        });
+        let t = V::splat(f32::INFINITY).replace(tested.hits, tested.t);
+        let mut nearest = tested.hits & t.le(t.least_of_quads());
+        let hits = Hits::new(&tested);
+        while nearest != 0 {
+            // The first of equals has the lowest id.
+            let lane = nearest.trailing_zeros() as usize;
+            let i = lane / QUAD % QUADS;
+            nearest &= u32::MAX << (i * QUAD) << QUAD;
+            let id = *words[i].add(chunks[i].ids_at() + lane % QUAD);
+            hits.offer::<V, Q>(lane, id, rays[i], memory);
+        }
+    }
+}
+
+/// Tests the triangles of a chunk.
+///
+/// # Safety
+/// As [`trace`](super::trace); `words` are those behind the chunk.
+#[inline(always)]
+unsafe fn test_chunk<V: Vector, Q: Query>(
+    memory: &Memory,
+    ray: *mut Ray,
+    chunk: Chunk,
+    words: *const u32,
+) {
     // SAFETY: the caller's.
-    unsafe { tree.test_leaf::<V::Kernel>(leaf, &line, ray, &mut best) };
-    let is_new = best.primitive != group.flights.primitive[at];
-    group.set_best(at, &best);
-    if ANY && is_new {
-        group.finish(at, done);
+    unsafe {
+        let Ray { origin, shear, .. } = &*ray;
+        let origin = [V::splat(origin[0]), V::splat(origin[1]), V::splat(origin[2])];
+        let shear = [V::splat(shear[0]), V::splat(shear[1]), V::splat(shear[2])];
+        let axes = (*ray).axes();
+        let mut first = 0;
+        // One register at least, so that there is no branch where one is enough for all.
+        loop {
+            let left = chunk.triangles() - first;
+            let present = (1 << left.min(V::COUNT)) - 1;
+            let corners = V::corners(words, chunk, axes, first, present);
+            let t_max = V::splat((*ray).t);
+            let tested = Tested::without_branch(corners, origin, shear, t_max, present);
+            if tested.hits != 0 {
+                let tested = tested.settle(|lane| {
+                    let words = std::slice::from_raw_parts(words, chunk.ids_at());
+                    ((*ray).line().sheared(), triangle_at(words, chunk, first + lane))
+                });
+                let t = V::splat(f32::INFINITY).replace(tested.hits, tested.t);
+                let nearest = tested.hits & t.le(t.least());
+                if nearest != 0 {
+                    // The first of equals has the lowest id.
+                    let lane = nearest.trailing_zeros() as usize;
+                    let id = *words.add(chunk.ids_at() + first + lane);
+                    Hits::new(&tested).offer::<V, Q>(lane, id, ray, memory);
+                }
+            }
+            first += V::COUNT;
+            if V::COUNT >= Chunk::MAX_TRIANGLES || first >= chunk.triangles() {
+                return;
+            }
+        }
+    }
+}
+
+/// Where triangles of a register are hit.
+struct Hits {
+    t: [f32; 16],
+    /// Weights of the second and third corner, and what to divide them by.
+    parts: [[f32; 16]; 3],
+}
+
+impl Hits {
+    /// # Safety
+    /// The CPU has the instructions of `L`.
+    #[inline(always)]
+    unsafe fn new<L: Lanes>(tested: &Tested<L>) -> Self {
+        let mut hits = Self { t: [0.0; 16], parts: [[0.0; 16]; 3] };
+        let [u, v, sum] = tested.parts();
+        // SAFETY: the caller's; there are as many places as lanes, or more.
+        unsafe {
+            tested.t.store(hits.t.as_mut_ptr());
+            u.store(hits.parts[0].as_mut_ptr());
+            v.store(hits.parts[1].as_mut_ptr());
+            sum.store(hits.parts[2].as_mut_ptr());
+        }
+        hits
+    }
+
+    /// Lets a ray keep a hit, no farther than its best, if it is nearer or of lower id.
+    ///
+    /// # Safety
+    /// The CPU has the instructions of `V`; the ray is in flight.
+    #[inline(always)]
+    unsafe fn offer<V: Vector, Q: Query>(
+        &self,
+        lane: usize,
+        id: u32,
+        ray: *mut Ray,
+        memory: &Memory,
+    ) {
+        let lane = lane % 16;
+        let t = self.t[lane];
+        // SAFETY: the caller's.
+        unsafe {
+            if t < (*ray).t || id < (*ray).primitive {
+                let sum = self.parts[2][lane];
+                ((*ray).t, (*ray).primitive) = (t, id);
+                ((*ray).u, (*ray).v) = (self.parts[0][lane] / sum, self.parts[1][lane] / sum);
+                if !Q::ANY {
+                    memory.cull::<V>(ray);
+                }
+            }
+        }
     }
 }

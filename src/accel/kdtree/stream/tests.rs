@@ -1,117 +1,138 @@
-//! Registers of both widths against plain Rust.
+//! Steps of both instruction sets against plain arithmetic.
 
 use std::arch::x86_64::{__m256, __m512};
 
-use super::Vector;
-use crate::accel::Isa;
-use crate::accel::simd::lanes_of;
+use rand::{RngExt, SeedableRng, rngs::StdRng};
 
-/// What the operations on words and sets of lanes give, for all sets of a register's lanes that a
-/// few bits tell.
-#[inline(always)]
-unsafe fn check<V: Vector<N>, const N: usize>() {
-    let row: [u32; N] = std::array::from_fn(|i| (i as u32 + 1).wrapping_mul(0x9e37_79b9));
-    let other: [u32; N] = std::array::from_fn(|i| 100 + i as u32);
-    let table: [u32; 64] = std::array::from_fn(|i| 7 * i as u32 + 3);
-    let places: [u32; N] = std::array::from_fn(|i| (5 * i as u32) % 32);
-    for set in (0..1u32 << N).step_by(if N > 8 { 97 } else { 1 }) {
-        let is_in = |lane: usize| set >> lane & 1 == 1;
-        // SAFETY: the caller's; rows are as long as registers, and places lie in the table.
-        unsafe {
-            let read = |words: V::Words| {
-                let mut row = [0u32; N];
-                V::store_words(words, row.as_mut_ptr());
-                row
-            };
-            let (a, b) = (V::load_words(row.as_ptr()), V::load_words(other.as_ptr()));
-            let lanes = V::set(set);
-            assert_eq!(V::bits(lanes), set);
-            assert_eq!(V::bits(!lanes & V::set(0x5555)), !set & 0x5555 & ((1 << N) - 1));
-            for count in 0..=N as u32 {
-                let lowest = lanes_of(set).take(count as usize).fold(0, |s, lane| s | 1 << lane);
-                assert_eq!(V::lowest(set, count), lowest);
-            }
-            let of = |f: &dyn Fn(usize) -> u32| -> [u32; N] { std::array::from_fn(f) };
-            let chosen = of(&|i| if is_in(i) { other[i] } else { row[i] });
-            assert_eq!(read(V::choose_words(lanes, a, b)), chosen);
-            assert_eq!(read(V::add_one(b, lanes)), of(&|i| other[i] + u32::from(is_in(i))));
-            assert_eq!(read(V::take_one(b, lanes)), of(&|i| other[i] - u32::from(is_in(i))));
-            let places = V::load_words(places.as_ptr());
-            let at = |i: usize| (5 * i) % 32;
-            let gathered = of(&|i| if is_in(i) { table[at(i)] } else { 0 });
-            assert_eq!(read(V::gather(table.as_ptr(), places, lanes)), gathered);
-            for (half, words) in
-                V::gather_pairs(table.as_ptr(), places, lanes).into_iter().enumerate()
-            {
-                let gathered = of(&|i| if is_in(i) { table[2 * at(i) + half] } else { 0 });
-                assert_eq!(read(words), gathered);
-            }
-            let packed: Vec<u32> = lanes_of(set).map(|lane| row[lane]).collect();
-            assert_eq!(read(V::numbers(a).compress(set).words())[..packed.len()], packed);
-            let mut next = other.iter();
-            let spread = of(&|i| row[i]);
-            let mut spread = spread;
-            lanes_of(set).for_each(|lane| spread[lane] = *next.next().expect("as many"));
-            assert_eq!(read(V::numbers(a).expand(set, V::numbers(b)).words()), spread);
+use super::*;
+use crate::accel::Isa;
+use crate::accel::kdtree::treelet::{Stand, TOP, Treelet, WIDTH, cells_of};
+
+/// What a step pushes: children and spans, from far to near.
+type Pushed = Vec<(u32, [f32; 2])>;
+
+/// Follows a ray plane by plane.
+fn expected(treelet: &Treelet, ray: &Ray, stand: Stand, span: [f32; 2], pushed: &mut Pushed) {
+    let Stand { at, plane } = stand;
+    if at != Child::ROOT {
+        if at != Child::treelet(EMPTY) {
+            pushed.push((at.0, span));
         }
+        return;
+    }
+    let axis = treelet.axis(plane);
+    let [near, far] = span;
+    #[allow(clippy::disallowed_methods)] // as the steps do, in one operation
+    let time = |less: f32| treelet.planes[plane].mul_add(ray.inverse[axis], -less);
+    let (early, late) = (time(ray.early[axis]), time(ray.late[axis]));
+    let falls = usize::from(ray.inverse[axis] < 0.0);
+    if far >= early {
+        let stand = treelet.beyond(at, plane, 1 - falls);
+        expected(treelet, ray, stand, [early.max(near), far], pushed);
+    }
+    if near <= late {
+        let stand = treelet.beyond(at, plane, falls);
+        expected(treelet, ray, stand, [near, late.min(far)], pushed);
     }
 }
 
-/// What the operations on shares of a register give.
-#[inline(always)]
-unsafe fn check_shares<V: Vector<N>, const N: usize, const M: usize>() {
-    let numbers: [f32; N] = std::array::from_fn(|i| ((i * 7 + 5) % N) as f32 - 3.5);
-    let share = N / M;
-    // SAFETY: the caller's; rows are as long as registers.
-    unsafe {
-        let read = |lanes: V| {
-            let mut row = [0.0f32; N];
-            lanes.store(row.as_mut_ptr());
-            row
-        };
-        let from: [*const f32; M] = std::array::from_fn(|i| &raw const numbers[i]);
-        assert_eq!(read(V::shares(from)), std::array::from_fn(|i| numbers[i / share]));
-        let least =
-            |i: usize| numbers[i / share * share..][..share].iter().copied().fold(9.0, f32::min);
-        let leasts: [f32; N] = std::array::from_fn(least);
-        assert_eq!(read(V::load(numbers.as_ptr()).least_of_shares::<M>()), leasts);
-        let rows: [[f32; N]; 4] = std::array::from_fn(|r| numbers.map(|x| x + 100.0 * r as f32));
-        let rows = V::interleave(rows.map(|row| V::load(row.as_ptr())));
-        let rows = rows.map(read);
-        for lane in 0..N {
-            let four = &rows[lane % 4][lane / 4 * 4..][..4];
-            assert!(
-                (0..4).all(|r| four[r] == numbers[lane] + 100.0 * r as f32),
-                "{lane}: {four:?}"
-            );
+/// Stands for a child that is not there.
+const EMPTY: usize = 1;
+
+/// A treelet with some planes missing, the children below them, and some others.
+fn treelet(rng: &mut StdRng) -> Treelet {
+    let mut treelet = Treelet::EMPTY;
+    for plane in (0..=TOP).rev() {
+        let is_below_missing = (plane + 1..=TOP)
+            .any(|p| treelet.planes[p].is_nan() && cells_of(p) & cells_of(plane) != 0);
+        if !is_below_missing && (plane == TOP || rng.random_range(0..4) > 0) {
+            let axis = rng.random_range(0..3);
+            treelet.set_plane(plane, axis, rng.random_range(-1.0..1.0), [false; 2]);
         }
+    }
+    for child in 0..WIDTH {
+        let missing = (0..=TOP).filter(|&p| treelet.planes[p].is_nan());
+        let is_first = missing
+            .filter(|&p| cells_of(p) >> child & 1 == 1)
+            .all(|p| cells_of(p).trailing_zeros() as usize == child);
+        let is_there = is_first && rng.random_range(0..5) > 0;
+        treelet.children[child] = if is_there { Child::treelet(100 + child) } else { Child::EMPTY };
+    }
+    treelet
+}
+
+fn ray(rng: &mut StdRng) -> Ray {
+    let mut ray = Ray::new(&Prepared::EMPTY, 0);
+    for axis in 0..3 {
+        ray.inverse[axis] = rng.random_range(0.5..3.0f32).copysign(rng.random_range(-1.0..1.0));
+        ray.early[axis] = rng.random_range(-1.0..1.0);
+        ray.late[axis] = ray.early[axis] - rng.random_range(0.0..0.01);
+    }
+    ray
+}
+
+/// # Safety
+/// The CPU has the instructions of `V`.
+#[inline(always)]
+unsafe fn check<V: Vector>() {
+    let rng = &mut StdRng::seed_from_u64(5);
+    let mut room = vec![Line::EMPTY; 64];
+    for _ in 0..20_000 {
+        let (treelet, ray) = (treelet(rng), ray(rng));
+        let span = [rng.random_range(-3.0..1.0), rng.random_range(-1.0..4.0f32)];
+        if span[0] > span[1] {
+            continue;
+        }
+        // Children that are not there are told from the root, of which steps know nothing.
+        let mut told = treelet;
+        told.children = treelet
+            .children
+            .map(|child| if child == Child::EMPTY { Child::treelet(EMPTY) } else { child });
+        let among = cells_of([TOP, TOP, 4, 5, 0, 3][rng.random_range(0..6)]);
+        let mut pushed = vec![];
+        expected(&told, &ray, told.at_plane(Child::ROOT, TOP), span, &mut pushed);
+        pushed.retain(|&(child, _)| {
+            (0..WIDTH).any(|c| among >> c & 1 == 1 && treelet.children[c].0 == child)
+        });
+        let (mut free, mut parked) = (vec![0], vec![]);
+        let lines = [treelet];
+        let memory = Memory { words: lines.as_ptr().cast(), places: room.as_mut_ptr(), stack: 32 };
+        let mut flights = Flights { memory, free: &mut free, parked: &mut parked };
+        // SAFETY: the caller's; the room is enough for a ray and its stack.
+        let found: Pushed = unsafe {
+            let ray = flights.park(&ray);
+            let count = memory.push_cells::<V>(ray, &lines[0], span, among);
+            (0..count).map(|i| memory.entry(ray, 1 + i)).collect()
+        };
+        assert_eq!(found, pushed, "{treelet:?} {ray:?} {span:?}");
+        let t = rng.random_range(span[0]..span[1]);
+        // SAFETY: as above.
+        let left: Pushed = unsafe {
+            let ray = memory.ray(0);
+            (*ray).t = t;
+            memory.cull::<V>(ray);
+            (1..(*ray).top as usize).map(|i| memory.entry(ray, i)).collect()
+        };
+        let kept = pushed.iter().filter(|(_, [near, _])| *near <= t);
+        let kept: Pushed = kept.map(|&(child, [near, far])| (child, [near, far.min(t)])).collect();
+        assert_eq!(left, kept);
     }
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn check_avx2() {
     // SAFETY: those are the instructions.
-    unsafe {
-        check::<__m256, 8>();
-        check_shares::<__m256, 8, 1>();
-        check_shares::<__m256, 8, 2>();
-        check_shares::<__m256, 8, 4>();
-    }
+    unsafe { check::<__m256>() }
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn check_avx512() {
     // SAFETY: those are the instructions.
-    unsafe {
-        check::<__m512, 16>();
-        check_shares::<__m512, 16, 1>();
-        check_shares::<__m512, 16, 2>();
-        check_shares::<__m512, 16, 4>();
-    }
+    unsafe { check::<__m512>() }
 }
 
 #[test]
-fn registers_do_what_plain_rust_does() {
+fn steps_go_plane_by_plane() {
     // SAFETY: the CPU has the instructions.
     unsafe {
         if Isa::Avx2.is_available() {

@@ -1,37 +1,41 @@
 //! Packets: rays that go the same way, one to a lane, share their way down the tree.
 //!
 //! A packet's rays have the signs and the largest axis of their directions in common, so that all
-//! of them meet the children of a node in the same order. Each lane keeps the part of its ray that
-//! lies in the cell. Where few lanes are left, they leave the packet with what is on the stack for
-//! them and become rays of the stream, or, where there is none, go through that part of the tree one
-//! by one.
+//! of them meet the sides of a plane in the same order. Each lane keeps the part of its ray that
+//! lies in the cell. Planes are taken one by one, also within a treelet: which sides are visited
+//! is a branch that the CPU foretells well, so that it runs ahead. Where few lanes are left, they
+//! leave the packet with what is on the stack for them, and become rays of the stream.
 //!
 //! Before rays and triangles of a leaf are tested one by one, those triangles are left out that lie
 //! beside all rays: bounds on origins and shears give bounds on the sheared corners.
 
 #![allow(clippy::needless_range_loop)] // closures around intrinsics would become calls
 
-mod stack;
-
-pub(super) use stack::{Parking, Stack};
-
-use stack::Later;
-
-use super::leaf::{Best, corners_of, triangle_at};
-use super::node::{Chunk, Node};
+use super::leaf::{Best, Chunk, corners_of, triangle_at};
+use super::query::Query;
 use super::ray::Prepared;
-use super::single::{self, Kernel, Visit};
+use super::stream::{Flights, Ray, Vector};
+use super::treelet::{Child, Stand};
 use super::{KdTree, MAX_DEPTH};
 use crate::accel::simd::{Lanes, lanes_of, load3};
 use crate::accel::triangle::lanes::Tested;
 use crate::accel::triangle::turned::{larger, smaller};
 use crate::accel::{LANES, Rays};
 
-/// So many lanes or fewer go on by themselves.
+/// So many lanes or fewer go on by themselves, once that is worth its while.
+const LEAVING: u32 = 4;
+
+/// That is so once packets came to one of so many planes with so few lanes, but not before they came
+/// to so many planes.
 const FEW: u32 = 2;
+const PLANES_A_FEW: u32 = 4;
+const TRIAL: u32 = 100;
 
 /// Rays that go the same way make a packet if there are so many of them.
 const ENOUGH: u32 = 4;
+
+/// Packets go on being made while so many of sixteen lanes are in use on average.
+const LANES_IN_USE: u32 = 5;
 
 /// Triangles beside all rays are left out of chunks with so many or more.
 const CULLED: usize = 3;
@@ -40,31 +44,98 @@ const CULLED: usize = 3;
 /// sign underflow has spoilt is smaller than what this makes of it.
 const CLEAR: f32 = 1.0 / (1u32 << 23) as f32;
 
+/// What packets need of their surroundings.
+pub(super) struct Surroundings<'a> {
+    pub(super) tree: &'a KdTree,
+    pub(super) rays: &'a Rays,
+    pub(super) stack: &'a mut Stack,
+    pub(super) flights: Flights<'a>,
+    pub(super) used: Use,
+}
+
+/// How well lanes were used, so far in this batch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Use {
+    planes: u32,
+    lanes: u32,
+    /// How many planes were come to with few lanes.
+    few: u32,
+    /// Whether few lanes leave their packet.
+    pub(super) lets_go: bool,
+}
+
+impl Use {
+    #[inline(always)]
+    fn count(&mut self, lanes: u32) {
+        self.planes += 1;
+        self.lanes += lanes.count_ones();
+    }
+
+    /// Whether lanes that stand before a plane should leave their packet. Where lanes are seldom few,
+    /// too few would be under way together in a stream.
+    #[inline(always)]
+    fn lets_go(&mut self, lanes: u32) -> bool {
+        let count = lanes.count_ones();
+        if count > LEAVING {
+            return false;
+        }
+        self.few += u32::from(count <= FEW);
+        self.lets_go |= self.few * PLANES_A_FEW > self.planes + TRIAL;
+        self.lets_go
+    }
+
+    /// Whether packets are worth their while: rays that are in many packets with few lanes in use
+    /// are faster by themselves.
+    pub(super) fn is_good<L: Lanes>(self) -> bool {
+        u64::from(self.lanes) * LANES as u64
+            >= u64::from(LANES_IN_USE * self.planes) * L::COUNT as u64
+    }
+}
+
+/// What is left for later: a part of the tree, and the parts of rays that lie in it.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+struct Later {
+    near: [f32; LANES],
+    far: [f32; LANES],
+    stand: Stand,
+    lanes: u32,
+}
+
+/// Working memory.
+#[derive(Debug)]
+pub(super) struct Stack {
+    later: [Later; MAX_DEPTH + 1],
+}
+
+impl Default for Stack {
+    fn default() -> Self {
+        let stand = Stand { at: Child::ROOT, plane: 0 };
+        let later = Later { near: [0.0; LANES], far: [0.0; LANES], stand, lanes: 0 };
+        Self { later: [later; MAX_DEPTH + 1] }
+    }
+}
+
 /// Traces the packets that sixteen rays make; returns the rays that are left, which go other ways
-/// than most. Those that leave a packet are put into `parking`, if there is one.
+/// than most.
 ///
 /// # Safety
-/// The CPU has the instructions of `L` and of `K`.
+/// The CPU has the instructions of `V`; there is a free place for each ray.
 #[inline(always)]
-pub(super) unsafe fn trace<L: Lanes, K: Kernel, const ANY: bool>(
-    tree: &KdTree,
-    rays: &Rays,
-    prepared: &Prepared<LANES>,
+pub(super) unsafe fn trace<V: Vector, Q: Query>(
+    around: &mut Surroundings,
+    prepared: &Prepared,
     pending: u32,
-    stack: &mut Stack,
-    mut parking: Option<&mut Parking>,
-    done: &mut impl FnMut(usize, &Best),
+    query: &mut Q,
 ) -> u32 {
     let mut left = 0;
-    for base in (0..LANES).step_by(L::COUNT) {
-        let mut part = pending & (((1 << L::COUNT) - 1) << base);
+    for base in (0..LANES).step_by(V::COUNT) {
+        let mut part = pending & (((1 << V::COUNT) - 1) << base);
         while part != 0 {
-            let lane = part.trailing_zeros() as usize;
-            let way = prepared.way[lane];
+            let way = prepared.way[part.trailing_zeros() as usize];
             let mut alike = 0;
             for lane in 0..LANES {
-                let is = prepared.way[lane] == way;
-                alike |= u32::from(is) << lane;
+                alike |= u32::from(prepared.way[lane] == way) << lane;
             }
             let set = part & alike;
             part &= !set;
@@ -74,9 +145,9 @@ pub(super) unsafe fn trace<L: Lanes, K: Kernel, const ANY: bool>(
             }
             // SAFETY: the caller's.
             unsafe {
-                let mut packet = Packet::<L>::new(tree, prepared, base, set >> base);
-                packet.walk::<K, ANY>(tree, rays, stack, parking.as_deref_mut());
-                packet.finish(done);
+                let mut packet = Packet::<V>::new(around.tree, prepared, base, set >> base);
+                packet.walk::<Q>(around);
+                packet.finish(query);
             }
         }
     }
@@ -84,23 +155,25 @@ pub(super) unsafe fn trace<L: Lanes, K: Kernel, const ANY: bool>(
 }
 
 /// A packet under way.
-struct Packet<'a, L> {
-    prepared: &'a Prepared<LANES>,
+struct Packet<'a, V> {
+    prepared: &'a Prepared,
     /// The first lane of `prepared` that is one of the packet.
     base: usize,
     set: u32,
     way: usize,
     axes: [usize; 3],
-    inverse: [L; 3],
-    early: [L; 3],
-    late: [L; 3],
-    origin: [L; 3],
-    shear: [L; 3],
+    inverse: [V; 3],
+    early: [V; 3],
+    late: [V; 3],
+    origin: [V; 3],
+    shear: [V; 3],
     /// Best hits, as [`Best`] has them; t is minus infinity where any hit was enough.
-    t: L,
-    u: L,
-    v: L,
-    primitive: L,
+    t: V,
+    u: V,
+    v: V,
+    primitive: V,
+    /// Lanes that have a hit.
+    found: u32,
     bounds: LineBounds,
 }
 
@@ -114,7 +187,7 @@ struct LineBounds {
 
 impl LineBounds {
     #[inline(always)]
-    fn new(tree: &KdTree, prepared: &Prepared<LANES>, set: u32, axes: [usize; 3]) -> Self {
+    fn new(tree: &KdTree, prepared: &Prepared, set: u32, axes: [usize; 3]) -> Self {
         let origin = [
             extent(&prepared.origin[0], set),
             extent(&prepared.origin[1], set),
@@ -151,22 +224,22 @@ fn best_of(hits: &[[f32; LANES]; 4], lane: usize) -> Best {
 
 /// Changes the best hit of a lane.
 #[inline(always)]
-fn put_best<const ANY: bool>(hits: &mut [[f32; LANES]; 4], lane: usize, best: &Best) {
-    let t = if ANY && best.is_hit() { f32::NEG_INFINITY } else { best.t };
+fn put_best<Q: Query>(hits: &mut [[f32; LANES]; 4], lane: usize, best: &Best) {
+    let t = if Q::ANY && best.is_hit() { f32::NEG_INFINITY } else { best.t };
     [hits[0][lane], hits[1][lane], hits[2][lane]] = [t, best.u, best.v];
     hits[3][lane] = f32::from_bits(best.primitive);
 }
 
-impl<'a, L: Lanes> Packet<'a, L> {
+impl<'a, V: Vector> Packet<'a, V> {
     /// # Safety
-    /// The CPU has the instructions of `L`.
+    /// The CPU has the instructions of `V`.
     #[inline(always)]
-    unsafe fn new(tree: &KdTree, prepared: &'a Prepared<LANES>, base: usize, set: u32) -> Self {
+    unsafe fn new(tree: &KdTree, prepared: &'a Prepared, base: usize, set: u32) -> Self {
         let lane = base + set.trailing_zeros() as usize;
         let axes = prepared.line(lane).axes;
         // SAFETY: `base` leaves enough lanes.
         unsafe {
-            let nothing = L::splat(0.0);
+            let nothing = V::splat(0.0);
             Self {
                 prepared,
                 base,
@@ -178,95 +251,83 @@ impl<'a, L: Lanes> Packet<'a, L> {
                 late: load3(&prepared.late, base),
                 origin: load3(&prepared.origin, base),
                 shear: load3(&prepared.shear, base),
-                t: L::load(prepared.t.as_ptr().add(base)),
+                t: V::load(prepared.t.as_ptr().add(base)),
                 u: nothing,
                 v: nothing,
-                primitive: L::splat(f32::from_bits(super::NO_HIT)),
+                primitive: V::splat(f32::from_bits(super::NO_HIT)),
+                found: 0,
                 bounds: LineBounds::new(tree, prepared, set << base, axes),
             }
         }
     }
 
     /// # Safety
-    /// The CPU has the instructions of `L` and of `K`.
+    /// As [`trace`].
     #[inline(always)]
-    unsafe fn walk<K: Kernel, const ANY: bool>(
-        &mut self,
-        tree: &KdTree,
-        rays: &Rays,
-        stack: &mut Stack,
-        mut parking: Option<&mut Parking>,
-    ) {
-        // SAFETY: no way down has more splits than the stack has places; rows have places for all
-        // lanes.
+    unsafe fn walk<Q: Query>(&mut self, around: &mut Surroundings) {
+        // SAFETY: no way down has more planes than the stack has places; rows have places for all
+        // lanes; planes and axes of treelets are those that exist.
         unsafe {
-            let Stack { later, steps, lanes: used, packets, alone } = stack;
-            *packets += 1;
-            let stack = later.as_mut_ptr();
+            let later = around.stack.later.as_mut_ptr();
+            let memory = around.flights.memory;
             let mut depth = 0;
-            let mut at = Node::ROOT;
+            let Stand { mut at, mut plane } = around.tree.root();
             let mut lanes = self.set;
-            let mut near = L::load(self.prepared.near.as_ptr().add(self.base));
-            let mut far = L::load(self.prepared.far.as_ptr().add(self.base));
+            let mut near = V::load(self.prepared.near.as_ptr().add(self.base));
+            let mut far = V::load(self.prepared.far.as_ptr().add(self.base));
             loop {
-                let mut node = *tree.nodes.get_unchecked(at);
                 'down: {
-                    while !node.is_leaf() {
-                        if lanes.count_ones() <= FEW {
-                            *alone += lanes.count_ones();
-                            if let Some(parking) = &mut parking {
-                                let stack = std::slice::from_raw_parts(stack, depth);
-                                self.park(lanes, [near, far], at, stack, parking);
-                            } else {
-                                self.part::<K, ANY>(tree, rays, lanes, [near, far], at);
-                            }
+                    while at.is_treelet() {
+                        if around.used.lets_go(lanes) {
+                            self.part(around, Stand { at, plane }, lanes, [near, far], depth);
                             break 'down;
                         }
-                        *steps += 1;
-                        *used += lanes.count_ones();
-                        let axis = node.axis();
-                        let position = L::splat(node.position());
-                        let early = position.mul_sub(self.inverse[axis], self.early[axis]);
-                        let late = position.mul_sub(self.inverse[axis], self.late[axis]);
+                        around.used.count(lanes);
+                        let treelet = memory.treelet(at);
+                        let axis = treelet.axis(plane);
+                        let position = V::splat(*treelet.planes.get_unchecked(plane));
+                        let inverse = *self.inverse.get_unchecked(axis);
+                        let early = position.mul_sub(inverse, *self.early.get_unchecked(axis));
+                        let late = position.mul_sub(inverse, *self.late.get_unchecked(axis));
                         let falls = self.way >> axis & 1;
-                        let first = node.lower_child() + falls;
-                        let second = first ^ 1;
                         // So written that NaN skips nothing.
                         let mut visit_near = lanes & !late.lt(near);
                         let mut visit_far = lanes & !far.lt(early);
-                        visit_near = if node.is_empty(falls) { 0 } else { visit_near };
-                        visit_far = if node.is_empty(1 - falls) { 0 } else { visit_far };
+                        visit_near = if treelet.is_empty(plane, falls) { 0 } else { visit_near };
+                        visit_far = if treelet.is_empty(plane, 1 - falls) { 0 } else { visit_far };
                         if visit_near != 0 {
                             if visit_far != 0 {
-                                let later = &mut *stack.add(depth);
+                                let later = &mut *later.add(depth);
                                 early.max(near).store(later.near.as_mut_ptr());
                                 far.store(later.far.as_mut_ptr());
-                                (later.node, later.lanes) = (second, visit_far);
+                                later.stand = treelet.beyond(at, plane, 1 - falls);
+                                later.lanes = visit_far;
                                 depth += 1;
                             }
                             far = late.min(far);
-                            (at, lanes) = (first, visit_near);
+                            Stand { at, plane } = treelet.beyond(at, plane, falls);
+                            lanes = visit_near;
                         } else if visit_far != 0 {
                             near = early.max(near);
-                            (at, lanes) = (second, visit_far);
+                            Stand { at, plane } = treelet.beyond(at, plane, 1 - falls);
+                            lanes = visit_far;
                         } else {
                             break 'down;
                         }
-                        node = *tree.nodes.get_unchecked(at);
                     }
-                    self.test_leaf::<ANY>(tree, rays, node, lanes);
+                    self.test_leaf::<Q>(around.tree, around.rays, at, lanes);
                 }
                 loop {
                     if depth == 0 {
                         return;
                     }
                     depth -= 1;
-                    let later = &*stack.add(depth);
-                    near = L::load(later.near.as_ptr());
+                    let later = &*later.add(depth);
+                    near = V::load(later.near.as_ptr());
                     lanes = later.lanes & self.set & near.le(self.t);
                     if lanes != 0 {
-                        far = self.t.min(L::load(later.far.as_ptr()));
-                        at = later.node;
+                        far = self.t.min(V::load(later.far.as_ptr()));
+                        Stand { at, plane } = later.stand;
                         break;
                     }
                 }
@@ -277,41 +338,30 @@ impl<'a, L: Lanes> Packet<'a, L> {
     /// Tests all that is in a leaf.
     ///
     /// # Safety
-    /// The CPU has the instructions of `L`.
+    /// The CPU has the instructions of `V`.
     #[inline(always)]
-    unsafe fn test_leaf<const ANY: bool>(
-        &mut self,
-        tree: &KdTree,
-        rays: &Rays,
-        leaf: Node,
-        lanes: u32,
-    ) {
-        let mut chunk = leaf.chunk();
-        if chunk.is_empty() {
-            return;
-        }
-        let mut words = &tree.arena.words[leaf.offset()..];
+    unsafe fn test_leaf<Q: Query>(&mut self, tree: &KdTree, rays: &Rays, leaf: Child, lanes: u32) {
+        let mut words = &tree.words()[leaf.offset()..];
         loop {
+            let chunk = Chunk(words[0]);
             // SAFETY: the caller's.
-            unsafe { self.test_chunk::<ANY>(words, chunk, lanes) };
+            unsafe { self.test_chunk::<Q>(&words[1..], chunk, lanes) };
             if !chunk.is_followed() {
                 return;
             }
-            words = &words[chunk.end()..];
+            words = &words[1 + chunk.end()..];
             if chunk.has_curved() {
                 // SAFETY: the caller's.
-                unsafe { self.test_curved::<ANY>(tree, rays, words, lanes) };
+                unsafe { self.test_curved::<Q>(tree, rays, words, lanes) };
                 return;
             }
-            chunk = Chunk(words[0]);
-            words = &words[1..];
         }
     }
 
     /// # Safety
-    /// The CPU has the instructions of `L`.
+    /// The CPU has the instructions of `V`.
     #[inline(always)]
-    unsafe fn test_curved<const ANY: bool>(
+    unsafe fn test_curved<Q: Query>(
         &mut self,
         tree: &KdTree,
         rays: &Rays,
@@ -323,9 +373,9 @@ impl<'a, L: Lanes> Packet<'a, L> {
             let mut hits = self.hits();
             for lane in lanes_of(lanes) {
                 let mut best = best_of(&hits, lane);
-                let index = self.prepared.index[self.base + lane] as usize;
-                tree.test_curved(words, (rays, index), &mut best);
-                put_best::<ANY>(&mut hits, lane, &best);
+                tree.test_curved(words, (rays, self.prepared.index[self.base + lane]), &mut best);
+                self.found |= u32::from(best.is_hit()) << lane;
+                put_best::<Q>(&mut hits, lane, &best);
             }
             self.load(&hits);
         }
@@ -334,7 +384,7 @@ impl<'a, L: Lanes> Packet<'a, L> {
     /// Which triangles of a chunk are not beside all rays.
     ///
     /// # Safety
-    /// The CPU has the instructions of `L`; the words are those of a finished arena.
+    /// The CPU has the instructions of `V`; the words are those of a finished arena.
     #[inline(always)]
     unsafe fn among(&self, words: &[u32], chunk: Chunk) -> u32 {
         let (triangles, vertices) = (chunk.triangles(), chunk.vertices());
@@ -351,28 +401,28 @@ impl<'a, L: Lanes> Packet<'a, L> {
             while base < vertices {
                 // What follows the vertices, taken for numbers, is subnormal: many times slower on
                 // some CPUs.
-                let beyond_last = !((1u32 << (vertices - base).min(L::COUNT)) - 1);
-                let zero = L::splat(0.0);
-                let z = L::load(rows.add(self.axes[2] * vertices + base));
+                let beyond_last = !((1u32 << (vertices - base).min(V::COUNT)) - 1);
+                let zero = V::splat(0.0);
+                let z = V::load(rows.add(self.axes[2] * vertices + base));
                 let z = z.replace(beyond_last, zero);
-                let z0 = z.sub(L::splat(bounds.origin[2][1]));
-                let z1 = z.sub(L::splat(bounds.origin[2][0]));
+                let z0 = z.sub(V::splat(bounds.origin[2][1]));
+                let z1 = z.sub(V::splat(bounds.origin[2][0]));
                 for k in 0..2 {
-                    let x = L::load(rows.add(self.axes[k] * vertices + base));
+                    let x = V::load(rows.add(self.axes[k] * vertices + base));
                     let x = x.replace(beyond_last, zero);
-                    let x0 = x.sub(L::splat(bounds.origin[k][1]));
-                    let x1 = x.sub(L::splat(bounds.origin[k][0]));
-                    let (s0, s1) = (L::splat(bounds.shear[k][0]), L::splat(bounds.shear[k][1]));
+                    let x0 = x.sub(V::splat(bounds.origin[k][1]));
+                    let x1 = x.sub(V::splat(bounds.origin[k][0]));
+                    let (s0, s1) = (V::splat(bounds.shear[k][0]), V::splat(bounds.shear[k][1]));
                     // Rounding is monotonic: these bound what the test makes of the corner.
                     let least = s0.neg_mul_add(z0, x0).min(s0.neg_mul_add(z1, x0));
                     let least = least.min(s1.neg_mul_add(z0, x0)).min(s1.neg_mul_add(z1, x0));
                     let most = s0.neg_mul_add(z0, x1).max(s0.neg_mul_add(z1, x1));
                     let most = most.max(s1.neg_mul_add(z0, x1)).max(s1.neg_mul_add(z1, x1));
                     let shift = 32 * k + base;
-                    beyond |= u64::from(L::splat(bounds.clear).lt(least)) << shift;
-                    before |= u64::from(most.lt(L::splat(-bounds.clear))) << shift;
+                    beyond |= u64::from(V::splat(bounds.clear).lt(least)) << shift;
+                    before |= u64::from(most.lt(V::splat(-bounds.clear))) << shift;
                 }
-                base += L::COUNT;
+                base += V::COUNT;
             }
         }
         let mut set = 0;
@@ -386,9 +436,9 @@ impl<'a, L: Lanes> Packet<'a, L> {
     }
 
     /// # Safety
-    /// The CPU has the instructions of `L`; the words are those of a finished arena.
+    /// The CPU has the instructions of `V`; the words are those of a finished arena.
     #[inline(always)]
-    unsafe fn test_chunk<const ANY: bool>(&mut self, words: &[u32], chunk: Chunk, lanes: u32) {
+    unsafe fn test_chunk<Q: Query>(&mut self, words: &[u32], chunk: Chunk, lanes: u32) {
         let vertices = chunk.vertices();
         // SAFETY: the caller's.
         unsafe {
@@ -398,7 +448,7 @@ impl<'a, L: Lanes> Packet<'a, L> {
                 for c in 0..3 {
                     for k in 0..3 {
                         let at = self.axes[k] * vertices + places[c];
-                        corners[c][k] = L::splat(f32::from_bits(*words.get_unchecked(at)));
+                        corners[c][k] = V::splat(f32::from_bits(*words.get_unchecked(at)));
                     }
                 }
                 let tested = Tested::new(corners, self.origin, self.shear, self.t, lanes);
@@ -409,7 +459,7 @@ impl<'a, L: Lanes> Packet<'a, L> {
                     let line = self.prepared.line(self.base + lane);
                     (line.sheared(), triangle_at(words, chunk, i))
                 });
-                self.keep::<ANY>(&tested, words[chunk.ids_at() + i]);
+                self.keep::<Q>(&tested, words[chunk.ids_at() + i]);
             }
         }
     }
@@ -417,9 +467,9 @@ impl<'a, L: Lanes> Packet<'a, L> {
     /// Keeps hits that are nearer than the best, or as near and of lower id.
     ///
     /// # Safety
-    /// The CPU has the instructions of `L`.
+    /// The CPU has the instructions of `V`.
     #[inline(always)]
-    unsafe fn keep<const ANY: bool>(&mut self, tested: &Tested<L>, id: u32) {
+    unsafe fn keep<Q: Query>(&mut self, tested: &Tested<V>, id: u32) {
         // SAFETY: the caller's; there are as many values as lanes, or more.
         unsafe {
             let mut better = tested.hits & tested.t.lt(self.t);
@@ -431,9 +481,10 @@ impl<'a, L: Lanes> Packet<'a, L> {
                     better |= u32::from(id < ids[lane].to_bits()) << lane;
                 }
             }
-            self.primitive = self.primitive.replace(better, L::splat(f32::from_bits(id)));
-            if ANY {
-                self.t = self.t.replace(better, L::splat(f32::NEG_INFINITY));
+            self.found |= better;
+            self.primitive = self.primitive.replace(better, V::splat(f32::from_bits(id)));
+            if Q::ANY {
+                self.t = self.t.replace(better, V::splat(f32::NEG_INFINITY));
             } else {
                 let [u, v] = tested.weights();
                 self.t = self.t.replace(better, tested.t);
@@ -446,7 +497,7 @@ impl<'a, L: Lanes> Packet<'a, L> {
     /// Best hits of all lanes.
     ///
     /// # Safety
-    /// The CPU has the instructions of `L`.
+    /// The CPU has the instructions of `V`.
     #[inline(always)]
     unsafe fn hits(&self) -> [[f32; LANES]; 4] {
         let mut hits = [[0.0; LANES]; 4];
@@ -460,109 +511,63 @@ impl<'a, L: Lanes> Packet<'a, L> {
         hits
     }
 
-    /// Lets some lanes leave the packet, before a node, with what is on the stack for them.
+    /// Puts some lanes into flight by themselves, each with its part of the stack; they leave the
+    /// packet.
     ///
     /// # Safety
-    /// The CPU has the instructions of `L`.
+    /// As [`trace`]; the lanes stand there, with `depth` entries on the stack.
     #[inline(always)]
-    unsafe fn park(
+    unsafe fn part(
         &mut self,
+        around: &mut Surroundings,
+        stand: Stand,
         lanes: u32,
-        span: [L; 2],
-        node: usize,
-        stack: &[Later],
-        parking: &mut Parking,
+        span: [V; 2],
+        depth: usize,
     ) {
         self.set &= !lanes;
-        parking.lanes |= lanes << self.base;
+        let memory = around.flights.memory;
         let mut spans = [[0.0; LANES]; 2];
         // SAFETY: the caller's; there are as many values as lanes, or more.
-        let hits = unsafe {
-            span[0].store(spans[0].as_mut_ptr());
-            span[1].store(spans[1].as_mut_ptr());
-            self.hits()
-        };
-        for lane in lanes_of(lanes) {
-            let at = self.base + lane;
-            parking.node[at] = node as u32;
-            for (row, span) in parking.span.iter_mut().zip(&spans) {
-                row[at] = span[lane];
-            }
-            for (row, hits) in parking.best.iter_mut().zip(&hits) {
-                row[at] = hits[lane];
-            }
-            let mut top = 1;
-            for later in stack {
-                parking.later[top % (MAX_DEPTH + 2)][at] =
-                    (later.node as u32, [later.near[lane], later.far[lane]]);
-                top += (later.lanes >> lane & 1) as usize;
-            }
-            parking.top[at] = top as u32;
-        }
-    }
-
-    /// Takes some lanes through a part of the tree, one by one.
-    ///
-    /// # Safety
-    /// The CPU has the instructions of `L` and of `K`.
-    #[inline(always)]
-    unsafe fn part<K: Kernel, const ANY: bool>(
-        &mut self,
-        tree: &KdTree,
-        rays: &Rays,
-        lanes: u32,
-        span: [L; 2],
-        node: usize,
-    ) {
-        // SAFETY: the caller's; there are as many values as lanes, or more.
         unsafe {
-            let mut spans = [[0.0; LANES]; 2];
             span[0].store(spans[0].as_mut_ptr());
             span[1].store(spans[1].as_mut_ptr());
-            let mut hits = self.hits();
+            let hits = self.hits();
             for lane in lanes_of(lanes) {
-                let mut best = best_of(&hits, lane);
-                let visit = Visit { node, near: spans[0][lane], far: spans[1][lane] };
-                let at = self.base + lane;
-                let index = self.prepared.index[at] as usize;
-                single::trace::<K, ANY, LANES>(
-                    tree,
-                    self.prepared,
-                    at,
-                    (rays, index),
-                    visit,
-                    &mut best,
-                );
-                put_best::<ANY>(&mut hits, lane, &best);
+                let mut ray = Ray::new(self.prepared, self.base + lane);
+                ray.set_best(&best_of(&hits, lane));
+                let t = ray.t;
+                let ray = around.flights.park(&ray);
+                for later in &around.stack.later[..depth] {
+                    let span = [later.near[lane], smaller(t, later.far[lane])];
+                    if later.lanes >> lane & 1 == 1 && span[0] <= t {
+                        memory.push::<V>(ray, later.stand, span);
+                    }
+                }
+                memory.push::<V>(ray, stand, [spans[0][lane], spans[1][lane]]);
             }
-            self.load(&hits);
         }
     }
 
     /// # Safety
-    /// The CPU has the instructions of `L`.
+    /// The CPU has the instructions of `V`.
     #[inline(always)]
     unsafe fn load(&mut self, hits: &[[f32; LANES]; 4]) {
         // SAFETY: there are as many values as lanes, or more.
         unsafe {
-            self.t = L::load(hits[0].as_ptr());
-            self.u = L::load(hits[1].as_ptr());
-            self.v = L::load(hits[2].as_ptr());
-            self.primitive = L::load(hits[3].as_ptr());
+            self.t = V::load(hits[0].as_ptr());
+            self.u = V::load(hits[1].as_ptr());
+            self.v = V::load(hits[2].as_ptr());
+            self.primitive = V::load(hits[3].as_ptr());
         }
     }
 
     /// # Safety
-    /// The CPU has the instructions of `L`.
+    /// The CPU has the instructions of `V`.
     #[inline(always)]
-    unsafe fn finish(&self, done: &mut impl FnMut(usize, &Best)) {
-        // SAFETY: the caller's.
-        let hits = unsafe { self.hits() };
-        for lane in lanes_of(self.set) {
-            let best = best_of(&hits, lane);
-            if best.is_hit() {
-                done(self.prepared.index[self.base + lane] as usize, &best);
-            }
-        }
+    unsafe fn finish<Q: Query>(&self, query: &mut Q) {
+        let hits = [self.t, self.u, self.v, self.primitive];
+        // SAFETY: the rays are those of the batch.
+        unsafe { query.accept_lanes(self.prepared, self.base, self.found & self.set, hits) };
     }
 }
