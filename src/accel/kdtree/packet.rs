@@ -22,11 +22,11 @@ use crate::accel::triangle::lanes::Tested;
 use crate::accel::triangle::turned::{larger, smaller};
 use crate::accel::{LANES, Rays};
 
-/// So many lanes or fewer go on by themselves, once that is worth its while.
+/// So many of sixteen lanes or fewer go on by themselves, once that is worth its while.
 const LEAVING: u32 = 4;
 
-/// That is so once packets came to one of so many planes with so few lanes, but not before they came
-/// to so many planes.
+/// That is so once packets came to one of so many planes with so few of sixteen lanes, but not before
+/// they came to so many planes.
 const FEW: u32 = 2;
 const PLANES_A_FEW: u32 = 4;
 const TRIAL: u32 = 100;
@@ -74,8 +74,8 @@ impl Use {
     /// Whether lanes that stand before a plane should leave their packet. Where lanes are seldom few,
     /// too few would be under way together in a stream.
     #[inline(always)]
-    fn lets_go(&mut self, lanes: u32) -> bool {
-        let count = lanes.count_ones();
+    fn lets_go<L: Lanes>(&mut self, lanes: u32) -> bool {
+        let count = lanes.count_ones() * (LANES / L::COUNT) as u32;
         if count > LEAVING {
             return false;
         }
@@ -278,7 +278,7 @@ impl<'a, V: Vector> Packet<'a, V> {
             loop {
                 'down: {
                     while at.is_treelet() {
-                        if around.used.lets_go(lanes) {
+                        if around.used.lets_go::<V>(lanes) {
                             self.part(around, Stand { at, plane }, lanes, [near, far], depth);
                             break 'down;
                         }
