@@ -19,6 +19,7 @@ mod primitives;
 mod rays;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod simd;
+mod stops;
 pub mod triangle;
 
 pub(crate) use box_tree::BoxScratch;

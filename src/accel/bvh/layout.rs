@@ -1,8 +1,8 @@
 //! What the hierarchy is made of in memory.
 
-use super::stops::Stops;
 use crate::accel::Triangle;
 use crate::accel::pages::Array;
+use crate::accel::stops::{self, Target};
 use crate::accel::triangle::POSITION_ERROR;
 use crate::math::{Bounds, rounding::UNIT_ROUNDOFF};
 use glam::Vec3;
@@ -123,6 +123,31 @@ impl Child {
     pub(super) fn block_len(self) -> usize {
         (self.0 >> Self::KIND_SHIFT & 3) as usize + 1
     }
+}
+
+impl Target for Child {
+    #[inline(always)]
+    fn word(self) -> u32 {
+        self.0
+    }
+
+    #[inline(always)]
+    fn of_word(word: u32) -> Self {
+        Self(word)
+    }
+}
+
+/// A ray in flight before a child.
+pub(super) type Stop = stops::Stop<Child>;
+
+/// Lists of rays in flight by the kind of what they stand before.
+pub(super) type Stops = stops::Stops<Child>;
+
+impl Stops {
+    /// Kinds: nodes, blocks of triangles, and the rest: curved surfaces and the end.
+    pub(super) const NODES: usize = 0;
+    pub(super) const BLOCKS: usize = 2;
+    pub(super) const OTHERS: usize = 3;
 }
 
 /// Slots of triangles that a [`Place`] and a [`Child`] can name.

@@ -18,7 +18,6 @@ mod plan;
 mod ray;
 mod spatial;
 mod steps;
-mod stops;
 mod stream;
 #[cfg(test)]
 mod tests;

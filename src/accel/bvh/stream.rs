@@ -7,13 +7,13 @@
 
 use super::Bvh;
 use super::binary::BLOCK;
-use super::layout::{Child, Corners, Node, WIDTH, id_at};
+use super::layout::{Child, Corners, Node, Stop, Stops, WIDTH, id_at};
 use super::packet::{self, RaysPerChild, Surroundings};
 use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, MOST_BLOCKS, Meeting, Steps};
-use super::stops::{IN_FLIGHT, Lists, Stop, Stops};
 use crate::accel::order::{Order, Sixteen};
 use crate::accel::simd::{SetLanes, lanes_of};
+use crate::accel::stops::{IN_FLIGHT, Lists};
 use crate::accel::{Coherence, LANES, Rays};
 
 /// What is asked of a ray.
@@ -55,7 +55,7 @@ pub(super) struct Stream {
     lines: Vec<Line>,
     free: Vec<u32>,
     parked: Vec<Stop>,
-    lists: Lists,
+    lists: Lists<Child>,
 }
 
 /// Steps at far nodes before it is looked up what their rays visit next.

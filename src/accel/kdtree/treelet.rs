@@ -1,6 +1,7 @@
 //! Three levels of the tree in a cache line.
 
 use super::leaf::Chunk;
+use crate::accel::stops::Target;
 
 /// Children of a treelet.
 pub(super) const WIDTH: usize = 8;
@@ -153,6 +154,18 @@ impl Child {
     #[inline(always)]
     pub(super) fn line(self) -> usize {
         self.offset() / (size_of::<Treelet>() / 4)
+    }
+}
+
+impl Target for Child {
+    #[inline(always)]
+    fn word(self) -> u32 {
+        self.0
+    }
+
+    #[inline(always)]
+    fn of_word(word: u32) -> Self {
+        Self(word)
     }
 }
 

@@ -8,8 +8,8 @@
 
 use super::memory::Memory;
 use super::ray::Ray;
-use super::stops::{Stop, Stops};
 use super::vector::Vector;
+use super::{Stop, Stops};
 use crate::accel::Rays;
 use crate::accel::kdtree::KdTree;
 use crate::accel::kdtree::leaf::{Chunk, triangle_at};

@@ -2,9 +2,9 @@
 
 use std::arch::x86_64::*;
 
+use super::Stop;
 use super::Vector;
 use super::ray::Ray;
-use super::stops::Stop;
 use crate::accel::kdtree::treelet::{Child, Stand, TOP, Treelet, WIDTH, cells_of};
 
 /// A cache line.

@@ -12,7 +12,6 @@ mod avx512;
 mod leaves;
 mod memory;
 mod ray;
-mod stops;
 #[cfg(test)]
 mod tests;
 mod vector;
@@ -24,11 +23,17 @@ use super::query::Query;
 use super::ray::Prepared;
 use super::treelet::Child;
 use crate::accel::order::Order;
+use crate::accel::stops::{self, IN_FLIGHT, Lists};
 use crate::accel::{Coherence, LANES, Rays};
 pub(super) use memory::{Flights, Memory};
 use memory::{Line, stack_size};
+
+/// A ray in flight before a child.
+type Stop = stops::Stop<Child>;
+
+/// Lists of rays in flight by the kind of what they stand before.
+type Stops = stops::Stops<Child>;
 pub(super) use ray::Ray;
-use stops::{IN_FLIGHT, Lists, Stop, Stops};
 pub(super) use vector::Vector;
 
 /// Working memory of [`trace`].
@@ -42,7 +47,7 @@ pub(super) struct Stream {
     lines: Vec<Line>,
     free: Vec<u32>,
     parked: Vec<u32>,
-    lists: Lists,
+    lists: Lists<Child>,
     #[cfg(test)]
     pub(super) took_over: bool,
 }

@@ -1,21 +1,29 @@
 //! Where rays in flight stand next, in lists by kind.
 
-use crate::accel::kdtree::treelet::Child;
+use std::marker::PhantomData;
+
+/// What a ray stands before: a word whose highest two bits tell its kind, all of them set where the
+/// ray is done.
+pub(super) trait Target: Copy {
+    fn word(self) -> u32;
+
+    fn of_word(word: u32) -> Self;
+}
 
 /// Rays in flight.
 pub(super) const IN_FLIGHT: usize = 32;
 
 /// A ray in flight and what it stands before, written and read as one word.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stop(u64);
+pub(super) struct Stop<C>(u64, PhantomData<C>);
 
-impl Stop {
+impl<C: Target> Stop<C> {
     /// Nowhere.
-    pub(super) const NONE: Self = Self::new(0, Child::DONE);
+    pub(super) const NONE: Self = Self((u32::MAX as u64) << 32, PhantomData);
 
     #[inline(always)]
-    pub(super) const fn new(place: u32, child: Child) -> Self {
-        Self((child.0 as u64) << 32 | place as u64)
+    pub(super) fn new(place: u32, child: C) -> Self {
+        Self(u64::from(child.word()) << 32 | u64::from(place), PhantomData)
     }
 
     /// Where the ray is, in bytes from the first.
@@ -25,15 +33,20 @@ impl Stop {
     }
 
     #[inline(always)]
-    pub(super) fn child(self) -> Child {
-        Child((self.0 >> 32) as u32)
+    pub(super) fn child(self) -> C {
+        C::of_word((self.0 >> 32) as u32)
+    }
+
+    #[inline(always)]
+    fn kind(self) -> usize {
+        (self.0 >> 62) as usize
     }
 }
 
 /// Lists of stops by kind, each worked off from its front while stops are added to all of them: a
 /// stop is read before its place can be needed for another.
-pub(super) struct Stops {
-    lists: *mut Stop,
+pub(super) struct Stops<C> {
+    lists: *mut Stop<C>,
     /// Where each list ends, in bytes from the first list: 16 bits a kind. In a register, the
     /// length of no list is loaded from where it was just stored; the CPU would make other loads
     /// wait for such ones too.
@@ -41,23 +54,23 @@ pub(super) struct Stops {
 }
 
 /// Lists that [`Stops`] fills.
-pub(super) type Lists = [[Stop; IN_FLIGHT]; KINDS];
+pub(super) type Lists<C> = [[Stop<C>; IN_FLIGHT]; KINDS];
 
-/// Two bits of a child tell its kind.
+/// Two bits tell a kind.
 const KINDS: usize = 4;
 
 /// Bytes of a stop, and from one list to the next.
-const STOP: u64 = size_of::<Stop>() as u64;
+const STOP: u64 = size_of::<u64>() as u64;
 const LIST: u64 = IN_FLIGHT as u64 * STOP;
 
 /// Bits of an end.
 const END: u64 = 0xffff;
 
-impl Stops {
+impl<C: Target> Stops<C> {
     /// All lists end where they begin.
     const EMPTY: u64 = LIST << 16 | (2 * LIST) << 32 | (3 * LIST) << 48;
 
-    pub(super) fn new(lists: &mut Lists) -> Self {
+    pub(super) fn new(lists: &mut Lists<C>) -> Self {
         Self { lists: lists.as_mut_ptr().cast(), ends: Self::EMPTY }
     }
 
@@ -66,8 +79,8 @@ impl Stops {
     /// # Safety
     /// No list is full.
     #[inline(always)]
-    pub(super) unsafe fn push(&mut self, stop: Stop) {
-        let shift = 16 * stop.child().kind();
+    pub(super) unsafe fn push(&mut self, stop: Stop<C>) {
+        let shift = 16 * stop.kind();
         let end = (self.ends >> shift & END) as usize;
         // SAFETY: the caller's.
         unsafe { *self.lists.byte_add(end) = stop };
@@ -96,7 +109,7 @@ impl Stops {
     /// # Safety
     /// `i` is less than the list's length is or was, and fewer than `i + 1` stops were added since.
     #[inline(always)]
-    pub(super) unsafe fn get(&self, kind: usize, i: usize) -> Stop {
+    pub(super) unsafe fn get(&self, kind: usize, i: usize) -> Stop<C> {
         // SAFETY: the caller's.
         unsafe { *self.lists.add(kind * IN_FLIGHT + i) }
     }
