@@ -34,7 +34,7 @@ use self::ray::{Prepared, Ray};
 use self::steps::Portable;
 use self::stream::Query;
 use super::pages::Array;
-use super::simd::{SetLanes, lanes_of};
+use super::simd::{SetLanes, lanes_of, store_hits};
 use super::{BuildOptions, Coherence, Curved, Hits, Isa, Primitives, Rays, Triangle, triangle};
 use crate::math::Bounds;
 
@@ -256,21 +256,11 @@ impl Query for Closest<'_> {
         rays: &Prepared,
         base: usize,
         set: u32,
-        [t, u, v, ids]: [L; 4],
+        hits: [L; 4],
     ) {
-        let Hits { t: ts, u: us, v: vs, primitive } = &mut *self.hits;
-        let arrays =
-            [ts.as_mut_ptr(), us.as_mut_ptr(), vs.as_mut_ptr(), primitive.as_mut_ptr().cast()];
-        for (array, lanes) in arrays.into_iter().zip([t, u, v, ids]) {
-            // SAFETY: there is a hit for each ray of the batch.
-            unsafe {
-                if rays.are_neighbours {
-                    lanes.store_set(array.wrapping_add(rays.index[base] as usize), set);
-                } else {
-                    lanes.scatter_set(array, rays.index.as_ptr().add(base), set);
-                }
-            }
-        }
+        let (indices, are_neighbours) = (&rays.index[base..], rays.are_neighbours);
+        // SAFETY: the caller's; there is a hit for each ray of the batch.
+        unsafe { store_hits(self.hits, indices, are_neighbours, set, hits) }
     }
 }
 

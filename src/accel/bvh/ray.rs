@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::layout::BOX_ERROR;
 use crate::accel::order::Choosing;
-use crate::accel::simd::Quads;
+use crate::accel::simd::{Quads, deal_rows};
 use crate::accel::triangle::ShearedRay;
 use crate::accel::triangle::turned::{Turned, lanes_from, larger};
 use crate::accel::{LANES, Rays};
@@ -233,21 +233,8 @@ impl Ray {
             three_bits(&entries, bits(&zero)),
         ];
         const { assert!(std::mem::offset_of!(Self, top) == 7 * 16) };
-        for base in (0..LANES).step_by(L::COUNT) {
-            for (i, row) in rows.iter().enumerate() {
-                // SAFETY: the caller's; rows have sixteen numbers, and rays seven times four.
-                unsafe {
-                    let four = [
-                        L::load(row[0].add(base)),
-                        L::load(row[1].add(base)),
-                        L::load(row[2].add(base)),
-                        L::load(row[3].add(base)),
-                    ];
-                    let to = to.as_mut_ptr().add(base).cast::<f32>().add(4 * i);
-                    L::store_columns(four, to, size_of::<Self>() / 4);
-                }
-            }
-        }
+        // SAFETY: the caller's; rows have sixteen numbers, and rays seven times four.
+        unsafe { deal_rows::<L>(&rows, to.as_mut_ptr().cast(), size_of::<Self>() / 4) }
     }
 
     /// See the field.

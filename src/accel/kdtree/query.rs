@@ -5,7 +5,7 @@ use super::leaf::Best;
 use super::ray::Prepared;
 use crate::accel::Hits;
 #[cfg(target_arch = "x86_64")]
-use crate::accel::simd::{SetLanes, lanes_of};
+use crate::accel::simd::{SetLanes, lanes_of, store_hits};
 
 /// What is asked of rays.
 pub(super) trait Query {
@@ -53,21 +53,11 @@ impl Query for Nearest<'_> {
         rays: &Prepared,
         base: usize,
         set: u32,
-        [t, u, v, ids]: [L; 4],
+        hits: [L; 4],
     ) {
-        let Hits { t: ts, u: us, v: vs, primitive } = &mut *self.hits;
-        let arrays =
-            [ts.as_mut_ptr(), us.as_mut_ptr(), vs.as_mut_ptr(), primitive.as_mut_ptr().cast()];
-        for (array, lanes) in arrays.into_iter().zip([t, u, v, ids]) {
-            // SAFETY: there is a hit for each ray of the batch.
-            unsafe {
-                if rays.are_neighbours {
-                    lanes.store_set(array.wrapping_add(rays.index[base] as usize), set);
-                } else {
-                    lanes.scatter_set(array, rays.index.as_ptr().add(base), set);
-                }
-            }
-        }
+        let (indices, are_neighbours) = (&rays.index[base..], rays.are_neighbours);
+        // SAFETY: the caller's; there is a hit for each ray of the batch.
+        unsafe { store_hits(self.hits, indices, are_neighbours, set, hits) }
     }
 }
 

@@ -8,7 +8,7 @@ pub(in crate::accel) mod sets;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use super::LANES;
+use super::{Hits, LANES};
 
 /// A vector of `COUNT` numbers.
 ///
@@ -73,6 +73,60 @@ pub(in crate::accel) trait Quads: Lanes {
     unsafe fn splat_in_quads<const LANE: i32>(self) -> Self;
     /// Stores lane `i` of each of four vectors at `to + i * stride`.
     unsafe fn store_columns(four: [Self; 4], to: *mut f32, stride: usize);
+}
+
+/// Deals sixteen rays to their places in memory: of each four rows of a lane's numbers, lane `i` goes to
+/// `to + i * stride`, behind those of the four before.
+///
+/// # Safety
+/// The CPU has the instructions of `L`; rows have sixteen numbers, and there is room for the rays.
+#[inline(always)]
+pub(in crate::accel) unsafe fn deal_rows<L: Quads>(
+    rows: &[[*const f32; 4]],
+    to: *mut f32,
+    stride: usize,
+) {
+    for base in (0..LANES).step_by(L::COUNT) {
+        for (i, row) in rows.iter().enumerate() {
+            // SAFETY: the caller's.
+            unsafe {
+                let four = [
+                    L::load(row[0].add(base)),
+                    L::load(row[1].add(base)),
+                    L::load(row[2].add(base)),
+                    L::load(row[3].add(base)),
+                ];
+                L::store_columns(four, to.add(base * stride + 4 * i), stride);
+            }
+        }
+    }
+}
+
+/// Stores the hits of a set of rays (t, u, v, and bits of ids), each at its place in the batch; those
+/// of neighbours are next to each other from the first on.
+///
+/// # Safety
+/// The CPU has the instructions of `L`; there are indices for its lanes, and hits for the set's.
+#[inline(always)]
+pub(in crate::accel) unsafe fn store_hits<L: SetLanes>(
+    hits: &mut Hits,
+    indices: &[u32],
+    are_neighbours: bool,
+    set: u32,
+    [t, u, v, ids]: [L; 4],
+) {
+    let Hits { t: ts, u: us, v: vs, primitive } = hits;
+    let arrays = [ts.as_mut_ptr(), us.as_mut_ptr(), vs.as_mut_ptr(), primitive.as_mut_ptr().cast()];
+    for (array, lanes) in arrays.into_iter().zip([t, u, v, ids]) {
+        // SAFETY: the caller's.
+        unsafe {
+            if are_neighbours {
+                lanes.store_set(array.wrapping_add(indices[0] as usize), set);
+            } else {
+                lanes.scatter_set(array, indices.as_ptr(), set);
+            }
+        }
+    }
 }
 
 /// The lanes of a set, lowest first.

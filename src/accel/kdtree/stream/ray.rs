@@ -4,7 +4,7 @@ use crate::accel::LANES;
 use crate::accel::kdtree::NO_HIT;
 use crate::accel::kdtree::leaf::Best;
 use crate::accel::kdtree::ray::{Line, Prepared};
-use crate::accel::simd::Quads;
+use crate::accel::simd::{Quads, deal_rows};
 
 /// A ray that is being traced, rows of four numbers, some of which are loaded as a whole; its stack
 /// follows in memory.
@@ -72,21 +72,8 @@ impl Ray {
             three(&rays.shear, bits(&rays.index)),
             [zero.as_ptr(), zero.as_ptr(), bits(&none), zero.as_ptr()],
         ];
-        for base in (0..LANES).step_by(L::COUNT) {
-            for (i, row) in rows.iter().enumerate() {
-                // SAFETY: the caller's; rows have sixteen numbers, and rays six times four.
-                unsafe {
-                    let four = [
-                        L::load(row[0].add(base)),
-                        L::load(row[1].add(base)),
-                        L::load(row[2].add(base)),
-                        L::load(row[3].add(base)),
-                    ];
-                    let to = to.as_mut_ptr().add(base).cast::<f32>().add(4 * i);
-                    L::store_columns(four, to, size_of::<Self>() / 4);
-                }
-            }
-        }
+        // SAFETY: the caller's; rows have sixteen numbers, and rays six times four.
+        unsafe { deal_rows::<L>(&rows, to.as_mut_ptr().cast(), size_of::<Self>() / 4) }
     }
 
     #[inline(always)]
