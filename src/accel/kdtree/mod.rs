@@ -17,6 +17,8 @@
 //! - One ray at a time in plain Rust, as the twin of the others.
 
 mod build;
+#[cfg(target_arch = "x86_64")]
+mod descent;
 mod leaf;
 #[cfg(target_arch = "x86_64")]
 mod packet;

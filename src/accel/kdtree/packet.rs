@@ -11,6 +11,7 @@
 
 #![allow(clippy::needless_range_loop)] // closures around intrinsics would become calls
 
+use super::descent::Way;
 use super::leaf::{Best, Chunk, corners_of, triangle_at};
 use super::query::Query;
 use super::ray::Prepared;
@@ -44,11 +45,12 @@ const CULLED: usize = 3;
 /// sign underflow has spoilt is smaller than what this makes of it.
 const CLEAR: f32 = 1.0 / (1u32 << 23) as f32;
 
-/// What packets need of their surroundings.
+/// What packets, and rays that go down together, need of their surroundings.
 pub(super) struct Surroundings<'a> {
     pub(super) tree: &'a KdTree,
     pub(super) rays: &'a Rays,
     pub(super) stack: &'a mut Stack,
+    pub(super) way: &'a mut Way,
     pub(super) flights: Flights<'a>,
     pub(super) used: Use,
 }

@@ -39,6 +39,9 @@ pub(super) struct Prepared {
     pub(super) way: [u32; LANES],
     /// Their places in the batch.
     pub(super) index: [u32; LANES],
+    /// Origin along the axes of space.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    pub(super) start: [[f32; LANES]; 3],
     /// Whether the places follow each other.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     pub(super) are_neighbours: bool,
@@ -56,6 +59,7 @@ impl Prepared {
         t: [0.0; LANES],
         way: [0; LANES],
         index: [0; LANES],
+        start: [[0.0; LANES]; 3],
         are_neighbours: true,
     };
 
@@ -117,6 +121,7 @@ impl Prepared {
         t_max: [f32; LANES],
         bounds: &Bounds,
     ) {
+        self.start = origin;
         let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
         for lane in 0..LANES {
             let [ox, oy, oz] = [origin[0][lane], origin[1][lane], origin[2][lane]];

@@ -234,6 +234,41 @@ fn rays_that_leave_packets() {
     }
 }
 
+/// Rays in all directions from places that sixteen of them have nearly in common, often right beside
+/// where planes are.
+#[test]
+fn rays_that_start_together() {
+    let rng = &mut StdRng::seed_from_u64(23);
+    let step = |p: Vec3| Vec3::new(p.x, p.y, (p.x * p.y) % 3.0);
+    let triangles: Vec<Triangle> = grid(12).into_iter().map(|t| t.map(step)).collect();
+    let mut rays = Rays::with_capacity(16_384);
+    while rays.len() < 16_384 {
+        let mut place = 6.0 + 6.0 * point(rng);
+        place.z /= 4.0;
+        let spread = [0.0, 1e-6, 1e-3][rays.len() / 16 % 3];
+        let is_beside = (rays.len() / 48).is_multiple_of(2);
+        for i in 0..16 {
+            let mut origin = if is_beside { place.round() } else { place } + spread * point(rng);
+            if is_beside && i % 2 == 0 {
+                origin = origin.map(f32::next_up);
+            }
+            let direction = if i % 3 == 0 { direction(rng) } else { point(rng) };
+            let t_max = if i % 5 == 3 { rng.random_range(0.1..5.0) } else { f32::INFINITY };
+            rays.push(origin, direction, t_max);
+        }
+    }
+    let primitives = Primitives { triangles, curved: shapes(20, 24) };
+    check("steps", primitives.clone(), &rays);
+    #[cfg(target_arch = "x86_64")]
+    for isa in Isa::available().into_iter().filter(|&isa| isa != Isa::Portable) {
+        let (mut hits, mut scratch) = (Hits::default(), Scratch::default());
+        hits.reset(rays.len());
+        let tree = KdTree::build(primitives.clone(), isa);
+        tree.intersect(&rays, Coherence::Incoherent, &mut hits, &mut scratch);
+        assert!(scratch.stream.is_some_and(|stream| stream.way.brought_down > 4000), "{isa:?}");
+    }
+}
+
 /// What has one ray for each length of a batch: no lane is traced that holds none.
 #[test]
 fn batches_of_any_length() {

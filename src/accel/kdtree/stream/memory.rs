@@ -175,7 +175,7 @@ impl Memory {
     /// # Safety
     /// As [`step`](Self::step); the stack has room.
     #[inline(always)]
-    pub(super) unsafe fn push_cells<V: Vector>(
+    pub(in crate::accel::kdtree) unsafe fn push_cells<V: Vector>(
         &self,
         ray: *mut Ray,
         treelet: &Treelet,

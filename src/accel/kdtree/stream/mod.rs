@@ -18,6 +18,7 @@ mod vector;
 mod ways;
 
 use super::KdTree;
+use super::descent;
 use super::packet::{self, Surroundings, Use};
 use super::query::Query;
 use super::ray::Prepared;
@@ -35,6 +36,7 @@ type Stop = stops::Stop<Child>;
 type Stops = stops::Stops<Child>;
 pub(super) use ray::Ray;
 pub(super) use vector::Vector;
+pub(super) use ways::row;
 
 /// Working memory of [`trace`].
 #[derive(Debug)]
@@ -43,6 +45,7 @@ pub(super) struct Stream {
     /// Sixteen rays.
     ready: [Line; LANES * RAY_LINES],
     packets: packet::Stack,
+    pub(super) way: descent::Way,
     /// For each place the ray itself, then its stack.
     lines: Vec<Line>,
     free: Vec<u32>,
@@ -61,6 +64,7 @@ impl Default for Stream {
             prepared: Prepared::EMPTY,
             ready: [Line::EMPTY; LANES * RAY_LINES],
             packets: packet::Stack::default(),
+            way: descent::Way::default(),
             lines: vec![],
             free: vec![],
             parked: vec![],
@@ -131,6 +135,8 @@ impl Pending<'_> {
             }
             if self.left != 0 {
                 Ray::deal::<V>(self.prepared, self.ready);
+                self.left =
+                    descent::descend::<V>(&mut self.around, self.prepared, self.ready, self.left);
             }
         }
         Some(())
@@ -161,7 +167,8 @@ pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize>(
     let size = stack_size(tree.depth);
     // An odd number of lines, so that stacks do not compete for the same places of a cache.
     let lines = (RAY_LINES + (3 * size).div_ceil(size_of::<Line>() / 4)) | 1;
-    let Stream { prepared, ready, packets: stack, lines: room, free, parked, lists, .. } = stream;
+    let Stream { prepared, ready, packets: stack, way, lines: room, free, parked, lists, .. } =
+        stream;
     const PLACES: usize = IN_FLIGHT + LANES;
     room.resize(room.len().max(PLACES * lines), Line::EMPTY);
     free.clear();
@@ -169,7 +176,7 @@ pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize>(
     parked.clear();
     let memory = Memory { words: tree.words().as_ptr(), places: room.as_mut_ptr(), stack: size };
     let flights = Flights { memory, free, parked };
-    let around = Surroundings { tree, rays, stack, flights, used: Use::default() };
+    let around = Surroundings { tree, rays, stack, way, flights, used: Use::default() };
     // SAFETY: any bits are a ray; lines are aligned as rays are, and as long as sixteen.
     let ready = unsafe { &mut *ready.as_mut_ptr().cast::<[Ray; LANES]>() };
     let mut pending = Pending { around, prepared, ready, packets, order, next: 0, left: 0 };

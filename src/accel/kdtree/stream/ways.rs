@@ -47,7 +47,7 @@ pub(super) static TIMES: Aligned<[u32; WIDTH]> = {
 /// # Safety
 /// The CPU has AVX2.
 #[inline(always)]
-pub(super) unsafe fn row(numbers: &[f32; 3], axes: __m256i) -> __m256 {
+pub(in crate::accel::kdtree) unsafe fn row(numbers: &[f32], axes: __m256i) -> __m256 {
     // SAFETY: the caller's.
     unsafe { _mm256_permutevar_ps(_mm256_broadcast_ps(&*numbers.as_ptr().cast()), axes) }
 }
