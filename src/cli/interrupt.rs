@@ -1,13 +1,17 @@
 //! Ctrl-C, and the signals that ask a program to end.
 
 use std::process;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use super::Exit;
 use super::terminal::say;
 
-/// Somebody asked to stop.
-static REQUESTED: AtomicBool = AtomicBool::new(false);
+/// When somebody asked to stop.
+static REQUESTED: OnceLock<Instant> = OnceLock::new();
+/// How long work may go on from there to an end that can be kept.
+const PATIENCE: Duration = Duration::from_millis(500);
 /// A [`Guard`] is there: work is under way that looks at [`requested`].
 static GUARDED: AtomicBool = AtomicBool::new(false);
 
@@ -56,7 +60,7 @@ pub(super) fn listen() {
 }
 
 fn stop() {
-    let again = REQUESTED.swap(true, Ordering::SeqCst);
+    let again = REQUESTED.set(Instant::now()).is_err();
     if again || !GUARDED.load(Ordering::SeqCst) {
         say("slo-rt: interrupted");
         process::exit(Exit::Interrupted as i32);
@@ -65,7 +69,12 @@ fn stop() {
 
 /// Whether to stop as soon as possible.
 pub(super) fn requested() -> bool {
-    REQUESTED.load(Ordering::Relaxed)
+    REQUESTED.get().is_some()
+}
+
+/// Whether to stop even if what is under way is lost.
+pub(super) fn was_long_ago() -> bool {
+    REQUESTED.get().is_some_and(|since| since.elapsed() > PATIENCE)
 }
 
 /// While it lives, the first signal only makes [`requested`] true; a second one, or one outside

@@ -241,6 +241,10 @@ impl Observer for Watch<'_> {
         interrupt::requested() || (self.is_lost)()
     }
 
+    fn gives_up(&self) -> bool {
+        interrupt::was_long_ago()
+    }
+
     fn wants_film(&self) -> bool {
         self.checkpoint.is_due()
     }

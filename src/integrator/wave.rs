@@ -55,8 +55,15 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// Traces camera samples to the end; `with_features`: notes what is seen of surfaces too.
-    pub fn trace(&mut self, frame: &FrameScene, work: &[Work], with_features: bool) -> Traced<'_> {
+    /// Traces camera samples to the end; `with_features`: notes what is seen of surfaces too. `None` if
+    /// it was told to give up, which it asks about between batches.
+    pub fn trace(
+        &mut self,
+        frame: &FrameScene,
+        work: &[Work],
+        with_features: bool,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<Traced<'_>> {
         self.counts = Statistics::default();
         self.seeds.clear();
         self.seeds.extend(work.iter().map(|w| frame.sampler.pixel(w.x, w.y)));
@@ -74,21 +81,32 @@ impl Wave {
             }
             self.counts.camera_rays += self.batch.rays.len() as u64;
             self.trace_batch(frame, 0);
-            self.work_off(frame, BATCH);
+            self.work_off(frame, BATCH, gives_up)?;
         }
-        self.work_off(frame, 1);
+        self.work_off(frame, 1, gives_up)?;
         self.sums.fold(work.len());
         let Self { sums, features, counts, .. } = self;
-        Traced { sums: sums.get(), features: features.get(), statistics: *counts }
+        Some(Traced { sums: sums.get(), features: features.get(), statistics: *counts })
     }
 
-    /// Traces batches until no queue holds `least` rays or more.
+    /// Traces batches until no queue holds `least` rays or more; `None`, with empty queues, if told to
+    /// give up.
     ///
     /// While more rays are to come the deepest full queue goes first, which bounds what waits; at
     /// the end, where all are below a batch, the shallowest goes first, since it fills the others.
-    fn work_off(&mut self, frame: &FrameScene, least: usize) {
+    fn work_off(
+        &mut self,
+        frame: &FrameScene,
+        least: usize,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
         use ShadowKind::{FromDeeper, FromPrimary};
         loop {
+            if gives_up() {
+                self.bounces.clear();
+                self.shadows = Default::default();
+                return None;
+            }
             let shadows =
                 |least| [FromPrimary, FromDeeper].into_iter().find(|&k| self.waiting(k) >= least);
             let deepest = self.bounces.iter().rposition(|queue| queue.len() >= BATCH);
@@ -102,7 +120,7 @@ impl Wave {
             } else if let Some(kind) = shadows(least) {
                 self.trace_shadows(frame, kind);
             } else {
-                return;
+                return Some(());
             }
         }
     }

@@ -33,6 +33,11 @@ pub trait Observer: Sync {
     fn should_stop(&self) -> bool {
         false
     }
+    /// Whether to stop at once, and to lose the step that is under way: where rays branch without end,
+    /// it may take hours.
+    fn gives_up(&self) -> bool {
+        false
+    }
     /// Whether [`keep`](Self::keep) is to be called now.
     fn wants_film(&self) -> bool {
         false
@@ -126,7 +131,8 @@ impl<'a> Run<'a> {
             if self.observer.should_stop() {
                 return Err(Stopped);
             }
-            let (film, statistics, samples) = renderer.take_step(self.frame, plan);
+            let step = renderer.take_step(self.frame, plan, &|| self.observer.gives_up());
+            let (film, statistics, samples) = step.ok_or(Stopped)?;
             {
                 let mut result = lock(&self.result);
                 result.0.put(film);

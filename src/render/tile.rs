@@ -51,6 +51,7 @@ impl TileRenderer {
     /// Begins with a tile of which `film` may know something; how much of it is done.
     pub(super) fn begin(&mut self, isa: Isa, film: &Film, tile: Area, plan: &Plan) -> f64 {
         film.copy_to(tile, &mut self.film);
+        self.clear_work();
         self.arrange(plan);
         self.before = self.mean_samples();
         match plan.uniform() {
@@ -94,40 +95,55 @@ impl TileRenderer {
     }
 
     /// Takes the samples of the planned step: the tile as it is then, what was traced, and the
-    /// number of samples.
+    /// number of samples. `None` if told to give up, after which the renderer has to begin again.
     pub(super) fn take_step(
         &mut self,
         frame: &FrameScene,
         plan: &Plan,
-    ) -> (&Film, Statistics, u64) {
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<(&Film, Statistics, u64)> {
         self.statistics = Statistics::default();
         let steps = std::mem::take(&mut self.steps);
         let mut taken = 0;
         for step in &steps {
             taken += u64::from(step.to - step.from);
-            self.add_work(frame, plan, *step);
+            self.add_work(frame, plan, *step, gives_up)?;
         }
-        self.trace(frame, plan);
+        self.trace(frame, plan, gives_up)?;
         self.steps = steps;
-        (&self.film, self.statistics, taken)
+        Some((&self.film, self.statistics, taken))
     }
 
     /// Queues a pixel's samples by ranges of which one sum each is enough.
-    fn add_work(&mut self, frame: &FrameScene, plan: &Plan, Step { pixel, from, to }: Step) {
+    fn add_work(
+        &mut self,
+        frame: &FrameScene,
+        plan: &Plan,
+        Step { pixel, from, to }: Step,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
+        let mut add = |range| self.add_range(frame, plan, pixel, range, gives_up);
         if plan.needs_spreads() {
-            (from..to).for_each(|i| self.add_range(frame, plan, pixel, i..i + 1));
+            (from..to).try_for_each(|i| add(i..i + 1))
         } else if let Some(share) = plan.samples() {
             let (from, to) = (share.start + from, share.start + to);
             let middle = base_end(plan.most()).clamp(from, to);
-            self.add_range(frame, plan, pixel, from..middle);
-            self.add_range(frame, plan, pixel, middle..to);
+            add(from..middle)?;
+            add(middle..to)
         } else {
-            split(from, to).for_each(|range| self.add_range(frame, plan, pixel, range));
+            split(from, to).try_for_each(add)
         }
     }
 
     /// Queues one range, and traces what is queued when it is enough.
-    fn add_range(&mut self, frame: &FrameScene, plan: &Plan, pixel: u32, mut range: Range<u32>) {
+    fn add_range(
+        &mut self,
+        frame: &FrameScene,
+        plan: &Plan,
+        pixel: u32,
+        mut range: Range<u32>,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
         let area = self.film.area();
         while !range.is_empty() {
             let count = (range.end - range.start).min(SAMPLES_AT_ONCE);
@@ -137,16 +153,22 @@ impl TileRenderer {
             range.start += count;
             self.queued += count;
             if self.queued >= SAMPLES_AT_ONCE {
-                self.trace(frame, plan);
+                self.trace(frame, plan, gives_up)?;
             }
         }
+        Some(())
     }
 
     /// Traces what is queued and adds it to the film.
-    fn trace(&mut self, frame: &FrameScene, plan: &Plan) {
+    fn trace(
+        &mut self,
+        frame: &FrameScene,
+        plan: &Plan,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
         let with_features = !self.film.features().is_empty();
         let Traced { sums, features, statistics } =
-            self.wave.trace(frame, &self.work, with_features);
+            self.wave.trace(frame, &self.work, with_features, gives_up)?;
         self.statistics += statistics;
         for ((work, &pixel), &sum) in self.work.iter().zip(&self.pixels).zip(sums) {
             add(&mut self.film, plan, pixel, work, sum);
@@ -156,6 +178,11 @@ impl TileRenderer {
                 *sum += more;
             }
         }
+        self.clear_work();
+        Some(())
+    }
+
+    fn clear_work(&mut self) {
         self.work.clear();
         self.pixels.clear();
         self.queued = 0;

@@ -56,14 +56,21 @@ fn file(scene: &SceneDescription, film: &Film) -> Vec<u8> {
     out.into_inner()
 }
 
-/// Stops a rendering after some steps.
-struct Impatient(AtomicI64);
+/// Stops a rendering after some steps, or in the midst of one.
+struct Impatient {
+    steps: AtomicI64,
+    batches: AtomicI64,
+}
 
 impl Observer for Impatient {
     fn advanced(&self, _share: f64) {}
 
     fn should_stop(&self) -> bool {
-        self.0.fetch_sub(1, Ordering::Relaxed) <= 0
+        self.steps.fetch_sub(1, Ordering::Relaxed) <= 0
+    }
+
+    fn gives_up(&self) -> bool {
+        self.batches.fetch_sub(1, Ordering::Relaxed) <= 0
     }
 }
 
@@ -120,8 +127,11 @@ fn state(scene: &SceneDescription, share: &Share, folder: &Path, random: &mut St
     let threads = threads.build().unwrap();
     let mut film = subject.film().unwrap();
     loop {
-        let steps = Impatient(AtomicI64::new(random.random_range(1..12)));
-        let exposed = threads.install(|| render(&frame, plan, film, &steps));
+        let observer = Impatient {
+            steps: AtomicI64::new(random.random_range(1..12)),
+            batches: AtomicI64::new(random.random_range(20..400)),
+        };
+        let exposed = threads.install(|| render(&frame, plan, film, &observer));
         let is_complete = exposed.is_complete;
         let state = State { subject: subject.clone(), film: exposed.film, is_complete };
         write_state(&folder.join("state"), &state).unwrap();

@@ -76,6 +76,29 @@ fn check(name: &str) {
     assert_eq!(folder.names(), states(&folder));
 }
 
+/// Each ray of a pixel becomes two at each of a hundred surfaces: no step ever ends.
+#[test]
+fn rays_that_branch_without_end_stop() {
+    let text = SCENE.replace("imageSamples 2", "imageSamples 64 recursion 100").replace(
+        "sphere ball",
+        "phong_info glass { reflectance .9 refraction .9 refraction_index 1.5 }
+         material_phong glass { phong_info glass }
+         plane floor { normal { 0 0 1 } position { 0 0 -1 } material glass }
+         sphere left { center { -1 2 0 } radius 1 material glass }
+         sphere right { center { 1 2 0 } radius 1 material glass }
+         sphere ball",
+    );
+    let folder = Folder::with_scene(&text);
+    let mut child = start(&folder, "-s scene.txt --threads 1");
+    sleep(Duration::from_millis(500));
+    assert!(child.try_wait().unwrap().is_none(), "it still renders");
+    let start = Instant::now();
+    signal(&child, "-TERM");
+    let run = Run::of(child.wait_with_output().unwrap());
+    assert_eq!((run.exit, &*run.printed), (75, ""), "{}", run.said);
+    assert!(start.elapsed() < Duration::from_secs(30), "it stops soon");
+}
+
 #[test]
 fn an_interrupted_rendering_keeps_what_is_done() {
     check("-INT");
