@@ -130,7 +130,15 @@ def camera(still, sampler):
     return sensor
 
 
-def scene_of(still, sampler):
+def integrator(still, name):
+    bounces = stills.BOUNCES if still.rough else 0
+    if name == "direct":
+        return {"type": "still_direct", "bounces": bounces}
+    # Its own: a lamp's light on a diffuse surface is a segment more.
+    return {"type": name, "max_depth": bounces + 2, "rr_depth": bounces + 2}
+
+
+def scene_of(still, sampler, transport):
     center, a, b = stills.light_frame()
     matrix = np.eye(4)
     matrix[:3] = np.column_stack([a, -b, np.cross(a, -b) / np.linalg.norm(np.cross(a, b)), center])
@@ -138,7 +146,7 @@ def scene_of(still, sampler):
     ball, radius, color = stills.BALL
     scene = {
         "type": "scene",
-        "integrator": {"type": "still_direct", "bounces": stills.BOUNCES if still.rough else 0},
+        "integrator": integrator(still, transport),
         "sensor": camera(still, sampler),
         "lamp": {"type": "rectangle", "to_world": mi.ScalarTransform4f(matrix),
                  "emitter": {"type": "area", "radiance": {"type": "rgb", "value": radiance}}},
@@ -156,7 +164,7 @@ class Mitsuba:
     def __init__(self, still, order):
         self.still = still
         self.slices = order.get("slices", SLICES)
-        self.scene = scene_of(still, order.get("sampler", "multijitter"))
+        self.scene = scene_of(still, order.get("sampler", "multijitter"), order.get("integrator", "direct"))
         self.parameters = mi.traverse(self.scene)
         self.moving = stills.mesh(stills.MOVES)
         self.warm = set()
