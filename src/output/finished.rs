@@ -1,12 +1,9 @@
 //! Whether a picture that is there is the one that would be rendered.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek};
+use std::io;
 use std::path::Path;
 
-use super::file::open_regular;
-use super::recipe::{RecipeError, read_recipe, steps_of, with_steps};
-use super::seal::{self, Seal};
+use super::recipe::{RecipeError, read_checked, read_recipe, steps_of, with_steps};
 use super::{read_state, without_outcome};
 use crate::film::Subject;
 
@@ -23,23 +20,20 @@ pub enum Found {
     Stale(String),
 }
 
-/// Looks for the picture with `recipe` at `path`. Reads all of a picture with that recipe, and checks
-/// the checksums of its file.
+/// Looks for the picture with `recipe` at `path`. Reads all of it, and checks the checksums of its file.
 pub fn find_picture(path: &Path, recipe: &str) -> Found {
-    let found = match read_recipe(path) {
-        Ok(found) => without_outcome(&found),
+    let (found, is_whole) = match read_checked(path) {
+        Ok((found, is_whole)) => (without_outcome(&found), is_whole),
         Err(RecipeError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {
             return Found::Missing;
         }
         Err(RecipeError::NoRecipe) => return Found::Stale("no recipe of slo-rt".into()),
         Err(_) => return Found::Damaged,
     };
-    if found != recipe {
-        Found::Stale(first_difference(&found, recipe))
-    } else if open_regular(path).and_then(is_whole).unwrap_or(false) {
-        Found::Finished
-    } else {
-        Found::Damaged
+    match (found == recipe, is_whole) {
+        (true, true) => Found::Finished,
+        (true, false) => Found::Damaged,
+        (false, _) => Found::Stale(first_difference(&found, recipe)),
     }
 }
 
@@ -78,63 +72,6 @@ fn first_difference(found: &str, recipe: &str) -> String {
 /// The members of a recipe, a line each; the last one has no comma.
 fn members(recipe: &str) -> impl Iterator<Item = &str> {
     recipe.lines().map(|line| line.trim().trim_end_matches(','))
-}
-
-/// Whether a PNG or EXR file is the one that was written, to the last bit.
-fn is_whole(mut file: File) -> io::Result<bool> {
-    let mut magic = [0; 4];
-    file.read_exact(&mut magic)?;
-    file.rewind()?;
-    if magic == [0x89, b'P', b'N', b'G'] {
-        png_is_whole(BufReader::with_capacity(1 << 17, file))
-    } else {
-        Ok(seal::look(file)? == Seal::Whole)
-    }
-}
-
-/// Whether the chunks up to the last have the checksums that they say, and nothing follows them.
-fn png_is_whole(mut file: impl BufRead) -> io::Result<bool> {
-    let mut signature = [0; 8];
-    file.read_exact(&mut signature)?;
-    if signature != *b"\x89PNG\r\n\x1a\n" {
-        return Ok(false);
-    }
-    loop {
-        let mut start = [0; 8];
-        file.read_exact(&mut start)?;
-        let [length, kind] = [0, 4].map(|at| [0, 1, 2, 3].map(|i| start[at + i]));
-        let mut checksum = crc32fast::Hasher::new();
-        checksum.update(&kind);
-        let is_there = hash_bytes(&mut file, u32::from_be_bytes(length), &mut checksum)?;
-        let mut expected = [0; 4];
-        file.read_exact(&mut expected)?;
-        if !is_there || checksum.finalize() != u32::from_be_bytes(expected) {
-            return Ok(false);
-        }
-        if kind == *b"IEND" {
-            return Ok(file.fill_buf()?.is_empty());
-        }
-    }
-}
-
-/// Takes so many bytes to a checksum; whether there were as many.
-fn hash_bytes(
-    file: &mut impl BufRead,
-    length: u32,
-    checksum: &mut crc32fast::Hasher,
-) -> io::Result<bool> {
-    let mut left = length as usize;
-    while left > 0 {
-        let bytes = file.fill_buf()?;
-        if bytes.is_empty() {
-            return Ok(false);
-        }
-        let taken = bytes.len().min(left);
-        checksum.update(&bytes[..taken]);
-        file.consume(taken);
-        left -= taken;
-    }
-    Ok(true)
 }
 
 #[cfg(test)]

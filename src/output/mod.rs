@@ -3,6 +3,7 @@
 //! The bytes of a file depend on the picture and its recipe only: no clock, no host, no thread
 //! count, no order of a hash map.
 
+mod chunks;
 mod companion;
 mod continuation;
 mod crop;

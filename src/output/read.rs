@@ -7,10 +7,10 @@ use exr::math::Vec2;
 use exr::meta::attribute::IntegerBounds;
 use exr::prelude::{ReadChannels, ReadLayers};
 
-use super::Crop;
 use super::file::open_regular;
 use super::png::reason;
 use super::seal::{self, Seal};
+use super::{Crop, chunks};
 use crate::film::{Area, Image, linear, srgb};
 
 /// What the values of a file mean.
@@ -111,7 +111,9 @@ impl Raster {
     }
 }
 
-fn decode_png(input: impl BufRead + Seek) -> Result<Raster, String> {
+fn decode_png(mut input: impl BufRead + Seek) -> Result<Raster, String> {
+    chunks::check(&mut input).map_err(|error| error.to_string())?;
+    input.rewind().map_err(|error| error.to_string())?;
     let mut decoder = png::Decoder::new(input);
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(|error| reason(&error))?;
@@ -119,7 +121,7 @@ fn decode_png(input: impl BufRead + Seek) -> Result<Raster, String> {
     let size = reader.output_buffer_size().ok_or("the picture is too large")?;
     let mut bytes = vec![0; size];
     let info = reader.next_frame(&mut bytes).map_err(|error| reason(&error))?;
-    // The end may be missing where all pixels are there.
+    // The compressed data may be wrong behind the last pixel.
     reader.finish().map_err(|error| reason(&error))?;
     let channels = info.color_type.samples();
     let samples: Vec<f32> = match info.bit_depth {
@@ -140,7 +142,7 @@ fn decode_png(input: impl BufRead + Seek) -> Result<Raster, String> {
 
 fn decode_exr(mut input: impl BufRead + Seek) -> Result<Raster, String> {
     if seal::look(&mut input).map_err(|error| error.to_string())? == Seal::Broken {
-        return Err("its checksum is wrong".into());
+        return Err("it is damaged: its checksum is wrong".into());
     }
     input.rewind().map_err(|error| error.to_string())?;
     let read = exr::prelude::read()
@@ -229,23 +231,32 @@ mod tests {
     fn damage_is_told_in_words() {
         let whole = bytes(OutputFormat::Png8, Encoding::Raw, &sample_image());
         let data = whole.windows(4).position(|name| name == b"IDAT").unwrap();
-        let end = whole.windows(4).position(|name| name == b"IEND").unwrap();
-        let told = |at: usize| {
-            let mut damaged = whole.clone();
-            damaged[at] ^= 1;
-            Raster::from_bytes(damaged).unwrap_err()
-        };
-        assert_eq!(told(data + 8), "its compressed data is wrong");
-        assert_eq!(told(end - 5), "the checksum of its IDAT chunk is wrong");
+        let mut damaged = whole.clone();
+        damaged[data + 8] ^= 1;
+        let why = "it is damaged: the checksum of its IDAT chunk is wrong";
+        assert_eq!(Raster::from_bytes(damaged.clone()).unwrap_err(), why);
+        // A program that wrote wrong data wrote their checksum.
+        let length = u32::from_be_bytes(*damaged[data - 4..].first_chunk().unwrap());
+        let end = data + 4 + length as usize;
+        let checksum = crc32fast::hash(&damaged[data..end]).to_be_bytes();
+        damaged[end..end + 4].copy_from_slice(&checksum);
+        assert_eq!(Raster::from_bytes(damaged).unwrap_err(), "its compressed data is wrong");
     }
 
     #[test]
     fn damage_is_an_error() {
         for format in [OutputFormat::Png8, OutputFormat::Exr] {
-            let whole = bytes(format, Encoding::Raw, &sample_image());
+            let whole = bytes(format, Encoding::Srgb, &sample_image());
             for length in 0..whole.len() {
                 assert!(Raster::from_bytes(whole[..length].to_vec()).is_err(), "{length}");
             }
+            // An EXR file whose hash has another name is one of another program.
+            for at in (0..whole.len()).filter(|_| format == OutputFormat::Png8) {
+                let mut damaged = whole.clone();
+                damaged[at] ^= 4;
+                assert!(Raster::from_bytes(damaged).is_err(), "{at}");
+            }
+            assert!(Raster::from_bytes([&whole[..], b"x"].concat()).is_err(), "{format:?}");
         }
     }
 }

@@ -12,7 +12,9 @@ use std::path::Path;
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 
+use super::chunks;
 use super::file::open_regular;
+use super::seal::{self, Seal};
 use crate::film::{Area, Layer};
 use crate::render::Steps;
 use crate::sampling::Generator;
@@ -230,8 +232,10 @@ pub(super) fn shadow_keyword(shadow: ShadowMode) -> &'static str {
 pub enum RecipeError {
     /// The file can't be read.
     Io(io::Error),
-    /// It is no PNG or EXR file, or a damaged one: what its reader says.
+    /// It is no PNG or EXR file: what its reader says.
     NotAPicture(String),
+    /// It is not the file that was written: what is damaged.
+    Damaged(String),
     /// A sound file that holds no recipe.
     NoRecipe,
 }
@@ -241,6 +245,7 @@ impl Display for RecipeError {
         match self {
             Self::Io(error) => write!(f, "{error}"),
             Self::NotAPicture(why) => write!(f, "not a PNG or EXR picture: {why}"),
+            Self::Damaged(why) => f.write_str(why),
             Self::NoRecipe => write!(f, "the picture holds no recipe of slo-rt"),
         }
     }
@@ -248,23 +253,35 @@ impl Display for RecipeError {
 
 impl std::error::Error for RecipeError {}
 
-/// The recipe inside the PNG or EXR file at `path`, as it was written.
+/// The recipe inside the PNG or EXR file at `path`, as it was written. Reads all of the file, and checks
+/// its checksums.
 ///
 /// # Errors
 /// See [`RecipeError`].
 pub fn read_recipe(path: &Path) -> Result<String, RecipeError> {
+    read_checked(path).map(|(recipe, _)| recipe)
+}
+
+/// The recipe, and whether the file has the checksums that it was written with: an EXR file of another
+/// program may have kept the recipe alone.
+pub(super) fn read_checked(path: &Path) -> Result<(String, bool), RecipeError> {
     let mut file = open_regular(path).map_err(RecipeError::Io)?;
     let mut magic = Vec::new();
     Read::take(&mut file, 4).read_to_end(&mut magic).map_err(RecipeError::Io)?;
     file.rewind().map_err(RecipeError::Io)?;
     match magic[..] {
-        [0x89, b'P', b'N', b'G'] => from_png(BufReader::new(file)),
+        [0x89, b'P', b'N', b'G'] => Ok((from_png(BufReader::with_capacity(1 << 17, file))?, true)),
         [0x76, 0x2f, 0x31, 0x01] => from_exr(BufReader::new(file)),
         _ => Err(RecipeError::NotAPicture("its first bytes are of another kind of file".into())),
     }
 }
 
-fn from_png(file: BufReader<File>) -> Result<String, RecipeError> {
+fn from_png(mut file: BufReader<File>) -> Result<String, RecipeError> {
+    chunks::check(&mut file).map_err(|error| match error.kind() {
+        io::ErrorKind::InvalidData => RecipeError::Damaged(error.to_string()),
+        _ => RecipeError::Io(error),
+    })?;
+    file.rewind().map_err(RecipeError::Io)?;
     let reader = png::Decoder::new(file)
         .read_info()
         .map_err(|error| RecipeError::NotAPicture(super::png::reason(&error)))?;
@@ -273,7 +290,12 @@ fn from_png(file: BufReader<File>) -> Result<String, RecipeError> {
     Ok(recipe.text.clone())
 }
 
-fn from_exr(file: BufReader<File>) -> Result<String, RecipeError> {
+fn from_exr(mut file: BufReader<File>) -> Result<(String, bool), RecipeError> {
+    let seal = seal::look(&mut file).map_err(RecipeError::Io)?;
+    if seal == Seal::Broken {
+        return Err(RecipeError::Damaged("it is damaged: its checksum is wrong".into()));
+    }
+    file.rewind().map_err(RecipeError::Io)?;
     let meta = MetaData::read_from_buffered(file, false)
         .map_err(|error| RecipeError::NotAPicture(error.to_string()))?;
     let attributes = meta.headers.iter().flat_map(|header| {
@@ -281,7 +303,9 @@ fn from_exr(file: BufReader<File>) -> Result<String, RecipeError> {
     });
     for (name, value) in attributes {
         match value {
-            AttributeValue::Text(text) if name.eq(KEYWORD) => return Ok(text.to_string()),
+            AttributeValue::Text(text) if name.eq(KEYWORD) => {
+                return Ok((text.to_string(), seal == Seal::Whole));
+            }
             _ => {}
         }
     }
@@ -290,7 +314,8 @@ fn from_exr(file: BufReader<File>) -> Result<String, RecipeError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Picture, tests::sample_image};
+    use super::super::Picture;
+    use super::super::tests::{bytes, sample_image};
     use super::*;
     use crate::scene::Camera;
 
@@ -433,6 +458,23 @@ mod tests {
     }
 
     #[test]
+    fn a_damaged_file_is_told_from_one_without_a_recipe() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture");
+        for format in [OutputFormat::Png8, OutputFormat::Exr] {
+            let whole = bytes(format, Encoding::Raw, &sample_image());
+            let at = whole.windows(13).position(|found| found == b"slo-rt recipe").unwrap();
+            for at in [at, at + 40, whole.len() - 20] {
+                let mut damaged = whole.clone();
+                damaged[at] ^= 1;
+                std::fs::write(&path, &damaged).unwrap();
+                let error = read_recipe(&path).unwrap_err();
+                assert!(error.to_string().starts_with("it is damaged: "), "{at}: {error}");
+            }
+        }
+    }
+
+    #[test]
     fn other_files_are_told_apart() {
         let folder = tempfile::tempdir().unwrap();
         let check = |content: &[u8]| {
@@ -441,7 +483,7 @@ mod tests {
             read_recipe(&path).unwrap_err().to_string()
         };
         insta::assert_snapshot!(check(b""), @"not a PNG or EXR picture: its first bytes are of another kind of file");
-        assert!(check(b"\x89PNG\r\n\x1a\n").starts_with("not a PNG or EXR picture: "));
+        assert_eq!(check(b"\x89PNG\r\n\x1a\n"), "it is damaged: it ends before its last chunk");
         assert!(check(b"\x76\x2f\x31\x01\x02\0\0\0").starts_with("not a PNG or EXR picture: "));
         let mut plain = Vec::new();
         let mut encoder = png::Encoder::new(&mut plain, 1, 1);

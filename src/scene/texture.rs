@@ -159,12 +159,16 @@ fn damaged(format: ImageFormat, error: &ImageError) -> FileError {
 pub(crate) fn png_reason(said: &str) -> String {
     let said = said.trim_start_matches("Format error decoding Png: ");
     let chunk = said.split_once("ChunkType { type: ").and_then(|(before, rest)| {
-        let (name, _) = rest.split_once(',')?;
+        // A damaged name is escaped, with braces.
+        let (name, rest) = rest.split_once(", critical: ")?;
         Some((before, name, rest.split_once('}')?.1))
     });
     match chunk {
         Some((before, name, _)) if before.starts_with("CRC error") => {
             format!("the checksum of its {name} chunk is wrong")
+        }
+        Some((before, ..)) if before.starts_with("Unrecognized critical chunk") => {
+            "it has a chunk of a kind that PNG does not know".into()
         }
         Some((before, name, after)) => format!("{before}{name}{after}"),
         None if said.starts_with("Corrupt deflate stream") => "its compressed data is wrong".into(),
@@ -203,6 +207,17 @@ mod tests {
             let message = error.message;
             assert!(!message.contains(['{', '\n']), "byte {at}: {message}");
         }
+        // The length of the last IDAT chunk, so that what follows it is taken for a chunk's name.
+        let data = whole.windows(4).position(|name| name == b"IDAT").unwrap();
+        for length in 0..=255 {
+            let mut damaged = whole.clone();
+            damaged[data - 1] = length;
+            let Err(error) = load("a.png", &mut &damaged[..]) else { continue };
+            assert!(!error.message.contains('{'), "{length}: {}", error.message);
+        }
+        let said = "Unrecognized critical chunk: ChunkType { type: \\u{16}I,A, critical: true, \
+                    private: false, reserved: false, safecopy: false }";
+        assert_eq!(png_reason(said), "it has a chunk of a kind that PNG does not know");
         let mut damaged = whole.clone();
         damaged[16] ^= 1;
         let error = load("a.png", &mut &damaged[..]).unwrap_err();

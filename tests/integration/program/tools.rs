@@ -117,6 +117,50 @@ fn pictures_are_verified() {
 }
 
 #[test]
+fn damaged_pictures_are_refused_by_all() {
+    let text = SCENE.replace("output PNG_IMAGE", "output PNG_IMAGE encoding SRGB");
+    let folder = Folder::with_scene(&text);
+    folder.printed("-q -s scene.txt");
+    folder.printed("-q -s scene.txt -f 1");
+    let whole = folder.read("ball_00000.png");
+    let chunk = |name: &[u8; 4]| whole.windows(4).position(|found| found == name).unwrap();
+    let flipped = |at: usize| {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 4;
+        damaged
+    };
+    let cases = [
+        (flipped(chunk(b"sRGB") + 4), "the checksum of its sRGB chunk is wrong"),
+        (flipped(chunk(b"sRGB")), "chunk is wrong"),
+        (flipped(chunk(b"tEXt") + 6), "the checksum of its tEXt chunk is wrong"),
+        (flipped(chunk(b"tEXt") + 60), "the checksum of its tEXt chunk is wrong"),
+        (flipped(chunk(b"tEXt") - 1), "it is damaged"),
+        (flipped(chunk(b"IDAT") - 1), "it is damaged"),
+        ([&whole[..], b"x"].concat(), "there are bytes after its end"),
+        (whole[..whole.len() - 3].to_vec(), "it ends before the end of its IEND chunk"),
+    ];
+    for (damaged, why) in cases {
+        folder.write("ball_00000.png", damaged);
+        for typed in [
+            "compare ball_00000.png ball_00001.png",
+            "compare ball_00001.png ball_00000.png",
+            "verify ball_00000.png -s scene.txt",
+            "sheet ball_00000.png ball_00001.png",
+            "--recipe ball_00000.png",
+        ] {
+            let run = folder.run(typed);
+            assert_eq!(run.exit, 65, "{typed}: {why}: {}", run.said);
+            assert!(run.said.contains("it is damaged: "), "{typed}: {}", run.said);
+            assert!(run.said.contains(why), "{typed}: {}", run.said);
+            assert!(!run.said.contains("critical"), "{typed}: {}", run.said);
+            assert!(!typed.starts_with("verify") || run.printed.starts_with("unverified\t"));
+        }
+        let planned = folder.printed("-s scene.txt -f 0-1 --dry-run");
+        assert!(planned.starts_with("0\tball_00000.png\tdamaged\n"), "{why}: {planned}");
+    }
+}
+
+#[test]
 fn the_yardstick_is_told_from_the_other_structures() {
     let folder = folder();
     for (name, is_told) in [("cwbvh", true), ("kdtree", false)] {

@@ -1,0 +1,140 @@
+//! Whether the bytes of a PNG file are those that were written: its chunks have checksums.
+//!
+//! The `png` crate lets wrong checksums pass in chunks that a picture can do without, such as that of
+//! the recipe, or `sRGB`, and does not look behind the last one.
+
+use std::io::{self, BufRead, ErrorKind, Read};
+
+const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+
+/// Reads a PNG file to its end: all chunks are there, with the checksums that they say, and nothing
+/// follows the last one.
+///
+/// # Errors
+/// `InvalidData` with what is damaged; what the system says of reading.
+pub(super) fn check(mut file: impl BufRead) -> io::Result<()> {
+    let mut signature = [0; 8];
+    read(&mut file, &mut signature, "its first chunk")?;
+    if signature != SIGNATURE {
+        return Err(damaged("its first bytes are not those of a PNG file"));
+    }
+    loop {
+        let mut start = [0; 8];
+        read(&mut file, &mut start, "its last chunk")?;
+        let [length, kind] = [0, 4].map(|at| [0, 1, 2, 3].map(|i| start[at + i]));
+        let name = name(kind);
+        let mut checksum = crc32fast::Hasher::new();
+        checksum.update(&kind);
+        let end = format!("the end of {name}");
+        hash_bytes(&mut file, u32::from_be_bytes(length), &mut checksum, &end)?;
+        let mut expected = [0; 4];
+        read(&mut file, &mut expected, &end)?;
+        if checksum.finalize() != u32::from_be_bytes(expected) {
+            return Err(damaged(format!("the checksum of {name} is wrong")));
+        }
+        if kind == *b"IEND" {
+            let more = !file.fill_buf()?.is_empty();
+            return if more { Err(damaged("there are bytes after its end")) } else { Ok(()) };
+        }
+    }
+}
+
+/// A damaged name may be no text.
+fn name(kind: [u8; 4]) -> String {
+    match str::from_utf8(&kind) {
+        Ok(kind) if kind.bytes().all(|byte| byte.is_ascii_alphabetic()) => {
+            format!("its {kind} chunk")
+        }
+        _ => "one of its chunks".into(),
+    }
+}
+
+fn read(file: &mut impl Read, bytes: &mut [u8], what: &str) -> io::Result<()> {
+    file.read_exact(bytes).map_err(|error| match error.kind() {
+        ErrorKind::UnexpectedEof => ends_before(what),
+        _ => error,
+    })
+}
+
+/// Takes so many bytes to a checksum.
+fn hash_bytes(
+    file: &mut impl BufRead,
+    length: u32,
+    checksum: &mut crc32fast::Hasher,
+    what: &str,
+) -> io::Result<()> {
+    let mut left = length as usize;
+    while left > 0 {
+        let bytes = file.fill_buf()?;
+        if bytes.is_empty() {
+            return Err(ends_before(what));
+        }
+        let taken = bytes.len().min(left);
+        checksum.update(&bytes[..taken]);
+        file.consume(taken);
+        left -= taken;
+    }
+    Ok(())
+}
+
+fn ends_before(what: &str) -> io::Error {
+    damaged(format!("it ends before {what}"))
+}
+
+fn damaged(why: impl std::fmt::Display) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, format!("it is damaged: {why}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{bytes, sample_image};
+    use super::*;
+    use crate::scene::{Encoding, OutputFormat};
+
+    fn told(bytes: &[u8]) -> String {
+        check(bytes).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_bit_counts() {
+        for format in [OutputFormat::Png8, OutputFormat::Png16] {
+            let whole = bytes(format, Encoding::Srgb, &sample_image());
+            check(&whole[..]).unwrap();
+            for at in 0..whole.len() {
+                for bit in 0..8 {
+                    let mut damaged = whole.clone();
+                    damaged[at] ^= 1 << bit;
+                    let why = told(&damaged);
+                    assert!(why.starts_with("it is damaged: "), "bit {bit} of byte {at}: {why}");
+                    assert!(!why.contains(['{', '\n']) && why.is_ascii(), "byte {at}: {why}");
+                }
+            }
+            for length in 0..whole.len() {
+                assert!(told(&whole[..length]).contains("it ends before"), "cut off at {length}");
+            }
+        }
+    }
+
+    #[test]
+    fn it_says_what_is_damaged() {
+        let whole = bytes(OutputFormat::Png8, Encoding::Srgb, &sample_image());
+        let chunk = |name: &[u8; 4]| whole.windows(4).position(|found| found == name).unwrap();
+        let flipped = |at: usize, bits: u8| {
+            let mut damaged = whole.clone();
+            damaged[at] ^= bits;
+            told(&damaged)
+        };
+        let check = |found: String, expected: &str| {
+            assert_eq!(found, format!("it is damaged: {expected}"));
+        };
+        check(flipped(chunk(b"sRGB") + 4, 1), "the checksum of its sRGB chunk is wrong");
+        check(flipped(chunk(b"tEXt") + 20, 1), "the checksum of its tEXt chunk is wrong");
+        check(flipped(chunk(b"tEXt") - 1, 1), "the checksum of its tEXt chunk is wrong");
+        check(flipped(chunk(b"tEXt"), 0x80), "the checksum of one of its chunks is wrong");
+        check(flipped(chunk(b"IDAT") - 4, 1), "it ends before the end of its IDAT chunk");
+        check(told(&whole[..whole.len() - 13]), "it ends before the end of its IDAT chunk");
+        check(told(&whole[..whole.len() - 12]), "it ends before its last chunk");
+        check(flipped(0, 1), "its first bytes are not those of a PNG file");
+        check(told(&[&whole[..], b"x"].concat()), "there are bytes after its end");
+    }
+}
