@@ -19,6 +19,7 @@ pub use bezier::{bezier, cubic};
 pub use camera_path::view_at;
 pub use clock::{Clock, NoSegment, SegmentFrames, Shutter};
 pub use key_frames::{Jump, KeyFrameError, KeyFrames};
+pub use orientation::have_orientation;
 pub use sampled_camera::SampledCamera;
 pub use sampled_motion::{ObjectBox, SampledMotion};
 

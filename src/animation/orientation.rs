@@ -36,6 +36,12 @@ pub(super) fn orientation(right: DVec3, up: DVec3) -> Option<DMat3> {
     Some(DMat3::from_cols(right, up.cross(right), up))
 }
 
+/// Whether these two give an object an orientation: whoever asks decides by the rule by which it is
+/// made.
+pub fn have_orientation(right: DVec3, up: DVec3) -> bool {
+    orientation(right, up).is_some()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

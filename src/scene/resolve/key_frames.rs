@@ -5,13 +5,10 @@ use glam::DVec3;
 use super::fields::{Element, Field, Fields, Value};
 use super::schema::{ADD_KFRAME, KEY, NEX, PRE, Schema};
 use super::values::Bound;
-use crate::animation::KeyFrames;
+use crate::animation::{KeyFrames, have_orientation};
 use crate::diagnostics::{Diagnostic, Span};
 use crate::format::syntax::Word;
 use crate::scene::{KeyFrame, Placement};
-
-/// Sine between up and right below which they give no orientation; as in `animation`.
-const LEAST_SINE: f64 = 1e-9;
 
 /// A key frame with its places in the text.
 struct Written {
@@ -94,8 +91,7 @@ struct Orientation {
 
 impl Orientation {
     fn is_flat(self) -> bool {
-        let (up, right) = (self.up.normalize_or_zero(), self.right.normalize_or_zero());
-        up.cross(right).length() < LEAST_SINE
+        !have_orientation(self.right, self.up)
     }
 
     fn third_toward(self, other: Self) -> Self {

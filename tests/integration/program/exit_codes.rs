@@ -57,6 +57,33 @@ fn scenes_with_errors() {
 }
 
 #[test]
+fn what_the_check_passes_can_be_rendered() {
+    let key = |x: f64| {
+        let up = "up { 0 0 1 }";
+        format!(
+            "radius 1 addKframe {{ time 0 key {{ pivot {{ 0 0 0 }} {up} right {{ {x:e} 0 1 }} }} }}
+             addKframe {{ time 1 key {{ pivot {{ 1 0 0 }} }} }}"
+        )
+    };
+    let mut refused = 0;
+    for x in [1e-10, 3e-10, 9.9e-10, 1e-9, 1.01e-9, 1.5e-9, 2e-9, 3e-9] {
+        let folder = Folder::with_scene(&SCENE.replacen("radius 1", &key(x), 1));
+        let checked = folder.run("--check -s scene.txt");
+        let rendered = folder.run("-q -s scene.txt");
+        assert_eq!(checked.exit, rendered.exit, "{x}: {}", rendered.said);
+        if checked.exit != 0 {
+            refused += 1;
+            assert_eq!(checked.exit, 65);
+            for said in [&checked.said, &rendered.said] {
+                assert!(said.contains("up is parallel to right in `key`"), "{x}: {said}");
+                assert!(said.contains("scene.txt:14:"), "{x}: {said}");
+            }
+        }
+    }
+    assert!((3..8).contains(&refused), "{refused}");
+}
+
+#[test]
 fn meshes_with_errors() {
     let mesh = "mesh m { filename broken.slo smooth_normals 0 material matte }";
     let folder = Folder::with_scene(&format!("{SCENE}{mesh}"));
