@@ -5,7 +5,7 @@
 
 use std::error::Error;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::ptr;
 
 use libloading::Library;
@@ -232,12 +232,18 @@ fn open(path: Option<&Path>) -> Result<Library, String> {
     let mut why = Vec::new();
     for name in names {
         // SAFETY: loading runs the library's own initialisation, which is what the user asked for.
-        match unsafe { Library::new(name) } {
+        match unsafe { Library::new(as_path(name)) } {
             Ok(library) => return Ok(library),
             Err(error) => why.push(refusal(name, &error)),
         }
     }
     Err(why.join("; "))
+}
+
+/// A name without a folder is looked up by the system's loader, which does not look into the current
+/// one: a file that is there is told to it as a path.
+fn as_path(name: &Path) -> PathBuf {
+    if name.is_file() { Path::new(".").join(name) } else { name.to_owned() }
 }
 
 /// What was tried, and what the system's loader says of it: in the error's source.

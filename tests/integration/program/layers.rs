@@ -129,3 +129,19 @@ fn without_a_denoiser_it_says_what_to_do() {
     assert!(run.said.contains("docs/denoising.md"), "{}", run.said);
     assert_eq!(folder.names(), ["ball_00000.png"]);
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_library_in_the_current_folder_is_found() {
+    let folder = folder();
+    folder.printed("-q -s scene.txt");
+    folder.write("libx.so", "no library");
+    for name in ["libx.so", "./libx.so"] {
+        let run = folder.run(&format!("denoise ball_00000.png --library {name}"));
+        assert_eq!(run.exit, 1);
+        assert!(run.said.contains(&format!("`{name}`: ")), "{}", run.said);
+        assert!(run.said.contains("file too short"), "{}", run.said);
+    }
+    let run = folder.run("denoise ball_00000.png --library liby.so");
+    assert!(run.said.contains("cannot open shared object file"), "{}", run.said);
+}
