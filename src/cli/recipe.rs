@@ -1,6 +1,5 @@
 //! `--recipe`: how a picture was made.
 
-use std::io::ErrorKind;
 use std::path::Path;
 
 use super::Exit;
@@ -15,7 +14,7 @@ pub(super) const NO_PICTURE: &str = "a map or a sheet of slo-rt, not a picture";
 pub(super) fn run(picture: &Path) -> Result<(), Problem> {
     let recipe = read_recipe(picture).map_err(|error| {
         let exit = match &error {
-            RecipeError::Io(error) if error.kind() != ErrorKind::IsADirectory => Exit::NoInput,
+            RecipeError::Io(_) => Exit::NoInput,
             _ => Exit::BadInput,
         };
         Problem::new(exit, format!("`{}`: {error}", picture.display()))

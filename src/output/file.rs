@@ -36,10 +36,14 @@ pub fn check_free(path: &Path) -> io::Result<()> {
 /// Opens a file to be read, but nothing that would keep the reader waiting.
 ///
 /// # Errors
-/// What the system says; `path` is a device or a pipe.
+/// What the system says; `path` is a folder, a device or a pipe.
 pub(super) fn open_regular(path: &Path) -> io::Result<File> {
-    let there = fs::metadata(path)?;
-    if there.is_file() || there.is_dir() { File::open(path) } else { Err(not_regular()) }
+    match fs::metadata(path)? {
+        there if there.is_file() => File::open(path),
+        // Some systems open a folder, and fail where it is read.
+        there if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        _ => Err(not_regular()),
+    }
 }
 
 fn not_regular() -> io::Error {
@@ -171,6 +175,8 @@ mod tests {
         fs::write(&file, "").unwrap();
         assert!(check_writable(&file.join("a.png")).is_err());
         assert!(check_writable(folder.path()).is_err());
+        let opened = open_regular(folder.path()).unwrap_err();
+        assert_eq!(opened.kind(), io::ErrorKind::IsADirectory);
         let long = "x".repeat(300);
         assert!(check_writable(&folder.path().join(long)).is_err());
         assert!(write_atomically(&folder.path().join("none/a.png"), |_| Ok(())).is_err());

@@ -107,7 +107,19 @@ fn files_that_are_missing() {
 fn files_that_are_no_pictures() {
     let folder = Folder::new();
     check(&folder, "--recipe scene.txt", 65, &["not a PNG or EXR"]);
-    check(&folder, "--recipe .", 65, &[]);
+}
+
+#[test]
+fn folders_that_are_no_files() {
+    let folder = Folder::new();
+    folder.printed("-q -s scene.txt");
+    let picture = "ball_00000.png";
+    for typed in ["--recipe .", "merge .", "compare . .", "sheet .", "-s .", "--check -s ."] {
+        check(&folder, typed, 66, &["is a directory"]);
+    }
+    check(&folder, &format!("compare {picture} ."), 66, &["is a directory"]);
+    let run = folder.run("verify . -s scene.txt");
+    assert_eq!((run.exit, &*run.printed), (66, "unverified\t.\tis a directory\n"));
 }
 
 #[test]
