@@ -17,8 +17,8 @@ use super::terminal::{Terminal, print};
 use crate::film::{Area, Film, Image, Layer};
 use crate::frame::FrameScene;
 use crate::output::{
-    Crop, Picture, Raster, Recipe, Values, is_companion, is_denoised, read_layers, read_recipe,
-    restore, steps_of, with_region, with_steps, without_outcome,
+    Crop, Picture, Raster, Recipe, RestoreError, Values, is_companion, is_denoised, read_layers,
+    read_recipe, restore, steps_of, with_region, with_steps, without_outcome,
 };
 use crate::render::{Observer, Plan, Steps, render};
 use crate::scene::SceneDescription;
@@ -123,7 +123,7 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     if is_denoised(&parsed) {
         return Err(bad("it is denoised: the picture that it was made of can be verified".into()));
     }
-    let (scene, frame) = restore(scene, &parsed).map_err(bad)?;
+    let (scene, frame) = restore(scene, &parsed).map_err(|error| bad(mismatch(error, job)))?;
     let film = &scene.camera.film;
     let whole = Area::whole(film.width, film.height);
     let region = region(&parsed, whole).map_err(bad)?;
@@ -154,6 +154,16 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
         .map_err(bad)?;
     let different = different.into_iter().filter(|&different| different).count();
     Ok(Outcome { tiles: chosen.len(), different })
+}
+
+/// Who names no scene may not know that there is one inside the program.
+fn mismatch(error: RestoreError, job: &Job) -> String {
+    match (error, &job.scene) {
+        (RestoreError::OtherScene, None) => {
+            "it is not of the scene inside the program: `-s` names the one that it is of".into()
+        }
+        _ => error.to_string(),
+    }
 }
 
 /// The colours of a picture, then its layers, which have to be the expected ones.

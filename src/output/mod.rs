@@ -39,7 +39,7 @@ pub use recipe::{
     KEYWORD, Recipe, RecipeError, encoding_keyword, layers_of, output_keyword, read_recipe,
     settings_of, steps_of, with_region, with_steps,
 };
-pub use restore::restore;
+pub use restore::{RestoreError, restore};
 pub use state_file::{read_state, read_subject, write_state};
 
 use crate::film::{Image, Layer};

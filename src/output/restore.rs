@@ -1,5 +1,7 @@
 //! A recipe -> the scene with the settings that it names.
 
+use std::fmt::{self, Display};
+
 use serde_json::Value;
 
 use super::recipe::{
@@ -9,20 +11,40 @@ use super::recipe::{
 use crate::sampling::Generator;
 use crate::scene::{Accelerator, Contrast, LightSampling, SceneDescription, ShadowMode};
 
+/// Why a recipe does not go with a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RestoreError {
+    /// Its hash is that of other files.
+    OtherScene,
+    /// A setting is not one of this version.
+    OtherVersion,
+}
+
+impl Display for RestoreError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::OtherScene => "it is of another scene, or of one that has changed since",
+            Self::OtherVersion => "its recipe is not one of this version",
+        })
+    }
+}
+
+impl std::error::Error for RestoreError {}
+
 /// The scene as a picture's recipe has it, and the frame.
 ///
 /// # Errors
-/// The recipe is of another scene, or a setting is not one of this version.
+/// See [`RestoreError`].
 pub fn restore(
     scene: &SceneDescription,
     recipe: &Value,
-) -> Result<(SceneDescription, i64), String> {
+) -> Result<(SceneDescription, i64), RestoreError> {
     let hash: String = scene.content_hash.iter().map(|byte| format!("{byte:02x}")).collect();
     if recipe["sceneBlake3"] != *hash {
-        return Err("it is of another scene, or of one that has changed since".into());
+        return Err(RestoreError::OtherScene);
     }
     let mut scene = scene.clone();
-    let frame = set(&mut scene, recipe).ok_or("its recipe is not one of this version")?;
+    let frame = set(&mut scene, recipe).ok_or(RestoreError::OtherVersion)?;
     Ok((scene, frame))
 }
 

@@ -113,6 +113,10 @@ fn pictures_are_verified() {
     let run = folder.run("verify ball_00007.png -s other.txt");
     assert_eq!(run.exit, 65);
     assert!(run.said.contains("another scene"), "{}", run.said);
+    let run = folder.run("verify ball_00007.png");
+    assert_eq!(run.exit, 65);
+    let said = "it is not of the scene inside the program: `-s` names";
+    assert!(run.said.contains(said) && run.printed.contains(said), "{}", run.said);
     assert_eq!(folder.run("verify scene.txt -s scene.txt").exit, 65);
 }
 
