@@ -65,7 +65,8 @@ impl<'a> Target<'a> {
 
     /// The path of what is made of a frame; its name tells the time with `--info`.
     pub(super) fn path(&self, frame: i64, time: Duration) -> PathBuf {
-        let info = self.job.info.then_some(Info { settings: &self.scene.settings, time });
+        let (settings, least) = (&self.scene.settings, self.plan.least());
+        let info = self.job.info.then_some(Info { settings, least, time });
         self.job.outdir.join(self.name(frame, info))
     }
 

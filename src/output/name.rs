@@ -10,6 +10,8 @@ use crate::scene::{Film, LightSampling, OutputFormat, Settings};
 pub struct Info<'a> {
     /// The settings that the picture was rendered with.
     pub settings: &'a Settings,
+    /// The fewest camera samples that a pixel takes, whatever they sample.
+    pub least: u32,
     /// How long the rendering took.
     pub time: Duration,
 }
@@ -29,9 +31,10 @@ fn fields(film: &Film, info: &Info) -> String {
     let fields = [
         ("size", format!("{}x{}", film.width, film.height)),
         ("samples", settings.image_samples.to_string()),
-        ("min", settings.image_min_samples.to_string()),
+        ("min", info.least.div_ceil(settings.dof_samples.max(1)).to_string()),
         ("contrast", word(contrast_keyword(settings.contrast))),
         ("limit", settings.image_contrast_limit.to_string()),
+        ("noise", settings.noise.map_or_else(|| "none".into(), |noise| noise.to_string())),
         ("dof", settings.dof_samples.to_string()),
         ("shadow", settings.soft_shadow_samples.to_string()),
         ("reflection", settings.diffuse_reflection_samples.to_string()),
@@ -119,9 +122,17 @@ mod tests {
             seed: u64::MAX,
             ..Settings::default()
         };
-        let info = Info { settings: &settings, time: Duration::from_millis(83_456) };
+        let time = Duration::from_millis(83_456);
+        let info = Info { settings: &settings, least: 16, time };
         let name = file_name(&film(OutputFormat::Png8), 7, Some(info));
-        insta::assert_snapshot!(name, @"šach_00007_size=320x240_samples=16_min=16_contrast=difference_limit=0.0000001_dof=1_shadow=1_reflection=1_refraction=1_recursion=3_generator=zero-two_lights=all_seed=18446744073709551615_time=83.46.png");
+        insta::assert_snapshot!(name, @"šach_00007_size=320x240_samples=16_min=16_contrast=difference_limit=0.0000001_noise=none_dof=1_shadow=1_reflection=1_refraction=1_recursion=3_generator=zero-two_lights=all_seed=18446744073709551615_time=83.46.png");
+        let noisy = Settings { noise: Some(0.05), dof_samples: 3, ..settings.clone() };
+        let noisy = file_name(
+            &film(OutputFormat::Png8),
+            7,
+            Some(Info { settings: &noisy, least: 8, time }),
+        );
+        assert!(noisy.contains("_min=3_") && noisy.contains("_noise=0.05_"), "{noisy}");
         let stem = name.strip_prefix("šach_00007_").unwrap().strip_suffix(".png").unwrap();
         assert!(stem.split('_').all(|field| field.split('=').count() == 2), "{stem}");
     }

@@ -70,6 +70,12 @@ impl Plan {
         Self { least, most, rule, display, part: None, samples: None, steps: None }
     }
 
+    /// The fewest camera samples that a pixel takes.
+    pub fn least(&self) -> u32 {
+        // Step 0 is one sample, see `at_step`.
+        if self.steps.is_some() { 1 } else { self.least }
+    }
+
     /// The same for a share of the tiles only.
     #[must_use]
     pub fn of_part(self, part: Part) -> Self {

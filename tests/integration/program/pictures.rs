@@ -39,12 +39,25 @@ fn the_command_lines_of_the_thesis() {
 fn info_is_in_the_name_only() {
     let folder = Folder::new();
     let printed = folder.printed("-f 15 -s scene.txt --info");
-    let start = "ball_00015_size=16x9_samples=2_min=2_contrast=difference_limit=0.03_dof=1_";
+    let start =
+        "ball_00015_size=16x9_samples=2_min=2_contrast=difference_limit=0.03_noise=none_dof=1_";
     assert!(printed.starts_with(start), "{printed}");
     let seconds = printed.trim_end().strip_suffix(".png").unwrap().rsplit_once("_time=").unwrap().1;
     assert!(seconds.parse::<f64>().unwrap() < 60.0, "{printed}");
     folder.printed("-f 15 -s scene.txt");
     assert_eq!(folder.read(printed.trim_end()), folder.read("ball_00015.png"));
+}
+
+#[test]
+fn info_tells_the_noise_and_where_it_begins() {
+    let folder = Folder::new();
+    let check = |typed: &str, expected: &str| {
+        let name = folder.printed(&format!("-q -s scene.txt --info {typed}"));
+        assert!(name.contains(expected), "{typed}: {name}");
+    };
+    check("--noise 0.05", "_samples=4096_min=8_contrast=difference_limit=0.03_noise=0.05_dof=1_");
+    check("--noise 0.1 --samples 4", "_samples=4_min=4_contrast=difference_limit=0.03_noise=0.1_");
+    check("--steps 4,0", "_samples=4096_min=1_contrast=difference_limit=0.03_noise=none_");
 }
 
 #[test]
