@@ -1,6 +1,7 @@
 //! Arguments as typed -> [`Args`], or help, or what is wrong with them.
 
 use std::ffi::OsString;
+use std::io::{self, Write};
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ColorChoice, CommandFactory, Error, FromArgMatches};
@@ -8,6 +9,7 @@ use clap::{ColorChoice, CommandFactory, Error, FromArgMatches};
 use super::Exit;
 use super::args::Args;
 use super::short_forms::written_out;
+use super::terminal::say;
 
 /// Parses `args`, the program's name first. Help and version go to standard output, mistakes to
 /// standard error.
@@ -17,10 +19,19 @@ use super::short_forms::written_out;
 pub(super) fn parse(args: &[OsString]) -> Result<Args, Exit> {
     try_parse(args).map_err(|error| {
         let error = with_tip(error);
-        let _ = error.print();
-        match error.kind() {
-            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Exit::Done,
-            _ => Exit::Usage,
+        let what = match error.kind() {
+            ErrorKind::DisplayHelp => Some("help"),
+            ErrorKind::DisplayVersion => Some("version"),
+            _ => None,
+        };
+        let printed = error.print().and_then(|()| io::stdout().flush());
+        match (what, printed) {
+            (None, _) => Exit::Usage,
+            (Some(what), Err(error)) if error.kind() != io::ErrorKind::BrokenPipe => {
+                say(format_args!("error: can't print the {what}: {error}"));
+                Exit::Failed
+            }
+            (Some(_), _) => Exit::Done,
         }
     })
 }

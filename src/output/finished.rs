@@ -62,11 +62,13 @@ pub fn find_state(path: &Path, subject: &Subject) -> Found {
     }
 }
 
-/// The first member of `found` that is not in `recipe`.
+/// The first member of `found` that is not in `recipe`, or the first that it lacks.
 fn first_difference(found: &str, recipe: &str) -> String {
-    let expected: Vec<&str> = members(recipe).collect();
-    let other = members(found).find(|member| !expected.contains(member));
-    other.unwrap_or("a setting less").replace('"', "")
+    let lacking = |of: &str, member: &str| members(of).all(|other| other != member);
+    let more = members(found).find(|member| lacking(recipe, member)).map(str::to_owned);
+    let less = || members(recipe).find(|member| lacking(found, member));
+    let told = more.or_else(|| Some(format!("without {}", less()?)));
+    told.unwrap_or_else(|| "the same settings in another order".into()).replace('"', "")
 }
 
 /// The members of a recipe, a line each; the last one has no comma.
@@ -86,7 +88,7 @@ mod tests {
     fn a_member_at_the_end_is_no_difference() {
         let longer = RECIPE.replace("\n}", ",\n  \"steps\": [7, 120]\n}");
         assert_eq!(first_difference(&longer, RECIPE), "steps: [7, 120]");
-        assert_eq!(first_difference(RECIPE, &longer), "a setting less");
+        assert_eq!(first_difference(RECIPE, &longer), "without steps: [7, 120]");
     }
 
     #[test]

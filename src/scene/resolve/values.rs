@@ -16,6 +16,9 @@ pub(super) const FARTHEST: f64 = 1e9;
 /// f32.
 pub(super) const SHORTEST: f64 = 1e-9;
 
+/// What is said of directions that are too short or too long: squares of others leave f64.
+const LENGTHS: &str = "expected a length from 1e-150 to 1e150";
+
 /// A value with its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found<T> {
@@ -153,12 +156,17 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         self.get(name).and_then(|field| self.vector_of(field))
     }
 
-    /// Three numbers that are not all 0.
+    /// Three numbers that are not all 0, of a length that can be squared.
     pub(super) fn direction(&mut self, name: &str) -> Option<Found<DVec3>> {
         let found = self.vector(name)?;
         if found.value.try_normalize().is_none() {
-            let message = format!("`{name}` has no direction");
-            let label = "expected a vector of some length";
+            let largest = found.value.abs().max_element();
+            let (what, label) = match largest {
+                0.0 => ("has no direction", "expected a vector of some length"),
+                ..1.0 => ("is too short", LENGTHS),
+                _ => ("is too long", LENGTHS),
+            };
+            let message = format!("`{name}` {what}");
             self.diagnostics.push(Diagnostic::error(message).at(found.span, label));
             return None;
         }

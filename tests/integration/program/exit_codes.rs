@@ -176,9 +176,12 @@ fn nobody_reads_the_path() {
 fn standard_output_is_full() {
     let folder = Folder::new();
     folder.printed("-s scene.txt");
-    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
-    let output = folder.command("--recipe ball_00000.png").stdout(full).output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
+    for typed in ["--recipe ball_00000.png", "--help", "-h", "--version"] {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let run = Run::of(folder.command(typed).stdout(full).output().unwrap());
+        assert_eq!(run.exit, 1, "{typed}");
+        assert!(run.said.contains("can't print the "), "{typed}: {}", run.said);
+    }
 }
 
 #[cfg(target_os = "linux")]

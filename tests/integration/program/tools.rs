@@ -176,6 +176,8 @@ fn the_yardstick_is_told_from_the_other_structures() {
         assert_eq!(recipe.contains("\"accelerator\": \"CWBVH\""), is_told, "{recipe}");
         folder.printed(&format!("verify {picture} -s scene.txt"));
     }
+    let planned = folder.printed("-s scene.txt -od kdtree --accelerator cwbvh --dry-run");
+    assert!(planned.ends_with("\tstale (without accelerator: CWBVH)\n"), "{planned}");
 }
 
 #[test]

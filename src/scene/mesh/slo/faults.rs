@@ -52,7 +52,10 @@ pub(super) fn no_header(words: &mut Words<'_>, token: Token) -> FileError {
 /// `slo_mesh` is followed by something else than `1`.
 pub(super) fn unknown_version(words: &mut Words<'_>, token: Token) -> FileError {
     let (text, place) = found(words, token);
-    let message = format!("version {text} of .slo meshes is unknown");
+    let message = match token {
+        Token::End => "the file ends before the version of the .slo mesh".to_owned(),
+        _ => format!("version {text} of .slo meshes is unknown"),
+    };
     place.error(message, "expected `1`").with_help("the file begins with `slo_mesh 1`")
 }
 

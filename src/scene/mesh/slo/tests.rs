@@ -230,6 +230,15 @@ fn errors_say_what_where_and_what_to_write() {
 }
 
 #[test]
+fn a_file_may_end_before_its_version() {
+    for text in ["slo_mesh", "slo_mesh  # 1\n"] {
+        let error = error_of(text);
+        assert_eq!(error.message, "the file ends before the version of the .slo mesh");
+        assert_eq!(error.label, "expected `1`");
+    }
+}
+
+#[test]
 fn places_are_right_far_into_a_large_file() {
     let mut text = String::from("slo_mesh 1\nvertices {\n");
     for i in 0..100_000 {
