@@ -13,7 +13,7 @@ use std::arch::x86_64::*;
 use super::MAX_DEPTH;
 use super::packet::Surroundings;
 use super::ray::Prepared;
-use super::stream::{Ray, Vector, row};
+use super::stream::{Ray, Vector, axes, row};
 use super::treelet::{Child, MIDDLE, Stand, TOP, Treelet};
 use crate::accel::LANES;
 use crate::accel::simd::{lanes_of, load3};
@@ -38,16 +38,16 @@ struct Passed {
     lanes: u32,
 }
 
-/// Working memory: the way down.
+/// Working memory: the treelets on the way down.
 #[derive(Debug)]
-pub(super) struct Way {
+pub(super) struct Path {
     passed: [Passed; MAX_DEPTH + 1],
     /// How many rays were brought down.
     #[cfg(test)]
     pub(super) brought_down: u32,
 }
 
-impl Default for Way {
+impl Default for Path {
     fn default() -> Self {
         let passed = Passed { far: [0.0; LANES], treelet: Child::ROOT, child: 0, lanes: 0 };
         Self {
@@ -106,7 +106,7 @@ unsafe fn descend_from<V: Vector>(
     // planes, axes, and children of treelets are those that exist.
     unsafe {
         let memory = around.flights.memory;
-        let way = around.way.passed.as_mut_ptr();
+        let path = around.path.passed.as_mut_ptr();
         let inverse: [V; 3] = load3(&prepared.inverse, base);
         let early: [V; 3] = load3(&prepared.early, base);
         let late: [V; 3] = load3(&prepared.late, base);
@@ -138,7 +138,7 @@ unsafe fn descend_from<V: Vector>(
                 far = far.replace(goes, late.min(far));
             }
             if lanes & others != 0 {
-                let now = &mut *way.add(passed);
+                let now = &mut *path.add(passed);
                 far_before.store(now.far.as_mut_ptr());
                 (now.treelet, now.child, now.lanes) = (at, child, lanes & others);
                 passed += 1;
@@ -149,14 +149,14 @@ unsafe fn descend_from<V: Vector>(
         }
         #[cfg(test)]
         {
-            around.way.brought_down += set.count_ones();
+            around.path.brought_down += set.count_ones();
         }
         let mut rays = [std::ptr::null_mut::<Ray>(); LANES];
         for lane in lanes_of(set) {
             rays[lane] = around.flights.park(&ready[lane]);
         }
         for i in 0..passed {
-            let Passed { far, treelet, child, lanes } = &*way.add(i);
+            let Passed { far, treelet, child, lanes } = &*path.add(i);
             let treelet = memory.treelet(*treelet);
             for lane in lanes_of(*lanes) {
                 let span = [prepared.near[base + lane], far[lane]];
@@ -201,8 +201,7 @@ impl Origins {
         // SAFETY: the caller's; what is loaded as eight numbers is as long.
         let (above, between) = unsafe {
             let planes = _mm256_load_ps(treelet.planes.as_ptr());
-            let axes = _mm256_set1_epi32(treelet.axes as i32);
-            let axes = _mm256_srlv_epi32(axes, _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14));
+            let axes = axes(treelet);
             let (least, most) = (row(&self.least, axes), row(&self.most, axes));
             // A plane that is not there, NaN, is between none, and none starts above it.
             let above = _mm256_cmp_ps::<_CMP_LT_OQ>(planes, least);

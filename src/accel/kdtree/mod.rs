@@ -12,7 +12,8 @@
 //!   are left out by bounds on all rays at once.
 //! - A *stream* for rays that have nothing in common: many in flight, a treelet for one of them at a
 //!   time without a branch, leaves tested a register of triangles at once, those of several rays if
-//!   they are small. It also takes over the lanes that packets leave alone, and what is left of a
+//!   they are small. Neighbours that start next to each other are brought down to there together
+//!   first (`descent`). It also takes over the lanes that packets leave alone, and what is left of a
 //!   coherent batch whose packets fall apart.
 //! - One ray at a time in plain Rust, as the twin of the others.
 

@@ -11,7 +11,7 @@
 
 #![allow(clippy::needless_range_loop)] // closures around intrinsics would become calls
 
-use super::descent::Way;
+use super::descent::Path;
 use super::leaf::{Best, Chunk, corners_of, triangle_at};
 use super::query::Query;
 use super::ray::Prepared;
@@ -50,7 +50,7 @@ pub(super) struct Surroundings<'a> {
     pub(super) tree: &'a KdTree,
     pub(super) rays: &'a Rays,
     pub(super) stack: &'a mut Stack,
-    pub(super) way: &'a mut Way,
+    pub(super) path: &'a mut Path,
     pub(super) flights: Flights<'a>,
     pub(super) used: Use,
 }

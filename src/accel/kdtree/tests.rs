@@ -265,7 +265,7 @@ fn rays_that_start_together() {
         hits.reset(rays.len());
         let tree = KdTree::build(primitives.clone(), isa);
         tree.intersect(&rays, Coherence::Incoherent, &mut hits, &mut scratch);
-        assert!(scratch.stream.is_some_and(|stream| stream.way.brought_down > 4000), "{isa:?}");
+        assert!(scratch.stream.is_some_and(|stream| stream.path.brought_down > 4000), "{isa:?}");
     }
 }
 

@@ -8,7 +8,7 @@ use std::arch::x86_64::*;
 use super::memory::Entries;
 use super::ray::Ray;
 use super::vector::Vector;
-use super::ways::{NEAR, TIMES, WAYS, row};
+use super::ways::{NEAR, TIMES, WAYS, axes, row};
 use crate::accel::kdtree::leaf::Chunk;
 use crate::accel::kdtree::treelet::Treelet;
 use crate::accel::order::x86::Avx512 as Choices;
@@ -26,8 +26,7 @@ impl Vector for __m512 {
     ) -> usize {
         unsafe {
             let planes = _mm256_load_ps(treelet.planes.as_ptr());
-            let axes = _mm256_set1_epi32(treelet.axes as i32);
-            let axes = _mm256_srlv_epi32(axes, _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14));
+            let axes = axes(treelet);
             let inverse = row(&ray.inverse, axes);
             let early = _mm256_fmsub_ps(planes, inverse, row(&ray.early, axes));
             let late = _mm256_fmsub_ps(planes, inverse, row(&ray.late, axes));

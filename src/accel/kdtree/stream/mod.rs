@@ -36,7 +36,7 @@ type Stop = stops::Stop<Child>;
 type Stops = stops::Stops<Child>;
 pub(super) use ray::Ray;
 pub(super) use vector::Vector;
-pub(super) use ways::row;
+pub(super) use ways::{axes, row};
 
 /// Working memory of [`trace`].
 #[derive(Debug)]
@@ -45,7 +45,7 @@ pub(super) struct Stream {
     /// Sixteen rays.
     ready: [Line; LANES * RAY_LINES],
     packets: packet::Stack,
-    pub(super) way: descent::Way,
+    pub(super) path: descent::Path,
     /// For each place the ray itself, then its stack.
     lines: Vec<Line>,
     free: Vec<u32>,
@@ -64,7 +64,7 @@ impl Default for Stream {
             prepared: Prepared::EMPTY,
             ready: [Line::EMPTY; LANES * RAY_LINES],
             packets: packet::Stack::default(),
-            way: descent::Way::default(),
+            path: descent::Path::default(),
             lines: vec![],
             free: vec![],
             parked: vec![],
@@ -167,7 +167,7 @@ pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize>(
     let size = stack_size(tree.depth);
     // An odd number of lines, so that stacks do not compete for the same places of a cache.
     let lines = (RAY_LINES + (3 * size).div_ceil(size_of::<Line>() / 4)) | 1;
-    let Stream { prepared, ready, packets: stack, way, lines: room, free, parked, lists, .. } =
+    let Stream { prepared, ready, packets: stack, path, lines: room, free, parked, lists, .. } =
         stream;
     const PLACES: usize = IN_FLIGHT + LANES;
     room.resize(room.len().max(PLACES * lines), Line::EMPTY);
@@ -176,7 +176,7 @@ pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize>(
     parked.clear();
     let memory = Memory { words: tree.words().as_ptr(), places: room.as_mut_ptr(), stack: size };
     let flights = Flights { memory, free, parked };
-    let around = Surroundings { tree, rays, stack, way, flights, used: Use::default() };
+    let around = Surroundings { tree, rays, stack, path, flights, used: Use::default() };
     // SAFETY: any bits are a ray; lines are aligned as rays are, and as long as sixteen.
     let ready = unsafe { &mut *ready.as_mut_ptr().cast::<[Ray; LANES]>() };
     let mut pending = Pending { around, prepared, ready, packets, order, next: 0, left: 0 };

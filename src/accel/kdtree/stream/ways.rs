@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use crate::accel::kdtree::treelet::{MIDDLE, TOP, WIDTH};
+use crate::accel::kdtree::treelet::{MIDDLE, TOP, Treelet, WIDTH};
 
 /// Aligned as registers are.
 #[repr(align(64))]
@@ -41,6 +41,19 @@ pub(super) static TIMES: Aligned<[u32; WIDTH]> = {
     let (behind, before) = (TOP as u32, TOP as u32 | 8);
     Aligned([behind, behind, behind, behind, before, before, before, before])
 };
+
+/// In the two lowest bits of each lane the axis of a plane of a treelet.
+///
+/// # Safety
+/// The CPU has AVX2.
+#[inline(always)]
+pub(in crate::accel::kdtree) unsafe fn axes(treelet: &Treelet) -> __m256i {
+    // SAFETY: the caller's.
+    unsafe {
+        let axes = _mm256_set1_epi32(treelet.axes as i32);
+        _mm256_srlv_epi32(axes, _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14))
+    }
+}
 
 /// The number of each plane's axis; a fourth number is readable.
 ///
