@@ -31,6 +31,8 @@ mod stream;
 #[cfg(test)]
 mod tests;
 mod treelet;
+#[cfg(target_arch = "x86_64")]
+mod view;
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{__m256, __m512};

@@ -7,7 +7,7 @@
 //! leave the packet with what is on the stack for them, and become rays of the stream.
 //!
 //! Before rays and triangles of a leaf are tested one by one, those triangles are left out that lie
-//! beside all rays: bounds on origins and shears give bounds on the sheared corners.
+//! beside all rays, as far as these are in the cell ([`View`]).
 
 #![allow(clippy::needless_range_loop)] // closures around intrinsics would become calls
 
@@ -17,10 +17,11 @@ use super::query::Query;
 use super::ray::Prepared;
 use super::stream::{Flights, Ray, Vector};
 use super::treelet::{Child, Stand};
+use super::view::{Seen, View};
 use super::{KdTree, MAX_DEPTH};
 use crate::accel::simd::{Lanes, lanes_of, load3};
 use crate::accel::triangle::lanes::Tested;
-use crate::accel::triangle::turned::{larger, smaller};
+use crate::accel::triangle::turned::smaller;
 use crate::accel::{LANES, Rays};
 
 /// So many of sixteen lanes or fewer go on by themselves, once that is worth its while.
@@ -40,10 +41,6 @@ const LANES_IN_USE: u32 = 5;
 
 /// Triangles beside all rays are left out of chunks with so many or more.
 const CULLED: usize = 3;
-
-/// Corners count as beside the rays if they are farther than this part of the scene: an area whose
-/// sign underflow has spoilt is smaller than what this makes of it.
-const CLEAR: f32 = 1.0 / (1u32 << 23) as f32;
 
 /// What packets, and rays that go down together, need of their surroundings.
 pub(super) struct Surroundings<'a> {
@@ -176,45 +173,7 @@ struct Packet<'a, V> {
     primitive: V,
     /// Lanes that have a hit.
     found: u32,
-    bounds: LineBounds,
-}
-
-/// Bounds on origins and shears, in sheared axes.
-struct LineBounds {
-    origin: [[f32; 2]; 3],
-    shear: [[f32; 2]; 2],
-    /// Sheared corners at least so far from the rays are clear of them.
-    clear: f32,
-}
-
-impl LineBounds {
-    #[inline(always)]
-    fn new(tree: &KdTree, prepared: &Prepared, set: u32, axes: [usize; 3]) -> Self {
-        let origin = [
-            extent(&prepared.origin[0], set),
-            extent(&prepared.origin[1], set),
-            extent(&prepared.origin[2], set),
-        ];
-        let shear = [extent(&prepared.shear[0], set), extent(&prepared.shear[1], set)];
-        let mut reach = 0.0;
-        for k in 0..3 {
-            let (min, max) = (tree.bounds.min[axes[k]], tree.bounds.max[axes[k]]);
-            reach = larger(larger(max - origin[k][0], origin[k][1] - min), reach);
-        }
-        Self { origin, shear, clear: 2.0 * reach * CLEAR }
-    }
-}
-
-/// Least and largest of the lanes of a set.
-#[inline(always)]
-fn extent(values: &[f32; LANES], set: u32) -> [f32; 2] {
-    let mut extent = [f32::INFINITY, f32::NEG_INFINITY];
-    for (lane, &x) in values.iter().enumerate() {
-        let is = set >> lane & 1 == 1;
-        extent[0] = smaller(if is { x } else { f32::INFINITY }, extent[0]);
-        extent[1] = larger(if is { x } else { f32::NEG_INFINITY }, extent[1]);
-    }
-    extent
+    view: View<V>,
 }
 
 /// The best hit of a lane.
@@ -242,6 +201,8 @@ impl<'a, V: Vector> Packet<'a, V> {
         // SAFETY: `base` leaves enough lanes.
         unsafe {
             let nothing = V::splat(0.0);
+            let origin = load3(&prepared.origin, base);
+            let shear = load3(&prepared.shear, base);
             Self {
                 prepared,
                 base,
@@ -251,14 +212,14 @@ impl<'a, V: Vector> Packet<'a, V> {
                 inverse: load3(&prepared.inverse, base),
                 early: load3(&prepared.early, base),
                 late: load3(&prepared.late, base),
-                origin: load3(&prepared.origin, base),
-                shear: load3(&prepared.shear, base),
+                origin,
+                shear,
                 t: V::load(prepared.t.as_ptr().add(base)),
                 u: nothing,
                 v: nothing,
                 primitive: V::splat(f32::from_bits(super::NO_HIT)),
                 found: 0,
-                bounds: LineBounds::new(tree, prepared, set << base, axes),
+                view: View::new(tree, axes, origin, shear, set),
             }
         }
     }
@@ -317,7 +278,7 @@ impl<'a, V: Vector> Packet<'a, V> {
                             break 'down;
                         }
                     }
-                    self.test_leaf::<Q>(around.tree, around.rays, at, lanes);
+                    self.test_leaf::<Q>(around.tree, around.rays, at, lanes, [near, far]);
                 }
                 loop {
                     if depth == 0 {
@@ -342,12 +303,21 @@ impl<'a, V: Vector> Packet<'a, V> {
     /// # Safety
     /// The CPU has the instructions of `V`.
     #[inline(always)]
-    unsafe fn test_leaf<Q: Query>(&mut self, tree: &KdTree, rays: &Rays, leaf: Child, lanes: u32) {
+    unsafe fn test_leaf<Q: Query>(
+        &mut self,
+        tree: &KdTree,
+        rays: &Rays,
+        leaf: Child,
+        lanes: u32,
+        span: [V; 2],
+    ) {
+        // SAFETY: the caller's.
+        let seen = unsafe { self.view.of(lanes, span) };
         let mut words = &tree.words()[leaf.offset()..];
         loop {
             let chunk = Chunk(words[0]);
             // SAFETY: the caller's.
-            unsafe { self.test_chunk::<Q>(&words[1..], chunk, lanes) };
+            unsafe { self.test_chunk::<Q>(&words[1..], chunk, lanes, &seen) };
             if !chunk.is_followed() {
                 return;
             }
@@ -388,12 +358,11 @@ impl<'a, V: Vector> Packet<'a, V> {
     /// # Safety
     /// The CPU has the instructions of `V`; the words are those of a finished arena.
     #[inline(always)]
-    unsafe fn among(&self, words: &[u32], chunk: Chunk) -> u32 {
+    unsafe fn among(&self, words: &[u32], chunk: Chunk, seen: &Seen) -> u32 {
         let (triangles, vertices) = (chunk.triangles(), chunk.vertices());
         if triangles < CULLED {
             return (1 << triangles) - 1;
         }
-        let bounds = &self.bounds;
         // Vertices beyond the rays, and before them, across the two axes.
         let (mut beyond, mut before) = (0u64, 0u64);
         // SAFETY: a finished arena goes on for 64 words after the last chunk.
@@ -407,22 +376,13 @@ impl<'a, V: Vector> Packet<'a, V> {
                 let zero = V::splat(0.0);
                 let z = V::load(rows.add(self.axes[2] * vertices + base));
                 let z = z.replace(beyond_last, zero);
-                let z0 = z.sub(V::splat(bounds.origin[2][1]));
-                let z1 = z.sub(V::splat(bounds.origin[2][0]));
                 for k in 0..2 {
                     let x = V::load(rows.add(self.axes[k] * vertices + base));
                     let x = x.replace(beyond_last, zero);
-                    let x0 = x.sub(V::splat(bounds.origin[k][1]));
-                    let x1 = x.sub(V::splat(bounds.origin[k][0]));
-                    let (s0, s1) = (V::splat(bounds.shear[k][0]), V::splat(bounds.shear[k][1]));
-                    // Rounding is monotonic: these bound what the test makes of the corner.
-                    let least = s0.neg_mul_add(z0, x0).min(s0.neg_mul_add(z1, x0));
-                    let least = least.min(s1.neg_mul_add(z0, x0)).min(s1.neg_mul_add(z1, x0));
-                    let most = s0.neg_mul_add(z0, x1).max(s0.neg_mul_add(z1, x1));
-                    let most = most.max(s1.neg_mul_add(z0, x1)).max(s1.neg_mul_add(z1, x1));
+                    let x = self.view.shear[k].neg_mul_add(z, x);
                     let shift = 32 * k + base;
-                    beyond |= u64::from(V::splat(bounds.clear).lt(least)) << shift;
-                    before |= u64::from(most.lt(V::splat(-bounds.clear))) << shift;
+                    beyond |= u64::from(V::splat(seen.most[k]).lt(x)) << shift;
+                    before |= u64::from(x.lt(V::splat(seen.least[k]))) << shift;
                 }
                 base += V::COUNT;
             }
@@ -440,11 +400,17 @@ impl<'a, V: Vector> Packet<'a, V> {
     /// # Safety
     /// The CPU has the instructions of `V`; the words are those of a finished arena.
     #[inline(always)]
-    unsafe fn test_chunk<Q: Query>(&mut self, words: &[u32], chunk: Chunk, lanes: u32) {
+    unsafe fn test_chunk<Q: Query>(
+        &mut self,
+        words: &[u32],
+        chunk: Chunk,
+        lanes: u32,
+        seen: &Seen,
+    ) {
         let vertices = chunk.vertices();
         // SAFETY: the caller's.
         unsafe {
-            for i in lanes_of(self.among(words, chunk)) {
+            for i in lanes_of(self.among(words, chunk, seen)) {
                 let places = corners_of(words, chunk, i);
                 let mut corners = [[self.u; 3]; 3];
                 for c in 0..3 {

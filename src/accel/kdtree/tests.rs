@@ -206,6 +206,14 @@ fn bundles_of_rays() {
         }
         check("bundles of all sizes", Primitives { triangles, curved: vec![] }, &rays);
     }
+    for length in [1e-28, 1e-20, 1e20, 1e37] {
+        let triangles = ball(12);
+        let mut rays = bundles(5_000, 25);
+        for axis in 0..3 {
+            rays.direction[axis].iter_mut().for_each(|x| *x *= length);
+        }
+        check("directions of all lengths", Primitives { triangles, curved: vec![] }, &rays);
+    }
 }
 
 /// Rays that go the same way, to triangles that are much smaller than the gaps between them.
