@@ -21,10 +21,6 @@ use crate::accel::simd::{lanes_of, load3};
 /// Fewer rays go down one by one.
 const ENOUGH: u32 = 4;
 
-/// In trees of more bytes all do: what is about an origin must be waited for, and in a stream others
-/// go on meanwhile.
-const FAR: usize = 48 << 20;
-
 /// A treelet on the way down.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
@@ -70,9 +66,6 @@ pub(super) unsafe fn descend<V: Vector>(
     ready: &[Ray; LANES],
     pending: u32,
 ) -> u32 {
-    if around.tree.memory() > FAR {
-        return pending;
-    }
     let mut left = 0;
     for base in (0..LANES).step_by(V::COUNT) {
         let set = pending >> base & ((1u64 << V::COUNT) - 1) as u32;

@@ -48,6 +48,9 @@ use super::simd::lanes_of;
 use super::{Coherence, Hits, Isa, NO_HIT, Primitives, Rays};
 use crate::math::Bounds;
 
+/// Trees of more bytes are far away: most of one is in no cache.
+const FAR: usize = 32 << 20;
+
 /// A kd-tree over primitives.
 #[derive(Debug)]
 pub struct KdTree {
@@ -58,6 +61,9 @@ pub struct KdTree {
     /// How many treelets follow each other on the longest way down.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     depth: usize,
+    /// Whether it is far away, beyond [`FAR`].
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    is_far: bool,
     isa: Isa,
 }
 
@@ -73,7 +79,8 @@ impl KdTree {
     /// Builds the tree.
     pub fn build(primitives: Primitives, isa: Isa) -> Self {
         let build::Built { bounds, lines, depth } = build::build(&primitives);
-        Self { primitives, bounds, lines, depth, isa }
+        let is_far = size_of_val(&*lines) > FAR;
+        Self { primitives, bounds, lines, depth, is_far, isa }
     }
 
     pub(super) fn primitives(&self) -> &Primitives {
@@ -82,7 +89,7 @@ impl KdTree {
 
     /// Bytes that it holds beyond the primitives.
     pub(super) fn memory(&self) -> usize {
-        std::mem::size_of_val(&*self.lines)
+        size_of_val(&*self.lines)
     }
 
     /// The lines as words.
@@ -159,7 +166,13 @@ impl KdTree {
     ) {
         let stream = stream.get_or_insert_default();
         // SAFETY: the caller's.
-        unsafe { stream::trace::<__m512, Q, 4>(self, rays, coherence, order, stream, query) }
+        unsafe {
+            if self.is_far {
+                stream::trace::<__m512, Q, 4, true>(self, rays, coherence, order, stream, query)
+            } else {
+                stream::trace::<__m512, Q, 4, false>(self, rays, coherence, order, stream, query)
+            }
+        }
     }
 
     /// # Safety
@@ -175,7 +188,13 @@ impl KdTree {
     ) {
         let stream = stream.get_or_insert_default();
         // SAFETY: the caller's.
-        unsafe { stream::trace::<__m256, Q, 2>(self, rays, coherence, order, stream, query) }
+        unsafe {
+            if self.is_far {
+                stream::trace::<__m256, Q, 2, true>(self, rays, coherence, order, stream, query)
+            } else {
+                stream::trace::<__m256, Q, 2, false>(self, rays, coherence, order, stream, query)
+            }
+        }
     }
 
     /// Traces rays one by one, in plain Rust.

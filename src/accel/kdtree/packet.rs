@@ -36,8 +36,10 @@ const TRIAL: u32 = 100;
 /// Rays that go the same way make a packet if there are so many of them.
 const ENOUGH: u32 = 4;
 
-/// Packets go on being made while so many of sixteen lanes are in use on average.
+/// Packets go on being made while so many of sixteen lanes are in use on average; in trees that are
+/// far away, where packets wait and a stream does not, so many.
 const LANES_IN_USE: u32 = 5;
+const FAR_LANES_IN_USE: u32 = 12;
 
 /// Triangles beside all rays are left out of chunks with so many or more.
 const CULLED: usize = 3;
@@ -85,9 +87,9 @@ impl Use {
 
     /// Whether packets are worth their while: rays that are in many packets with few lanes in use
     /// are faster by themselves.
-    pub(super) fn is_good<L: Lanes>(self) -> bool {
-        u64::from(self.lanes) * LANES as u64
-            >= u64::from(LANES_IN_USE * self.planes) * L::COUNT as u64
+    pub(super) fn is_good<L: Lanes, const FAR: bool>(self) -> bool {
+        let lanes = if FAR { FAR_LANES_IN_USE } else { LANES_IN_USE };
+        u64::from(self.lanes) * LANES as u64 >= u64::from(lanes * self.planes) * L::COUNT as u64
     }
 }
 

@@ -8,7 +8,7 @@ use crate::accel::brute::Brute;
 use crate::accel::{Curved, Triangle};
 
 /// Checks that tree and oracle agree to the last bit, for every instruction set, both kinds of
-/// query and both hints.
+/// query and both hints, and as if the tree were far away.
 fn check(name: &str, primitives: Primitives, rays: &Rays) {
     let oracle = Brute::new(primitives.clone());
     let (mut expected, mut expected_blocked) = (Hits::default(), blocked_of(rays));
@@ -16,8 +16,14 @@ fn check(name: &str, primitives: Primitives, rays: &Rays) {
     oracle.intersect(rays, &mut expected);
     oracle.occluded(rays, &mut expected_blocked);
     for isa in Isa::available() {
-        let tree = KdTree::build(primitives.clone(), isa);
-        for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+        let mut tree = KdTree::build(primitives.clone(), isa);
+        for (coherence, is_far) in [
+            (Coherence::Coherent, false),
+            (Coherence::Incoherent, false),
+            (Coherence::Coherent, true),
+            (Coherence::Incoherent, true),
+        ] {
+            tree.is_far = is_far;
             let (mut hits, mut blocked) = (Hits::default(), blocked_of(rays));
             hits.reset(rays.len());
             tree.intersect(rays, coherence, &mut hits, &mut Scratch::default());

@@ -27,7 +27,7 @@ const QUAD: usize = 4;
 /// # Safety
 /// As [`trace`](super::trace).
 #[inline(always)]
-pub(super) unsafe fn visit_quarters<V: Vector, Q: Query, const QUADS: usize>(
+pub(super) unsafe fn visit_quarters<V: Vector, Q: Query, const QUADS: usize, const FAR: bool>(
     memory: &Memory,
     stops: &mut Stops,
 ) {
@@ -48,7 +48,7 @@ pub(super) unsafe fn visit_quarters<V: Vector, Q: Query, const QUADS: usize>(
             }
             test_quarters::<V, Q, QUADS>(memory, &group, count);
             for stop in &group[..count] {
-                go_on::<Q>(memory, stops, stop.place());
+                go_on::<Q, FAR>(memory, stops, stop.place());
             }
         }
         for i in now..len {
@@ -62,7 +62,10 @@ pub(super) unsafe fn visit_quarters<V: Vector, Q: Query, const QUADS: usize>(
 /// # Safety
 /// As [`trace`](super::trace).
 #[inline(always)]
-pub(super) unsafe fn visit_wholes<V: Vector, Q: Query>(memory: &Memory, stops: &mut Stops) {
+pub(super) unsafe fn visit_wholes<V: Vector, Q: Query, const FAR: bool>(
+    memory: &Memory,
+    stops: &mut Stops,
+) {
     // SAFETY: stops of this list are leaves of that kind, and rays in flight.
     unsafe {
         for i in 0..stops.take(Child::WHOLES) {
@@ -70,7 +73,7 @@ pub(super) unsafe fn visit_wholes<V: Vector, Q: Query>(memory: &Memory, stops: &
             let ray = memory.ray(stop.place());
             let words = memory.words.add(stop.child().offset());
             test_chunk::<V, Q>(memory, ray, Chunk(*words), words.add(1));
-            go_on::<Q>(memory, stops, stop.place());
+            go_on::<Q, FAR>(memory, stops, stop.place());
         }
     }
 }
@@ -80,11 +83,11 @@ pub(super) unsafe fn visit_wholes<V: Vector, Q: Query>(memory: &Memory, stops: &
 /// # Safety
 /// The ray is in flight, and in no list.
 #[inline(always)]
-unsafe fn go_on<Q: Query>(memory: &Memory, stops: &mut Stops, place: u32) {
+unsafe fn go_on<Q: Query, const FAR: bool>(memory: &Memory, stops: &mut Stops, place: u32) {
     // SAFETY: the caller's.
     unsafe {
         let ray = memory.ray(place);
-        let next = memory.pop(ray);
+        let next = memory.pop::<FAR>(ray);
         let next = if Q::ANY && (*ray).is_hit() { Child::DONE } else { next };
         stops.push(Stop::new(place, next));
     }

@@ -125,12 +125,13 @@ impl Memory {
         }
     }
 
-    /// Takes the last entry from a ray's stack, and asks for its memory.
+    /// Takes the last entry from a ray's stack, and asks for its memory: for three lines whatever it
+    /// is, or, where memory is far away, for the one of a treelet and four of a leaf.
     ///
     /// # Safety
     /// The ray is in a place, and its stack holds its first entry at least.
     #[inline(always)]
-    pub(super) unsafe fn pop(&self, ray: *mut Ray) -> Child {
+    pub(super) unsafe fn pop<const FAR: bool>(&self, ray: *mut Ray) -> Child {
         // SAFETY: the caller's.
         let child = unsafe {
             (*ray).top -= 1;
@@ -138,9 +139,11 @@ impl Memory {
         };
         // A prefetch of what is not there does nothing.
         let at = self.words.wrapping_add(child.offset()).cast::<i8>();
-        for line in 0..3 {
+        let lines = if FAR { 4 } else { 3 };
+        let stride = if FAR && child.is_treelet() { 0 } else { size_of::<Line>() };
+        for line in 0..lines {
             // SAFETY: a prefetch reads nothing.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(at.wrapping_add(64 * line)) };
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(at.wrapping_add(stride * line)) };
         }
         child
     }

@@ -96,7 +96,10 @@ impl Pending<'_> {
     /// # Safety
     /// As [`trace`]; fewer than [`IN_FLIGHT`] rays are in flight.
     #[inline(always)]
-    unsafe fn start<V: Vector, Q: Query>(&mut self, query: &mut Q) -> Option<Stop> {
+    unsafe fn start<V: Vector, Q: Query, const FAR: bool>(
+        &mut self,
+        query: &mut Q,
+    ) -> Option<Stop> {
         // SAFETY: the caller's; packets leave no more rays than there are places besides, and none
         // is parked when the next is made.
         unsafe {
@@ -104,14 +107,14 @@ impl Pending<'_> {
                 let flights = &mut self.around.flights;
                 if let Some(place) = flights.parked.pop() {
                     let memory = flights.memory;
-                    return Some(Stop::new(place, memory.pop(memory.ray(place))));
+                    return Some(Stop::new(place, memory.pop::<FAR>(memory.ray(place))));
                 }
                 if self.left != 0 {
                     let lane = self.left.trailing_zeros() as usize;
                     self.left &= self.left - 1;
                     return Some(flights.start(&self.ready[lane % LANES]));
                 }
-                self.prepare::<V, Q>(query)?;
+                self.prepare::<V, Q, FAR>(query)?;
             }
         }
     }
@@ -121,7 +124,10 @@ impl Pending<'_> {
     /// # Safety
     /// As [`start`](Self::start).
     #[inline(always)]
-    unsafe fn prepare<V: Vector, Q: Query>(&mut self, query: &mut Q) -> Option<()> {
+    unsafe fn prepare<V: Vector, Q: Query, const FAR: bool>(
+        &mut self,
+        query: &mut Q,
+    ) -> Option<()> {
         let (sixteen, count) = self.order.get(self.next)?;
         self.next += 1;
         let Surroundings { tree, rays, .. } = self.around;
@@ -129,7 +135,7 @@ impl Pending<'_> {
         unsafe {
             self.prepared.take::<V::Choosing>(rays, sixteen, count, &tree.bounds);
             self.left = self.prepared.entering();
-            if self.packets && self.around.used.is_good::<V>() {
+            if self.packets && self.around.used.is_good::<V, FAR>() {
                 self.left =
                     packet::trace::<V, Q>(&mut self.around, self.prepared, self.left, query);
             }
@@ -144,12 +150,12 @@ impl Pending<'_> {
 }
 
 /// Answers a query about rays; coherent ones go in packets while that
-/// is worth its while. A register has `QUADS` times four lanes.
+/// is worth its while. A register has `QUADS` times four lanes; `FAR` tells whether the tree is far away.
 ///
 /// # Safety
 /// The CPU has the instructions of `V`.
 #[inline(always)]
-pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize>(
+pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize, const FAR: bool>(
     tree: &KdTree,
     rays: &Rays,
     coherence: Coherence,
@@ -187,7 +193,7 @@ pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize>(
     // Treelets and leaves: children of a treelet are places of those that exist.
     unsafe {
         for _ in 0..IN_FLIGHT {
-            let Some(stop) = pending.start::<V, Q>(query) else { break };
+            let Some(stop) = pending.start::<V, Q, FAR>(query) else { break };
             stops.push(stop);
         }
         while !stops.are_none() {
@@ -195,10 +201,10 @@ pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize>(
                 let stop = stops.get(Child::TREELETS, i);
                 let ray = memory.ray(stop.place());
                 memory.step::<V>(ray, stop.child());
-                stops.push(Stop::new(stop.place(), memory.pop(ray)));
+                stops.push(Stop::new(stop.place(), memory.pop::<FAR>(ray)));
             }
-            leaves::visit_quarters::<V, Q, QUADS>(&memory, &mut stops);
-            leaves::visit_wholes::<V, Q>(&memory, &mut stops);
+            leaves::visit_quarters::<V, Q, QUADS, FAR>(&memory, &mut stops);
+            leaves::visit_wholes::<V, Q, FAR>(&memory, &mut stops);
             for i in 0..stops.take(Child::OTHERS) {
                 let stop = stops.get(Child::OTHERS, i);
                 let (place, child) = (stop.place(), stop.child());
@@ -206,7 +212,7 @@ pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize>(
                 if child != Child::DONE {
                     leaves::visit_any::<V, Q>(&memory, tree, rays, child, ray);
                     if !(Q::ANY && (*ray).is_hit()) {
-                        stops.push(Stop::new(place, memory.pop(ray)));
+                        stops.push(Stop::new(place, memory.pop::<FAR>(ray)));
                         continue;
                     }
                 }
@@ -214,7 +220,7 @@ pub(super) unsafe fn trace<V: Vector, Q: Query, const QUADS: usize>(
                     query.accept((*ray).index as usize, &(*ray).best());
                 }
                 pending.around.flights.free.push(place);
-                if let Some(stop) = pending.start::<V, Q>(query) {
+                if let Some(stop) = pending.start::<V, Q, FAR>(query) {
                     stops.push(stop);
                 }
             }
