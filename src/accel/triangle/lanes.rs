@@ -73,6 +73,22 @@ impl<L: Lanes> Tested<L> {
         unsafe { Self::test::<false, false>(corners, origin, shear, t_max, lanes) }
     }
 
+    /// As [`without_branch`](Self::without_branch), of corners that are [`sheared`] already; of the shear
+    /// only its last number is asked for.
+    ///
+    /// # Safety
+    /// The CPU has the instructions of `L`.
+    #[inline(always)]
+    pub(in crate::accel) unsafe fn of_sheared(
+        corners: [[L; 3]; 3],
+        along: L,
+        t_max: L,
+        lanes: u32,
+    ) -> Self {
+        // SAFETY: the caller's.
+        unsafe { Self::test_sheared::<false, false>(corners, along, t_max, lanes) }
+    }
+
     /// # Safety
     /// The CPU has the instructions of `L`.
     #[inline(always)]
@@ -88,6 +104,21 @@ impl<L: Lanes> Tested<L> {
             let a = sheared(corners[0], origin, shear);
             let b = sheared(corners[1], origin, shear);
             let c = sheared(corners[2], origin, shear);
+            Self::test_sheared::<EARLY, BRANCH>([a, b, c], shear[2], t_max, lanes)
+        }
+    }
+
+    /// # Safety
+    /// The CPU has the instructions of `L`.
+    #[inline(always)]
+    unsafe fn test_sheared<const EARLY: bool, const BRANCH: bool>(
+        [a, b, c]: [[L; 3]; 3],
+        along: L,
+        t_max: L,
+        lanes: u32,
+    ) -> Self {
+        // SAFETY: the caller's.
+        unsafe {
             let area_a = difference_of_products(c[0], b[1], c[1], b[0]);
             let area_b = difference_of_products(a[0], c[1], a[1], c[0]);
             let area_c = difference_of_products(b[0], a[1], b[1], a[0]);
@@ -100,7 +131,7 @@ impl<L: Lanes> Tested<L> {
                 return Self { area_b, area_c, determinant, t: zero, hits: 0, doubtful: 0 };
             }
             let z = area_c.mul_add(c[2], area_b.mul_add(b[2], area_a.mul(a[2])));
-            let t = z.div(determinant).mul(shear[2]);
+            let t = z.div(determinant).mul(along);
             let size = determinant.abs();
             let hits = inside & L::splat(MIN_DETERMINANT).le(size) & zero.lt(t) & t.le(t_max);
             let doubtful = if BRANCH && hits == 0 {
@@ -152,12 +183,16 @@ impl<L: Lanes> Tested<L> {
     }
 }
 
-/// A corner in sheared coordinates.
+/// Corners in sheared coordinates.
 ///
 /// # Safety
 /// The CPU has the instructions of `L`.
 #[inline(always)]
-unsafe fn sheared<L: Lanes>(corner: [L; 3], origin: [L; 3], shear: [L; 3]) -> [L; 3] {
+pub(in crate::accel) unsafe fn sheared<L: Lanes>(
+    corner: [L; 3],
+    origin: [L; 3],
+    shear: [L; 3],
+) -> [L; 3] {
     // SAFETY: the caller's.
     unsafe {
         let z = corner[2].sub(origin[2]);

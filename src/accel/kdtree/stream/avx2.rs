@@ -7,12 +7,13 @@ use std::arch::x86_64::*;
 
 use super::memory::Entries;
 use super::ray::Ray;
-use super::vector::Vector;
+use super::vector::{ShearedLanes, Vector};
 use super::ways::{NEAR, WAYS, axes, row};
 use crate::accel::kdtree::leaf::Chunk;
 use crate::accel::kdtree::treelet::{TOP, Treelet};
 use crate::accel::order::x86::Avx2 as Choices;
 use crate::accel::simd::sets::LANES_OF;
+use crate::accel::triangle::lanes::sheared;
 
 impl Vector for __m256 {
     type Choosing = Choices;
@@ -84,10 +85,10 @@ impl Vector for __m256 {
     }
 
     #[inline(always)]
-    unsafe fn corners(
+    unsafe fn sheared_corners(
         words: *const u32,
         chunk: Chunk,
-        axes: [usize; 3],
+        ShearedLanes { axes, origin, shear }: ShearedLanes<Self>,
         first: usize,
         present: u32,
     ) -> [[Self; 3]; 3] {
@@ -110,6 +111,9 @@ impl Vector for __m256 {
                         _mm256_i32gather_ps::<4>(row, place)
                     };
                 }
+            }
+            for c in 0..3 {
+                corners[c] = sheared(corners[c], origin, shear);
             }
             corners
         }

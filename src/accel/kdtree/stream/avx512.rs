@@ -7,11 +7,12 @@ use std::arch::x86_64::*;
 
 use super::memory::Entries;
 use super::ray::Ray;
-use super::vector::Vector;
+use super::vector::{ShearedLanes, Vector};
 use super::ways::{NEAR, TIMES, WAYS, axes, row};
 use crate::accel::kdtree::leaf::Chunk;
 use crate::accel::kdtree::treelet::Treelet;
 use crate::accel::order::x86::Avx512 as Choices;
+use crate::accel::triangle::lanes::sheared;
 
 impl Vector for __m512 {
     type Choosing = Choices;
@@ -99,23 +100,39 @@ impl Vector for __m512 {
     }
 
     #[inline(always)]
-    unsafe fn corners(
+    unsafe fn sheared_corners(
         words: *const u32,
         chunk: Chunk,
-        axes: [usize; 3],
+        ShearedLanes { axes, origin, shear }: ShearedLanes<Self>,
         _first: usize,
-        present: u32,
+        _present: u32,
     ) -> [[Self; 3]; 3] {
         unsafe {
             let vertices = chunk.vertices();
+            let rows = words.cast::<f32>();
+            let rows = [
+                rows.add(axes[0] * vertices),
+                rows.add(axes[1] * vertices),
+                rows.add(axes[2] * vertices),
+            ];
             let first = _mm256_loadu_si256(words.add(chunk.corners_at()).cast());
             let places = places(_mm512_cvtepu16_epi32(first));
             let mut corners = [[_mm512_setzero_ps(); 3]; 3];
-            for k in 0..3 {
-                let row = words.cast::<f32>().add(axes[k] * vertices);
-                let rows = [_mm512_loadu_ps(row), _mm512_loadu_ps(row.add(16))];
+            // Vertices are sheared once, whatever number of triangles has them for a corner.
+            let there = _bzhi_u32(u32::MAX, vertices as u32);
+            let low = sheared(some3(rows, 0, there), origin, shear);
+            if vertices <= 16 {
                 for c in 0..3 {
-                    corners[c][k] = choose(rows, places[c], present);
+                    for k in 0..3 {
+                        corners[c][k] = _mm512_permutexvar_ps(places[c], low[k]);
+                    }
+                }
+            } else {
+                let high = sheared(some3(rows, 16, there >> 16), origin, shear);
+                for c in 0..3 {
+                    for k in 0..3 {
+                        corners[c][k] = _mm512_permutex2var_ps(low[k], places[c], high[k]);
+                    }
                 }
             }
             corners
@@ -181,6 +198,19 @@ impl Vector for __m512 {
             }
             corners
         }
+    }
+}
+
+/// Numbers of each of three rows, those of a set of sixteen from the `first` on, and 0.
+#[inline(always)]
+unsafe fn some3(rows: [*const f32; 3], first: usize, set: u32) -> [__m512; 3] {
+    let set = set as u16;
+    unsafe {
+        [
+            _mm512_maskz_loadu_ps(set, rows[0].add(first)),
+            _mm512_maskz_loadu_ps(set, rows[1].add(first)),
+            _mm512_maskz_loadu_ps(set, rows[2].add(first)),
+        ]
     }
 }
 

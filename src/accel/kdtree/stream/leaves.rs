@@ -8,7 +8,7 @@
 
 use super::memory::Memory;
 use super::ray::Ray;
-use super::vector::Vector;
+use super::vector::{ShearedLanes, Vector};
 use super::{Stop, Stops};
 use crate::accel::Rays;
 use crate::accel::kdtree::KdTree;
@@ -209,15 +209,15 @@ unsafe fn test_chunk<V: Vector, Q: Query>(
         let Ray { origin, shear, .. } = &*ray;
         let origin = [V::splat(origin[0]), V::splat(origin[1]), V::splat(origin[2])];
         let shear = [V::splat(shear[0]), V::splat(shear[1]), V::splat(shear[2])];
-        let axes = (*ray).axes();
+        let sheared = ShearedLanes { axes: (*ray).axes(), origin, shear };
         let mut first = 0;
         // One register at least, so that there is no branch where one is enough for all.
         loop {
             let left = chunk.triangles() - first;
             let present = (1 << left.min(V::COUNT)) - 1;
-            let corners = V::corners(words, chunk, axes, first, present);
+            let corners = V::sheared_corners(words, chunk, sheared, first, present);
             let t_max = V::splat((*ray).t);
-            let tested = Tested::without_branch(corners, origin, shear, t_max, present);
+            let tested = Tested::of_sheared(corners, shear[2], t_max, present);
             if tested.hits != 0 {
                 let tested = tested.settle(|lane| {
                     let words = std::slice::from_raw_parts(words, chunk.ids_at());

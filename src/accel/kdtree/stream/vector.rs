@@ -7,6 +7,14 @@ use crate::accel::kdtree::treelet::Treelet;
 use crate::accel::order::Choosing;
 use crate::accel::simd::{Quads, SetLanes};
 
+/// A ray in all lanes, in its sheared axes, which are told.
+#[derive(Clone, Copy)]
+pub(in crate::accel::kdtree) struct ShearedLanes<V> {
+    pub(super) axes: [usize; 3],
+    pub(super) origin: [V; 3],
+    pub(super) shear: [V; 3],
+}
+
 /// A register of triangles or of rays.
 ///
 /// # Safety
@@ -37,22 +45,23 @@ pub(in crate::accel::kdtree) trait Vector: Quads + SetLanes {
     /// The least of each four lanes, in all four of them.
     unsafe fn least_of_quads(self) -> Self;
 
-    /// Corners (by corner, then along the axes that are told) of up to a register of triangles of a
-    /// chunk, from the `first` triangle on, which is a multiple of their number. In lanes that hold no
-    /// triangle, which are not `present`, there is a number that is not subnormal: those are many
-    /// times slower on some CPUs.
+    /// Sheared corners (by corner, then x, y, and z of the sheared axes) of up to a register of
+    /// triangles of a chunk, from the `first` triangle on, which is a multiple of their number; origin
+    /// and shear are those of the ray. In lanes that hold no triangle, which are not `present`, there is
+    /// a number that is not made of what is no vertex: such may be subnormal, which is many times slower
+    /// on some CPUs.
     ///
     /// The words are those of a chunk of a finished arena.
-    unsafe fn corners(
+    unsafe fn sheared_corners(
         words: *const u32,
         chunk: Chunk,
-        axes: [usize; 3],
+        ray: ShearedLanes<Self>,
         first: usize,
         present: u32,
     ) -> [[Self; 3]; 3];
 
-    /// The same of `M` chunks that fit in a quarter of 16 lanes each, as many as a register has
-    /// quads.
+    /// Corners, not sheared, of `M` chunks that fit in a quarter of 16 lanes each, as many as a
+    /// register has quads; lanes that are not present as above.
     unsafe fn corners_of_quads<const M: usize>(
         words: [*const u32; M],
         chunks: [Chunk; M],
