@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::layout::BOX_ERROR;
-use crate::accel::order::Choosing;
+use crate::accel::order::Numbers;
 use crate::accel::simd::{Quads, deal_rows};
 use crate::accel::triangle::ShearedRay;
 use crate::accel::triangle::turned::{Turned, lanes_from, larger};
@@ -85,25 +85,17 @@ impl Prepared {
         self.derive(lanes_from(&rays.origin, first), lanes_from(&rays.direction, first));
     }
 
-    /// Makes sixteen rays of a batch ready.
-    ///
-    /// # Safety
-    /// The CPU has the instruction set of `C`; there are such rays.
+    /// Makes sixteen chosen rays of a batch ready.
     #[inline(always)]
-    pub(super) unsafe fn choose<C: Choosing>(&mut self, rays: &Rays, indices: &[u32; LANES]) {
+    pub(super) fn choose(
+        &mut self,
+        indices: &[u32; LANES],
+        [ox, oy, oz, dx, dy, dz, t_max]: Numbers,
+    ) {
         self.index = *indices;
         self.are_neighbours = false;
-        // SAFETY: the caller's.
-        unsafe {
-            let mut origin = [[0.0; LANES]; 3];
-            let mut direction = [[0.0; LANES]; 3];
-            for axis in 0..3 {
-                origin[axis] = C::gather(rays.origin[axis].as_ptr(), indices);
-                direction[axis] = C::gather(rays.direction[axis].as_ptr(), indices);
-            }
-            self.t_max = C::gather(rays.t_max.as_ptr(), indices);
-            self.derive(origin, direction);
-        }
+        self.t_max = *t_max;
+        self.derive([*ox, *oy, *oz], [*dx, *dy, *dz]);
     }
 
     /// Inlined, so that the lanes become those of the instruction set it is compiled for.

@@ -196,10 +196,7 @@ impl Pending<'_> {
         let Surroundings { bvh, rays, .. } = self.around;
         match sixteen {
             Sixteen::Neighbours(first) => self.prepared.fill(rays, first),
-            // SAFETY: the caller's.
-            Sixteen::Chosen(indices) => unsafe {
-                self.prepared.choose::<S::Choosing>(rays, indices)
-            },
+            Sixteen::Chosen(indices, numbers) => self.prepared.choose(indices, numbers),
         }
         let (mut has_length, mut tame) = (0u32, 0u32);
         for lane in 0..LANES {

@@ -42,7 +42,7 @@ use query::{Blocked, Nearest, Query};
 use ray::Prepared;
 use treelet::{Child, Stand, TOP, Treelet};
 
-use super::order::{self, Order};
+use super::order::Order;
 use super::pages::Array;
 use super::simd::lanes_of;
 use super::{Coherence, Hits, Isa, NO_HIT, Primitives, Rays};
@@ -204,8 +204,7 @@ impl KdTree {
         let mut next = 0;
         while let Some((sixteen, count)) = order.get(next) {
             next += 1;
-            // SAFETY: plain Rust runs on every CPU, and these are rays of the batch.
-            unsafe { prepared.take::<order::Portable>(rays, sixteen, count, &self.bounds) };
+            prepared.take(rays, sixteen, count, &self.bounds);
             for lane in lanes_of(prepared.entering()) {
                 let best = self.trace_one(Q::ANY, &prepared, lane, rays);
                 if best.is_hit() {

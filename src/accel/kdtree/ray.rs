@@ -1,6 +1,6 @@
 //! Rays made ready to walk through the tree, sixteen at a time.
 
-use crate::accel::order::{Choosing, Sixteen};
+use crate::accel::order::Sixteen;
 use crate::accel::triangle::turned::{Turned, lanes_from, larger, smaller};
 use crate::accel::triangle::{POSITION_ERROR, ShearedRay};
 use crate::accel::{LANES, Rays};
@@ -70,13 +70,7 @@ impl Prepared {
     /// # Safety
     /// The CPU has the instruction set of `C`; there are such rays.
     #[inline(always)]
-    pub(super) unsafe fn take<C: Choosing>(
-        &mut self,
-        rays: &Rays,
-        sixteen: Sixteen,
-        count: usize,
-        bounds: &Bounds,
-    ) {
+    pub(super) fn take(&mut self, rays: &Rays, sixteen: Sixteen, count: usize, bounds: &Bounds) {
         self.are_neighbours = matches!(sixteen, Sixteen::Neighbours(_));
         match sixteen {
             Sixteen::Neighbours(first) => {
@@ -89,18 +83,10 @@ impl Prepared {
                 }
                 self.derive(origin, direction, t_max, bounds);
             }
-            // SAFETY: the caller's.
-            Sixteen::Chosen(indices) => unsafe {
+            Sixteen::Chosen(indices, [ox, oy, oz, dx, dy, dz, t_max]) => {
                 self.index = *indices;
-                let mut origin = [[0.0; LANES]; 3];
-                let mut direction = [[0.0; LANES]; 3];
-                for axis in 0..3 {
-                    origin[axis] = C::gather(rays.origin[axis].as_ptr(), indices);
-                    direction[axis] = C::gather(rays.direction[axis].as_ptr(), indices);
-                }
-                let t_max = C::gather(rays.t_max.as_ptr(), indices);
-                self.derive(origin, direction, t_max, bounds);
-            },
+                self.derive([*ox, *oy, *oz], [*dx, *dy, *dz], *t_max, bounds);
+            }
         }
         self.leave_out(count);
     }

@@ -8,20 +8,6 @@ use super::{LANES, Rays};
 
 /// What ordering and choosing rays is made of, for one instruction set; here in plain Rust.
 pub(in crate::accel) trait Choosing {
-    /// Sixteen elements of an array.
-    ///
-    /// # Safety
-    /// The CPU has the instruction set; there are such elements.
-    #[inline(always)]
-    unsafe fn gather(array: *const f32, indices: &[u32; LANES]) -> [f32; LANES] {
-        let mut values = [0.0; LANES];
-        for (value, &index) in values.iter_mut().zip(indices) {
-            // SAFETY: the caller's.
-            *value = unsafe { *array.add(index as usize) };
-        }
-        values
-    }
-
     /// Which of sixteen values equal one.
     ///
     /// # Safety
@@ -40,10 +26,22 @@ pub(in crate::accel) trait Choosing {
     /// # Safety
     /// The CPU has the instruction set; `to` is writable for sixteen values.
     #[inline(always)]
-    unsafe fn compress(first: u32, set: u32, to: *mut u32) {
+    unsafe fn compress_lanes(first: u32, set: u32, to: *mut u32) {
         for (i, lane) in lanes_of(set).enumerate() {
             // SAFETY: a set has at most sixteen lanes.
             unsafe { *to.add(i) = first + lane as u32 };
+        }
+    }
+
+    /// Writes those of sixteen numbers that are in a set, in order.
+    ///
+    /// # Safety
+    /// The CPU has the instruction set; `to` is writable for sixteen values.
+    #[inline(always)]
+    unsafe fn compress(from: &[f32; LANES], set: u32, to: *mut f32) {
+        for (i, lane) in lanes_of(set).enumerate() {
+            // SAFETY: a set has at most sixteen lanes.
+            unsafe { *to.add(i) = from[lane] };
         }
     }
 }
@@ -58,9 +56,59 @@ impl Choosing for Portable {}
 pub(in crate::accel) struct Order {
     sixteens: Vec<Place>,
     ways: Vec<u8>,
-    /// Rays that do not go the way of their neighbours, by the way they go: for each way as much
-    /// room as the batch has rays, and [`LANES`] more.
-    bins: Vec<u32>,
+    bins: Bins,
+}
+
+/// Rays that do not go the way of their neighbours, by the way they go.
+#[derive(Debug, Default)]
+struct Bins {
+    /// For each way as many as the batch has rays, and [`LANES`] more.
+    room: usize,
+    /// For each way their places in the batch.
+    indices: Vec<u32>,
+    /// For each way the rays, [`Numbers`] in columns.
+    numbers: Vec<f32>,
+}
+
+/// Sixteen rays: x, y, and z of their origins, of their directions, and their ends.
+pub(in crate::accel) type Numbers<'a> = [&'a [f32; LANES]; NUMBERS];
+const NUMBERS: usize = 7;
+
+impl Bins {
+    /// Makes room for a batch of so many rays, a multiple of [`LANES`]. Columns are an odd multiple
+    /// of a cache line long, so that they do not compete for the same places of a cache.
+    fn make_room(&mut self, rays: usize) {
+        self.room = ((rays / LANES + 1) | 1) * LANES;
+        if self.indices.len() < WAYS * self.room {
+            // Most ways are never gone: their memory stays untouched.
+            self.indices = vec![0; WAYS * self.room];
+            self.numbers = vec![0.0; WAYS * NUMBERS * self.room];
+        }
+    }
+
+    /// Repeats the last of the `len` rays of a bin until there are whole sixteens.
+    fn fill_up(&mut self, way: usize, len: usize) {
+        let end = len.next_multiple_of(LANES);
+        let bin = &mut self.indices[way * self.room..][..end];
+        let last = bin[len - 1];
+        bin[len..].fill(last);
+        for k in 0..NUMBERS {
+            let column = &mut self.numbers[(way * NUMBERS + k) * self.room..][..end];
+            let last = column[len - 1];
+            column[len..].fill(last);
+        }
+    }
+
+    /// The sixteen from a place in the bins on.
+    #[inline(always)]
+    fn get(&self, start: usize) -> Sixteen<'_> {
+        let (way, first) = (start / self.room, start % self.room);
+        let numbers = &self.numbers[way * NUMBERS * self.room + first..];
+        let column = |k: usize| numbers[k * self.room..][..LANES].try_into().expect("sixteen");
+        let numbers = [column(0), column(1), column(2), column(3), column(4), column(5), column(6)];
+        let indices = self.indices[start..start + LANES].try_into().expect("sixteen");
+        Sixteen::Chosen(indices, numbers)
+    }
 }
 
 /// Up to sixteen rays of a batch.
@@ -76,8 +124,8 @@ struct Place {
 pub(in crate::accel) enum Sixteen<'a> {
     /// Neighbours, from this ray on.
     Neighbours(usize),
-    /// Any; all of these can be read.
-    Chosen(&'a [u32; LANES]),
+    /// Any: their places in the batch, and themselves; all can be read.
+    Chosen(&'a [u32; LANES], Numbers<'a>),
 }
 
 /// Ways to go: signs of a direction and its largest axis.
@@ -109,10 +157,10 @@ impl Order {
         let [x, y, z] = &rays.direction;
         ways.clear();
         ways.extend(x[..n].iter().zip(&y[..n]).zip(&z[..n]).map(|((&x, &y), &z)| way(x, y, z)));
-        let room = n + LANES;
-        if bins.len() < WAYS * room {
-            bins.resize(WAYS * room, 0);
-        }
+        bins.make_room(n);
+        let room = bins.room;
+        let [ox, oy, oz] = &rays.origin;
+        let columns: [_; NUMBERS] = [ox, oy, oz, x, y, z, &rays.t_max];
         let mut lens = [0; WAYS];
         let mut whole = 0;
         for i in 0..sixteens.len() {
@@ -132,20 +180,24 @@ impl Order {
                     let way = ways[left.trailing_zeros() as usize % LANES];
                     let alike = S::lanes_with(ways, way) & left;
                     left &= !alike;
-                    let len = &mut lens[usize::from(way) % WAYS];
-                    let bin = bins.as_mut_ptr().add(usize::from(way) % WAYS * room + *len);
-                    S::compress(place.start, alike, bin);
-                    *len += alike.count_ones() as usize;
+                    let way = usize::from(way) % WAYS;
+                    let len = lens[way];
+                    let indices = bins.indices.as_mut_ptr().add(way * room + len);
+                    S::compress_lanes(place.start, alike, indices);
+                    let numbers = bins.numbers.as_mut_ptr().add(way * NUMBERS * room + len);
+                    for (k, column) in columns.iter().enumerate() {
+                        let sixteen = column[i * LANES..][..LANES].try_into().expect("sixteen");
+                        S::compress(sixteen, alike, numbers.add(k * room));
+                    }
+                    lens[way] += alike.count_ones() as usize;
                 }
             }
         }
         sixteens.truncate(whole);
         for (way, &len) in lens.iter().enumerate().filter(|&(_, &len)| len > 0) {
-            let bin = way * room;
-            let last = bins[bin + len - 1];
-            bins[bin + len..bin + len.next_multiple_of(LANES)].fill(last);
+            bins.fill_up(way, len);
             let place = |start: usize| Place {
-                start: (bin + start) as u32,
+                start: (way * room + start) as u32,
                 count: (len - start).min(LANES) as u8,
                 are_neighbours: false,
             };
@@ -158,11 +210,8 @@ impl Order {
     pub(in crate::accel) fn get(&self, n: usize) -> Option<(Sixteen<'_>, usize)> {
         let &Place { start, count, are_neighbours } = self.sixteens.get(n)?;
         let start = start as usize;
-        let sixteen = if are_neighbours {
-            Sixteen::Neighbours(start)
-        } else {
-            Sixteen::Chosen(self.bins[start..start + LANES].try_into().expect("as many as lanes"))
-        };
+        let sixteen =
+            if are_neighbours { Sixteen::Neighbours(start) } else { self.bins.get(start) };
         Some((sixteen, usize::from(count)))
     }
 }
@@ -183,9 +232,27 @@ mod tests {
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     use super::*;
+    use crate::accel::Isa;
 
     #[test]
     fn every_ray_is_taken_once_and_neighbours_of_one_way_stay_together() {
+        Isa::available().into_iter().for_each(check);
+    }
+
+    fn sort(isa: Isa, order: &mut Order, rays: &Rays) {
+        // SAFETY: the CPU has that instruction set.
+        unsafe {
+            match isa {
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx512 => order.sort::<x86::Avx512>(rays),
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx2 => order.sort::<x86::Avx2>(rays),
+                _ => order.sort::<Portable>(rays),
+            }
+        }
+    }
+
+    fn check(isa: Isa) {
         let mut rng = StdRng::seed_from_u64(1);
         let mut order = Order::default();
         for n in [0, 1, 15, 16, 17, 100, 1024] {
@@ -194,17 +261,23 @@ mod tests {
                 let mut number = || rng.random_range(-1.0..1.0f32);
                 let any = Vec3::new(number(), number(), number());
                 let direction = if i % 64 < 32 { Vec3::new(0.5, -0.5, 2.0) } else { any };
-                rays.push(Vec3::ZERO, direction, 1.0);
+                let (origin, t_max) = (Vec3::new(number(), number(), number()), number());
+                rays.push(origin, direction, t_max);
             }
-            // SAFETY: plain Rust runs everywhere.
-            unsafe { order.sort::<Portable>(&rays) };
+            sort(isa, &mut order, &rays);
             let (mut taken, mut alike) = (vec![], 0);
             for i in 0.. {
                 let Some((sixteen, len)) = order.get(i) else { break };
                 match sixteen {
                     Sixteen::Neighbours(first) => taken.extend(first..first + len),
-                    Sixteen::Chosen(chosen) => {
-                        taken.extend(chosen[..len].iter().map(|&i| i as usize))
+                    Sixteen::Chosen(chosen, numbers) => {
+                        taken.extend(chosen[..len].iter().map(|&i| i as usize));
+                        for lane in 0..LANES {
+                            let i = chosen[lane] as usize;
+                            let (o, d) = (rays.origin(i), rays.direction(i));
+                            let told = [o.x, o.y, o.z, d.x, d.y, d.z, rays.t_max[i]];
+                            assert_eq!(numbers.map(|column| column[lane]), told);
+                        }
                     }
                 }
                 let way_of = |&i: &usize| {

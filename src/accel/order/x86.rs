@@ -4,6 +4,7 @@ use std::arch::x86_64::*;
 
 use super::Choosing;
 use crate::accel::LANES;
+use crate::accel::simd::sets::LANES_OF;
 
 /// AVX2.
 pub(in crate::accel) struct Avx2;
@@ -17,6 +18,29 @@ impl Choosing for Avx2 {
         // SAFETY: there are sixteen values.
         unsafe { lanes_with(values, value) }
     }
+
+    #[inline(always)]
+    unsafe fn compress(from: &[f32; LANES], set: u32, to: *mut f32) {
+        let [low, high] = [set & 255, set >> 8 & 255];
+        // SAFETY: the caller's; a half has eight numbers, and so many are written behind the first.
+        unsafe {
+            _mm256_storeu_ps(to, packed(from.as_ptr(), low));
+            _mm256_storeu_ps(to.add(low.count_ones() as usize), packed(from.as_ptr().add(8), high));
+        }
+    }
+}
+
+/// Those of eight numbers that are in a set, in order, then others.
+///
+/// # Safety
+/// The CPU has AVX2; there are eight.
+#[inline(always)]
+unsafe fn packed(from: *const f32, set: u32) -> __m256 {
+    // SAFETY: the caller's.
+    unsafe {
+        let lanes = _mm_loadl_epi64(LANES_OF[set as usize % 256].as_ptr().cast());
+        _mm256_permutevar8x32_ps(_mm256_loadu_ps(from), _mm256_cvtepu8_epi32(lanes))
+    }
 }
 
 impl Choosing for Avx512 {
@@ -27,7 +51,7 @@ impl Choosing for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn compress(first: u32, set: u32, to: *mut u32) {
+    unsafe fn compress_lanes(first: u32, set: u32, to: *mut u32) {
         // SAFETY: the caller's.
         unsafe {
             let lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -37,15 +61,12 @@ impl Choosing for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn gather(array: *const f32, indices: &[u32; LANES]) -> [f32; LANES] {
-        let mut values = [0.0; LANES];
-        // SAFETY: the caller's; both arrays have sixteen elements.
+    unsafe fn compress(from: &[f32; LANES], set: u32, to: *mut f32) {
+        // SAFETY: the caller's.
         unsafe {
-            let indices = _mm512_loadu_si512(indices.as_ptr().cast());
-            let gathered = _mm512_i32gather_ps::<4>(indices, array);
-            _mm512_storeu_ps(values.as_mut_ptr(), gathered);
+            let values = _mm512_loadu_ps(from.as_ptr());
+            _mm512_storeu_ps(to, _mm512_maskz_compress_ps(set as u16, values));
         }
-        values
     }
 }
 

@@ -133,7 +133,7 @@ impl Pending<'_> {
         let Surroundings { tree, rays, .. } = self.around;
         // SAFETY: the caller's; any bits are a ray.
         unsafe {
-            self.prepared.take::<V::Choosing>(rays, sixteen, count, &tree.bounds);
+            self.prepared.take(rays, sixteen, count, &tree.bounds);
             self.left = self.prepared.entering();
             if self.packets && self.around.used.is_good::<V, FAR>() {
                 self.left =
