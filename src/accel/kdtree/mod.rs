@@ -9,12 +9,12 @@
 //!
 //! - *Packets* of 16 rays (AVX-512) or 8 (AVX2) that go the same way, for coherent batches: a plane
 //!   costs two fused operations and two comparisons for all of them, and most triangles of a leaf
-//!   are left out by bounds on all rays at once.
+//!   are left out since they lie beside all rays (`view`).
 //! - A *stream* for rays that have nothing in common: many in flight, a treelet for one of them at a
 //!   time without a branch, leaves tested a register of triangles at once, those of several rays if
 //!   they are small. Neighbours that start next to each other are brought down to there together
 //!   first (`descent`). It also takes over the lanes that packets leave alone, and what is left of a
-//!   coherent batch whose packets fall apart.
+//!   coherent batch whose packets fall apart, or wait for memory that is far away.
 //! - One ray at a time in plain Rust, as the twin of the others.
 
 mod build;

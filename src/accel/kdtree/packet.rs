@@ -36,9 +36,10 @@ const TRIAL: u32 = 100;
 /// Rays that go the same way make a packet if there are so many of them.
 const ENOUGH: u32 = 4;
 
-/// Packets go on being made while so many of sixteen lanes are in use on average; in trees that are
-/// far away, where packets wait and a stream does not, so many.
+/// Packets go on being made while so many of sixteen lanes are in use on average.
 const LANES_IN_USE: u32 = 5;
+
+/// The same in trees that are far away: packets wait for memory there, and a stream does not.
 const FAR_LANES_IN_USE: u32 = 12;
 
 /// Triangles beside all rays are left out of chunks with so many or more.

@@ -40,6 +40,22 @@ fn check(name: &str, primitives: Primitives, rays: &Rays) {
     }
 }
 
+/// What streams of each instruction set remember of tracing rays.
+#[cfg(target_arch = "x86_64")]
+fn streams(
+    primitives: &Primitives,
+    rays: &Rays,
+    coherence: Coherence,
+) -> impl Iterator<Item = Box<stream::Stream>> {
+    Isa::available().into_iter().filter(|&isa| isa != Isa::Portable).map(move |isa| {
+        let (mut hits, mut scratch) = (Hits::default(), Scratch::default());
+        hits.reset(rays.len());
+        let tree = KdTree::build(primitives.clone(), isa);
+        tree.intersect(rays, coherence, &mut hits, &mut scratch);
+        scratch.stream.unwrap_or_default()
+    })
+}
+
 fn blocked_of(rays: &Rays) -> Vec<bool> {
     vec![false; rays.len().next_multiple_of(crate::accel::LANES)]
 }
@@ -239,12 +255,8 @@ fn rays_that_leave_packets() {
     let primitives = Primitives { triangles, curved: shapes(20, 22) };
     check("hills", primitives.clone(), &rays);
     #[cfg(target_arch = "x86_64")]
-    for isa in Isa::available().into_iter().filter(|&isa| isa != Isa::Portable) {
-        let (mut hits, mut scratch) = (Hits::default(), Scratch::default());
-        hits.reset(rays.len());
-        let tree = KdTree::build(primitives.clone(), isa);
-        tree.intersect(&rays, Coherence::Coherent, &mut hits, &mut scratch);
-        assert!(scratch.stream.is_some_and(|stream| stream.took_over), "{isa:?}");
+    for stream in streams(&primitives, &rays, Coherence::Coherent) {
+        assert!(stream.took_over);
     }
 }
 
@@ -274,12 +286,8 @@ fn rays_that_start_together() {
     let primitives = Primitives { triangles, curved: shapes(20, 24) };
     check("steps", primitives.clone(), &rays);
     #[cfg(target_arch = "x86_64")]
-    for isa in Isa::available().into_iter().filter(|&isa| isa != Isa::Portable) {
-        let (mut hits, mut scratch) = (Hits::default(), Scratch::default());
-        hits.reset(rays.len());
-        let tree = KdTree::build(primitives.clone(), isa);
-        tree.intersect(&rays, Coherence::Incoherent, &mut hits, &mut scratch);
-        assert!(scratch.stream.is_some_and(|stream| stream.path.brought_down > 4000), "{isa:?}");
+    for stream in streams(&primitives, &rays, Coherence::Incoherent) {
+        assert!(stream.path.brought_down > 4000);
     }
 }
 
