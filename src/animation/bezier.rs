@@ -2,15 +2,27 @@
 
 use glam::DVec3;
 
+/// Control points up to which de Casteljau's algorithm is used, whose time grows with their square.
+const MOST_FOR_DE_CASTELJAU: usize = 64;
+
+/// The share below which a control point, and all behind it, moves the point of the curve by nothing.
+/// What would follow are numbers too small for f64, with which processors are slow.
+const VANISHED: f64 = 1e-60;
+
 /// The point at `u` of the Bézier curve with these control points: a curve of degree
 /// `control.len() - 1`, so that one point rests and two make a straight line.
 ///
 /// The curve meets its ends exactly, and rests exactly where all control points are equal.
 /// No control point at all gives the origin.
 ///
-/// Source: de Casteljau's algorithm; Farin, Curves and Surfaces for CAGD, chapter 4.
+/// Source: de Casteljau's algorithm; Farin, Curves and Surfaces for CAGD, chapter 4. Beyond 64
+/// points: P. Woźny and F. Chudy, "Linear-time geometric algorithm for evaluating Bézier curves"
+/// (2020).
 pub fn bezier(control: &[DVec3], u: f64) -> DVec3 {
-    de_casteljau(&mut control.to_vec(), u)
+    if control.len() <= MOST_FOR_DE_CASTELJAU {
+        return de_casteljau(&mut control.to_vec(), u);
+    }
+    in_linear_time(control, u)
 }
 
 /// The point at `u` of a cubic Bézier curve; as [`bezier`].
@@ -29,6 +41,27 @@ fn de_casteljau(points: &mut [DVec3], u: f64) -> DVec3 {
         }
     }
     points[0]
+}
+
+/// The mean of the control points, weighted by the Bernstein polynomials, taken point by point:
+/// `share` is what a point has of the weight of all points up to it.
+fn in_linear_time(points: &[DVec3], u: f64) -> DVec3 {
+    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return DVec3::ZERO };
+    if u == 1.0 {
+        return last;
+    }
+    let degree = (points.len() - 1) as f64;
+    let (mut mean, mut share) = (first, 1.0);
+    for (k, point) in points.iter().enumerate().skip(1) {
+        let k = k as f64;
+        let grown = (degree - k + 1.0) * u * share;
+        share = grown / (k * (1.0 - u) + grown);
+        mean += (*point - mean) * share;
+        if share < VANISHED {
+            break;
+        }
+    }
+    mean
 }
 
 #[cfg(test)]
@@ -63,6 +96,23 @@ mod tests {
                 assert!((bezier(points, u) - bernstein(points, u)).length() < 1e-12);
             }
         }
+    }
+
+    #[test]
+    fn many_points_take_linear_time_and_agree_with_few() {
+        let control: Vec<DVec3> =
+            (0..200).map(|i| ZIGZAG[i * 7 % 4] + DVec3::X * i as f64).collect();
+        for length in [1, 2, 3, 20, 200] {
+            for step in 0..=100 {
+                let (u, points) = (step as f64 / 100.0, &control[..length]);
+                let exact = de_casteljau(&mut points.to_vec(), u);
+                assert!((in_linear_time(points, u) - exact).length() < 1e-11, "{length} {u}");
+            }
+        }
+        let still = vec![DVec3::new(0.1, 0.7, 1e6 + 0.3); 1_000_000];
+        assert_eq!(bezier(&still, 0.37), still[0]);
+        let straight: Vec<DVec3> = (0..=100_000).map(|i| DVec3::X * f64::from(i)).collect();
+        assert!((bezier(&straight, 0.3) - DVec3::X * 3e4).length() < 1e-6);
     }
 
     #[test]

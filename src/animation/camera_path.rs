@@ -10,8 +10,65 @@ use super::{bezier, mix};
 
 /// The camera at `parameter` of a segment: 0 is its start, 1 its end. Scene space.
 ///
-/// Position and target run along their Bézier curves, all else is linear (thesis 5.2).
+/// Position and target run along their Bézier curves, all else is linear (thesis 5.2). Where the
+/// camera passes through its target, or looks straight along its sky, it keeps the orientation that
+/// it had just before; at the start of the path, the one that it has just after.
 pub fn view_at(segment: &CamSegment, parameter: f64) -> View {
+    let view = free_view_at(segment, parameter);
+    if axes(&view).is_some() {
+        return view;
+    }
+    let Some([_, up, forward]) = last_axes(segment, parameter) else { return view };
+    if unit(view.target - view.position).is_some() {
+        View { sky: up, ..view }
+    } else {
+        View { sky: up, target: view.position + forward, ..view }
+    }
+}
+
+/// The axes nearest to a place of the path where there are none: the last before it, or else the
+/// first behind it.
+fn last_axes(segment: &CamSegment, parameter: f64) -> Option<[DVec3; 3]> {
+    let axes_at = |parameter: f64| axes(&free_view_at(segment, parameter));
+    for sign in [-1.0, 1.0] {
+        let mut without = parameter;
+        let mut step = f64::EPSILON;
+        loop {
+            let mut with = parameter + sign * step;
+            if !(0.0..=1.0).contains(&with) {
+                // The end of the path is looked at too.
+                with = with.clamp(0.0, 1.0);
+                if without == with {
+                    break;
+                }
+            }
+            if axes_at(with).is_some() {
+                return axes_at(edge(with, without, |at| axes_at(at).is_some()));
+            }
+            without = with;
+            step *= 2.0;
+        }
+    }
+    None
+}
+
+/// The last number for which something holds on the way from one for which it does to one for which
+/// it does not.
+fn edge(mut with: f64, mut without: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    loop {
+        let middle = with + (without - with) * 0.5;
+        if middle == with || middle == without {
+            return with;
+        }
+        if holds(middle) {
+            with = middle;
+        } else {
+            without = middle;
+        }
+    }
+}
+
+fn free_view_at(segment: &CamSegment, parameter: f64) -> View {
     let linear = |ends: [f64; 2]| mix(ends[0], ends[1], parameter);
     View {
         position: bezier(&segment.positions, parameter),
@@ -69,6 +126,38 @@ mod tests {
         let end = view_at(&segment, 1.0);
         assert_eq!((end.position, end.target, end.sky), (DVec3::Y, DVec3::Z, DVec3::X));
         assert_eq!((end.fov, end.dof, end.lens_radius), (0.75, 8.0, 0.5));
+    }
+
+    #[test]
+    fn a_camera_that_passes_over_its_target_keeps_its_orientation() {
+        let mut segment = segment("s", [0.0, 1.0], [0.0, 1.0]);
+        segment.positions = vec![DVec3::new(0.0, -1.0, 8.0), DVec3::new(0.0, 1.0, 8.0)];
+        let [right, up, forward] = axes(&view_at(&segment, 0.5)).unwrap();
+        assert!((right - DVec3::X).length() < 1e-6, "{right}");
+        assert!((up - DVec3::Y).length() < 1e-6, "{up}");
+        assert!((forward - DVec3::NEG_Z).length() < 1e-6, "{forward}");
+        // Through its target, and upside down by its sky.
+        segment.positions = vec![DVec3::new(0.0, -1.0, 0.0), DVec3::new(0.0, 1.0, 0.0)];
+        segment.sky = [DVec3::Z, DVec3::NEG_Z];
+        let [right, _, forward] = axes(&view_at(&segment, 0.5)).unwrap();
+        assert!((right - DVec3::X).length() < 1e-6, "{right}");
+        assert!((forward - DVec3::Y).length() < 1e-6, "{forward}");
+    }
+
+    #[test]
+    fn the_orientation_is_kept_all_along_a_stretch_and_taken_from_behind_at_the_start() {
+        let mut segment = segment("s", [0.0, 1.0], [0.0, 1.0]);
+        // In the second half the sky is nearly what is looked along.
+        segment.positions = vec![DVec3::new(0.0, 0.0, 8.0)];
+        segment.targets = vec![DVec3::Y * 15e-9, DVec3::Y * 1e-9];
+        let at = |parameter| axes(&view_at(&segment, parameter)).unwrap();
+        for parameter in [0.0, 0.3, 0.6, 0.9, 1.0] {
+            assert!((at(parameter)[1] - DVec3::Y).length() < 1e-6, "{parameter}");
+        }
+        segment.positions = vec![DVec3::new(0.0, 0.0, 8.0), DVec3::new(0.0, -3.0, 8.0)];
+        segment.targets = vec![DVec3::ZERO];
+        let [_, up, _] = axes(&view_at(&segment, 0.0)).unwrap();
+        assert!((up - DVec3::Y).length() < 1e-6, "{up}");
     }
 
     #[test]

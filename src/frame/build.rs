@@ -16,8 +16,13 @@ use crate::animation::{
 use crate::camera::{Camera, DegenerateView};
 use crate::math::{DRigid, Rigid};
 use crate::sampling::Sampler;
-use crate::scene::{LightShape, Object, SceneDescription, Settings};
+use crate::scene::{CamSegment, LightShape, Object, SceneDescription, Settings};
 use crate::shading::{Light, Material, MaterialTable};
+
+/// Units that a camera moves along an axis before the origin of render space follows it. Within
+/// half of it, where the camera is, an f32 resolves 2^-14 units or better. What is still is built anew
+/// when the origin moves, so it must not do so in every frame.
+const ORIGIN_STEP: f64 = 1024.0;
 
 /// Why a frame of a scene can't be made.
 #[derive(Clone, Debug)]
@@ -90,8 +95,7 @@ impl FrameScene {
         let film = &scene.camera.film;
         let per_ms = scene.settings.transform_samples_per_ms;
         let path = SampledCamera::new(segment, &shutter, film, per_ms);
-        // Near the camera, where digits count; the same for all frames of a segment.
-        let origin = segment.positions[0];
+        let origin = origin(segment, &path);
         let camera = Camera::new(path.views(), origin, film.width, film.height)
             .map_err(|reason| FrameError::View { segment: segment.name.clone(), reason })?;
 
@@ -306,4 +310,12 @@ fn object_box(geometry: &Geometry) -> ObjectBox {
             | CurvedShape::Cone { base, apex: top, radius },
         ) => balls(&[base, top], radius),
     }
+}
+
+/// Where the origin of render space lies in scene space: near the camera, where digits count; at the
+/// start of its path, and whole steps away from there once it is far.
+fn origin(segment: &CamSegment, path: &SampledCamera) -> DVec3 {
+    let start = segment.positions[0];
+    let steps = (path.views()[0].position - start) / ORIGIN_STEP;
+    start + steps.round() * ORIGIN_STEP
 }

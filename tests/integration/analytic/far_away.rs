@@ -1,6 +1,9 @@
 //! A scene a million units from the origin looks as it does at the origin.
 
-use crate::support::{Picture, Shot, glow, material, pivot_at, vector};
+use slo_rt::accel::Isa;
+use slo_rt::frame::FrameScene;
+
+use crate::support::{Picture, Shot, describe, expose_frame, glow, material, pivot_at, vector};
 
 /// A little of everything about a point, seen from 10 units before it.
 fn scene(o: [f64; 3]) -> Picture {
@@ -73,4 +76,47 @@ fn a_million_units_away_nothing_changes_but_the_last_digits() {
             "95 %: {most}, mean {mean}, worst {worst}"
         );
     }
+}
+
+/// Curved things and the shadows that they throw, about a point.
+fn curved(from: Vec<[f64; 3]>, o: [f64; 3], frames: u32) -> Picture {
+    let at = |x: f64, y: f64, z: f64| vector([o[0] + x, o[1] + y, o[2] + z]);
+    let elements = material("paper", "diffuse { 0.9 0.9 0.9 }")
+        + &format!(
+            "sphere ball {{ material paper center {} radius 1 }}
+             cylinder post {{ material paper base {} top {} radius 1 }}
+             cone hat {{ material paper base {} apex {} radius 1 }}
+             plane floor {{ material paper normal {{ 0 0 1 }} position {} }}
+             light_point lamp {{ color {{ 0.9 0.9 0.9 }} position {} }}",
+            at(0.0, 0.0, 0.0),
+            at(-3.0, 0.0, -1.0),
+            at(-3.0, 0.0, 1.0),
+            at(3.0, 0.0, -1.0),
+            at(3.0, 0.0, 1.0),
+            at(0.0, 0.0, -1.0),
+            at(-3.0, -5.0, 5.0),
+        );
+    let shot = Shot { from, to: vec![o], samples: 16, ..Shot::default() };
+    // Frame 1 is in the middle of the segment if there are two a second.
+    let text = shot.of(&elements).replace("fps 1", &format!("fps {frames}"));
+    let scene = describe(&text);
+    let frame = FrameScene::build(&scene, i64::from(frames - 1), Isa::best()).expect("it is seen");
+    Picture(expose_frame(&scene, &frame).image())
+}
+
+#[test]
+fn a_camera_that_has_flown_far_sees_what_one_sees_that_stood_there() {
+    let target = [500_000.0, 0.0, 1.0];
+    let here = [target[0], -8.0, 3.0];
+    let still = curved(vec![here], target, 1);
+    let start = [0.0, -8.0, 3.0];
+    let end = [2.0 * target[0], -8.0, 3.0];
+    let flown = curved(vec![start, end], target, 2);
+    assert!(still.sum(0) > 500.0);
+    let pairs = still.0.rgb.iter().zip(&flown.0.rgb);
+    let mut differences: Vec<f32> = pairs.map(|(a, b)| (a[0] - b[0]).abs()).collect();
+    differences.sort_by(f32::total_cmp);
+    // All but the pixels of edges.
+    let most = differences[4096 * 95 / 100];
+    assert!(most < 2e-3, "{most}");
 }
