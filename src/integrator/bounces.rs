@@ -14,6 +14,9 @@ use crate::sampling::{Purpose, Use, next_path};
 use crate::scene::Settings;
 use crate::shading::{MaterialTable, lobe};
 
+/// Bounces that the hits of one batch of camera rays may send.
+const MOST_WAITING: usize = 512 * BATCH;
+
 /// What the hits of a batch reflect and refract, in columns.
 #[derive(Debug, Default)]
 pub(super) struct Lobes {
@@ -56,28 +59,43 @@ impl Wave {
         any
     }
 
-    /// The rays that points send on, into the queue of the next depth.
-    pub(super) fn bounce(&mut self, frame: &FrameScene, depth: u32) {
-        self.send(frame, Purpose::Reflection, depth);
-        self.send(frame, Purpose::Refraction, depth);
+    /// The rays that points send on, into the queue of the next depth. `None` if told to give up.
+    pub(super) fn bounce(
+        &mut self,
+        frame: &FrameScene,
+        depth: u32,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
+        self.send(frame, Purpose::Reflection, depth, gives_up)?;
+        self.send(frame, Purpose::Refraction, depth, gives_up)
     }
 
     /// Sends the rays of one lobe.
-    fn send(&mut self, frame: &FrameScene, purpose: Purpose, depth: u32) {
+    fn send(
+        &mut self,
+        frame: &FrameScene,
+        purpose: Purpose,
+        depth: u32,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
         let (glossy, perfect) = self.lobes.of(purpose).kinds(self.points.surfaces.len);
         let samples = glossy_samples(&frame.settings, purpose, depth);
         if samples == 1 || !glossy {
             if glossy || perfect {
                 self.send_one(frame, purpose, [0, 1], |_| true, depth);
             }
-            return;
+            return Some(());
         }
         for i in 0..samples {
+            if gives_up() {
+                return None;
+            }
             self.send_one(frame, purpose, [i, samples], |inverse| inverse > 0.0, depth);
         }
         if perfect {
             self.send_one(frame, purpose, [0, 1], |inverse| inverse == 0.0, depth);
         }
+        Some(())
     }
 
     /// Sends ray `i` of `count` of the lobes whose `1 / (n + 1)` is wanted.
@@ -114,6 +132,15 @@ pub(super) fn glossy_samples(settings: &Settings, purpose: Purpose, depth: u32) 
         Purpose::Refraction => settings.diffuse_refraction_samples,
         _ => settings.diffuse_reflection_samples,
     }
+}
+
+/// How many camera rays a batch may hold: their hits send all their rays on before any is traced.
+pub(super) fn most_camera_rays(settings: &Settings) -> usize {
+    let sent: usize = [Purpose::Reflection, Purpose::Refraction]
+        .map(|purpose| glossy_samples(settings, purpose, 0) as usize)
+        .iter()
+        .sum();
+    (MOST_WAITING / sent).clamp(1, BATCH)
 }
 
 impl Lobes {

@@ -46,16 +46,19 @@ pub(super) struct Place {
 }
 
 impl CameraRays {
-    /// Fills a batch with the next camera rays of the work; none are left when it comes out empty.
+    /// Fills a batch with the next camera rays of the work, `most` or fewer; none are left when it
+    /// comes out empty.
     pub(super) fn fill(
         &mut self,
         frame: &FrameScene,
         work: &[Work],
         seeds: &[PixelSeed],
         place: &mut Place,
+        most: usize,
         batch: &mut Batch,
     ) {
-        let list = List { work, seeds, place, rays: self, batch };
+        let most = most.min(BATCH);
+        let list = List { work, seeds, place, most, rays: self, batch };
         let (len, end) = frame.isa.run(list);
         let lens = frame.camera.has_lens();
         let names = CameraNames { seed: &self.seed, index: &batch.labels.index, end, lens, len };
@@ -82,12 +85,13 @@ impl CameraRays {
     }
 }
 
-/// Lists the next samples of some work, a batch at most: how many, and one more than the highest
+/// Lists the next samples of some work, up to `most`: how many, and one more than the highest
 /// number.
 struct List<'a> {
     work: &'a [Work],
     seeds: &'a [PixelSeed],
     place: &'a mut Place,
+    most: usize,
     rays: &'a mut CameraRays,
     batch: &'a mut Batch,
 }
@@ -97,10 +101,10 @@ impl Lanewise for List<'_> {
 
     #[inline(always)]
     fn run(self) -> (usize, u32) {
-        let Self { work, seeds, place, rays, batch } = self;
+        let Self { work, seeds, place, most, rays, batch } = self;
         let (mut len, mut end) = (0, 0);
-        while let Some(w) = work.get(place.work).filter(|_| len < BATCH) {
-            let count = (w.count - place.samples).min((BATCH - len) as u32);
+        while let Some(w) = work.get(place.work).filter(|_| len < most) {
+            let count = (w.count - place.samples).min((most - len) as u32);
             let first = w.first + place.samples;
             let lanes = len..len + count as usize;
             put(&mut rays.x, lanes.clone(), |_| w.x);

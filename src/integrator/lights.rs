@@ -10,17 +10,26 @@ use super::roulette::{least_weight, roulette};
 use super::wave::Wave;
 use crate::accel::Lanewise;
 use crate::frame::FrameScene;
-use crate::math::columns::{Column, lanes};
+use crate::math::columns::{BATCH, Column, lanes};
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::scene::LightSampling;
 use crate::shading::phong::local_light;
 use crate::shading::{Light, lobe};
 
+/// Rays to lights that wait while the hits of one batch still send others.
+const MOST_WAITING: usize = 16 * BATCH;
+
 impl Wave {
     /// Rays from all points to the lights that the settings let them ask; `glossy` where points
-    /// have lobes that send rays on.
-    pub(super) fn ask_lights(&mut self, frame: &FrameScene, glossy: bool, depth: u32) {
+    /// have lobes that send rays on. `None` if told to give up.
+    pub(super) fn ask_lights(
+        &mut self,
+        frame: &FrameScene,
+        glossy: bool,
+        depth: u32,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
         let query = Query {
             glossy: glossy && frame.combines(),
             rays: [Purpose::Reflection, Purpose::Refraction]
@@ -34,6 +43,7 @@ impl Wave {
                     let count = rays_to(frame, light, depth);
                     for i in 0..count {
                         self.ask_light(frame, light, number as u32, [i, count], &query);
+                        self.relieve(frame, depth, gives_up)?;
                     }
                 }
             }
@@ -42,9 +52,29 @@ impl Wave {
                 let count = rays_to(frame, &frame.lights[0], depth);
                 for i in 0..count {
                     self.ask_any_light(frame, [i, count], &query);
+                    self.relieve(frame, depth, gives_up)?;
                 }
             }
         }
+        Some(())
+    }
+
+    /// Traces the rays to lights that wait, if they are many; `None` if told to give up.
+    ///
+    /// A hit sends as many as there are lights and samples of each, which only the scene bounds.
+    fn relieve(
+        &mut self,
+        frame: &FrameScene,
+        depth: u32,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
+        let kind = ShadowKind::at(depth);
+        if self.waiting(kind) >= MOST_WAITING {
+            while self.waiting(kind) >= BATCH {
+                self.trace_shadows(frame, kind);
+            }
+        }
+        (!gives_up()).then_some(())
     }
 
     /// Ray `i` of `count` from every point to one light.
@@ -100,8 +130,7 @@ impl Wave {
             (_, true) => frame.isa.run(Ask::<true, true, _> { from, choose, to: sent }),
         }
         chosen.set(frame.isa, points.surfaces.len, |i| sent.weight.get(i) != Vec3::ZERO);
-        let kind = if depth == 0 { ShadowKind::FromPrimary } else { ShadowKind::FromDeeper };
-        self.shadows[kind as usize].append(sent, &points.labels, chosen);
+        self.shadows[ShadowKind::at(depth) as usize].append(sent, &points.labels, chosen);
     }
 }
 

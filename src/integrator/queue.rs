@@ -91,6 +91,13 @@ pub(super) enum ShadowKind {
     FromDeeper,
 }
 
+impl ShadowKind {
+    /// That of hits with `depth` bounces behind them.
+    pub(super) fn at(depth: u32) -> Self {
+        if depth == 0 { Self::FromPrimary } else { Self::FromDeeper }
+    }
+}
+
 /// Rays that wait.
 #[derive(Debug, Default)]
 pub(super) struct RayQueue {
@@ -143,6 +150,12 @@ struct Names {
 impl RayQueue {
     pub(super) fn len(&self) -> usize {
         self.rays.len()
+    }
+
+    /// Rays that there is room for: as many as ever waited, or more.
+    #[cfg(test)]
+    pub(super) fn room(&self) -> usize {
+        self.slot.capacity()
     }
 
     /// Adds the chosen ones of the rays that were sent to lights.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::bounces::Lobes;
+use super::bounces::{Lobes, most_camera_rays};
 use super::camera_rays::{CameraRays, Place};
 use super::chosen::Chosen;
 use super::features::FeatureSums;
@@ -46,6 +46,8 @@ pub struct Wave {
     scratch: WorldScratch,
     surface_scratch: Box<SurfaceScratch>,
     pub(super) points: Box<Points>,
+    /// Where rays to lights pass through.
+    passed: Box<Surfaces>,
     pub(super) lobes: Box<Lobes>,
     pub(super) set: Box<SetPoints>,
     pub(super) choice: Box<LightChoice>,
@@ -72,25 +74,39 @@ impl Wave {
         }
         self.sums.reset(self.seeds.len());
         self.features.reset(if with_features { work.len() } else { 0 });
-        let mut place = Place::default();
-        loop {
-            let Self { camera_rays, seeds, batch, .. } = self;
-            camera_rays.fill(frame, work, seeds, &mut place, batch);
-            if self.batch.rays.is_empty() {
-                break;
-            }
-            self.counts.camera_rays += self.batch.rays.len() as u64;
-            self.trace_batch(frame, 0);
-            self.work_off(frame, BATCH, gives_up)?;
+        let is_done = self.trace_all(frame, work, gives_up);
+        if is_done.is_none() {
+            self.bounces.clear();
+            self.shadows = Default::default();
+            return None;
         }
-        self.work_off(frame, 1, gives_up)?;
         self.sums.fold(work.len());
         let Self { sums, features, counts, .. } = self;
         Some(Traced { sums: sums.get(), features: features.get(), statistics: *counts })
     }
 
-    /// Traces batches until no queue holds `least` rays or more; `None`, with empty queues, if told to
-    /// give up.
+    fn trace_all(
+        &mut self,
+        frame: &FrameScene,
+        work: &[Work],
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
+        let most = most_camera_rays(&frame.settings);
+        let mut place = Place::default();
+        loop {
+            let Self { camera_rays, seeds, batch, .. } = self;
+            camera_rays.fill(frame, work, seeds, &mut place, most, batch);
+            if self.batch.rays.is_empty() {
+                break;
+            }
+            self.counts.camera_rays += self.batch.rays.len() as u64;
+            self.trace_batch(frame, 0, gives_up)?;
+            self.work_off(frame, BATCH, gives_up)?;
+        }
+        self.work_off(frame, 1, gives_up)
+    }
+
+    /// Traces batches until no queue holds `least` rays or more; `None` if told to give up.
     ///
     /// While more rays are to come the deepest full queue goes first, which bounds what waits; at
     /// the end, where all are below a batch, the shallowest goes first, since it fills the others.
@@ -103,8 +119,6 @@ impl Wave {
         use ShadowKind::{FromDeeper, FromPrimary};
         loop {
             if gives_up() {
-                self.bounces.clear();
-                self.shadows = Default::default();
                 return None;
             }
             let shadows =
@@ -116,7 +130,7 @@ impl Wave {
             } else if let Some(depth) = deepest.or_else(shallowest) {
                 self.bounces[depth].take_batch(&mut self.batch);
                 self.counts.bounce_rays += self.batch.rays.len() as u64;
-                self.trace_batch(frame, depth as u32);
+                self.trace_batch(frame, depth as u32, gives_up)?;
             } else if let Some(kind) = shadows(least) {
                 self.trace_shadows(frame, kind);
             } else {
@@ -125,12 +139,18 @@ impl Wave {
         }
     }
 
-    fn waiting(&self, kind: ShadowKind) -> usize {
+    pub(super) fn waiting(&self, kind: ShadowKind) -> usize {
         self.shadows[kind as usize].len()
     }
 
-    /// Traces the batch, adds what its rays bring, and queues the rays that its hits send out.
-    fn trace_batch(&mut self, frame: &FrameScene, depth: u32) {
+    /// Traces the batch, adds what its rays bring, and queues the rays that its hits send out; `None`
+    /// if told to give up.
+    fn trace_batch(
+        &mut self,
+        frame: &FrameScene,
+        depth: u32,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
         let Self { batch, found, scratch, camera_habit, bounces, .. } = self;
         let habit = match depth {
             0 => camera_habit,
@@ -152,10 +172,11 @@ impl Wave {
             features.add(frame, batch, &looks.0, points);
         }
         let glossy = self.find_lobes(frame, depth);
-        self.ask_lights(frame, glossy, depth);
+        self.ask_lights(frame, glossy, depth, gives_up)?;
         if glossy {
-            self.bounce(frame, depth);
+            self.bounce(frame, depth, gives_up)?;
         }
+        Some(())
     }
 
     /// Notes what rays bring that end, and the hits that are to be shaded.
@@ -190,7 +211,9 @@ impl Wave {
         points.gather(frame, batch, chosen, seeds);
     }
 
-    fn trace_shadows(&mut self, frame: &FrameScene, kind: ShadowKind) {
+    /// Traces a batch of rays to lights. Leaves the points as they are, since their hits may be about
+    /// to send others.
+    pub(super) fn trace_shadows(&mut self, frame: &FrameScene, kind: ShadowKind) {
         self.shadows[kind as usize].take_batch(&mut self.batch);
         self.counts.shadow_rays += self.batch.rays.len() as u64;
         let expected = self.shadows[kind as usize].habit.expected();
@@ -221,10 +244,10 @@ impl Wave {
         expected: Coherence,
         kind: ShadowKind,
     ) -> Coherence {
-        let Self { batch, found, scratch, points, surface_scratch, sent, next, chosen, .. } = self;
+        let Self { batch, found, scratch, passed: surfaces, surface_scratch, .. } = self;
+        let Self { sent, next, chosen, .. } = self;
         let (rays, time) = (&batch.rays, &batch.labels.time);
         let coherence = frame.world.intersect(rays, time, expected, found, scratch);
-        let surfaces: &mut Surfaces = &mut points.surfaces;
         surfaces.len = 0;
         for i in 0..batch.rays.len().min(BATCH) {
             let primitive = found.hits.primitive[i];
@@ -348,4 +371,73 @@ fn lobe_share(frame: &FrameScene, light: &Light, way: Vec3, density: f32, depth:
         return 1.0;
     }
     density / (density + tries(frame, light, depth - 1) * light.density(way))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::accel::Isa;
+    use crate::scene::{Files, load};
+
+    /// A floor under lights that are seen in it.
+    fn frame(settings: &str, lights: usize) -> FrameScene {
+        let light = "light_rectangle l { color { 1 1 1 }
+            vertex0 { 3 -6 6 } vertex1 { 5 -6 6 } vertex2 { 5 -4 6 } }";
+        let text = format!(
+            "settings s {{ imageSamples 1 {settings} }}
+             Camera c {{ fps 25 Film f {{ width 32 height 32 }}
+                 CamSegment a {{ videoStart 0 videoEnd 1 addPosition {{ 3 -6 3 }} addTarget {{ 0 0 0 }} fovStart .3 }} }}
+             {}
+             phong_info p {{ diffuse {{ .8 .1 .1 }} reflectance .5 diffuse_reflection .5 }}
+             material_phong p {{ phong_info p }}
+             plane floor {{ normal {{ 0 0 1 }} position {{ 0 0 0 }} material p }}",
+            light.repeat(lights)
+        );
+        let loaded = load("scene.txt", text.as_bytes(), &Files::built_in("", &[]));
+        let scene = loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
+        FrameScene::build(&scene, 0, Isa::best()).unwrap()
+    }
+
+    fn work() -> Vec<Work> {
+        (0..4096).map(|i| Work { x: i % 32, y: i / 32 % 32, first: i / 1024, count: 1 }).collect()
+    }
+
+    #[test]
+    fn what_waits_is_bounded_however_many_rays_a_hit_sends() {
+        for settings in [
+            "softShadowSamples 300",
+            "softShadowSamples 300 shadow TRANSPARENT",
+            "diffuseReflectionSamples 4000",
+        ] {
+            let (frame, mut wave) = (frame(settings, 1), Wave::default());
+            let work = if settings.starts_with("diffuse") { &work()[..2048] } else { &work() };
+            let traced = wave.trace(&frame, work, false, &|| false).unwrap();
+            let counts = traced.statistics;
+            assert!(counts.shadow_rays + counts.bounce_rays > 100_000, "{settings}: {counts:?}");
+            let most = |depth: usize| if depth == 0 { 64 * BATCH } else { 1100 * BATCH };
+            let rooms = wave.shadows.iter().map(|queue| (0, queue.room()));
+            let bounces = wave.bounces.iter().map(|queue| (1, queue.room()));
+            for (depth, room) in rooms.chain(bounces) {
+                assert!(room <= most(depth), "{settings}: {room}");
+            }
+        }
+    }
+
+    #[test]
+    fn giving_up_is_asked_about_between_lights() {
+        let (frame, mut wave) = (frame("", 500), Wave::default());
+        let asked = Cell::new(0);
+        let gives_up = || {
+            asked.set(asked.get() + 1);
+            asked.get() == 10
+        };
+        assert!(wave.trace(&frame, &work(), false, &gives_up).is_none());
+        assert!(wave.counts.shadow_rays < 20 * BATCH as u64);
+        assert!(wave.shadows.iter().all(|queue| queue.len() == 0));
+        // The same memory serves on.
+        let traced = wave.trace(&frame, &work()[..64], false, &|| false).unwrap();
+        assert_eq!(traced.sums.len(), 64);
+    }
 }
