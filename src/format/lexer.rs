@@ -5,7 +5,7 @@ use std::ops::Range;
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TokenKind {
-    /// A run of characters without white space or braces.
+    /// A run of characters without white space or braces, or a name in double quotes, with them.
     Word,
     /// `{`
     Open,
@@ -75,11 +75,21 @@ impl<'a> Lexer<'a> {
             None => (TokenKind::End, 0),
             Some(b'{') => (TokenKind::Open, 1),
             Some(b'}') => (TokenKind::Close, 1),
+            Some(b'"') => (TokenKind::Word, quoted_length(rest)),
             Some(_) => (TokenKind::Word, word_length(rest)),
         };
         let range = self.at..self.at + length;
         self.at = range.end;
         Token { kind, range }
+    }
+}
+
+/// The bytes of a name in quotes, which ends in its line; those of a plain word if it does not.
+fn quoted_length(rest: &str) -> usize {
+    let line = &rest[..rest.find(['\n', '\r']).unwrap_or(rest.len())];
+    match line[1..].find('"') {
+        Some(length) => length + 2,
+        None => word_length(rest),
     }
 }
 
@@ -110,6 +120,14 @@ mod tests {
         check("a b{c}d { } ", &["a", "b", "{", "c", "}", "d", "{", "}"]);
         check("plošné_světlo\u{a0}s\r\n{1\t2}", &["plošné_světlo", "s", "{", "1", "2", "}"]);
         check("", &[]);
+    }
+
+    #[test]
+    fn names_in_quotes() {
+        check("a \"b {c} # d\" e", &["a", "\"b {c} # d\"", "e"]);
+        check("a\"b\" \"\"{\"c\"d}", &["a\"b\"", "\"\"", "{", "\"c\"", "d", "}"]);
+        check("\"a b\nc\" d\"", &["\"a", "b", "c\"", "d\""]);
+        check("\"a b\r\nc\"", &["\"a", "b", "c\""]);
     }
 
     #[test]

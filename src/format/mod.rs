@@ -13,5 +13,5 @@ pub(crate) use bytes::{QUOTED, blank_len, is_space, parse_word, quick_f64, quick
 pub use error::FileError;
 pub(crate) use input::Input;
 pub use number::{NumberError, looks_like_number, parse_number};
-pub use parser::parse;
+pub use parser::{parse, written};
 pub(crate) use place::Place;

@@ -58,7 +58,11 @@ fn explain(word: &str) -> NumberError {
         Some(format!("write `{}` with a plain minus", word.replace(DASHES, "-")))
     } else if !number.is_empty() && (rest.starts_with('#') || rest.starts_with("/*")) {
         Some(format!("put white space in front of the comment: `{number} {rest}`"))
-    } else if !number.is_empty() && rest.chars().all(|c| c.is_alphabetic() || c == '%') {
+    } else if let (Ok(percent), "%") = (number.parse::<f64>(), rest) {
+        let fraction = format!("{:.9}", percent / 100.0);
+        let fraction = fraction.trim_end_matches('0').trim_end_matches('.');
+        Some(format!("a share is a number from 0 to 1, write `{fraction}`"))
+    } else if !number.is_empty() && rest.chars().all(char::is_alphabetic) {
         Some(format!("a number has no unit, write `{number}`"))
     } else {
         None
@@ -137,6 +141,8 @@ mod tests {
         assert_eq!(help("\u{2013}.5"), "write `-.5` with a plain minus");
         assert_eq!(help("32#samples"), "put white space in front of the comment: `32 #samples`");
         assert_eq!(help("1;"), "write `1`, without the semicolon");
+        assert_eq!(help("2%"), "a share is a number from 0 to 1, write `0.02`");
+        assert_eq!(help("100%"), "a share is a number from 0 to 1, write `1`");
         assert_eq!(help("5cm"), "a number has no unit, write `5`");
     }
 

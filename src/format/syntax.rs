@@ -2,7 +2,7 @@
 
 use crate::diagnostics::Span;
 
-/// A run of characters of the text.
+/// A run of characters of the text; of a name in double quotes, what stands between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word<'a> {
     /// As written.
@@ -58,6 +58,8 @@ pub enum Form<'a> {
     Value(Word<'a>),
     /// `<name>` alone, where a value should follow.
     Nothing,
+    /// `<name>` and something that is no value, which the parser has reported.
+    Broken,
 }
 
 /// What stands between braces.

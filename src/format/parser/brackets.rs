@@ -73,6 +73,9 @@ impl<'a> Parser<'a, '_> {
     pub(super) fn cut_closer(&mut self) {
         let Some(closer) = self.stack.last().and_then(|frame| frame.closer) else { return };
         let text = &self.text[self.next.range.clone()];
+        if text.starts_with('"') {
+            return;
+        }
         match text.find(closer) {
             Some(0) if self.next.kind == TokenKind::Word => self.cut_next(1, TokenKind::Close),
             Some(at) if self.next.kind == TokenKind::Word => self.cut_next(at, TokenKind::Word),
@@ -112,7 +115,8 @@ impl<'a> Parser<'a, '_> {
 
 /// Where in a word there is a bracket behind something else.
 fn bracket_behind(word: &str) -> Option<usize> {
-    word.find(['(', '[', '<']).filter(|at| *at > 0 && may_open(&word[*at..]))
+    let is_quoted = word.starts_with('"');
+    word.find(['(', '[', '<']).filter(|at| !is_quoted && *at > 0 && may_open(&word[*at..]))
 }
 
 /// Whether a bracket is no tag of HTML.

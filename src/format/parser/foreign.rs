@@ -6,8 +6,8 @@ use crate::format::lexer::TokenKind;
 use crate::format::number::looks_like_number;
 use crate::format::syntax::{Block, Form, Word};
 
-/// Words that a name may wrongly consist of.
-const MOST_WORDS: usize = 8;
+/// Digits of a colour as web pages write it, without the `#`.
+const HEX_DIGITS: [usize; 3] = [3, 6, 8];
 
 impl<'a> Parser<'a, '_> {
     /// Whether a word that stands where something begins is of another language; if so, reports it
@@ -33,41 +33,6 @@ impl<'a> Parser<'a, '_> {
         true
     }
 
-    /// Passes over further words of a name, or a sign behind it: words that begin nothing in the
-    /// element or at the top of a scene, in the same line in front of its `{`.
-    pub(super) fn take_name(&mut self, keyword: Word<'_>, first: Word<'a>) {
-        let tokens = std::iter::once(self.next.clone()).chain(self.following()).take(MOST_WORDS);
-        let words: Vec<_> = tokens
-            .take_while(|token| token.kind == TokenKind::Word)
-            .map(|token| self.word_at(token.range))
-            .collect();
-        let Some(last) = words.last() else { return };
-        let is_name = |word: &Word<'_>| {
-            self.grammar.follows(Some(keyword.text), word.text).is_none()
-                && self.grammar.follows(None, word.text).is_none()
-                && !looks_like_number(word.text)
-        };
-        let end = last.span.end;
-        let is_one_line = !self.text[first.span.end..end].contains('\n');
-        if !words.iter().all(is_name) || !is_one_line || !self.is_open_behind(end) {
-            return;
-        }
-        match words.as_slice() {
-            [sign] if is_sign(sign) => self.report_sign(first, "`{`", *sign),
-            _ => self.report_long_name(keyword, Span { end, ..first.span }),
-        }
-        self.reread(end);
-    }
-
-    fn report_long_name(&mut self, keyword: Word<'_>, span: Span) {
-        let name: Vec<_> = self.text[span.start..span.end].split_whitespace().collect();
-        self.diagnostics.push(Diagnostic::error("a name is one word").at(span, "").help(format!(
-            "write `{} {} {{ ... }}`",
-            keyword.text,
-            name.join("_")
-        )));
-    }
-
     /// Passes over `=` or `:` between an attribute and its value.
     pub(super) fn skip_sign(&mut self, keyword: Word<'_>) {
         let sign = self.word_at(self.next.range.clone());
@@ -84,14 +49,14 @@ impl<'a> Parser<'a, '_> {
         }
     }
 
-    fn report_sign(&mut self, word: Word<'_>, follower: &str, sign: Word<'_>) {
+    pub(super) fn report_sign(&mut self, word: Word<'_>, follower: &str, sign: Word<'_>) {
         let (word, text) = (word.text, sign.text);
         let message = format!("`{word}` is followed by {follower}, without `{text}`");
         self.diagnostics.push(Diagnostic::error(message).at(sign.span, "one too many"));
     }
 
     /// Whether the token behind a byte is `{`.
-    fn is_open_behind(&self, at: usize) -> bool {
+    pub(super) fn is_open_behind(&self, at: usize) -> bool {
         let mut lexer = self.lexer.clone();
         lexer.rewind(at);
         lexer.next_token().kind == TokenKind::Open
@@ -122,19 +87,28 @@ impl<'a> Parser<'a, '_> {
         true
     }
 
-    /// The rest of a value that begins with a quote, up to the word that ends with one, in its line.
-    pub(super) fn take_quoted(&mut self, word: Word<'a>) -> Word<'a> {
-        let rest = &self.text[word.span.start..];
-        let line = &rest[..rest.find(['\n', '{', '}']).unwrap_or(rest.len())];
-        let quote = line.strip_prefix('"').and_then(|line| line.find('"'));
-        match quote.map(|at| at + 2) {
-            Some(length) if length > word.text.len() => {
-                let end = word.span.start + length;
-                self.reread(end);
-                Word { text: &line[..length], span: Span { end, ..word.span } }
-            }
-            _ => word,
-        }
+    /// Passes over a colour such as `#cc1111`, which comes next where a vector should and is read as
+    /// a comment. Returns whether there is one.
+    pub(super) fn skip_hex_color(&mut self, behind: usize) -> bool {
+        let is_vector = match self.next.kind {
+            TokenKind::Open => true,
+            TokenKind::Word => looks_like_number(&self.text[self.next.range.clone()]),
+            _ => false,
+        };
+        let gap = self.text[behind..self.next.range.start].trim_start();
+        let Some(rest) = gap.strip_prefix('#').filter(|_| !is_vector) else { return false };
+        let digits = rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
+        let Some(channels) = channels(&rest[..digits]) else { return false };
+        let start = self.next.range.start - gap.len();
+        let end = start + 1 + digits;
+        let vector = channels.map(|value| format!("{:.3}", f64::from(value) / 255.0)).join(" ");
+        self.diagnostics.push(
+            Diagnostic::error("`#` begins a comment, so this is no colour")
+                .at(self.span(start..end), "")
+                .help(format!("a colour is three numbers from 0 to 1: write `{{ {vector} }}`")),
+        );
+        self.reread(end);
+        true
     }
 
     /// Goes on reading at a byte behind the token just read.
@@ -145,6 +119,17 @@ impl<'a> Parser<'a, '_> {
     }
 }
 
-fn is_sign(word: &Word<'_>) -> bool {
+pub(super) fn is_sign(word: &Word<'_>) -> bool {
     matches!(word.text, "=" | ":")
+}
+
+/// Red, green and blue of a colour in hexadecimal digits; its opacity is left out.
+fn channels(digits: &str) -> Option<[u8; 3]> {
+    if !HEX_DIGITS.contains(&digits.len()) {
+        return None;
+    }
+    let width = if digits.len() == 3 { 1 } else { 2 };
+    let channel = |i: usize| u8::from_str_radix(digits.get(i * width..(i + 1) * width)?, 16).ok();
+    let unit = if width == 1 { 17 } else { 1 };
+    Some([channel(0)? * unit, channel(1)? * unit, channel(2)? * unit])
 }

@@ -4,10 +4,12 @@ mod ahead;
 mod braces;
 mod brackets;
 mod foreign;
+mod names;
 
 use std::ops::Range;
 
 use self::braces::Forced;
+pub use self::names::written;
 use super::lexer::{Lexer, Token, TokenKind};
 use super::number::{looks_like_number, parse_number};
 use super::syntax::{Block, Entry, Follows, Form, Grammar, Item, Number, Tree, Word};
@@ -41,6 +43,7 @@ pub fn parse<'a>(
         closer: None,
         late_closes: 0,
         comment_unclosed: false,
+        lookups: 0,
     };
     parser.run()
 }
@@ -104,6 +107,8 @@ struct Parser<'a, 'v> {
     /// How many `}` may still follow of blocks that were closed in front of a word.
     late_closes: usize,
     comment_unclosed: bool,
+    /// How many names of several words were looked up in the text.
+    lookups: usize,
 }
 
 impl<'a> Parser<'a, '_> {
@@ -187,6 +192,9 @@ impl<'a> Parser<'a, '_> {
         if !matches!(follows, Some(Follows::Element | Follows::Name | Follows::Value)) {
             self.take_bracket();
         }
+        if follows == Some(Follows::Vector) && self.skip_hex_color(word.span.end) {
+            return self.push_item(word, Form::Broken);
+        }
         let head = Head { keyword: word, name: None };
         match self.next.kind {
             TokenKind::Open => self.open(head),
@@ -250,14 +258,21 @@ impl<'a> Parser<'a, '_> {
         let mut second = self.word_at(range);
         if follows == Some(Follows::Element) || self.stack.is_empty() {
             second = self.cut_name(second);
-            self.take_name(keyword, second);
+            second = self.take_name(keyword, second);
             self.take_bracket();
         }
         if follows == Some(Follows::Name) {
-            second = self.take_quoted(second);
+            second = self.take_value(keyword, second);
+        }
+        let is_value = matches!(follows, Some(Follows::Name | Follows::Value));
+        if follows != Some(Follows::Value) {
+            match self.unquoted(second) {
+                Some(name) => second = name,
+                None if is_value => return self.push_item(keyword, Form::Broken),
+                None => {}
+            }
         }
         let head = Head { keyword, name: Some(second) };
-        let is_value = matches!(follows, Some(Follows::Name | Follows::Value));
         if self.next.kind == TokenKind::Open && !(is_value && self.is_swapped_ahead()) {
             self.open(head);
         } else if self.is_open_meant(keyword.text, follows) {
@@ -279,8 +294,19 @@ impl<'a> Parser<'a, '_> {
         let open = self.span(range);
         if self.stack.len() < MAX_DEPTH {
             self.push(Some(head), open);
+            self.skip_color_in_braces(open);
         } else {
             self.skip_block(open);
+        }
+    }
+
+    /// Passes over a colour in hexadecimal digits that stands in a vector just opened.
+    fn skip_color_in_braces(&mut self, open: Span) {
+        let outer = self.stack.len() - 1;
+        let owner = self.stack[outer].owner();
+        let is_vector = self.follows(outer, owner) == Some(Follows::Vector);
+        if is_vector && self.skip_hex_color(open.end) {
+            self.stack[outer].block.damaged = true;
         }
     }
 
@@ -413,6 +439,7 @@ mod tests {
             Form::Block(body) => block(body),
             Form::Value(word) => format!("={}", word.text),
             Form::Nothing => String::new(),
+            Form::Broken => "=!".to_owned(),
         }
     }
 
@@ -535,7 +562,6 @@ mod tests {
             "sphere:a{center{1} radius=1} sphere:b{center{1 2 3}}",
             &["unexpected `;`", "unexpected `;`", "unexpected `,`"],
         );
-        check("sphere a { material \"b c\" radius 1 }", "sphere:a{material=\"b c\" radius=1}", &[]);
         let sign = "`radius` is followed by its value, without `=`";
         check("sphere a { radius = 1 }", "sphere:a{radius=1}", &[sign]);
         let sign = "`center` is followed by its value, without `:`";
@@ -543,13 +569,67 @@ mod tests {
         let sign = "`a` is followed by `{`, without `=`";
         check("sphere a = { radius 1 }", "sphere:a{radius=1}", &[sign]);
         check("sphere a { material = radius 1 }", "sphere:a{material== radius=1}", &[]);
-        check("sphere a b c { radius 1 }", "sphere:a{radius=1}", &["a name is one word"]);
         check(
             "sphere a\nsphere b { }",
             "sphere:a{}! sphere:b{}",
             &["expected `{` after `sphere a`"],
         );
         check("camera c { film 1 }", "camera:c{film:1{}!}", &["expected `{` after `film 1`"]);
+    }
+
+    #[test]
+    fn names_in_quotes_hold_anything_but_quotes() {
+        check("sphere \"a b\" { material \"radius {\" }", "sphere:a b{material=radius {}", &[]);
+        check("sphere \"(\"{material \"[a)\" }", "sphere:({material=[a)}", &[]);
+        check(
+            "camera c [ film \"x]\" [ width 1 ] ]",
+            "camera:c{film:x]{width=1}}",
+            &["expected `{`, found `[`"; 2],
+        );
+        check("sphere a { radius \"1\" }", "sphere:a{radius=\"1\"}", &[]);
+    }
+
+    #[test]
+    fn quotes_that_are_wrong() {
+        let unclosed = "this `\"` is never closed";
+        let empty = "a name can't be empty";
+        check("sphere \"a { radius 1 }", "sphere:\"a{radius=1}", &[unclosed]);
+        check(
+            "sphere a { material \"b c\nradius 1 }",
+            "sphere:a{material=! radius=1}",
+            &[unclosed],
+        );
+        check("sphere a { material \"b }", "sphere:a{material=!}", &[unclosed]);
+        check("sphere a { material \" }", "sphere:a{material=!}", &[unclosed]);
+        check("sphere a { material \"\" }", "sphere:a{material=!}", &[empty]);
+        check("sphere \"\" { radius 1 }", "sphere:\"\"{radius=1}", &[empty]);
+    }
+
+    #[test]
+    fn names_of_several_words_need_quotes() {
+        let (name, value) = (
+            "a name that holds white space stands in quotes",
+            "a name or path that holds white space stands in quotes",
+        );
+        check("sphere a b c { radius 1 }", "sphere:a b c{radius=1}", &[name]);
+        let text = "sphere a { material b  c.png radius 1 }";
+        check(text, "sphere:a{material=b  c.png radius=1}", &[value]);
+        let text = "sphere a { material b c radius 1 } sphere \"b c\" { }";
+        check(text, "sphere:a{material=b c radius=1} sphere:b c{}", &[value]);
+        let text = "sphere a { material b c radius 1 }";
+        check(text, "sphere:a{material=b c radius=1}", &[]);
+        let text = "sphere a { material b.png c.png }";
+        check(text, "sphere:a{material=b.png c.png}", &[]);
+        check("sphere a { material b\nc.png }", "sphere:a{material=b c.png}", &[]);
+    }
+
+    #[test]
+    fn a_colour_of_the_web_is_no_comment() {
+        let color = "`#` begins a comment, so this is no colour";
+        check("sphere a { center #cc1111 }", "sphere:a{center=!}", &[color]);
+        check("sphere a { center { #fff } radius 1 }", "sphere:a{center{}! radius=1}", &[color]);
+        check("sphere a { center #12 }\n{ 1 } }", "sphere:a{center{1}}", &[]);
+        check("sphere a { center #fff\n{ #abc\n1 } }", "sphere:a{center{1}}", &[]);
     }
 
     #[test]

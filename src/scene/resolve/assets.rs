@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use super::values::FARTHEST;
 use crate::diagnostics::{Diagnostic, Diagnostics, Source, Span};
-use crate::format::FileError;
 use crate::format::syntax::Word;
+use crate::format::{FileError, written};
 use crate::scene::files::{ContentHash, Files, HashingReader, OpenError};
 use crate::scene::{Mesh, Texture, mesh, texture};
 
@@ -192,7 +192,7 @@ fn cannot_open(path: Word<'_>, e: &OpenError) -> Diagnostic {
             .help("give `--indir` a folder that holds this file too, or give `--allow-outside`"),
         OpenError::Missing(near) => {
             let diagnostic = Diagnostic::error(match near {
-                Some(near) => format!("file `{name}` not found, did you mean `{near}`?"),
+                Some(near) => format!("file `{name}` not found, did you mean `{}`?", written(near)),
                 None => format!("file `{name}` not found"),
             });
             diagnostic.at(path.span, "paths start from the folder of the scene").missing_input()

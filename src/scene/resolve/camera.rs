@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::fields::{Element, Field, Fields, Value};
+use super::oddities;
 use super::schema::{CAM_SEGMENT, FILM};
 use super::values::{Bound, Found};
 use crate::diagnostics::{Diagnostic, Span};
@@ -10,6 +11,9 @@ use crate::scene::{CamSegment, Camera, Encoding, Film, OutputFormat};
 
 /// Longest side of a picture, in pixels.
 const MOST_PIXELS: u32 = 65_536;
+
+/// Control points of one curve: what a frame takes grows with them.
+const MOST_CONTROL_POINTS: usize = 10_000;
 
 /// In front of the frame number where the scene says nothing.
 const DEFAULT_PREFIX: &str = "frame_";
@@ -78,8 +82,7 @@ fn prefix(fields: &mut Fields<'_, '_, '_>) -> String {
 fn segment(fields: &mut Fields<'_, '_, '_>) -> Option<CamSegment> {
     let video = video_range(fields);
     let scene = scene_range(fields, video);
-    let positions = fields.points("addPosition");
-    let targets = fields.points("addTarget");
+    let [positions, targets] = ["addPosition", "addTarget"].map(|name| curve(fields, name));
     let sky = sky(fields);
     check_view(fields, &positions, &targets, sky);
     let fov = from_to(fields, |f, name| f.number(name, Bound::Positive), ["fovStart", "fovEnd"]);
@@ -88,6 +91,7 @@ fn segment(fields: &mut Fields<'_, '_, '_>) -> Option<CamSegment> {
     ends.into_iter().for_each(|fov| warn_of_wide_view(fields, fov));
     let (dof, lens_radius) = lens(fields);
     let blur_duration = fields.number("blurDuration", Bound::NotNegative);
+    oddities::check_shutter(fields, blur_duration, video);
     Some(CamSegment {
         name: fields.element.name.text.to_owned(),
         video: video?,
@@ -115,6 +119,22 @@ fn video_range(fields: &mut Fields<'_, '_, '_>) -> Option<[f64; 2]> {
         return None;
     }
     Some([start.value, end.value])
+}
+
+/// The control points of a curve.
+fn curve(fields: &mut Fields<'_, '_, '_>, name: &str) -> Vec<Found<DVec3>> {
+    let points = fields.points(name);
+    if let Some(first) = points.get(MOST_CONTROL_POINTS) {
+        let message = format!(
+            "{} has {} control points `{name}`, more than {MOST_CONTROL_POINTS}",
+            fields.element.title(),
+            points.len()
+        );
+        let help = "one Bézier curve passes near all of them: cut a long path into segments";
+        let error = Diagnostic::error(message).at(first.span, "the first one too many");
+        fields.diagnostics.push(error.help(help));
+    }
+    points
 }
 
 /// Scene time: as given; `sceneEnd` missing: at the speed of the video; both missing: video time.

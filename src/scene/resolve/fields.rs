@@ -1,5 +1,7 @@
 //! The attributes of one element, held against what the element takes.
 
+use std::fmt::Display;
+
 use super::ELEMENTS;
 use super::schema::{Attribute, Kind, Schema, owners};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
@@ -211,10 +213,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
                 self.sign(attribute, *sign);
                 Value::Broken
             }
-            (Kind::Word(_), Form::Value(word)) if word.text.contains('"') => {
-                self.quoted(*word);
-                Value::Broken
-            }
+            (_, Form::Broken) => Value::Broken,
             (_, Form::Nothing) => {
                 let message = format!("`{}` has no value", item.keyword.text);
                 let error = Diagnostic::error(message).at(item.keyword.span, "");
@@ -251,16 +250,6 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         self.diagnostics.push(error.help(format!("write {}", attribute.usage())));
     }
 
-    fn quoted(&mut self, word: Word<'_>) {
-        let error = Diagnostic::error("a word is written without quotes").at(word.span, "");
-        self.diagnostics.push(match word.text.trim_matches('"') {
-            plain if word.text.len() == plain.len() + 2 && !plain.contains(char::is_whitespace) => {
-                error.help(format!("write `{plain}`"))
-            }
-            _ => error.help("a name or path can't contain white space"),
-        });
-    }
-
     fn wrong_form(
         &mut self,
         attribute: &Attribute,
@@ -272,7 +261,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             Form::Value(word) => (word.span, "found this"),
             Form::Block(block) => (block.open, "found `{`"),
             Form::Element(name, _) => (name.span, "found this"),
-            Form::Nothing => (keyword.span, "found nothing"),
+            Form::Nothing | Form::Broken => (keyword.span, "found nothing"),
         };
         let expected = match attribute.kind {
             Kind::Number => "a number without braces",
@@ -346,7 +335,7 @@ fn rewritten(
 }
 
 /// "`a`, `b` and 3 others"
-pub(super) fn quoted_list<'s>(names: impl Iterator<Item = &'s str>, most: usize) -> String {
+pub(super) fn quoted_list<S: Display>(names: impl Iterator<Item = S>, most: usize) -> String {
     let names: Vec<_> = names.map(|n| format!("`{n}`")).collect();
     match names.len() {
         n if n > most => format!("{} and {} others", names[..most].join(", "), n - most),

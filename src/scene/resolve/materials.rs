@@ -1,6 +1,7 @@
 //! Materials, and the phong_infos that they are made of.
 
 use super::fields::Fields;
+use super::oddities;
 use super::values::Bound;
 use crate::scene::Material;
 
@@ -12,7 +13,7 @@ pub(super) fn phong_info(fields: &mut Fields<'_, '_, '_>) -> Material {
     let diffuse_reflection = number("diffuse_reflection");
     let refraction = number("refraction");
     let diffuse_refraction = number("diffuse_refraction");
-    Material {
+    let material = Material {
         name: fields.element.name.text.to_owned(),
         ambient: fields.color("ambient").unwrap_or_default(),
         diffuse: fields.color("diffuse").unwrap_or_default(),
@@ -24,7 +25,9 @@ pub(super) fn phong_info(fields: &mut Fields<'_, '_, '_>) -> Material {
         diffuse_refraction,
         refraction_index: fields.number_f32("refraction_index", Bound::Positive).unwrap_or(1.0),
         texture: None,
-    }
+    };
+    oddities::check_phong_info(fields, &material);
+    material
 }
 
 /// `scale_U` and `scale_V` of a `material_texture`.

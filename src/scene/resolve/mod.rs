@@ -7,6 +7,8 @@ mod fields;
 mod key_frames;
 mod lights;
 mod materials;
+mod oddities;
+mod overlaps;
 mod schema;
 mod settings;
 mod shapes;
@@ -24,9 +26,9 @@ use super::{
     Camera, Light, Material, MaterialId, Object, SceneDescription, Settings, Shape, Texture,
     TextureId, TextureUse,
 };
-use crate::diagnostics::{Diagnostic, Diagnostics, SourceId};
-use crate::format::parse;
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 use crate::format::syntax::Word;
+use crate::format::{parse, written};
 
 /// The scene of a text that is a source of `diagnostics`; a scene without meaning where there are
 /// errors.
@@ -131,16 +133,21 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let phong_infos = self.phong_infos();
         let textures = self.textures();
         let materials = self.materials(&phong_infos);
-        let objects = self.objects();
-        Some(SceneDescription {
+        let objects = self.objects(camera.as_ref());
+        let scene = SceneDescription {
             settings,
             camera: camera?,
-            lights,
+            lights: lights.iter().map(|(light, _)| light.clone()).collect(),
             materials,
             textures: textures.into_iter().collect::<Option<_>>()?,
-            objects,
+            objects: objects.iter().map(|(object, _)| object.clone()).collect(),
             content_hash: self.assets.hash.finish(),
-        })
+        };
+        if self.dangling.is_empty() && !self.diagnostics.has_errors() {
+            oddities::check_light(&scene, self.diagnostics);
+            overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
+        }
+        Some(scene)
     }
 
     fn fields(&mut self, element: Element<'t, 'a>) -> Fields<'t, 'a, '_> {
@@ -170,15 +177,17 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         camera::camera(&mut self.fields(element))
     }
 
-    fn lights(&mut self) -> Vec<Light> {
+    /// Lights, with the places that they are defined at.
+    fn lights(&mut self) -> Vec<(Light, Span)> {
         let elements = self.scene.of(&["light_point", "light_rectangle"]);
         let mut lights = Vec::new();
         for element in elements {
             let mut fields = self.fields(element);
-            lights.extend(match element.schema.keyword {
+            let light = match element.schema.keyword {
                 "light_point" => lights::point(&mut fields),
                 _ => lights::rectangle(&mut fields),
-            });
+            };
+            lights.extend(light.map(|light| (light, element.head())));
         }
         lights
     }
@@ -215,15 +224,20 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         })
     }
 
-    fn objects(&mut self) -> Vec<Object> {
+    /// Objects, with the places that they are defined at.
+    fn objects(&mut self, camera: Option<&Camera>) -> Vec<(Object, Span)> {
         let elements = self.scene.objects();
-        elements.into_iter().filter_map(|e| self.object(e)).collect()
+        let object = |e: Element<'t, 'a>| Some((self.object(e, camera)?, e.head()));
+        elements.into_iter().filter_map(object).collect()
     }
 
-    fn object(&mut self, element: Element<'t, 'a>) -> Option<Object> {
+    fn object(&mut self, element: Element<'t, 'a>, camera: Option<&Camera>) -> Option<Object> {
         let mut fields = Fields::read(element, self.scale, self.diagnostics);
         let material = fields.word("material");
         let key_frames = key_frames::key_frames(&mut fields);
+        if let Some(camera) = camera {
+            oddities::check_key_times(&mut fields, &key_frames, camera);
+        }
         let shape = match element.schema.keyword {
             "plane" => shapes::plane(&mut fields),
             "sphere" => shapes::sphere(&mut fields),
@@ -317,14 +331,14 @@ fn dangling(
         return Diagnostic::error(message).at(word.span, label);
     }
     if let Some(near) = names.closest(word.text) {
-        let error = Diagnostic::error(format!("{message}, did you mean `{near}`?"));
+        let error = Diagnostic::error(format!("{message}, did you mean `{}`?", written(near)));
         return Diagnostic { help: invisible(word.text), ..error.at(word.span, "") };
     }
     let diagnostic = Diagnostic::error(message);
     let known: Vec<_> = names.all().filter(|n| !n.is_empty()).collect();
     let help = match known.as_slice() {
         [] => format!("the scene has no {kind}"),
-        known => format!("there is {}", quoted_list(known.iter().copied(), 8)),
+        known => format!("there is {}", quoted_list(known.iter().map(|name| written(name)), 8)),
     };
     diagnostic.at(word.span, "").help(help)
 }

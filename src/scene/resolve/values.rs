@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::fields::{Field, Fields, Value, quoted_list};
+use super::oddities::check_color;
 use crate::diagnostics::{Diagnostic, Span};
 use crate::format::syntax::{Block, Entry, Word};
 use crate::format::{looks_like_number, parse_number};
@@ -193,7 +194,9 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         }
         let [r, g, b] =
             found.value.to_array().map(|value| self.fit_f32(Found { value, span: found.span }));
-        Some([r?, g?, b?])
+        let color = [r?, g?, b?];
+        check_color(self, name, found.span, color);
+        Some(color)
     }
 
     fn point_of(&mut self, field: Field<'t, 'a>) -> Option<Found<DVec3>> {
