@@ -51,7 +51,13 @@ impl<'f> Assets<'f> {
             return known.clone();
         }
         let loaded = self.read(path, diagnostics, |reader| texture::load(path.text, reader));
-        let loaded = loaded.map(Arc::new);
+        let loaded = loaded.map(|loaded| {
+            for warning in loaded.warnings {
+                let message = format!("texture `{}`: {warning}", path.text);
+                diagnostics.push(Diagnostic::warning(message).at(path.span, ""));
+            }
+            Arc::new(loaded.texture)
+        });
         self.textures.insert(path.text.to_owned(), loaded.clone());
         loaded
     }
