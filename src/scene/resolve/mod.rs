@@ -131,7 +131,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let phong_infos = self.phong_infos();
         let textures = self.textures();
         let materials = self.materials(&phong_infos);
-        let objects = self.objects();
+        let objects = self.objects(&materials);
         Some(SceneDescription {
             settings,
             camera: camera?,
@@ -215,12 +215,12 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         })
     }
 
-    fn objects(&mut self) -> Vec<Object> {
+    fn objects(&mut self, materials: &[Material]) -> Vec<Object> {
         let elements = self.scene.objects();
-        elements.into_iter().filter_map(|e| self.object(e)).collect()
+        elements.into_iter().filter_map(|e| self.object(e, materials)).collect()
     }
 
-    fn object(&mut self, element: Element<'t, 'a>) -> Option<Object> {
+    fn object(&mut self, element: Element<'t, 'a>, materials: &[Material]) -> Option<Object> {
         let mut fields = Fields::read(element, self.scale, self.diagnostics);
         let material = fields.word("material");
         let key_frames = key_frames::key_frames(&mut fields);
@@ -234,7 +234,11 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             "cone" => shapes::cone(&mut fields),
             _ => mesh(&mut fields, &mut self.assets),
         };
+        let files = filenames(&fields).unwrap_or_default();
         let material = material.and_then(|word| self.refer(Referred::Material, word));
+        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.texture.is_some()) {
+            self.assets.warn_without_uvs(&files, self.diagnostics);
+        }
         Some(Object {
             name: element.name.text.to_owned(),
             material: MaterialId(material? as u32),
@@ -290,14 +294,19 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
 
 fn mesh(fields: &mut Fields<'_, '_, '_>, assets: &mut Assets<'_>) -> Option<Shape> {
     let smooth = fields.count("smooth_normals", 0, 1);
+    let paths = filenames(fields)?;
+    let smooth = smooth.is_some_and(|s| s.value == 1);
+    let mesh = assets.mesh(&paths, smooth, fields.scale, fields.diagnostics)?;
+    Some(Shape::Mesh { mesh, smooth })
+}
+
+/// The files of a mesh.
+fn filenames<'a>(fields: &Fields<'_, 'a, '_>) -> Option<Vec<Word<'a>>> {
     let paths = fields.all("filename").into_iter().map(|field| match field.value {
         Value::Word(word) => Some(word),
         _ => None,
     });
-    let paths: Vec<Word<'_>> = paths.collect::<Option<_>>()?;
-    let smooth = smooth.is_some_and(|s| s.value == 1);
-    let mesh = assets.mesh(&paths, smooth, fields.scale, fields.diagnostics)?;
-    Some(Shape::Mesh { mesh, smooth })
+    paths.collect()
 }
 
 /// The error about a name that nothing has; with what was meant, if it is to be looked for.
