@@ -18,16 +18,11 @@ const AS_MESH: &str = "export it as .obj or .ply";
 const AS_IMAGE: &str = "save it as PNG or JPEG";
 
 /// Kinds by the bytes that their files begin with.
-const MAGIC: [(&[u8], &str, &str); 60] = [
+const MAGIC: [(&[u8], &str, &str); 59] = [
     (
         b"version https://git-lfs.github.com",
         "a Git LFS pointer, not the file itself",
         "fetch the file with `git lfs pull`",
-    ),
-    (
-        b"/annex/objects/",
-        "a git-annex pointer, not the file itself",
-        "fetch the file with `git annex get`",
     ),
     (b"\xff\xfe\0\0", "UTF-32 text", AS_TEXT),
     (b"\0\0\xfe\xff", "UTF-32 text", AS_TEXT),
@@ -129,6 +124,12 @@ fn special(start: &[u8]) -> Option<(&'static str, &'static str)> {
     if text.starts_with('{') && text.contains("\":") {
         return Some(("a JSON file", AS_MESH));
     }
+    if text.lines().next().is_some_and(|line| line.contains("/annex/objects/")) {
+        return Some((
+            "a git-annex pointer, not the file itself",
+            "fetch the file with `git annex get`",
+        ));
+    }
     if begins(&["bplist", "from __future__", "#!/"]) {
         return Some(("a program", "name the mesh or the image"));
     }
@@ -159,7 +160,26 @@ fn media(start: &[u8]) -> Option<(&'static str, &'static str)> {
     }
     let is_portable =
         matches!(start, [b'P', b'1'..=b'7', after, ..] if after.is_ascii_whitespace());
-    is_portable.then_some(("a PPM image", AS_IMAGE))
+    if is_portable {
+        return Some(("a PPM image", AS_IMAGE));
+    }
+    is_targa(start).then_some(("a TGA image", AS_IMAGE))
+}
+
+/// Whether this is the header of a TGA image, which has no magic bytes.
+fn is_targa(start: &[u8]) -> bool {
+    let Some(header) = start.first_chunk::<18>() else { return false };
+    let [_, palette, kind, p0, p1, p2, p3, bits_of_palette, .., w0, w1, h0, h1, bits, flags] =
+        *header;
+    let has_palette = palette == 1 && matches!(kind, 1 | 9) && bits_of_palette >= 15;
+    let has_none = palette == 0
+        && matches!(kind, 2 | 3 | 10 | 11)
+        && [p0, p1, p2, p3, bits_of_palette] == [0; 5];
+    (has_palette || has_none)
+        && [w0, w1] != [0; 2]
+        && [h0, h1] != [0; 2]
+        && matches!(bits, 8 | 15 | 16 | 24 | 32)
+        && flags < 0x40
 }
 
 /// Text of two bytes a character without a mark at its start.
@@ -172,7 +192,7 @@ fn by_zeros(start: &[u8]) -> Option<(&'static str, &'static str)> {
     (len >= 4 && (count(0) == len || count(1) == len)).then_some(("UTF-16 text", AS_TEXT))
 }
 
-/// Whether bytes are of no text at all.
+/// Whether bytes are of no text.
 pub(crate) fn is_binary(start: &[u8]) -> bool {
     start.contains(&0)
 }

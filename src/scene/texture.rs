@@ -7,6 +7,7 @@ use std::io::Read;
 
 pub(crate) use self::png::png_reason;
 use super::kinds::{self, Kind};
+use super::mesh;
 use crate::format::FileError;
 
 /// Texels that an image may have: 16384 x 16384, which takes 0.8 GB at 8 bits a channel.
@@ -131,14 +132,13 @@ fn read_image_file(reader: &mut dyn Read) -> Result<Vec<u8>, FileError> {
 
 /// What to say about a file that starts like neither format.
 fn other_kind(path_name: &str, bytes: &[u8]) -> FileError {
-    let is_targa = bytes.len() > 18 && bytes[bytes.len() - 18..].starts_with(b"TRUEVISION-XFILE");
-    let (name, help) = match kinds::kind(bytes) {
-        Some(Kind { name, help }) => (name.to_owned(), help),
-        None if is_targa => ("a TGA image".to_owned(), "save it as PNG or JPEG"),
-        None => {
-            let name = format!("no image, although it is called `{path_name}`");
-            (name, "textures are PNG or JPEG files")
-        }
+    const HELP: &str = "textures are PNG or JPEG files";
+    let (name, help) = if let Some(Kind { name, help }) = kinds::kind(bytes) {
+        (name.to_owned(), help)
+    } else if let Some(kind) = mesh::kind(&bytes[..bytes.len().min(kinds::LOOKED_AT)]) {
+        (format!("a .{kind} mesh"), HELP)
+    } else {
+        (format!("no image, although it is called `{path_name}`"), HELP)
     };
     FileError::whole_file(format!("the file is {name}")).with_help(help)
 }
@@ -335,7 +335,8 @@ mod tests {
         let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:1\nsize 3\n";
         assert_eq!(of(pointer), "the file is a Git LFS pointer, not the file itself");
         assert_eq!(of(b"RIFF\x10\0\0\0WEBPVP8 "), "the file is a WebP image");
-        let targa = [&[0, 0, 2][..], &[0; 40], b"TRUEVISION-XFILE.\0"].concat();
+        let targa = [&[0, 0, 2][..], &[0; 9], &[4, 0, 4, 0, 24, 0], &[7; 48]].concat();
+        assert_eq!(of(b"ply\nformat ascii 1.0\n"), "the file is a .ply mesh");
         assert_eq!(of(&targa), "the file is a TGA image");
         assert_eq!(of(b"what?"), "the file is no image, although it is called `a.png`");
         assert_eq!(of(b""), "the image file is empty");

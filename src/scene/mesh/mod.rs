@@ -42,16 +42,18 @@ pub fn load(
     let extension = extension(path_name);
     let start = start(reader)?;
     check_kind(&extension, start.get_ref())?;
+    let is_binary = kinds::is_binary(start.get_ref());
     let has_old_lines = has_old_lines(&extension, start.get_ref());
     let mut reader = start.chain(reader);
     let reader: &mut dyn Read =
         if has_old_lines { &mut OldLines(&mut reader) } else { &mut reader };
     let loaded = match extension.as_str() {
-        "slo" => LoadedMesh { mesh: slo::read(reader)?, warnings: Vec::new() },
-        "obj" => obj::read(reader, smooth)?,
-        "ply" => ply::read(reader, smooth)?,
+        "slo" => slo::read(reader).map(|mesh| LoadedMesh { mesh, warnings: Vec::new() }),
+        "obj" => obj::read(reader, smooth),
+        "ply" => ply::read(reader, smooth),
         other => return Err(unknown_extension(other)),
     };
+    let loaded = loaded.map_err(|error| explain(error, &extension, is_binary))?;
     finish::finish(loaded, smooth, scale)
 }
 
@@ -69,11 +71,16 @@ fn check_kind(extension: &str, start: &[u8]) -> Result<(), FileError> {
         return Err(FileError::whole_file(format!("this is a .{kind} mesh"))
             .with_help(format!("give the file the extension .{kind}")));
     }
-    if kinds::is_binary(start) && (extension == "obj" || extension == "slo") {
-        return Err(FileError::whole_file("the file is not a text, but a binary file")
-            .with_help(format!("a .{extension} mesh is a text")));
-    }
     Ok(())
+}
+
+/// What is wrong with a text that can't be read, if it is one at all.
+fn explain(error: FileError, extension: &str, is_binary: bool) -> FileError {
+    if !is_binary || extension == "ply" {
+        return error;
+    }
+    FileError::whole_file("the file is not a text, but a binary file")
+        .with_help(format!("a .{extension} mesh is a text"))
 }
 
 /// Whether lines of a text end with CR alone, as on old Macs, and its reader knows LF only.
@@ -188,6 +195,11 @@ mod tests {
             let (message, _) = error_of(name, b"cube\0\0\0\x0c\0\0\0");
             assert_eq!(message, "the file is not a text, but a binary file");
         }
+        let padded = format!("o a\0\0\n{TRIANGLE}\u{1a}");
+        assert_eq!(
+            load("a.obj", &mut padded.as_bytes(), false, 1.0).expect("a mesh").warnings,
+            [""; 0]
+        );
     }
 
     #[test]

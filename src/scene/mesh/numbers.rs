@@ -13,8 +13,7 @@ pub(super) fn is_not_finite(word: &str) -> bool {
         return true;
     }
     let word = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
-    let starts = |start: &&str| word.starts_with(*start);
-    ["1.#i", "1.#q", "1.#s", "1.#n", "1.#j", "1.#r"].iter().any(|start| starts(start))
+    ["1.#i", "1.#q", "1.#s", "1.#n", "1.#j", "1.#r"].iter().any(|start| word.starts_with(start))
         || matches!(word.as_str(), "nan" | "inf" | "infinity" | "nan(ind)" | "nan(snan)" | "qnan")
 }
 

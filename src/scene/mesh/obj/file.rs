@@ -102,6 +102,15 @@ impl File {
         self.face_count += 1;
     }
 
+    /// A file without faces, and what it has instead.
+    fn no_faces(&self) -> FileError {
+        let mut help = "an .obj file lists its faces as lines such as `f 1 2 3`".to_owned();
+        if let Some((word, line)) = self.left_out.unknown() {
+            help.push_str(&format!("; line {line} begins with `{word}`, which is unknown"));
+        }
+        FileError::whole_file("the mesh has no faces").with_help(help)
+    }
+
     /// The mesh, with what is odd about it.
     ///
     /// # Errors
@@ -109,7 +118,7 @@ impl File {
     /// more vertices than 32-bit indices can count.
     pub(super) fn into_mesh(mut self, smooth: bool) -> Result<LoadedMesh, FileError> {
         let counts = self.counts();
-        let to_nothing = self.references.check(counts)?;
+        let to_nothing = std::mem::take(&mut self.references).check(counts)?;
         let mut warnings = Vec::new();
         for (kind, indices) in [(1, &mut self.face_uvs), (2, &mut self.face_normals)] {
             if let Some(line) = to_nothing[kind] {
@@ -123,16 +132,14 @@ impl File {
         let (small, line) = self.small_faces;
         warnings.extend(few_corners(small, &format!("in line {line}")));
         if self.faces.is_empty() {
-            return Err(FileError::whole_file("the mesh has no faces")
-                .with_help("an .obj file lists its faces as lines such as `f 1 2 3`"));
+            return Err(self.no_faces());
         }
         self.not_finite.check(&self.positions, &self.faces)?;
         let others = [&mut self.face_uvs.0[..], &mut self.face_normals.0[..]];
         warnings.extend(self.polygons.cut(&self.positions, &mut self.faces, others));
         warnings.extend(self.left_out.warning());
-        let mut mesh = Mesh::default();
-        mesh.positions = used(&self.positions, &mut self.faces);
-        mesh.faces = self.faces;
+        let positions = used(&self.positions, &mut self.faces);
+        let mut mesh = Mesh { positions, faces: self.faces, ..Mesh::default() };
         let odd_uvs = add_uvs(&mut mesh, &self.uvs, self.face_uvs.0);
         let odd_normals = match smooth {
             true => split(&mut mesh, &self.normals, &self.face_normals.0)?,

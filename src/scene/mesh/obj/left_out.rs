@@ -66,10 +66,17 @@ impl LeftOut {
             }
             _ if FREE_FORM.contains(&keyword) => self.free_form = true,
             _ if SILENT.contains(&keyword) => {}
+            // The end of a text of DOS, or of a block of a disk.
+            [0 | 0x1a, ..] => {}
             _ => {
                 self.unknown.get_or_insert_with(|| (quoted(keyword), line));
             }
         }
+    }
+
+    /// The first statement of an unknown kind, and its line.
+    pub(super) fn unknown(&self) -> Option<&(String, usize)> {
+        self.unknown.as_ref()
     }
 
     /// One line for the user, if anything that shows was left out.

@@ -4,8 +4,8 @@ use super::header::{Element, Header};
 use crate::format::QUOTED;
 use crate::scene::mesh::warnings::sentence;
 
-/// Names that colours of vertices and faces begin or end with.
-const COLORS: [&str; 6] = ["red", "green", "blue", "diffuse_red", "ambient_red", "r"];
+/// Properties that show that vertices or faces have colours.
+const COLORS: [&str; 3] = ["red", "diffuse_red", "ambient_red"];
 
 /// Elements that say how a mesh was made, and that nobody misses.
 const SILENT: [&str; 3] = ["camera", "range_grid", "face_metadata"];

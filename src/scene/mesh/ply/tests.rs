@@ -244,7 +244,7 @@ fn corners_of_faces_have_their_own_uvs() {
         .replace("\n0 1 0\n", "\n0 1 0 .4 .4\n");
     assert_eq!(uvs(&both), [first, [[0.1, 0.1], [0.3, 0.3], [0.4, 0.4]]]);
     // A polygon with an inner corner keeps each uv at its corner.
-    let arrow = CORNER_UVS.replace("face 2", "face 1").replace("1 1 0\n", ".2 .2 0\n").replace(
+    let arrow = CORNER_UVS.replace("face 2", "face 1").replace("\n1 1 0\n", "\n.2 .2 0\n").replace(
         "3 0 1 2 6 0 0 1 0 1 1 0\n3 0 2 3 6 .5 .5 .25 .25 0 .75 0",
         "4 1 2 3 0 8 1 0 .2 .2 0 1 0 0 0",
     );

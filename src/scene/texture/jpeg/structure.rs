@@ -80,7 +80,7 @@ impl Structure {
             }
             0xc3 => Err(unsupported("lossless JPEG is not read")),
             0xc5..=0xc7 => Err(unsupported("hierarchical JPEG is not read")),
-            0xc9..=0xcb | 0xcc | 0xcd..=0xcf => Err(unsupported("arithmetic coding is not read")),
+            0xc9..=0xcf => Err(unsupported("arithmetic coding is not read")),
             0xda => {
                 self.scans += 1;
                 match self.scans > MAX_SCANS {
