@@ -99,6 +99,11 @@ pub(crate) fn kind(start: &[u8]) -> Option<Kind> {
     Some(Kind { name, help })
 }
 
+/// As [`kind`], of a text in which `#` begins a comment, whatever that says.
+pub(crate) fn kind_of_text(start: &[u8]) -> Option<Kind> {
+    kind(start).filter(|_| !start.starts_with(b"#"))
+}
+
 /// Kinds that more than the first bytes tell.
 fn special(start: &[u8]) -> Option<(&'static str, &'static str)> {
     let text = String::from_utf8_lossy(start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start));
@@ -130,7 +135,7 @@ fn special(start: &[u8]) -> Option<(&'static str, &'static str)> {
             "fetch the file with `git annex get`",
         ));
     }
-    if begins(&["bplist", "from __future__", "#!/"]) {
+    if begins(&["bplist", "from __future__"]) {
         return Some(("a program", "name the mesh or the image"));
     }
     riff(start).or_else(|| media(start)).or_else(|| by_zeros(start))
@@ -235,6 +240,13 @@ mod tests {
         for (start, expected) in cases {
             assert_eq!(name(start), expected, "{}", String::from_utf8_lossy(start));
         }
+    }
+
+    #[test]
+    fn comments_say_nothing() {
+        assert_eq!(kind_of_text(b"#VRML V2.0"), None);
+        assert_eq!(kind(b"#VRML V2.0").map(|kind| kind.name), Some("a VRML scene"));
+        assert!(kind_of_text(b"glTF").is_some());
     }
 
     #[test]

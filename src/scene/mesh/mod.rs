@@ -42,9 +42,8 @@ pub fn load(
     let extension = extension(path_name);
     let start = start(reader)?;
     check_kind(&extension, start.get_ref())?;
-    let is_binary = kinds::is_binary(start.get_ref());
     let has_old_lines = has_old_lines(&extension, start.get_ref());
-    let mut reader = start.chain(reader);
+    let mut reader = Cursor::new(start.get_ref()).chain(reader);
     let reader: &mut dyn Read =
         if has_old_lines { &mut OldLines(&mut reader) } else { &mut reader };
     let loaded = match extension.as_str() {
@@ -53,7 +52,7 @@ pub fn load(
         "ply" => ply::read(reader, smooth),
         other => return Err(unknown_extension(other)),
     };
-    let loaded = loaded.map_err(|error| explain(error, &extension, is_binary))?;
+    let loaded = loaded.map_err(|error| explain(error, &extension, start.get_ref()))?;
     finish::finish(loaded, smooth, scale)
 }
 
@@ -62,8 +61,8 @@ fn check_kind(extension: &str, start: &[u8]) -> Result<(), FileError> {
     if start.is_empty() {
         return Err(FileError::whole_file("the mesh file is empty"));
     }
-    if let Some(kinds::Kind { name, help }) = kinds::kind(start) {
-        return Err(FileError::whole_file(format!("the file is {name}")).with_help(help));
+    if let Some(kind) = kinds::kind_of_text(start) {
+        return Err(other_kind(kind));
     }
     if extension != "slo"
         && let Some(kind) = kind(start).filter(|kind| *kind != extension)
@@ -74,13 +73,21 @@ fn check_kind(extension: &str, start: &[u8]) -> Result<(), FileError> {
     Ok(())
 }
 
-/// What is wrong with a text that can't be read, if it is one at all.
-fn explain(error: FileError, extension: &str, is_binary: bool) -> FileError {
-    if !is_binary || extension == "ply" {
+/// What is wrong with a text that can't be read, if it is one at all; `start` is its start.
+fn explain(error: FileError, extension: &str, start: &[u8]) -> FileError {
+    if let Some(kind) = kinds::kind(start) {
+        return other_kind(kind);
+    }
+    if !kinds::is_binary(start) || extension == "ply" {
         return error;
     }
     FileError::whole_file("the file is not a text, but a binary file")
         .with_help(format!("a .{extension} mesh is a text"))
+}
+
+/// A file that is no mesh.
+fn other_kind(kind: kinds::Kind) -> FileError {
+    FileError::whole_file(format!("the file is {}", kind.name)).with_help(kind.help)
 }
 
 /// Whether lines of a text end with CR alone, as on old Macs, and its reader knows LF only.
@@ -195,6 +202,10 @@ mod tests {
             let (message, _) = error_of(name, b"cube\0\0\0\x0c\0\0\0");
             assert_eq!(message, "the file is not a text, but a binary file");
         }
+        let vrml = "#VRML V2.0 utf8\nShape { }\n";
+        assert_eq!(error_of("a.obj", vrml.as_bytes()).0, "the file is a VRML scene");
+        let commented = format!("#VRML V2.0 utf8\n{TRIANGLE}");
+        assert!(load("a.obj", &mut commented.as_bytes(), false, 1.0).is_ok());
         let padded = format!("o a\0\0\n{TRIANGLE}\u{1a}");
         assert_eq!(
             load("a.obj", &mut padded.as_bytes(), false, 1.0).expect("a mesh").warnings,
