@@ -1,6 +1,6 @@
 //! Where the bytes of meshes and textures come from, and which of them a scene may read.
 
-use std::fs::File;
+use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
@@ -108,16 +108,26 @@ fn normal(path: &Path) -> PathBuf {
 }
 
 fn open_on_disk(full: &Path, path: &str) -> Result<Box<dyn Read>, OpenError> {
-    match File::open(full) {
-        Ok(_) if full.is_dir() => {
-            Err(OpenError::Unreadable(io::Error::from(io::ErrorKind::IsADirectory)))
-        }
+    // Asked before opening, which waits for ever on a pipe that nobody writes to.
+    let opened = full.metadata().and_then(|data| match refusal(&data.file_type()) {
+        Some(refusal) => Err(refusal),
+        None => File::open(full),
+    });
+    match opened {
         Ok(file) => Ok(Box::new(io::BufReader::with_capacity(1 << 16, file))),
         Err(e) if e.kind() == io::ErrorKind::NotFound => {
             Err(OpenError::Missing(neighbour(full, path)))
         }
         Err(e) => Err(OpenError::Unreadable(e)),
     }
+}
+
+/// Why what is there is no file.
+fn refusal(kind: &FileType) -> Option<io::Error> {
+    if kind.is_dir() {
+        return Some(io::Error::from(io::ErrorKind::IsADirectory));
+    }
+    (!kind.is_file()).then(|| io::Error::other("it is a pipe or a device, not a regular file"))
 }
 
 /// The path with its last part replaced by the most similar name in that folder.
@@ -288,6 +298,21 @@ mod tests {
         }
         let anywhere = Files::on_disk(&folder, &root.path().join("input"), true);
         assert_eq!(outcome(&anywhere, "../../outside.slo"), "outside it is");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn pipes_and_devices_are_not_waited_for() {
+        let root = tempfile::tempdir().unwrap();
+        let made = std::process::Command::new("mkfifo").arg(root.path().join("a.obj")).status();
+        assert!(made.unwrap().success());
+        let files = Files::on_disk(root.path(), root.path(), true);
+        for path in ["a.obj", "/dev/zero"] {
+            match files.open(path) {
+                Err(OpenError::Unreadable(e)) => assert!(e.to_string().contains("a pipe"), "{e}"),
+                _ => panic!("{path} was opened"),
+            }
+        }
     }
 
     #[test]

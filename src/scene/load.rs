@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::SceneDescription;
 use super::files::{ContentHash, Files};
+use super::kinds::{self, Kind};
 use super::mesh::{self, BYTE_ORDER_MARK};
 use super::resolve::resolve;
 use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
@@ -28,7 +29,7 @@ pub fn load(text_name: &str, text: impl AsRef<[u8]>, files: &Files) -> Loaded {
 fn load_bytes(text_name: &str, bytes: &[u8], files: &Files) -> Loaded {
     let mut diagnostics = Diagnostics::default();
     let text = decode(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
-    let is_text = !text.contains('\0') && !is_utf_16(bytes);
+    let is_text = !text.contains('\0') && kinds::kind_of_text(bytes).is_none();
     let shown = if is_text { text.replace("\r\n", " \n") } else { String::new() };
     let source =
         diagnostics.add_source(Source { name: text_name.to_owned(), text: shown, first_line: 1 });
@@ -59,15 +60,11 @@ fn decode(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(bytes)
 }
 
-fn is_utf_16(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff")
-}
-
 fn not_a_text(bytes: &[u8]) -> Diagnostic {
-    if is_utf_16(bytes) {
-        return Diagnostic::error("the scene is UTF-16 text").help("save it as UTF-8");
+    match kinds::kind_of_text(bytes) {
+        Some(Kind { name, help }) => Diagnostic::error(format!("the scene is {name}")).help(help),
+        None => Diagnostic::error("the scene is not a text, but a binary file"),
     }
-    Diagnostic::error("the scene is not a text, but a binary file")
 }
 
 /// The error about the first byte that is not UTF-8.

@@ -4,6 +4,7 @@
 //! already applied). Nothing here knows a frame number, a ray or a thread.
 
 pub mod files;
+mod kinds;
 mod load;
 pub mod mesh;
 mod names;

@@ -62,6 +62,37 @@ fn meshes_are_scaled_added_and_shared() {
 }
 
 #[test]
+fn a_mesh_without_uvs_under_a_texture_gets_a_warning() {
+    const FILES: &[(&str, &[u8])] = &[
+        ("without.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+        ("with.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"),
+        ("plank.png", include_bytes!("../scenes/files/plank.png")),
+    ];
+    let report = |material: &str, files: &[&str]| {
+        let mut text = format!(
+            "{}\nphong_info p {{ }} texture t {{ filename plank.png }}\n\
+             material_texture textured {{ phong_info p texture t }}\n\
+             material_phong plain {{ phong_info p }}\n\
+             sphere a {{ center {{ 0 0 0 }} radius 1 material textured }}\n\
+             sphere b {{ center {{ 0 0 0 }} radius 1 material plain }}\n",
+            include_str!("../scenes/minimal.txt")
+        );
+        for name in ["first", "second"] {
+            let files: String = files.iter().map(|f| format!(" filename {f}")).collect();
+            text.push_str(&format!("mesh {name} {{{files} material {material} }}\n"));
+        }
+        let loaded = load("scene.txt", &text, &Files::built_in("", FILES));
+        assert!(!loaded.diagnostics.has_errors(), "{}", loaded.diagnostics.render(false));
+        loaded.diagnostics.render(false)
+    };
+    let warning = "warning: mesh `without.obj` has no uvs (texture coordinates)";
+    assert_eq!(report("textured", &["without.obj"]).matches(warning).count(), 1);
+    assert_eq!(report("textured", &["with.obj", "without.obj"]).matches(warning).count(), 1);
+    assert_eq!(report("plain", &["without.obj"]), "");
+    assert_eq!(report("textured", &["with.obj"]), "");
+}
+
+#[test]
 fn content_hash_covers_the_bytes_of_meshes() {
     const SCENE: &[u8] = include_bytes!("../scenes/meshes.txt");
     const MESH: &[u8] = include_bytes!("../scenes/files/tetrahedron.slo");

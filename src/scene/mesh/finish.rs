@@ -17,9 +17,15 @@ const MAX_COORDINATE: f64 = 1e18;
 ///
 /// # Errors
 /// No triangle is left, or a vertex lies too far out.
-pub(super) fn finish(mut mesh: Mesh, smooth: bool, scale: f64) -> Result<LoadedMesh, FileError> {
-    scale_positions(&mut mesh.positions, scale)?;
-    let warnings = drop_degenerate(&mut mesh)?.into_iter().collect();
+pub(super) fn finish(
+    loaded: LoadedMesh,
+    smooth: bool,
+    scale: f64,
+) -> Result<LoadedMesh, FileError> {
+    let LoadedMesh { mut mesh, mut warnings } = loaded;
+    mesh.positions.iter_mut().for_each(|position| *position *= scale);
+    check_positions(&mut mesh)?;
+    warnings.extend(drop_degenerate(&mut mesh)?);
     if smooth {
         complete_normals(&mut mesh);
     } else {
@@ -28,15 +34,22 @@ pub(super) fn finish(mut mesh: Mesh, smooth: bool, scale: f64) -> Result<LoadedM
     Ok(LoadedMesh { mesh, warnings })
 }
 
-/// Multiplies positions by the scale.
-fn scale_positions(positions: &mut [DVec3], scale: f64) -> Result<(), FileError> {
-    for (vertex, position) in positions.iter_mut().enumerate() {
-        *position *= scale;
-        let near = position.abs().cmple(DVec3::splat(MAX_COORDINATE)).all();
-        if !near {
-            return Err(too_far(vertex, *position));
+/// Refuses vertices of faces that are too far out. Others move to where a face is, so that they
+/// do no harm.
+fn check_positions(mesh: &mut Mesh) -> Result<(), FileError> {
+    let is_near = |p: &DVec3| p.abs().cmple(DVec3::splat(MAX_COORDINATE)).all();
+    if mesh.positions.iter().all(is_near) {
+        return Ok(());
+    }
+    for &vertex in mesh.faces.as_flattened() {
+        let position = mesh.positions[vertex as usize];
+        if !is_near(&position) {
+            return Err(too_far(vertex as usize, position));
         }
     }
+    let Some(&[inside, ..]) = mesh.faces.first() else { return Ok(()) };
+    let inside = mesh.positions[inside as usize];
+    mesh.positions.iter_mut().filter(|p| !is_near(p)).for_each(|p| *p = inside);
     Ok(())
 }
 

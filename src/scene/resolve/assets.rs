@@ -24,6 +24,8 @@ pub(super) struct Assets<'f> {
     meshes: HashMap<(Vec<String>, bool), Option<Arc<Mesh>>>,
     /// Paths of files that can't be had, which were reported.
     failed: HashSet<String>,
+    /// Paths of meshes without uvs, until that was reported.
+    without_uvs: HashSet<String>,
 }
 
 impl<'f> Assets<'f> {
@@ -38,6 +40,7 @@ impl<'f> Assets<'f> {
             textures: HashMap::new(),
             meshes: HashMap::new(),
             failed: HashSet::new(),
+            without_uvs: HashSet::new(),
         }
     }
 
@@ -51,7 +54,13 @@ impl<'f> Assets<'f> {
             return known.clone();
         }
         let loaded = self.read(path, diagnostics, |reader| texture::load(path.text, reader));
-        let loaded = loaded.map(Arc::new);
+        let loaded = loaded.map(|loaded| {
+            for warning in loaded.warnings {
+                let message = format!("texture `{}`: {warning}", path.text);
+                diagnostics.push(Diagnostic::warning(message).at(path.span, ""));
+            }
+            Arc::new(loaded.texture)
+        });
         self.textures.insert(path.text.to_owned(), loaded.clone());
         loaded
     }
@@ -106,6 +115,9 @@ impl<'f> Assets<'f> {
             let message = format!("mesh `{}`: {warning}", path.text);
             diagnostics.push(Diagnostic::warning(message).at(path.span, ""));
         }
+        if loaded.mesh.uvs.is_empty() {
+            self.without_uvs.insert(path.text.to_owned());
+        }
         let farthest =
             loaded.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
         if farthest > FARTHEST {
@@ -116,6 +128,17 @@ impl<'f> Assets<'f> {
             return None;
         }
         Some(loaded.mesh)
+    }
+
+    /// Warns that a texture is put on meshes without uvs, of each of which that is said once.
+    pub(super) fn warn_without_uvs(&mut self, paths: &[Word<'_>], diagnostics: &mut Diagnostics) {
+        for path in paths {
+            if self.without_uvs.remove(path.text) {
+                let message = format!("mesh `{}` has no uvs (texture coordinates)", path.text);
+                let label = "its texture shows one colour, that of uv 0 0";
+                diagnostics.push(Diagnostic::warning(message).at(path.span, label));
+            }
+        }
     }
 
     /// Opens a file, loads it and adds its bytes to the hash.

@@ -133,7 +133,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let phong_infos = self.phong_infos();
         let textures = self.textures();
         let materials = self.materials(&phong_infos);
-        let objects = self.objects(camera.as_ref());
+        let objects = self.objects(camera.as_ref(), &materials);
         let scene = SceneDescription {
             settings,
             camera: camera?,
@@ -225,13 +225,18 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
     }
 
     /// Objects, with the places that they are defined at.
-    fn objects(&mut self, camera: Option<&Camera>) -> Vec<(Object, Span)> {
+    fn objects(&mut self, camera: Option<&Camera>, materials: &[Material]) -> Vec<(Object, Span)> {
         let elements = self.scene.objects();
-        let object = |e: Element<'t, 'a>| Some((self.object(e, camera)?, e.head()));
+        let object = |e: Element<'t, 'a>| Some((self.object(e, camera, materials)?, e.head()));
         elements.into_iter().filter_map(object).collect()
     }
 
-    fn object(&mut self, element: Element<'t, 'a>, camera: Option<&Camera>) -> Option<Object> {
+    fn object(
+        &mut self,
+        element: Element<'t, 'a>,
+        camera: Option<&Camera>,
+        materials: &[Material],
+    ) -> Option<Object> {
         let mut fields = Fields::read(element, self.scale, self.diagnostics);
         let material = fields.word("material");
         let key_frames = key_frames::key_frames(&mut fields);
@@ -248,7 +253,11 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             "cone" => shapes::cone(&mut fields),
             _ => mesh(&mut fields, &mut self.assets),
         };
+        let files = filenames(&fields).unwrap_or_default();
         let material = material.and_then(|word| self.refer(Referred::Material, word));
+        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.texture.is_some()) {
+            self.assets.warn_without_uvs(&files, self.diagnostics);
+        }
         Some(Object {
             name: element.name.text.to_owned(),
             material: MaterialId(material? as u32),
@@ -304,14 +313,19 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
 
 fn mesh(fields: &mut Fields<'_, '_, '_>, assets: &mut Assets<'_>) -> Option<Shape> {
     let smooth = fields.count("smooth_normals", 0, 1);
+    let paths = filenames(fields)?;
+    let smooth = smooth.is_some_and(|s| s.value == 1);
+    let mesh = assets.mesh(&paths, smooth, fields.scale, fields.diagnostics)?;
+    Some(Shape::Mesh { mesh, smooth })
+}
+
+/// The files of a mesh.
+fn filenames<'a>(fields: &Fields<'_, 'a, '_>) -> Option<Vec<Word<'a>>> {
     let paths = fields.all("filename").into_iter().map(|field| match field.value {
         Value::Word(word) => Some(word),
         _ => None,
     });
-    let paths: Vec<Word<'_>> = paths.collect::<Option<_>>()?;
-    let smooth = smooth.is_some_and(|s| s.value == 1);
-    let mesh = assets.mesh(&paths, smooth, fields.scale, fields.diagnostics)?;
-    Some(Shape::Mesh { mesh, smooth })
+    paths.collect()
 }
 
 /// The error about a name that nothing has; with what was meant, if it is to be looked for.

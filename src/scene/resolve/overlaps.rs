@@ -12,6 +12,10 @@ use crate::scene::{Camera, Light, LightShape, Object, Shape};
 /// Flat faces that are looked at; scenes of more are not checked.
 const MOST_FACES: usize = 100_000;
 
+/// Faces of a mesh up to which it is looked at: one of more has hardly flat faces that lie on others,
+/// and takes long.
+const MOST_MESH_FACES: usize = 1000;
+
 /// Pairs of faces of about one plane that are held against each other.
 const MOST_PAIRS: usize = 1_000_000;
 
@@ -152,6 +156,7 @@ fn for_flat_parts(shape: &Shape, put: &mut dyn FnMut(&[DVec3]) -> bool) {
             }
         }
         Shape::Cone { base, apex, radius } => _ = put(&disc(*base, *base - *apex, *radius)),
+        Shape::Mesh { mesh, .. } if mesh.faces.len() > MOST_MESH_FACES => {}
         Shape::Mesh { mesh, .. } => {
             for face in &mesh.faces {
                 if !put(&face.map(|i| mesh.positions[i as usize])) {
@@ -194,7 +199,14 @@ fn overlaps(faces: &[Face], eyes: &[DVec3]) -> Vec<[usize; 2]> {
     let mut found = Vec::new();
     let mut left = MOST_PAIRS;
     for (i, face) in faces.iter().enumerate() {
-        for key in grid.keys(face) {
+        let plane = grid.plane(face);
+        let [low, high] = grid.cells_about(plane);
+        // Every choice of an end for each of the four coordinates; a bit that chooses between equal
+        // ends is 0.
+        let apart =
+            (0..4).fold(0, |bits, axis| bits | usize::from(low[axis] != high[axis]) << axis);
+        for choice in (0..16_usize).filter(|choice| choice & !apart == 0) {
+            let key = std::array::from_fn(|axis| [low, high][choice >> axis & 1][axis]);
             for &j in planes.get(&key).into_iter().flatten() {
                 let other = &faces[j];
                 let pair = [face.owner.min(other.owner), face.owner.max(other.owner)];
@@ -215,7 +227,7 @@ fn overlaps(faces: &[Face], eyes: &[DVec3]) -> Vec<[usize; 2]> {
                 }
             }
         }
-        planes.entry(grid.key(face)).or_default().push(i);
+        planes.entry(cell(plane)).or_default().push(i);
     }
     found
 }
@@ -229,6 +241,7 @@ struct Grid {
 }
 
 impl Grid {
+    /// The plane of a face, in units of cells.
     fn plane(&self, face: &Face) -> [f64; 4] {
         let n = face.normal;
         let [ax, ay, az] = n.abs().to_array();
@@ -245,32 +258,15 @@ impl Grid {
         [x, y, z, distance]
     }
 
-    /// The cell of a face.
-    fn key(&self, face: &Face) -> [i64; 4] {
-        self.plane(face).map(|x| (x + 0.5).floor() as i64)
-    }
-
-    /// The cells of all planes that may be one with that of a face.
-    fn keys(&self, face: &Face) -> Vec<[i64; 4]> {
-        let plane = self.plane(face);
+    /// The first and the last cell, in each coordinate, of all planes that may be one with a plane.
+    fn cells_about(&self, plane: [f64; 4]) -> [[i64; 4]; 2] {
         let margins = [1e-3, 1e-3, 1e-3, self.margin / self.cell + 1e-6];
-        let mut keys = vec![[0; 4]];
-        for axis in 0..4 {
-            let [low, high] =
-                [-1.0, 1.0].map(|sign| (plane[axis] + sign * margins[axis] + 0.5).floor() as i64);
-            let with = |at: i64| {
-                move |key: [i64; 4]| {
-                    let mut key = key;
-                    key[axis] = at;
-                    key
-                }
-            };
-            let lows: Vec<_> = keys.iter().copied().map(with(low)).collect();
-            let highs = keys.iter().copied().map(with(high)).filter(|_| high != low);
-            keys = highs.chain(lows).collect();
-        }
-        keys
+        [-1.0, 1.0].map(|sign| cell(std::array::from_fn(|i| plane[i] + sign * margins[i])))
     }
+}
+
+fn cell(plane: [f64; 4]) -> [i64; 4] {
+    plane.map(|x| (x + 0.5).floor() as i64)
 }
 
 fn are_coplanar(a: &Face, b: &Face, tolerance: f64) -> bool {

@@ -1,43 +1,26 @@
-//! The lines of an `.obj` file that make a mesh, checked one by one.
+//! The lines of an `.obj` file, those that a backslash joins put together.
 
-use std::fmt::Write;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read};
 
-use super::index::{Corner, Forward};
-use super::statement::{self, Statement};
+use super::statement::Fault;
 use crate::format::{FileError, Place};
 
 /// Bytes that a line may have.
-const MAX_LINE: u64 = 1 << 24;
+const MAX_LINE: usize = 1 << 24;
 
-/// What a triangle has beyond its positions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Parts {
-    /// All of its corners have uvs.
-    pub(super) uvs: bool,
-    /// All of its corners have normals.
-    pub(super) normals: bool,
-}
-
-/// Vertices, uvs, normals and faces of a file, in clean lines; everything else is left out.
-///
-/// The first fault ends the reading with an error and is kept in here.
+/// The lines of a file, one at a time. They end with LF, CR LF or CR.
 pub(super) struct Lines<'r> {
     reader: BufReader<&'r mut dyn Read>,
-    /// The line as it is in the file, with those that a backslash joins to it.
+    /// The line as it is in the file, with those that a backslash joins to it. Each ends with LF.
     raw: Vec<u8>,
+    /// Bytes of `raw` in front of its comment.
+    len: usize,
     /// Number of the first line in `raw`.
     line: usize,
     /// Number of the line after `raw`.
     next_line: usize,
-    clean: String,
-    /// Bytes of `clean` that were read.
-    consumed: usize,
-    /// How many vertices, uvs and normals there were.
-    counts: [u64; 3],
-    forward: [Option<Forward>; 3],
-    parts: Vec<Parts>,
-    fault: Option<FileError>,
+    /// Whether the last line ended with CR: an LF that follows belongs to it.
+    after_cr: bool,
 }
 
 impl<'r> Lines<'r> {
@@ -46,152 +29,111 @@ impl<'r> Lines<'r> {
         Self {
             reader: BufReader::with_capacity(1 << 18, reader),
             raw: Vec::new(),
+            len: 0,
             line: 1,
             next_line: 1,
-            clean: String::new(),
-            consumed: 0,
-            counts: [0; 3],
-            forward: [None, None, None],
-            parts: Vec::new(),
-            fault: None,
+            after_cr: false,
         }
     }
 
-    /// The fault that ended the reading.
-    pub(super) fn take_fault(&mut self) -> Option<FileError> {
-        self.fault.take()
+    /// Reads the next line; `false` at the end of the file.
+    ///
+    /// Takes a time proportional to its length, however many lines are joined.
+    ///
+    /// # Errors
+    /// The file can't be read, or the line is too long.
+    pub(super) fn advance(&mut self) -> Result<bool, FileError> {
+        self.raw.clear();
+        self.line = self.next_line;
+        loop {
+            let start = self.raw.len();
+            let is_last = !self.read_line()?;
+            let comment = comment_start(&self.raw[start..]);
+            self.len = comment.map_or(self.raw.len(), |comment| start + comment);
+            if is_last || comment.is_some() || !self.is_continued(start) {
+                return Ok(!self.raw.is_empty());
+            }
+        }
     }
 
-    /// What each triangle has, in the order of the file.
-    pub(super) fn into_parts(self) -> Vec<Parts> {
-        self.parts
+    /// The line that was read last, without its comment.
+    pub(super) fn text(&self) -> &[u8] {
+        &self.raw[..self.len]
     }
 
-    /// An error in the line that was read last.
-    pub(super) fn here(&self, message: String) -> FileError {
-        self.place(0, self.raw.trim_ascii_end().len()).error(message, "")
+    /// The number of the line that was read last, from 1.
+    pub(super) fn number(&self) -> usize {
+        self.line
     }
 
     /// The place of bytes of the line that was read last.
-    fn place(&self, start: usize, len: usize) -> Place {
+    pub(super) fn place(&self, start: usize, len: usize) -> Place {
         Place::within(&self.raw, self.line, 1, start, len)
     }
 
-    /// Puts the next line that matters into `clean`, and nothing at the end of the file.
-    fn advance(&mut self) -> Result<(), FileError> {
-        self.clean.clear();
-        self.consumed = 0;
-        while self.clean.is_empty() {
-            self.line = self.next_line;
-            self.raw.clear();
-            if !self.read_line()? {
-                return self.forward.iter().flatten().try_for_each(|f| f.check(self.counts));
-            }
-            while self.is_continued() && self.read_line()? {}
-            self.clean_line()?;
-        }
-        Ok(())
+    /// The error about bytes of the line that was read last.
+    pub(super) fn error(&self, fault: Fault) -> FileError {
+        let error = self.place(fault.start, fault.len).error(fault.message, "");
+        FileError { help: fault.help.map(String::into_boxed_str), ..error }
     }
 
     /// Adds a line of the file to `raw`; `false` at the end of the file.
     fn read_line(&mut self) -> Result<bool, FileError> {
-        let before = self.raw.len();
-        let room = MAX_LINE.saturating_sub(before as u64);
-        let read = self.reader.by_ref().take(room).read_until(b'\n', &mut self.raw);
-        read.map_err(|e| self.place(before, 0).error(format!("can't read on: {e}"), ""))?;
-        if self.raw.len() as u64 >= MAX_LINE {
-            let message = format!("a line of more than {MAX_LINE} bytes");
-            return Err(self.place(0, 1).error(message, "starts here"));
+        loop {
+            let bytes = match self.reader.fill_buf() {
+                Ok(bytes) => bytes,
+                Err(e) if e.kind() == std::io::ErrorKind::Interrupted => continue,
+                Err(e) => {
+                    let place = self.place(self.raw.len(), 0);
+                    return Err(place.error(format!("can't read on: {e}"), ""));
+                }
+            };
+            if std::mem::take(&mut self.after_cr) && bytes.first() == Some(&b'\n') {
+                self.reader.consume(1);
+                continue;
+            }
+            if bytes.is_empty() {
+                return Ok(false);
+            }
+            let end = bytes.iter().position(|b| matches!(b, b'\n' | b'\r'));
+            let part = &bytes[..end.unwrap_or(bytes.len())];
+            self.raw.extend_from_slice(part);
+            self.after_cr = end.is_some_and(|end| bytes[end] == b'\r');
+            let consumed = part.len() + usize::from(end.is_some());
+            self.reader.consume(consumed);
+            if self.raw.len() >= MAX_LINE {
+                let message = format!("a line of more than {MAX_LINE} bytes");
+                return Err(self.place(0, 1).error(message, "starts here"));
+            }
+            if end.is_some() {
+                self.raw.push(b'\n');
+                self.next_line += 1;
+                return Ok(true);
+            }
         }
-        self.next_line += 1;
-        Ok(self.raw.len() > before)
     }
 
-    /// Whether a backslash joins the next line; it becomes a space.
-    fn is_continued(&mut self) -> bool {
-        let end = self.raw.trim_ascii_end().len();
-        let continued = self.raw[..end].ends_with(b"\\") && !self.raw.contains(&b'#');
+    /// Whether a backslash ends the line at `start` of `raw`, so that the next one belongs to it.
+    /// The backslash becomes a space.
+    fn is_continued(&mut self, start: usize) -> bool {
+        let end = start + self.raw[start..].trim_ascii_end().len();
+        let continued = self.raw[start..end].ends_with(b"\\");
         if continued {
             self.raw[end - 1] = b' ';
         }
         continued
     }
-
-    /// Checks `raw` and puts it into `clean` if it matters.
-    fn clean_line(&mut self) -> Result<(), FileError> {
-        let comment = self.raw.iter().position(|&b| b == b'#').unwrap_or(self.raw.len());
-        match statement::parse(&self.raw[..comment], self.counts) {
-            Ok(None) => {}
-            Ok(Some(Statement::Point(kind, line))) => {
-                self.counts[kind] += 1;
-                self.clean = line;
-            }
-            Ok(Some(Statement::Face(corners))) => self.face(&corners),
-            Err(fault) => {
-                let error = self.place(fault.start, fault.len).error(fault.message, "");
-                return Err(FileError { help: fault.help.map(String::into_boxed_str), ..error });
-            }
-        }
-        if !self.clean.is_empty() {
-            self.clean.push('\n');
-        }
-        if self.counts.iter().any(|&count| count > u64::from(u32::MAX)) {
-            return Err(self.here(format!("more vertices, uvs or normals than {}", u32::MAX)));
-        }
-        Ok(())
-    }
-
-    /// Writes a face, without uvs or normals that only some of its corners have.
-    fn face(&mut self, corners: &[(Corner, usize, usize)]) {
-        let has = |kind: usize| corners.iter().all(|(corner, ..)| corner[kind] > 0);
-        let parts = Parts { uvs: has(1), normals: has(2) };
-        self.parts.extend(std::iter::repeat_n(parts, corners.len() - 2));
-        self.clean.push('f');
-        for &(corner, start, len) in corners {
-            self.note_forward(corner, start, len);
-            let [v, vt, vn] = corner;
-            // Writing to a String does not fail.
-            let _ = match (parts.uvs, parts.normals) {
-                (false, false) => write!(self.clean, " {v}"),
-                (true, false) => write!(self.clean, " {v}/{vt}"),
-                (false, true) => write!(self.clean, " {v}//{vn}"),
-                (true, true) => write!(self.clean, " {v}/{vt}/{vn}"),
-            };
-        }
-    }
-
-    /// Remembers indices of what is not there yet.
-    fn note_forward(&mut self, corner: Corner, start: usize, len: usize) {
-        for (kind, &index) in corner.iter().enumerate() {
-            let known = self.forward[kind].as_ref().map_or(0, |forward| forward.index);
-            if index > self.counts[kind].max(known) {
-                let place = self.place(start, len);
-                self.forward[kind] = Some(Forward { index, kind, place });
-            }
-        }
-    }
 }
 
-impl Read for Lines<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let len = self.fill_buf()?.read(buffer)?;
-        self.consume(len);
-        Ok(len)
-    }
-}
-
-impl BufRead for Lines<'_> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        if self.consumed >= self.clean.len()
-            && let Err(fault) = self.advance()
-        {
-            self.fault = Some(fault);
-            return Err(io::Error::other("a fault in the file"));
-        }
-        Ok(&self.clean.as_bytes()[self.consumed..])
-    }
-
-    fn consume(&mut self, len: usize) {
-        self.consumed += len;
-    }
+/// Where the comment of a line begins.
+///
+/// The `#` of `-1.#IND00` is part of a number: older Windows programs write NaN and infinity so.
+fn comment_start(line: &[u8]) -> Option<usize> {
+    let is_in_number = |at: usize| {
+        line.get(at + 1).is_some_and(u8::is_ascii_uppercase)
+            && line[..at].ends_with(b"1.")
+            && !line[..at - 2].last().is_some_and(u8::is_ascii_alphanumeric)
+    };
+    let hashes = line.iter().enumerate().filter(|(_, b)| **b == b'#').map(|(at, _)| at);
+    hashes.into_iter().find(|&at| !is_in_number(at))
 }

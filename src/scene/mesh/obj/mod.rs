@@ -1,49 +1,57 @@
 //! Wavefront `.obj` meshes.
 //!
-//! Everything in a file becomes one mesh: objects, groups, materials and smoothing groups are
-//! ignored, and so are points, lines and free-form surfaces. `tobj` reads the numbers and cuts
-//! polygons into fans; it says neither where a fault is nor which corners have no uv or normal,
-//! so it reads through [`Lines`], which passes on only lines without fault and takes notes.
+//! Everything in a file becomes one mesh: objects, groups and smoothing groups do not matter.
+//! Materials, colours, points, lines and free-form surfaces are left out, with a warning.
 
+mod file;
 mod index;
+mod left_out;
 mod lines;
-mod merge;
 mod statement;
 #[cfg(test)]
 mod tests;
 
 use std::io::Read;
 
+use file::File;
 use lines::Lines;
+use statement::Statement;
 
+use super::LoadedMesh;
 use crate::format::FileError;
-use crate::scene::Mesh;
 
-/// How `tobj` is to read: corners keep separate indices of position, uv and normal.
-const OPTIONS: tobj::LoadOptions = tobj::LoadOptions {
-    single_index: false,
-    triangulate: true,
-    ignore_points: true,
-    ignore_lines: true,
-};
-
-/// Reads an `.obj` mesh. Normals are kept only where `smooth` is set: a vertex with several of
+/// Reads an `.obj` mesh. Normals are kept only if `smooth` is set: a vertex with several of
 /// them is then split, so that hard edges stay hard. Uvs have indices of their own.
 ///
 /// # Errors
 /// The first fault in the file, with its place; a file without faces.
-pub(super) fn read(reader: &mut dyn Read, smooth: bool) -> Result<Mesh, FileError> {
+pub(super) fn read(reader: &mut dyn Read, smooth: bool) -> Result<LoadedMesh, FileError> {
     let mut lines = Lines::new(reader);
-    let loaded = tobj::load_obj_buf(&mut lines, &OPTIONS, |_| Err(tobj::LoadError::GenericFailure));
-    if let Some(fault) = lines.take_fault() {
-        return Err(fault);
+    let mut file = File::default();
+    while lines.advance()? {
+        let parsed = statement::parse(lines.text(), file.counts());
+        match parsed.map_err(|fault| lines.error(fault))? {
+            None => {}
+            Some(Statement::Position { position, is_colored, fault }) => {
+                if let Some(fault) = fault {
+                    file.not_finite.note(file.positions.len(), || lines.error(fault));
+                }
+                if is_colored {
+                    file.left_out.color();
+                }
+                file.positions.push(position);
+            }
+            Some(Statement::Uv(uv)) => file.uvs.push(uv),
+            Some(Statement::Normal(normal)) => file.normal(normal, smooth),
+            Some(Statement::Face(corners)) => file.face(&corners, &lines),
+            Some(Statement::Other(keyword, rest)) => {
+                file.left_out.statement(keyword, rest, lines.number());
+            }
+        }
+        if file.counts().iter().any(|&count| count > u64::from(u32::MAX)) {
+            let message = format!("more vertices, uvs or normals than {}", u32::MAX);
+            return Err(lines.place(0, 0).error(message, ""));
+        }
     }
-    let (models, _) = loaded.map_err(|e| lines.here(format!("the line can't be read: {e}")))?;
-    let parts = lines.into_parts();
-    // Without groups and materials, which `Lines` leaves out, there is one model at most.
-    match models.into_iter().next() {
-        Some(model) if !parts.is_empty() => merge::merge(model.mesh, &parts, smooth),
-        _ => Err(FileError::whole_file("the mesh has no faces")
-            .with_help("an .obj file lists its faces as lines such as `f 1 2 3`")),
-    }
+    file.into_mesh(smooth)
 }

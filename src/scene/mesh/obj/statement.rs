@@ -1,7 +1,10 @@
 //! One line of an `.obj` file.
 
-use super::index::{Corner, parse_corner};
+use glam::DVec3;
+
+use super::index::{Corner, Missing, parse_corner};
 use crate::format::{NumberError, parse_number};
+use crate::scene::mesh::numbers::is_not_finite;
 
 /// What is wrong with a line, and which bytes of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -12,26 +15,45 @@ pub(super) struct Fault {
     pub(super) help: Option<String>,
 }
 
-/// A line that matters.
+/// A corner of a face and the bytes where it is written.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Statement {
-    /// Position, uv or normal (0, 1, 2), as a line that `tobj` reads.
-    Point(usize, String),
-    /// Corners of a face, three or more, with the bytes where each is written.
-    Face(Vec<(Corner, usize, usize)>),
+pub(super) struct WrittenCorner {
+    pub(super) corner: Corner,
+    pub(super) start: usize,
+    pub(super) len: usize,
+    /// What it refers to that was not there yet.
+    pub(super) missing: Vec<Missing>,
 }
 
-/// Reads a line without its comment; `None` for a line that does not matter to a mesh.
+/// What a line says.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Statement<'l> {
+    /// A vertex, which is not finite if there is a fault.
+    Position { position: DVec3, is_colored: bool, fault: Option<Fault> },
+    /// Texture coordinates; NaN if one is not finite.
+    Uv([f32; 2]),
+    /// A direction of any length; NaN if a coordinate is not finite.
+    Normal(DVec3),
+    /// Corners of a face.
+    Face(Vec<WrittenCorner>),
+    /// Anything else: its first word and what follows.
+    Other(&'l [u8], &'l [u8]),
+}
+
+/// Reads a line without its comment; `None` if it is blank.
 /// `counts` are those of the vertices, uvs and normals so far.
 ///
 /// # Errors
 /// The first word at fault.
-pub(super) fn parse(line: &[u8], counts: [u64; 3]) -> Result<Option<Statement>, Fault> {
+pub(super) fn parse(line: &[u8], counts: [u64; 3]) -> Result<Option<Statement<'_>>, Fault> {
     let start = line.len() - line.trim_ascii_start().len();
     let keyword_len = line[start..].iter().take_while(|b| !b.is_ascii_whitespace()).count();
     let keyword = &line[start..start + keyword_len];
-    if ![&b"v"[..], b"vt", b"vn", b"f"].contains(&keyword) {
+    if keyword.is_empty() {
         return Ok(None);
+    }
+    if ![&b"v"[..], b"vt", b"vn", b"f", b"fo"].contains(&keyword) {
+        return Ok(Some(Statement::Other(keyword, line[start + keyword_len..].trim_ascii())));
     }
     let text = str::from_utf8(line).map_err(|e| Fault {
         start: e.valid_up_to(),
@@ -43,8 +65,8 @@ pub(super) fn parse(line: &[u8], counts: [u64; 3]) -> Result<Option<Statement>, 
     let line = Line { text, words: &words };
     match keyword {
         b"v" => line.position(),
-        b"vt" => line.point(1, "a uv", 1, 2),
-        b"vn" => line.point(2, "a normal", 3, 3),
+        b"vt" => line.uv(),
+        b"vn" => line.normal(),
         _ => line.face(counts),
     }
     .map(Some)
@@ -57,53 +79,76 @@ struct Line<'t> {
 }
 
 impl Line<'_> {
-    /// `v x y z`, `v x y z w`, or `v x y z r g b` with a colour that is ignored.
-    fn position(&self) -> Result<Statement, Fault> {
-        let size = if self.words.len() == 4 { 4 } else { 3 };
-        let statement = self.point(0, "a vertex", 3, size)?;
-        match self.words.get(3) {
-            Some(w) if size == 4 && parse_number(w) == Ok(0.0) => {
-                Err(self.fault(w, "a vertex can't have the weight 0".to_owned()))
+    /// `v x y z`, `v x y z w`, or `v x y z r g b` with a colour, which is left out.
+    fn position(&self) -> Result<Statement<'static>, Fault> {
+        let ([x, y, z], mut fault) = self.numbers("a vertex", 3)?;
+        let mut position = DVec3::new(x, y, z);
+        if let [_, _, _, word] = self.words {
+            let weight = match self.number(word)? {
+                (weight, None) => weight,
+                (_, not_finite) => {
+                    fault = fault.or(not_finite);
+                    f64::NAN
+                }
+            };
+            if weight == 0.0 {
+                return Err(self.fault(word, "a vertex can't have the weight 0".to_owned()));
             }
-            _ => Ok(statement),
+            position /= weight;
+            if !position.is_finite() {
+                let message = format!("a vertex with the weight `{word}` is not finite");
+                fault = fault.or_else(|| Some(self.fault(word, message)));
+            }
         }
+        Ok(Statement::Position { position, is_colored: self.words.len() >= 6, fault })
     }
 
-    /// `size` numbers after `v`, `vt` or `vn`, of which `least` must be there.
-    fn point(
-        &self,
-        kind: usize,
-        name: &str,
-        least: usize,
-        size: usize,
-    ) -> Result<Statement, Fault> {
+    /// `vt u`, `vt u v` or `vt u v w`, whose third number is of no use.
+    fn uv(&self) -> Result<Statement<'static>, Fault> {
+        let ([u, v, _], _) = self.numbers("a uv", 1)?;
+        let uv = [u as f32, v as f32];
+        let is_finite = uv.iter().all(|c| c.is_finite());
+        Ok(Statement::Uv(if is_finite { uv } else { [f32::NAN; 2] }))
+    }
+
+    /// `vn x y z`
+    fn normal(&self) -> Result<Statement<'static>, Fault> {
+        let ([x, y, z], fault) = self.numbers("a normal", 3)?;
+        Ok(Statement::Normal(if fault.is_none() { DVec3::new(x, y, z) } else { DVec3::NAN }))
+    }
+
+    /// Up to three numbers, of which `least` must be there. Missing ones are 0; with the first
+    /// that is not finite.
+    fn numbers(&self, name: &str, least: usize) -> Result<([f64; 3], Option<Fault>), Fault> {
         if self.words.len() < least {
             return Err(self.too_few(format!("{name} has {least} numbers or more")));
         }
-        let mut clean = ["v", "vt", "vn"][kind].to_owned();
-        for word in self.words.iter().take(size) {
-            let value = parse_number(word).map_err(|NumberError { message, help }| Fault {
-                help,
-                ..self.fault(word, message)
-            })?;
-            if kind == 1 && !(value as f32).is_finite() {
-                return Err(self.fault(word, format!("`{word}` is too large for a uv")));
-            }
-            clean.push(' ');
-            clean.push_str(word);
+        let mut numbers = [0.0; 3];
+        let mut fault = None;
+        for (number, word) in numbers.iter_mut().zip(self.words) {
+            let (value, not_finite) = self.number(word)?;
+            *number = value;
+            fault = fault.or(not_finite);
         }
-        clean.push_str(&" 0".repeat(size.saturating_sub(self.words.len())));
-        Ok(Statement::Point(kind, clean))
+        Ok((numbers, fault))
     }
 
-    /// Three corners or more.
-    fn face(&self, counts: [u64; 3]) -> Result<Statement, Fault> {
-        if self.words.len() < 3 {
-            return Err(self.too_few("a face has 3 corners or more".to_owned()));
-        }
+    /// The number that a word stands for; NaN and a fault if it is not finite.
+    fn number(&self, word: &str) -> Result<(f64, Option<Fault>), Fault> {
+        let NumberError { message, help } = match parse_number(word) {
+            Ok(value) => return Ok((value, None)),
+            Err(error) => error,
+        };
+        let fault = Fault { help, ..self.fault(word, message) };
+        if is_not_finite(word) { Ok((f64::NAN, Some(fault))) } else { Err(fault) }
+    }
+
+    /// The corners of a face.
+    fn face(&self, counts: [u64; 3]) -> Result<Statement<'static>, Fault> {
         let corner = |word: &&str| {
-            let corner = parse_corner(word, counts).map_err(|message| self.fault(word, message))?;
-            Ok((corner, self.start_of(word), word.len()))
+            let (corner, missing) =
+                parse_corner(word, counts).map_err(|message| self.fault(word, message))?;
+            Ok(WrittenCorner { corner, start: self.start_of(word), len: word.len(), missing })
         };
         self.words.iter().map(corner).collect::<Result<_, _>>().map(Statement::Face)
     }

@@ -5,9 +5,10 @@ use rand::{RngExt, SeedableRng};
 
 use super::read;
 use crate::scene::Mesh;
+use crate::scene::mesh::LoadedMesh;
 
 fn mesh_of(text: &str, smooth: bool) -> Mesh {
-    read(&mut text.as_bytes(), smooth).unwrap_or_else(|e| panic!("{e}\n{text}"))
+    read(&mut text.as_bytes(), smooth).unwrap_or_else(|e| panic!("{e}\n{text}")).mesh
 }
 
 /// The error, with its place where it has one.
@@ -55,7 +56,7 @@ fn groups_materials_and_other_statements_do_not_matter() {
         l 1 2 3\np 1\nf 1 2 \\\r\n3\ng second\nusemtl\nf 1 3 4 # last";
     assert_eq!(mesh_of(decorated, false), plain);
     let in_latin_2 = [b"o \xE8tverec\n".as_slice(), QUAD.as_bytes(), b"f 1 2 3\nf 1 3 4"].concat();
-    assert_eq!(read(&mut in_latin_2.as_slice(), false), Ok(plain));
+    assert_eq!(read(&mut in_latin_2.as_slice(), false).map(|loaded| loaded.mesh), Ok(plain));
 }
 
 #[test]
@@ -157,16 +158,18 @@ fn faults_have_places() {
         after_quad("f 1 -5 3"),
         "5:5: vertex -5 is too far back: there are 4 vertices so far"
     );
-    assert_eq!(after_quad("f 1/1 2/1 3/1"), "5:3: a face refers to uv 1, but there are no uvs");
     assert_eq!(
-        after_quad("f 1//9 2//9 3//9"),
-        "5:3: a face refers to normal 9, but there are no normals"
+        after_quad("vt 0 0\nf 1/2 2/1 3/1"),
+        "6:3: a face refers to uv 2, but there is 1 uv"
     );
     assert_eq!(
-        after_quad("f 1//-1 2 3"),
+        after_quad("vn 0 0 1\nvn 0 0 1\nf 1//9 2//9 3//9"),
+        "7:3: a face refers to normal 9, but there are 2 normals"
+    );
+    assert_eq!(
+        after_quad("f 1//-1 2 3\nvn 0 0 1"),
         "5:3: normal -1 is too far back: there are no normals so far"
     );
-    assert_eq!(after_quad("f 1 2"), "5:6: a face has 3 corners or more, this one has 2");
     assert_eq!(after_quad("f 1 2 x"), "5:7: `x` is not the index of a vertex");
     assert_eq!(after_quad("f 1 2 /1"), "5:7: `` is not the index of a vertex");
     assert_eq!(after_quad("f 1 2 1/2/3/4"), "5:7: `1/2/3/4` has more parts than vertex/uv/normal");
@@ -175,16 +178,101 @@ fn faults_have_places() {
         "5:7: `99999999999999999999` is not the index of a vertex"
     );
     assert_eq!(after_quad("v 1 2"), "5:6: a vertex has 3 numbers or more, this one has 2");
-    assert_eq!(after_quad("  v 1 nan 3"), "5:7: `nan` is not a finite number");
+    assert_eq!(after_quad("  v 1 nan 3\nf 1 2 5"), "5:7: `nan` is not a finite number");
+    assert_eq!(after_quad("f 1 2 5\nv 1 1e999 3"), "6:5: the number `1e999` is too large");
     assert_eq!(after_quad("v 1 2,5 3"), "5:5: `2,5` is not a number: the decimal sign is a point");
     assert_eq!(after_quad("v 1 2 3 0"), "5:9: a vertex can't have the weight 0");
-    assert_eq!(after_quad("vt 1e39"), "5:4: `1e39` is too large for a uv");
     assert_eq!(after_quad("vn 1 \\\n 2 z"), "6:4: `z` is not a number");
+}
+
+fn warnings_of(text: &str, smooth: bool) -> Vec<String> {
+    read(&mut text.as_bytes(), smooth).unwrap_or_else(|e| panic!("{e}\n{text}")).warnings
+}
+
+#[test]
+fn what_shows_and_is_left_out_is_named_once() {
+    let plain = format!("o a\ng b c\ns 1\n{QUAD}f 1 2 3 # usemtl\n");
+    assert_eq!(warnings_of(&plain, true), [""; 0]);
+    let with = |more: &str| warnings_of(&format!("{more}\n{plain}{more}\n"), true);
+    assert_eq!(with("mtllib a.mtl\nusemtl red"), ["left out: materials (`mtllib a.mtl`)"]);
+    assert_eq!(with("usemtl red"), ["left out: materials (`usemtl red`)"]);
+    assert_eq!(with("v 0 0 0 1 0 0"), ["left out: colours of vertices"]);
+    assert_eq!(with("vp 0 0\ncurv2 1 2"), ["left out: free-form curves and surfaces"]);
+    let many = ["left out: materials (`usemtl a`), 4 lines and 2 points"];
+    assert_eq!(with("usemtl a\nl 1 2\nl 2 3\np 1"), many);
+    let unknown = ["left out: statements of an unknown kind (the first is `vertex` in line 1)"];
+    assert_eq!(with("vertex 1 2 3"), unknown);
+}
+
+#[test]
+fn references_to_what_no_file_has_are_left_out() {
+    let whole = mesh_of(&format!("{QUAD}f 1 2 3\n"), true);
+    let cases = [
+        ("f 1//1 2//2 3//3", "normals"),
+        ("f 1//-1 2//-1 3//-1", "normals"),
+        ("f 1/1 2/2 3/3", "uvs"),
+        ("f 1/-1 2/-2 3/-3", "uvs"),
+    ];
+    for (face, what) in cases {
+        let text = format!("{QUAD}{face}\n");
+        assert_eq!(mesh_of(&text, true), whole, "{face}");
+        let warning =
+            format!("faces refer to {what}, but the file has none (the first is in line 5)");
+        assert_eq!(warnings_of(&text, true), [warning], "{face}");
+    }
+    assert_eq!(warnings_of(&format!("{QUAD}f 1/1/1 2/2/2 3/3/3\n"), false).len(), 2);
+}
+
+#[test]
+fn faces_without_an_inside_are_left_out() {
+    let one = "1 face has fewer than 3 corners and was left out (in line 5)";
+    assert_eq!(warnings_of(&format!("{QUAD}f 1 2\nf 1 2 3\n"), false), [one]);
+    let two = "2 faces have fewer than 3 corners and were left out (the first is in line 6)";
+    assert_eq!(warnings_of(&format!("{QUAD}f 1 2 3\nf 1\nf\n"), false), [two]);
+    assert_eq!(error_of(&format!("{QUAD}f 1 2\n")), "the mesh has no faces");
+    assert_eq!(
+        error_of(&format!("{QUAD}f 1 9\nf 1 2 3\n")),
+        "5:5: a face refers to vertex 9, but there are 4 vertices"
+    );
+}
+
+#[test]
+fn numbers_that_nothing_uses_may_be_anything() {
+    let whole = mesh_of(&format!("{QUAD}f 1 2 3\n"), true);
+    for word in ["nan", "-nan(ind)", "-1.#IND00", "1.#QNAN", "1.#INF", "inf", "1e999"] {
+        let lone = format!("v {word} 0 0\nvt {word}\nvn 0 {word} 1\n{QUAD}f 2 3 4\n");
+        assert_eq!(mesh_of(&lone, true), whole, "{word}");
+        assert_eq!(warnings_of(&lone, true), [""; 0], "{word}");
+        let normals = format!("{QUAD}vn {word} 0 1 # x\nf 1//1 2//1 3//1\n");
+        assert_eq!(mesh_of(&normals, false), mesh_of(&format!("{QUAD}f 1 2 3"), false), "{word}");
+        assert_eq!(warnings_of(&normals, false), [""; 0], "{word}");
+        let computed = "3 normals are not finite: they are computed instead";
+        assert_eq!(warnings_of(&normals, true), [computed], "{word}");
+        let uv = format!("{QUAD}vt {word} 1\nf 1/1 2/1 3/1\n");
+        assert_eq!(mesh_of(&uv, true).uvs, [[0.0; 2]], "{word}");
+        assert_eq!(warnings_of(&uv, true), ["1 uv is not finite and counts as 0 0"], "{word}");
+    }
+    let commented =
+        QUAD.replace("0 1 0\n", "0 1 0#IND\n").replace("1 1 0\n", "1 1 0.#c\n") + "f 1 2 3";
+    assert_eq!(mesh_of(&commented, true), whole);
+}
+
+/// Bytes are looked at a bounded number of times, however many lines are joined.
+#[test]
+fn joined_lines_take_linear_time() {
+    let joined = |lines: usize| format!("{QUAD}f 1 2 3 {}\n", "\\\n".repeat(lines));
+    assert_eq!(mesh_of(&joined(1_000_000), false), mesh_of(&joined(0), false));
+    let forward = format!("f{}\n{QUAD}", " 1 2 \\\n 3 4".repeat(100_000));
+    assert_eq!(mesh_of(&forward, false).faces.len(), 400_000 - 2);
+    let numbers: String = (1..=300_000).map(|i| format!(" {i}")).collect();
+    assert!(error_of(&format!("f{numbers}\n{QUAD}")).contains("a face refers to vertex 300000"));
+    let endless = "f 1 \\\n".repeat(3 << 20);
+    assert_eq!(error_of(&endless), "1:1: a line of more than 16777216 bytes");
 }
 
 #[test]
 fn mutated_files_never_panic() {
-    const LIKELY: &[u8] = b" \n\\/#-0123456789.vtnfeE\xFF";
+    const LIKELY: &[u8] = b" \n\r\\/#-0123456789.vtnfeE\xFF";
     let whole =
         format!("{QUAD}vt 0 0\nvt 1 0\nvn 0 0 1\nvn 0 1 0\nf 1/1/1 2/2/1 3/-1/-1 4//2\nf 1 2 -3\n");
     let mut rng = StdRng::seed_from_u64(7);
@@ -200,7 +288,7 @@ fn mutated_files_never_panic() {
             }
         }
         match read(&mut bytes.as_slice(), true) {
-            Ok(mesh) => {
+            Ok(LoadedMesh { mesh, .. }) => {
                 read_well += 1;
                 let vertices = mesh.positions.len() as u32;
                 assert!(mesh.faces.iter().flatten().all(|&i| i < vertices));

@@ -5,6 +5,9 @@ use crate::format::{FileError, Input};
 /// Bytes that a line of the header may have.
 const MAX_LINE: usize = 1 << 14;
 
+/// Elements and properties that a file may have together.
+const MAX_PROPERTIES: usize = 4096;
+
 /// How numbers are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
@@ -82,6 +85,8 @@ pub(super) struct Header {
     pub(super) encoding: Encoding,
     /// In the order of the file.
     pub(super) elements: Vec<Element>,
+    /// The image that a comment `TextureFile` names first.
+    pub(super) texture: Option<String>,
 }
 
 impl Header {
@@ -92,11 +97,23 @@ impl Header {
     pub(super) fn read(input: &mut Input<'_>) -> Result<Self, FileError> {
         let mut encoding = None;
         let mut elements = Vec::new();
-        expect_magic(input)?;
+        let mut texture = None;
+        let mut room = MAX_PROPERTIES;
+        let line_end = expect_magic(input)?;
         loop {
-            let line = next_line(input)?;
+            let line = next_line(input, line_end)?;
             let words: Vec<_> = line.text.split_ascii_whitespace().collect();
+            if let ["element" | "property", ..] = words.as_slice() {
+                room = room.checked_sub(1).ok_or_else(|| {
+                    let message = format!("more than {MAX_PROPERTIES} elements and properties");
+                    line.error(input, message)
+                })?;
+            }
             let done = match words.as_slice() {
+                ["comment", "TextureFile", name @ ..] => {
+                    texture.get_or_insert_with(|| name.join(" "));
+                    Ok(false)
+                }
                 [] | ["comment" | "obj_info", ..] => Ok(false),
                 ["format", name, "1.0"] => parse_encoding(name).map(|e| {
                     encoding = Some(e);
@@ -116,7 +133,7 @@ impl Header {
                     let encoding =
                         encoding.ok_or_else(|| line.error(input, NO_FORMAT.to_owned()))?;
                     input.advance(line.len);
-                    return Ok(Self { encoding, elements });
+                    return Ok(Self { encoding, elements, texture });
                 }
                 Err(message) => return Err(line.error(input, message)),
             }
@@ -142,24 +159,27 @@ impl Line {
     }
 }
 
-/// Consumes the first line, which is `ply`.
-fn expect_magic(input: &mut Input<'_>) -> Result<(), FileError> {
-    while input.rest().len() < 4 && input.refill()? {}
+/// Consumes the first line, which is `ply`, and returns the byte that ends lines.
+fn expect_magic(input: &mut Input<'_>) -> Result<u8, FileError> {
+    while input.rest().len() < 5 && input.refill()? {}
     if !input.rest().starts_with(b"ply")
         || !input.rest().get(3).is_some_and(u8::is_ascii_whitespace)
     {
         return Err(FileError::whole_file("this is not a .ply file: its first line is not `ply`"));
     }
-    let line = next_line(input)?;
+    // Old Macs ended lines with CR alone.
+    let cr_alone = matches!(input.rest(), [b'p', b'l', b'y', b'\r', after, ..] if *after != b'\n');
+    let line_end = if cr_alone { b'\r' } else { b'\n' };
+    let line = next_line(input, line_end)?;
     input.advance(line.len);
-    Ok(())
+    Ok(line_end)
 }
 
 /// The next line, which is not consumed.
-fn next_line(input: &mut Input<'_>) -> Result<Line, FileError> {
+fn next_line(input: &mut Input<'_>, line_end: u8) -> Result<Line, FileError> {
     let end = loop {
         let rest = input.rest();
-        if let Some(end) = rest.iter().take(MAX_LINE).position(|&b| b == b'\n') {
+        if let Some(end) = rest.iter().take(MAX_LINE).position(|&b| b == line_end) {
             break end;
         }
         if rest.len() >= MAX_LINE {

@@ -2,6 +2,7 @@
 
 use super::header::{Encoding, Scalar};
 use crate::format::{FileError, Input, blank_len, parse_word, quick_f64, word_len};
+use crate::scene::mesh::numbers::is_not_finite;
 
 /// What is being read, for messages.
 #[derive(Clone, Copy, Debug)]
@@ -31,11 +32,25 @@ impl<'r> Values<'r> {
     /// The file ends, or there is something else.
     #[inline]
     pub(super) fn next(&mut self, scalar: Scalar, context: Context<'_>) -> Result<f64, FileError> {
-        if self.encoding == Encoding::Ascii {
-            return self.next_ascii(context);
-        }
-        let value = self.next_binary(scalar, context)?;
-        if value.is_finite() { Ok(value) } else { Err(self.fault(context, &format!("is {value}"))) }
+        let value = self.next_or_nan(scalar, context)?;
+        if value.is_finite() { Ok(value) } else { Err(self.fault(context, "is not finite")) }
+    }
+
+    /// The next number as f64, which is NaN if the file says NaN, infinity or too large a number.
+    ///
+    /// # Errors
+    /// The file ends, or there is something else.
+    #[inline]
+    pub(super) fn next_or_nan(
+        &mut self,
+        scalar: Scalar,
+        context: Context<'_>,
+    ) -> Result<f64, FileError> {
+        let value = match self.encoding {
+            Encoding::Ascii => self.next_ascii(context)?,
+            _ => self.next_binary(scalar, context)?,
+        };
+        Ok(if value.is_finite() { value } else { f64::NAN })
     }
 
     /// Passes over a number, which need not be finite, nor one at all where the file is text.
@@ -69,7 +84,7 @@ impl<'r> Values<'r> {
         Ok(number(scalar, bytes))
     }
 
-    /// The next number in text.
+    /// The next number in text, which may be infinite or NaN.
     #[inline]
     fn next_ascii(&mut self, context: Context<'_>) -> Result<f64, FileError> {
         let blank = blank_len(self.input.rest());
@@ -79,7 +94,10 @@ impl<'r> Values<'r> {
             return Ok(value);
         }
         let len = self.next_word(context)?;
-        let parsed = parse_word(&self.input.rest()[..len]);
+        let word = &self.input.rest()[..len];
+        let parsed = parse_word(word).or_else(|fault| {
+            if is_not_finite(&String::from_utf8_lossy(word)) { Ok(f64::NAN) } else { Err(fault) }
+        });
         self.input.advance(len);
         self.last_len = len;
         parsed.map_err(|fault| {
