@@ -17,7 +17,7 @@ const MOST_FACES: usize = 100_000;
 const MOST_MESH_FACES: usize = 1000;
 
 /// Pairs of faces of about one plane that are held against each other.
-const MOST_PAIRS: usize = 1_000_000;
+const MOST_PAIRS: usize = 10_000_000;
 
 /// Pairs of elements that are reported.
 const MOST_REPORTED: usize = 5;
@@ -74,6 +74,9 @@ struct Face {
     /// What it shows: faces that look the same may overlap.
     look: Look,
     corners: Vec<DVec3>,
+    /// A ball about all corners.
+    center: DVec3,
+    radius: f64,
     /// Unit; outward if only this side can be seen.
     normal: DVec3,
     two_sided: bool,
@@ -120,7 +123,9 @@ fn faces(objects: &[(Object, Span)], lights: &[(Light, Span)]) -> Option<Vec<Fac
 fn face(owner: usize, look: Look, corners: Vec<DVec3>, two_sided: bool) -> Option<Face> {
     let [a, b, c] = *corners.first_chunk::<3>()?;
     let normal = (b - a).cross(c - a).try_normalize()?;
-    Some(Face { owner, look, corners, normal, two_sided })
+    let center = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let radius = corners.iter().map(|corner| corner.distance(center)).fold(0.0, f64::max);
+    Some(Face { owner, look, corners, center, radius, normal, two_sided })
 }
 
 /// The flat parts of a shape in object space, counter-clockwise seen from outside, for as long as
@@ -208,13 +213,18 @@ fn overlaps(faces: &[Face], eyes: &[DVec3]) -> Vec<[usize; 2]> {
         for choice in (0..16_usize).filter(|choice| choice & !apart == 0) {
             let key = std::array::from_fn(|axis| [low, high][choice >> axis & 1][axis]);
             for &j in planes.get(&key).into_iter().flatten() {
-                let other = &faces[j];
-                let pair = [face.owner.min(other.owner), face.owner.max(other.owner)];
-                if pair[0] == pair[1] || face.look == other.look || found.contains(&pair) {
-                    continue;
-                }
                 let Some(rest) = left.checked_sub(1) else { return found };
                 left = rest;
+                let other = &faces[j];
+                let pair = [face.owner.min(other.owner), face.owner.max(other.owner)];
+                let reach = face.radius + other.radius;
+                if face.look == other.look
+                    || pair[0] == pair[1]
+                    || face.center.distance_squared(other.center) > reach * reach
+                    || found.contains(&pair)
+                {
+                    continue;
+                }
                 let tolerance = TOLERANCE * size(face).max(size(other));
                 if are_coplanar(face, other, tolerance)
                     && are_seen(face, other, eyes)
