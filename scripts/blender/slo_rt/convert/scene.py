@@ -133,7 +133,7 @@ class _Writer:
         for camera in used:
             cameras.note_limits(camera, self.render, self.report)
         size = settings.picture_size(self.render)
-        reader = cameras.CameraReader(self.render, *size)
+        reader = cameras.CameraReader(self.render, *size, self.report)
         timeline = motion.Timeline(self.job.depsgraph, self.job.set_frame, list(used), reader)
         start = float(self.job.first)
         timeline.visit([start])
@@ -178,7 +178,7 @@ class _Writer:
                 "the shutter is open for more than a frame, and stops at the end of a segment",
             )
         film = settings.film_element(settings.picture_size(self.render), job.prefix, job.output)
-        return Element("Camera", "camera", [("fps", self.fps), film, *segments])
+        return Element("Camera", "camera", [("fps", scene_text.exact(self.fps)), film, *segments])
 
     def _segments(self, timeline, camera, first, stop):
         if not self._moving:

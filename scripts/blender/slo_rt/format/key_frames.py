@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from .scene_text import block, seconds
+from .scene_text import block, exact
 
 PARTS = {"pivot": slice(0, 3), "up": slice(3, 6), "right": slice(6, 9)}
 STRAIGHT = 1e-8  # how far a handle may lie from a straight line, in units of the largest number
@@ -24,7 +24,7 @@ def moving(keys, frames_per_second):
     blocks = []
     for i, key in enumerate(keys):
         changed = PARTS if i == 0 else _changed(keys[i - 1].key, key.key)
-        body = [("time", seconds(key.time / frames_per_second))]
+        body = [("time", exact(key.time / frames_per_second))]
         if i > 0 and bent[i - 1]:
             body.append(block("pre", _parts(key.pre, bent[i - 1])))
         if changed:

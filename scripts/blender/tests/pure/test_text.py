@@ -2,6 +2,7 @@
 """Numbers, names, elements, meshes and images as files."""
 
 import itertools
+import math
 import os
 import tempfile
 import unittest
@@ -14,7 +15,7 @@ from slo_rt.fit.motion import KeyFrame
 from slo_rt.format import key_frames, png16, slo_mesh
 from slo_rt.format.decimal_text import decimal_lines, integer_lines, number
 from slo_rt.format.names import Names, plain
-from slo_rt.format.scene_text import Element, block, seconds, write
+from slo_rt.format.scene_text import Element, block, exact, write
 from slo_rt.report import Report
 
 from .. import scene_reader
@@ -34,8 +35,17 @@ class NumberTest(unittest.TestCase):
             (2.0, "2"),
         ):
             self.assertEqual(number(value), text)
-        self.assertEqual(seconds(1.0 / 24.0), "0.0416666666667")
-        self.assertEqual(seconds(-0.0), "0")
+
+    def test_times_lose_nothing(self):
+        for value, text in ((-0.0, "0"), (2.0, "2"), (1.0 / 24.0, "0.041666666666666664")):
+            self.assertEqual(exact(value), text)
+        for fps in (24.0 / 1.001, 30.0 / 1.001, 60.0 / 1.001, 25.0, 1000.0 / 7.0):
+            self.assertEqual(float(exact(fps)), fps)
+            for frame in (1, 28, 551, 10**7):
+                self.assertEqual(float(exact(frame / fps)), frame / fps)
+        for value in (math.inf, math.nan):
+            with self.assertRaises(ValueError):
+                exact(value)
 
     def test_many_numbers_come_back(self):
         random = np.random.default_rng(1)
