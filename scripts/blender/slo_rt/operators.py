@@ -121,10 +121,11 @@ def arrays_of_object(thing):
     is_scaled = not np.allclose(shape, np.eye(3), rtol=0.0, atol=1e-6)
     mesh = thing.to_mesh()
     try:
-        result = meshes.arrays(mesh, shape if is_scaled else None, "") if mesh else None
+        if mesh is None or not meshes.has_faces(mesh):
+            return None
+        return meshes.Triangles(mesh, shape if is_scaled else None).arrays("", False)
     finally:
         thing.to_mesh_clear()
-    return result and result[0]
 
 
 class SLO_RT_OT_copy_notes(bpy.types.Operator):

@@ -4,13 +4,11 @@
 import numpy as np
 
 from ..fit.camera import CameraSamples, fit_segments
-from ..fit.rigid import axes_of
 from ..format.scene_text import Element, exact
 
 MILLIMETRE = 1e-3  # Blender counts lenses in millimetres and the scene in metres
 SMALLEST_SCALE = 1e-20
 SMALLEST_FSTOP = 1e-3
-DEFAULT_CLIP_START = 0.1
 # Objects that are no cameras and no lights look through this lens, as in Cycles.
 BARE_LENS, BARE_SENSOR = 50.0, 36.0
 BARE_FOCUS = 10.0
@@ -196,24 +194,3 @@ def note_limits(camera, render, report):
     if optics.dof.use_dof and (optics.dof.aperture_blades or optics.dof.aperture_ratio != 1.0):
         report.note(subject, "the aperture is a circle, whatever its blades and ratio")
 
-
-def note_clipping(camera, values, things, report):
-    """Notes what lies before the start or behind the end of a camera's clipping, which Blender does
-    not show; `values` is what `CameraReader` says of it."""
-    if not things or camera.type != "CAMERA":
-        return
-    optics, subject = camera.data, f'camera "{camera.name}"'
-    placements = np.array([thing.placement for thing in things])
-    boxes = np.array([thing.box for thing in things])
-    axes = axes_of(placements[:, 3:6], placements[:, 6:9])
-    position, forward = values[:3], values[3:6]
-    eye = np.einsum("nji,nj->ni", axes, position - placements[:, :3])
-    gaps = np.linalg.norm(eye - np.clip(eye, boxes[:, 0], boxes[:, 1]), axis=1)
-    gaze = np.einsum("nji,j->ni", axes, forward)
-    farthest = np.where(gaze > 0.0, boxes[:, 1], boxes[:, 0]) - eye
-    if np.sum(farthest * gaze, axis=1).max() > optics.clip_end:
-        report.note(subject, f"what is behind its clip end, {optics.clip_end:g} m, is seen too")
-    # Around a camera in a room is a box, whose walls are farther off.
-    outside = (gaps > 0.0) | (optics.clip_start > DEFAULT_CLIP_START * 1.001)
-    if (outside & (gaps < optics.clip_start)).any():
-        report.note(subject, f"what is before its clip start, {optics.clip_start:g} m, is seen too")

@@ -8,8 +8,9 @@ from ..format import png16
 _LINEAR = {"Non-Color", "Linear Rec.709", "Linear", "Raw", "scene_linear"}
 
 
-def write_linear(image, path, report):
-    """Writes an image to a 16-bit PNG file. Returns whether there was an image to write.
+def write_linear(image, path, is_alpha, report):
+    """Writes an image to a 16-bit PNG file, or the grey of its alpha. Returns whether there was an
+    image to write.
 
     Byte images are held by Blender as their file has them, in sRGB mostly, and are turned to linear
     light; float images are linear already.
@@ -25,8 +26,12 @@ def write_linear(image, path, report):
     values = np.empty(width * height * channels, np.float32)
     image.pixels.foreach_get(values)
     pixels = values.reshape(height, width, channels)
-    rgb = np.repeat(pixels[..., :1], 3, axis=2) if channels < 3 else pixels[..., :3]
     space = image.colorspace_settings.name
+    if is_alpha:
+        alpha = pixels[..., 3:4] if channels == 4 and image.alpha_mode != "NONE" else np.ones((height, width, 1), np.float32)
+        png16.write(path, np.repeat(alpha, 3, axis=2)[::-1])
+        return True
+    rgb = np.repeat(pixels[..., :1], 3, axis=2) if channels < 3 else pixels[..., :3]
     if not image.is_float and space == "sRGB":
         rgb = linear_of_srgb(rgb)
     elif not image.is_float and space not in _LINEAR:

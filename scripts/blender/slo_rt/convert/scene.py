@@ -14,8 +14,9 @@ from ..format.names import Names, plain
 from ..format.scene_text import Element
 from ..report import Report
 from . import camera as cameras
-from . import image, light, limits, material, motion, settings, world
-from .things import Collector, outlines
+from . import image, light, limits, material, motion, nodes, settings, world
+from .surroundings import Surroundings
+from .things import Collector, Look, outlines
 
 # Shapes whose entries change by more, in parts of the thing's size, count as changing.
 SHAPE_TOLERANCE = 1e-4
@@ -87,13 +88,13 @@ class _Writer:
         self.world = (self.layer.world_override or self.scene.world) if self.layer.use_sky else None
         self.background = world.background(self._now(self.world), self.report)
         is_blurred = self.shutter.duration > 0.0
-        collector = Collector(self._store_mesh, self._uv_map_of, is_blurred, self.report)
+        collector = Collector(self._store_mesh, self._look_of, is_blurred, self.report)
         found = collector.take_stock(job.depsgraph)
-        self._measure(found.things)
+        self.surroundings = Surroundings(found.things)
         lights = self._lights(found.lamps)
         self._note_darkness(lights)
         elements = [*lights, *self._materials(found.things)]
-        timeline = self._timeline(found.things)
+        timeline = self._timeline()
         camera = self._camera(timeline)
         objects = [e for thing in found.things for e in self._thing(thing, timeline)]
         self._note_changes(found, timeline)
@@ -127,7 +128,7 @@ class _Writer:
 
     # Time
 
-    def _timeline(self, things):
+    def _timeline(self):
         shots = cameras.shots(self.scene, self.job.first, self.job.last)
         used = {camera.name_full: camera for camera, _, _ in shots}.values()
         for camera in used:
@@ -139,7 +140,7 @@ class _Writer:
         timeline.visit([start])
         for camera in used:
             values = timeline.camera_values(camera, [start])[0]
-            cameras.note_clipping(camera, values, things, self.report)
+            self.surroundings.note_clipping(camera, values, self.report)
         if self._moving:
             timeline.visit(sample_times(*self._span))
         return timeline
@@ -154,14 +155,6 @@ class _Writer:
         """First and last scene time in frames that a shutter can see."""
         tail = self.shutter.duration
         return self.job.first + self.shutter.offset, self.job.last + self.shutter.offset + tail
-
-    def _measure(self, things):
-        """The middle of the scene, which is the median of its things, and its diagonal."""
-        centers = np.array([thing.center for thing in things]) if things else np.zeros((1, 3))
-        self.centers = centers
-        self.center = np.median(centers, axis=0)
-        reach = [thing.diagonal for thing in things]
-        self.diagonal = float(np.linalg.norm(np.ptp(centers, axis=0)) + max(reach, default=0.0))
 
     # Camera
 
@@ -200,9 +193,11 @@ class _Writer:
     def _distance_of(self, positions):
         """The shortest distance from a camera at `positions` to the middle of a thing, which is the
         length that its errors are measured by; not below a thousandth of the scene."""
-        gaps = self.centers[None, :, :] - positions[:, None, :]
-        shortest = np.linalg.norm(gaps, axis=2).min()
-        return max(float(shortest), 1e-3 * self.diagonal, 1e-9)
+        shortest = min(
+            np.linalg.norm(self.surroundings.centers - position, axis=1).min()
+            for position in np.unique(positions, axis=0)
+        )
+        return max(float(shortest), 1e-3 * self.surroundings.diagonal, 1e-9)
 
     # Things
 
@@ -259,7 +254,7 @@ class _Writer:
     # Surfaces
 
     def _finish(self, item):
-        """Name in the scene and finish of a `bpy` material or None."""
+        """Name in the scene and finish (or None) of a `bpy` material or None."""
         key = item.name_full if item else None
         if key not in self.finishes:
             ambient = [c * self.values.world_light for c in self.background]
@@ -270,12 +265,15 @@ class _Writer:
     def _material_name(self, item):
         return self._finish(item)[0]
 
-    def _uv_map_of(self, materials):
-        """The uv map that these materials need; None where there is no texture and none is asked
-        for."""
-        textures = [self._finish(item)[1].texture for item in materials]
-        named = [texture.uv_map for texture in textures if texture]
-        return named[0] if named else (None if self.job.by_content else "")
+    def _look_of(self, item):
+        """The `Look` of a `bpy` material or None; None if what has it is not seen."""
+        finish = self._finish(item)[1]
+        if finish is None:
+            return None
+        if finish.texture:
+            return Look(finish.texture.uv_map, True)
+        # An export may get a texture by hand.
+        return Look(None if self.job.by_content else "", False)
 
     def _materials(self, things):
         elements = []
@@ -299,16 +297,17 @@ class _Writer:
     def _texture(self, texture, elements):
         """Name of the texture's element, which is written when it is needed first; None if
         unreadable."""
-        picture = texture.image
-        if picture.name_full not in self.textures:
-            name = self.names["texture"].new(os.path.splitext(picture.name)[0])
+        picture, key = texture.image, (texture.image.name_full, texture.is_alpha)
+        if key not in self.textures:
+            wish = os.path.splitext(picture.name)[0] + ("_alpha" if texture.is_alpha else "")
+            name = self.names["texture"].new(wish)
             path = os.path.join(self.folder, f"{name}.png")
-            written = image.write_linear(picture, path, self.report)
-            self.textures[picture.name_full] = name if written else None
+            written = image.write_linear(picture, path, texture.is_alpha, self.report)
+            self.textures[key] = name if written else None
             if written:
                 filename = f"{self.folder_name}/{name}.png"
                 elements.append(Element("texture", name, [("filename", filename)]))
-        return self.textures[picture.name_full]
+        return self.textures[key]
 
     def _lights(self, lamps):
         names, elements = Names(), []
@@ -317,8 +316,7 @@ class _Writer:
                 names.new(lamp.name),
                 self._now(lamp.light),
                 lamp.matrix,
-                self.center,
-                self.diagonal,
+                self.surroundings,
                 self.report,
             )
         return elements
@@ -363,7 +361,7 @@ class _Writer:
         owners = {lamp.light for lamp in found.lamps} | {self.world, self.scene}
         owners |= {part.material for thing in found.things for part in thing.parts}
         for owner in owners - {None}:
-            if any(compat.is_animated(each) for each in material.with_node_trees(owner)):
+            if any(compat.is_animated(each) for each in nodes.with_node_trees(owner)):
                 kind = owner.bl_rna.name.lower().split()[-1]  # a point light is a light
                 self.report.note(
                     f'{kind} "{owner.name}"',

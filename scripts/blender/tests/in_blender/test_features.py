@@ -119,8 +119,8 @@ def animated_material(f):
         socket.keyframe_insert("default_value", frame=frame)
 
 
-def mixed(first, second):
-    """The surface as a mix of two shaders."""
+def mixed(first, second, factor=None):
+    """The surface as a mix of two shaders; `factor` is a kind of node."""
 
     def add(f):
         tree = f.shader.id_data
@@ -131,6 +131,8 @@ def mixed(first, second):
             node = nodes.new(kind) if kind else f.shader
             links.new(node.outputs[0], mix.inputs[i])
         links.new(mix.outputs[0], output.inputs["Surface"])
+        if factor:
+            links.new(nodes.new(factor).outputs[0], mix.inputs[0])
 
     return add
 
@@ -321,8 +323,10 @@ FEATURES = {
     "metallic": (surface("ShaderNodeBsdfMetallic"), "of the Metallic BSDF"),
     "toon": (surface("ShaderNodeBsdfToon"), "Toon BSDF is not carried"),
     "transparent mix": (
-        mixed("ShaderNodeBsdfTransparent", None), "Mix Shader is not carried, one of its",
+        mixed("ShaderNodeBsdfTransparent", None, "ShaderNodeTexNoise"),
+        "Mix Shader is not carried, one of its",
     ),
+    "half transparent": (mixed("ShaderNodeBsdfTransparent", None), CHANGES),
     "glow": (emission, "shines by itself"),
     "displacement": (node_on("Displacement", "ShaderNodeDisplacement"), "displacement is not"),
     "volume of a material": (
@@ -431,7 +435,7 @@ class FeatureTest(unittest.TestCase):
         for order in (("ShaderNodeBsdfTransparent", None), (None, "ShaderNodeBsdfTransparent")):
             frame = Frame()
             frame.shader.inputs["Base Color"].default_value = (0.25, 0.5, 0.75, 1.0)
-            mixed(*order)(frame)
+            mixed(*order, "ShaderNodeFresnel")(frame)
             info = scene_reader.read(blend.export_text()).one("phong_info", "Paint")
             np.testing.assert_allclose(info.vector("diffuse"), (0.25, 0.5, 0.75))
             self.assertNotIn("refraction", info.values)
