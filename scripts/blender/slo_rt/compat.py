@@ -55,6 +55,21 @@ def light_strength(light):
     return power, color
 
 
+def compositing_nodes(scene):
+    """The nodes of the compositor, none if it is off."""
+    if bpy.app.version < (5, 0, 0):
+        tree = scene.node_tree if scene.use_nodes else None
+    else:
+        tree = scene.compositing_node_group
+    return list(tree.nodes) if tree else []
+
+
+def strips(scene):
+    """The strips of the video sequencer, named sequences before Blender 4.4."""
+    editor = scene.sequence_editor
+    return list(getattr(editor, "strips", None) or getattr(editor, "sequences", ())) if editor else []
+
+
 # Blender 5.0 resolves reroutes, muted nodes and groups itself before Cycles sees them: a chain of
 # links that begins nowhere leaves a socket its own value, which is 0 before; and that an output node
 # is muted means nothing.

@@ -18,6 +18,7 @@ import numpy as np
 from .. import compat
 from ..format.scene_text import Element
 from .emission import emitted
+from .flags import note_flags
 from .nodes import Feed, Reader, follow, output_node
 
 SUN_DISTANCE = 200.0  # in diagonals of the scene
@@ -95,6 +96,8 @@ def _light_of_nodes(light, subject, report):
 
 
 def _note_limits(light, subject, report):
+    note_flags(light, "Light", subject, report)
+    note_flags(getattr(light, "cycles", None), "CyclesLightSettings", subject, report)
     if not getattr(light, "use_shadow", True):
         report.note(subject, "throws shadows in slo-rt")
     if not getattr(light, "normalize", True):

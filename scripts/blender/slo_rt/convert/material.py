@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from .. import compat
 from ..format.phong import BLACK, Phong, Surface, blend, mean, phong_of_surface
+from .flags import note_flags
 from .nodes import Feed, Reader, constant, follow, output_node
 from .texture import Texture, read_texture
 
@@ -36,6 +37,7 @@ def finish(material, ambient_light, report):
     if material is None:
         return Finish(phong_of_surface(Surface(), ambient_light))
     subject = f'material "{material.name}"'
+    note_flags(material, "Material", subject, report)
     tree = compat.node_tree(material)
     if material.slo_rt.use_own:
         texture = _MaterialReader(subject, report, ambient_light).own_texture(tree)

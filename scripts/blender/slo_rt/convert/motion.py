@@ -87,14 +87,15 @@ class Timeline:
         return np.array([self._camera_values[camera.name_full, time] for time in times], np.float64)
 
 
-def breaks(thing, first, last):
-    """Times of the key frames from `first` to `last` that `thing` (an object) may depend on."""
+def breaks(thing, first, last, remapped=1.0):
+    """Times of the key frames from `first` to `last` that `thing` (an object) may depend on; a key
+    frame shows `remapped` times as late as it stands."""
     leaps = {}
     for owner in _sources(thing):
         for curve in compat.fcurves(owner.animation_data):
             constant = False
             for point in curve.keyframe_points:
-                time = float(point.co[0])
+                time = float(point.co[0]) * remapped
                 leaps[time] = leaps.get(time, False) or constant
                 constant = point.interpolation == "CONSTANT"
     return [Break(time, leap) for time, leap in sorted(leaps.items()) if first <= time <= last]

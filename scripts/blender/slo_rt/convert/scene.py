@@ -98,6 +98,7 @@ class _Writer:
         camera = self._camera(timeline)
         objects = [e for thing in found.things for e in self._thing(thing, timeline)]
         self._note_changes(found, timeline)
+        limits.note_physics(job.depsgraph, self.report)
         limits.note_view_layer(self.layer, self.report)
         limits.note_scene(self.scene, self.report)
         if job.output != "EXR_IMAGE":
@@ -231,7 +232,8 @@ class _Writer:
             return placements
 
         first, last = self._span
-        breaks = [b for source in thing.sources for b in motion.breaks(source, first, last)]
+        remapped = self.render.frame_map_new / self.render.frame_map_old
+        breaks = [b for s in thing.sources for b in motion.breaks(s, first, last, remapped)]
         keys, misfit = fit_key_frames(sample, first, last, thing.diagonal, breaks)
         subject = f'object "{thing.name}"'
         if max(shapes) > SHAPE_TOLERANCE * np.abs(thing.shape).max():

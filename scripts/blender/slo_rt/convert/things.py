@@ -114,7 +114,7 @@ class Collector:
                 found.things += self._solid(instance, override)
             elif thing.type == "LIGHT":
                 found.lamps += self._lamp(instance)
-            elif thing.type not in UNSEEN:
+            elif thing.type not in UNSEEN and not limits.is_empty(thing):
                 kind = thing.type.lower().replace("_", " ")
                 self._report.note(f'object "{thing.name}"', f"{kind} objects are not carried")
         return found

@@ -4,6 +4,7 @@
 from .. import compat
 from .checks import finite
 from .emission import emitted
+from .flags import note_flags
 from .nodes import Feed, Reader, follow, output_node
 
 BLACK = (0.0, 0.0, 0.0)
@@ -18,6 +19,7 @@ def background(world, report):
         return BLACK
     subject = f'world "{world.name}"'
     _note_rays(world, subject, report)
+    note_flags(getattr(world, "cycles", None), "CyclesWorldSettings", subject, report)
     return finite(_color(world, subject, report), subject, "its colour")
 
 
