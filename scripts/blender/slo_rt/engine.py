@@ -61,7 +61,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         try:
             last_notes.clear()
             self._render_frame(depsgraph)
-        except Exception as error:
+        except BaseException as error:  # Ctrl-C too
             message = complaint(error)
             self.error_set(message)
             self.report({"ERROR"}, message)

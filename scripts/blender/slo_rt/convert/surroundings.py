@@ -7,6 +7,9 @@ from ..fit.rigid import axes_of
 
 # In metres; what is nearer counts as that far.
 NEAREST = 1e-3
+# A thing around a light or next to it whose diagonal is less than this part of the scene's is the
+# light's own fixture: a bulb, a shade.
+FIXTURE = 0.05
 DEFAULT_CLIP_START = 0.1
 
 
@@ -17,7 +20,8 @@ class Surroundings:
     def __init__(self, things):
         self.centers = np.array([thing.center for thing in things] or np.zeros((1, 3)))
         self.center = np.median(self.centers, axis=0)
-        reach = max((thing.diagonal for thing in things), default=0.0)
+        self._diagonals = np.array([thing.diagonal for thing in things])
+        reach = self._diagonals.max(initial=0.0)
         self.diagonal = float(np.linalg.norm(np.ptp(self.centers, axis=0)) + reach)
         placements = np.array([thing.placement for thing in things]).reshape(-1, 9)
         self._pivots = placements[:, :3]
@@ -34,15 +38,18 @@ class Surroundings:
         """Distance in metres at which a light at `position` (3,) lights the scene, typically.
 
         The distance to the middle of the scene, or the median distance to the surfaces of things if
-        that is more. To a box around the point it is the median over the box's faces.
+        that is more. To a box around the point it is the median over the box's faces. The light's
+        own fixture does not count.
         """
         to_middle = float(np.linalg.norm(self.center - position))
-        if not len(self._boxes):
-            return max(to_middle, NEAREST)
         eyes, gaps = self.eyes(position)
+        is_fixture = (gaps < self._diagonals) & (self._diagonals < FIXTURE * self.diagonal)
+        if is_fixture.all():
+            return max(to_middle, NEAREST)
         low, high = self._boxes[:, 0], self._boxes[:, 1]
         walls = np.median(np.hstack([eyes - low, high - eyes]), axis=1)
-        return max(to_middle, float(np.median(np.where(gaps > 0.0, gaps, walls))), NEAREST)
+        to_things = np.where(gaps > 0.0, gaps, walls)[~is_fixture]
+        return max(to_middle, float(np.median(to_things)), NEAREST)
 
     def note_clipping(self, camera, values, report):
         """Notes what lies before the start or behind the end of a camera's clipping, which Blender

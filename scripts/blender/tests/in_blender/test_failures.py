@@ -34,7 +34,8 @@ class FailureTest(unittest.TestCase):
     def test_any_exception_stops_an_animation(self):
         for place in ("_tell", "_show", "_run_passes", "_set_frame"):
             for error in (TypeError("sorted"), AttributeError("lens"), KeyError("x"), IndexError(3),
-                          RuntimeError("gone"), MemoryError(), RecursionError("deep")):  # fmt: skip
+                          RuntimeError("gone"), MemoryError(), RecursionError("deep"),
+                          KeyboardInterrupt("Ctrl-C")):  # fmt: skip
                 with mock.patch.object(
                     engine.SloRtRenderEngine, place, side_effect=error
                 ), mock.patch("traceback.print_exception"):  # fmt: skip
