@@ -110,7 +110,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         )
         self._tell(write_scene(job), frame == scene.frame_start)
         self._set_frame(float(frame))
-        remove_stale_meshes(job.scene_path)
+        remove_stale_files(job.scene_path)
         self._run_passes(Run(found, job, scene.render), depsgraph)
 
     def _tell(self, report, is_first):
@@ -303,13 +303,14 @@ def linear_pixels(path):
     return pixels.reshape(height, width, 4)
 
 
-def remove_stale_meshes(scene_path):
-    """Removes meshes of earlier frames that the scene does not use, which would fill the disk."""
+def remove_stale_files(scene_path):
+    """Removes meshes and textures of earlier frames that the scene does not use, which would fill
+    the disk."""
     with open(scene_path, encoding="utf-8") as file:
         text = file.read()
     folder = os.path.splitext(scene_path)[0]
     for name in os.listdir(folder):
-        if name.endswith(".slo") and name not in text:
+        if name.endswith((".slo", ".png")) and name not in text:
             os.remove(os.path.join(folder, name))
 
 

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import compat
-from ..fit.motion import fit_key_frames, sample_times
+from ..fit.motion import fit_all, sample_times
 from ..fit.rigid import split_matrix
 from ..format import key_frames, scene_text, slo_mesh
 from ..format.names import Names, plain
 from ..format.scene_text import Element
 from ..report import Report
 from . import camera as cameras
-from . import image, light, limits, material, motion, nodes, settings, world
+from . import light, limits, material, motion, nodes, settings, world
+from .image import Picture
 from .surroundings import Surroundings
 from .things import Collector, Look, outlines
 
@@ -60,6 +61,10 @@ def write_scene(job):
     return _Writer(job).write()
 
 
+# What was noted of images that were written, by the names of their files.
+_notes_of_images = {}
+
+
 class _Writer:
     def __init__(self, job):
         self.job = job
@@ -76,6 +81,7 @@ class _Writer:
         self.folder_name = plain(os.path.splitext(filename)[0])
         self.folder = os.path.join(beside, self.folder_name)
         self.finishes = {}
+        self.breaks = {}
         self.names = {kind: Names() for kind in ("file", "object", "material", "texture")}
         self.textures = {}
 
@@ -96,7 +102,8 @@ class _Writer:
         elements = [*lights, *self._materials(found.things)]
         timeline = self._timeline()
         camera = self._camera(timeline)
-        objects = [e for thing in found.things for e in self._thing(thing, timeline)]
+        paths = self._paths(found.things, timeline)
+        objects = [e for thing in found.things for e in self._thing(thing, paths)]
         self._note_changes(found, timeline)
         limits.note_physics(job.depsgraph, self.report)
         limits.note_view_layer(self.layer, self.report)
@@ -202,8 +209,8 @@ class _Writer:
 
     # Things
 
-    def _thing(self, thing, timeline):
-        keys = self._key_frames(thing, timeline)
+    def _thing(self, thing, paths):
+        keys = self._key_frames(thing, paths)
         elements = []
         for part in thing.parts:
             wish = thing.name
@@ -218,25 +225,50 @@ class _Writer:
             elements.append(Element("mesh", self.names["object"].new(wish), body))
         return elements
 
-    def _key_frames(self, thing, timeline):
-        if not self._moving or not timeline.moves(thing.key):
-            rest = np.concatenate([np.zeros(3), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
-            return (
-                [] if np.array_equal(thing.placement, rest) else [key_frames.still(thing.placement)]
-            )
-        shapes = []
+    def _key_frames(self, thing, paths):
+        if thing.key in paths:
+            return key_frames.moving(paths[thing.key], self.fps)
+        rest = np.concatenate([np.zeros(3), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
+        return [] if np.array_equal(thing.placement, rest) else [key_frames.still(thing.placement)]
 
-        def sample(times):
-            placements, shape = split_matrix(timeline.matrices(thing.key, times))
-            shapes.append(np.abs(shape - thing.shape).max())
+    def _paths(self, things, timeline):
+        """Key frames of the things that move, by their keys."""
+        moving = [thing for thing in things if self._moving and timeline.moves(thing.key)]
+        if not moving:
+            return {}
+        keys = [thing.key for thing in moving]
+        shapes = np.array([thing.shape for thing in moving])
+        shape_misses = np.zeros(len(moving))
+
+        def sample(who, times):
+            matrices = timeline.matrices([keys[number] for number in who], times)
+            placements, shape = split_matrix(matrices)
+            miss = np.abs(shape - shapes[who][:, None]).max(axis=(1, 2, 3))
+            np.maximum.at(shape_misses, who, miss)
             return placements
 
         first, last = self._span
+        breaks = [self._breaks(thing, first, last) for thing in moving]
+        sizes = [thing.diagonal for thing in moving]
+        fitted = fit_all(sample, first, last, sizes, breaks, timeline.visit)
+        largest = SHAPE_TOLERANCE * np.abs(shapes).max(axis=(1, 2))
+        for thing, (_, misfit), scales in zip(moving, fitted, shape_misses > largest):
+            self._note_motion(thing, misfit, scales)
+        return {key: path for key, (path, _) in zip(keys, fitted)}
+
+    def _breaks(self, thing, first, last):
+        """The `Break`s of all sources of a thing, which many things share."""
         remapped = self.render.frame_map_new / self.render.frame_map_old
-        breaks = [b for s in thing.sources for b in motion.breaks(s, first, last, remapped)]
-        keys, misfit = fit_key_frames(sample, first, last, thing.diagonal, breaks)
+        found = []
+        for source in thing.sources:
+            if source.name_full not in self.breaks:
+                self.breaks[source.name_full] = motion.breaks(source, first, last, remapped)
+            found += self.breaks[source.name_full]
+        return found
+
+    def _note_motion(self, thing, misfit, scales):
         subject = f'object "{thing.name}"'
-        if max(shapes) > SHAPE_TOLERANCE * np.abs(thing.shape).max():
+        if scales:
             self.report.note(subject, f"its scale changes; it is as at frame {self.job.first}")
         if misfit:
             self.report.note(
@@ -244,7 +276,6 @@ class _Writer:
                 f"moves too wildly at frame {misfit.time:.2f}: off by up to "
                 f"{100.0 * misfit.position:.3g} % of its size and {np.degrees(misfit.direction):.3g} degrees",
             )
-        return key_frames.moving(keys, self.fps)
 
     def _store_mesh(self, name, arrays):
         name = arrays.digest() if self.job.by_content else self.names["file"].new(name)
@@ -303,13 +334,28 @@ class _Writer:
         if key not in self.textures:
             wish = os.path.splitext(picture.name)[0] + ("_alpha" if texture.is_alpha else "")
             name = self.names["texture"].new(wish)
-            path = os.path.join(self.folder, f"{name}.png")
-            written = image.write_linear(picture, path, texture.is_alpha, self.report)
-            self.textures[key] = name if written else None
-            if written:
-                filename = f"{self.folder_name}/{name}.png"
+            filename = self._store_image(Picture(picture, texture.is_alpha), name)
+            self.textures[key] = name if filename else None
+            if filename:
                 elements.append(Element("texture", name, [("filename", filename)]))
         return self.textures[key]
+
+    def _store_image(self, picture, name):
+        """Writes an image, unless it is there; its path in the scene, or None if there is none."""
+        if picture.image.source in {"MOVIE", "SEQUENCE", "TILED"}:
+            self.report.note(
+                picture.subject, "of movies, sequences and tiles only the first picture is carried"
+            )
+        if not picture.is_readable:
+            self.report.note(picture.subject, "can't be read; its surface has no texture")
+            return None
+        name = picture.digest() if self.job.by_content else name
+        path = os.path.join(self.folder, f"{name}.png")
+        if not (self.job.by_content and name in _notes_of_images and os.path.exists(path)):
+            _notes_of_images[name] = picture.write(path)
+        for note in _notes_of_images[name]:
+            self.report.note(picture.subject, note)
+        return f"{self.folder_name}/{name}.png"
 
     def _lights(self, lamps):
         names, elements = Names(), []

@@ -65,9 +65,10 @@ def write(elements, comments=()):
 
 def _element(element, indent):
     head = f"{element.kind} {element.name}".strip()
-    single = f"{indent}{head} {{ " + "  ".join(_inline(item) for item in element.body) + " }"
-    if len(single) <= LINE_WIDTH and "\n" not in single and not _is_deep(element):
-        return [single]
+    if not _is_deep(element):
+        single = f"{indent}{head} {{ " + "  ".join(_inline(item) for item in element.body) + " }"
+        if len(single) <= LINE_WIDTH and "\n" not in single:
+            return [single]
     lines = [f"{indent}{head} {{"]
     for item in element.body:
         if isinstance(item, Element):
