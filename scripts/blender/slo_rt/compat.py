@@ -67,7 +67,9 @@ def compositing_nodes(scene):
 def strips(scene):
     """The strips of the video sequencer, named sequences before Blender 4.4."""
     editor = scene.sequence_editor
-    return list(getattr(editor, "strips", None) or getattr(editor, "sequences", ())) if editor else []
+    return (
+        list(getattr(editor, "strips", None) or getattr(editor, "sequences", ())) if editor else []
+    )
 
 
 # Blender 5.0 resolves reroutes, muted nodes and groups itself before Cycles sees them: a chain of

@@ -193,4 +193,3 @@ def note_limits(camera, render, report):
         report.note(subject, "the shift of the lens is not carried")
     if optics.dof.use_dof and (optics.dof.aperture_blades or optics.dof.aperture_ratio != 1.0):
         report.note(subject, "the aperture is a circle, whatever its blades and ratio")
-

@@ -36,7 +36,10 @@ def elements_of_light(name, light, matrix, surroundings, report):
     distance = light.slo_rt.distance or surroundings.distance(position)
     power, color = compat.light_strength(light)
     power *= light.slo_rt.brightness
-    color = tuple(c * n for c, n in zip(color, _light_of_nodes(light, subject, report)))
+    reader = Reader(subject, report)
+    color = reader.light(
+        tuple(c * n * power for c, n in zip(color, _light_of_nodes(light, reader)))
+    )
     if getattr(getattr(light, "cycles", None), "is_portal", False) and light.type == "AREA":
         report.note(subject, "portals are not carried: they give no light of their own")
         return []
@@ -45,14 +48,14 @@ def elements_of_light(name, light, matrix, surroundings, report):
     if light.type == "POINT":
         if light.shadow_soft_size > 0.0:
             report.note(subject, "a point in slo-rt: its radius is not carried, shadows are sharp")
-        return [_point(name, color, power / (4.0 * math.pi**2 * distance**2), position)]
+        return [_point(name, color, 1.0 / (4.0 * math.pi**2 * distance**2), position)]
     if light.type == "SUN":
         if light.angle > 0.0:
             report.note(subject, "a sun without size in slo-rt: shadows are sharp")
         far = center - toward * SUN_DISTANCE * max(diagonal, 1.0)
-        return [_point(name, color, power / math.pi, far)]
+        return [_point(name, color, 1.0 / math.pi, far)]
     if light.type == "AREA":
-        brightness = power / (math.pi**2 * distance**2)
+        brightness = 1.0 / (math.pi**2 * distance**2)
         return [_rectangle(name, light, color, brightness, matrix, subject, report)]
     report.note(subject, f"{light.type.lower()} lights are not carried")
     return []
@@ -82,7 +85,7 @@ def _rectangle(name, light, color, brightness, matrix, subject, report):
     return Element("light_rectangle", name, body)
 
 
-def _light_of_nodes(light, subject, report):
+def _light_of_nodes(light, reader):
     """What the nodes of a light multiply its own light by: three numbers."""
     tree = compat.node_tree(light)
     if tree is None:
@@ -90,7 +93,6 @@ def _light_of_nodes(light, subject, report):
     output = output_node(tree)
     if output is None:
         return (0.0, 0.0, 0.0)
-    reader = Reader(subject, report)
     reader.note_rest(Feed(output))
     return emitted(follow(Feed(output).input("Surface")), reader)
 

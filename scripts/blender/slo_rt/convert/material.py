@@ -20,6 +20,7 @@ _BLACK = {"HOLDOUT"}
 _GLASSY = {"BSDF_REFRACTION"}
 # Factors of a mix closer to 0 or 1 show one shader only.
 _HARDLY = 1e-6
+SMALLEST_IOR = 1e-3
 
 
 @dataclass
@@ -142,7 +143,9 @@ class _MaterialReader(Reader):
         lit = [finish for _, finish in parts if finish.phong.is_lit]
         textures = [finish.texture for finish in lit]
         if any(texture != textures[0] for texture in textures):
-            self.note(f"of {feed.node.bl_label} with a texture, the shader that is seen most is carried")
+            self.note(
+                f"of {feed.node.bl_label} with a texture, the shader that is seen most is carried"
+            )
             return heaviest
         phong, is_exact = blend([(weight, finish.phong) for weight, finish in parts])
         if not is_exact:
@@ -166,8 +169,8 @@ class _MaterialReader(Reader):
             what = "glass"
             surface = Surface(
                 color,
-                roughness=self.value(feed.input("Roughness")),
-                ior=self.value(feed.input("IOR"), 1.45),
+                roughness=self.unit(feed.input("Roughness")),
+                ior=self._ior(feed, 1.45),
                 transmission=1.0,
             )
         self.note(f"{node.bl_label} is not carried, {what} of its colour is")
@@ -189,22 +192,22 @@ class _MaterialReader(Reader):
             return Surface(color, specular_level=0.0), texture
         if kind == "EMISSION":
             strength = self.value(feed.input("Strength"), 1.0)
-            light = tuple(c * strength for c in color)
+            light = self.light(tuple(c * strength for c in color))
             return Surface(BLACK, specular_level=0.0, emission=light), texture
         if kind == "BSDF_GLASS":
-            roughness, ior = (self.value(feed.input(name)) for name in ("Roughness", "IOR"))
+            roughness, ior = self.unit(feed.input("Roughness")), self._ior(feed, 1.5)
             return Surface(color, roughness=roughness, ior=ior, transmission=1.0), texture
-        roughness = self.value(feed.input("Roughness"))
+        roughness = self.unit(feed.input("Roughness"))
         return Surface(color, metallic=1.0, roughness=roughness), texture
 
     def _metal(self, feed):
-        roughness = self.value(feed.input("Roughness"))
+        roughness = self.unit(feed.input("Roughness"))
         if feed.node.fresnel_type == "PHYSICAL_CONDUCTOR":
-            self.note("of the Metallic BSDF, Roughness and what it reflects straight on are carried")
-            n, k = (self.color(feed.input(name)) for name in ("IOR", "Extinction"))
-            color = tuple(
-                ((a - 1.0) ** 2 + b * b) / ((a + 1.0) ** 2 + b * b) for a, b in zip(n, k)
+            self.note(
+                "of the Metallic BSDF, Roughness and what it reflects straight on are carried"
             )
+            n, k = (self.color(feed.input(name)) for name in ("IOR", "Extinction"))
+            color = tuple(((a - 1.0) ** 2 + b * b) / ((a + 1.0) ** 2 + b * b) for a, b in zip(n, k))
             return Surface(color, metallic=1.0, roughness=roughness), None
         self.note("of the Metallic BSDF, Base Color and Roughness are carried")
         color, texture = self.textured_color(feed.input("Base Color"))
@@ -214,19 +217,23 @@ class _MaterialReader(Reader):
         color, texture = self.textured_color(feed.input("Base Color"))
         strength = self.value(feed.input("Emission Strength"))
         emission = BLACK
-        if strength > 0.0:
-            emission = tuple(c * strength for c in self.color(feed.input("Emission Color")))
+        if strength != 0.0:
+            light = tuple(c * strength for c in self.color(feed.input("Emission Color")))
+            emission = self.light(light)
         surface = Surface(
             base_color=color,
-            metallic=self.value(feed.input("Metallic")),
-            roughness=self.value(feed.input("Roughness"), 0.5),
-            ior=self.value(feed.input("IOR"), 1.5),
-            specular_level=self.value(feed.input("Specular IOR Level"), 0.5),
-            transmission=self.value(feed.input("Transmission Weight")),
-            alpha=self.value(feed.input("Alpha"), 1.0),
+            metallic=self.unit(feed.input("Metallic")),
+            roughness=self.unit(feed.input("Roughness"), 0.5),
+            ior=self._ior(feed, 1.5),
+            specular_level=max(self.value(feed.input("Specular IOR Level"), 0.5), 0.0),
+            transmission=self.unit(feed.input("Transmission Weight")),
+            alpha=self.unit(feed.input("Alpha"), 1.0),
             emission=emission,
         )
         return surface, texture
+
+    def _ior(self, feed, otherwise):
+        return max(self.value(feed.input("IOR"), otherwise), SMALLEST_IOR)
 
     def _note_surface(self, surface, texture):
         """Notes what slo-rt does differently with a surface that it can read."""
@@ -248,11 +255,11 @@ class _MaterialReader(Reader):
     def textured_color(self, input_):
         """`(colour, Texture or None)` of a colour socket; a texture's colour is white."""
         feed = follow(input_)
-        if feed.node is None or constant(feed) is not None:
-            return self.color(input_), None
-        image = _nearest_image(feed)
+        image = None
+        if feed.node is not None and constant(feed) is None:
+            image = _nearest_image(feed)
         if image is None:
-            return self.color(input_), None
+            return self.light(self.color(input_)), None
         if image.node != feed.node:
             self.note_feed(feed, input_, "the image behind it is")
         return (1.0, 1.0, 1.0), read_texture(image, self)

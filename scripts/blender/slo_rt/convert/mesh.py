@@ -35,7 +35,9 @@ class Triangles:
             vertices = vertices[source]
         if shape is not None:
             vertices = (vertices @ shape.T).astype(np.float32)
-            normals = None if normals is None or flattened else _unit(normals @ np.linalg.inv(shape))
+            normals = (
+                None if normals is None or flattened else _unit(normals @ np.linalg.inv(shape))
+            )
         self.geometry = MeshArrays(vertices, vertex_of_corner[self._corners], normals=normals)
 
     def arrays(self, uv_map, is_needed):

@@ -101,7 +101,10 @@ MESSAGES = {
     ("OUTPUT_MATERIAL", "Displacement"): "displacement is not carried",
     ("OUTPUT_WORLD", "Volume"): "volumes are not carried",
     ("BSDF_DIFFUSE", "Roughness"): "Diffuse Roughness is not carried",
-    ("TEX_IMAGE", "interpolation"): "interpolation {value} of an image is not carried: pixels are blurred, as with Linear",
+    (
+        "TEX_IMAGE",
+        "interpolation",
+    ): "interpolation {value} of an image is not carried: pixels are blurred, as with Linear",
     ("TEX_IMAGE", "projection"): "{value} projection of an image is not carried",
     ("TEX_IMAGE", "extension"): "images repeat in slo-rt: extension {value} is not carried",
 }

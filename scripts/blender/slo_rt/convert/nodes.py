@@ -172,6 +172,16 @@ class Reader:
             found = constant(Feed(own=input_.socket))
         return found if isinstance(found, tuple) else (found,) * 3
 
+    def light(self, color):
+        """A colour without what is below 0, as which nothing can shine in slo-rt."""
+        if any(channel < 0.0 for channel in color):
+            self.note("negative light and colours are not carried; they are 0")
+        return tuple(max(channel, 0.0) for channel in color)
+
+    def unit(self, input_, otherwise=0.0):
+        """A number, as Cycles takes it: between 0 and 1."""
+        return min(max(self.value(input_, otherwise), 0.0), 1.0)
+
     def note_feed(self, feed, input_, instead="the socket's own value is"):
         """Notes what is linked to a socket and can't be carried."""
         self.note(f"{feed.node.bl_label} on {input_.socket.name} is not carried, {instead}")

@@ -14,10 +14,10 @@ from ..format.names import Names, plain
 from ..format.scene_text import Element
 from ..report import Report
 from . import camera as cameras
-from . import light, limits, material, motion, nodes, settings, world
-from .image import Picture
+from . import light, limits, motion, nodes, settings, world
+from .surfaces import Surfaces
 from .surroundings import Surroundings
-from .things import Collector, Look, outlines
+from .things import Collector, outlines
 
 # Shapes whose entries change by more, in parts of the thing's size, count as changing.
 SHAPE_TOLERANCE = 1e-4
@@ -61,10 +61,6 @@ def write_scene(job):
     return _Writer(job).write()
 
 
-# What was noted of images that were written, by the names of their files.
-_notes_of_images = {}
-
-
 class _Writer:
     def __init__(self, job):
         self.job = job
@@ -80,10 +76,8 @@ class _Writer:
         beside, filename = os.path.split(job.scene_path)
         self.folder_name = plain(os.path.splitext(filename)[0])
         self.folder = os.path.join(beside, self.folder_name)
-        self.finishes = {}
         self.breaks = {}
-        self.names = {kind: Names() for kind in ("file", "object", "material", "texture")}
-        self.textures = {}
+        self.names = {kind: Names() for kind in ("file", "object")}
 
     def write(self):
         job = self.job
@@ -94,12 +88,14 @@ class _Writer:
         self.world = (self.layer.world_override or self.scene.world) if self.layer.use_sky else None
         self.background = world.background(self._now(self.world), self.report)
         is_blurred = self.shutter.duration > 0.0
-        collector = Collector(self._store_mesh, self._look_of, is_blurred, self.report)
+        ambient_light = [c * self.values.world_light for c in self.background]
+        self.surfaces = Surfaces(self._now, ambient_light, self.folder, job.by_content, self.report)
+        collector = Collector(self._store_mesh, self.surfaces.look_of, is_blurred, self.report)
         found = collector.take_stock(job.depsgraph)
         self.surroundings = Surroundings(found.things)
         lights = self._lights(found.lamps)
         self._note_darkness(lights)
-        elements = [*lights, *self._materials(found.things)]
+        elements = [*lights, *self.surfaces.elements(found.things)]
         timeline = self._timeline()
         camera = self._camera(timeline)
         paths = self._paths(found.things, timeline)
@@ -219,7 +215,7 @@ class _Writer:
             body = [
                 ("filename", part.filename),
                 ("smooth_normals", int(part.smooth)),
-                ("material", self._material_name(part.material)),
+                ("material", self.surfaces.name_of(part.material)),
                 *keys,
             ]
             elements.append(Element("mesh", self.names["object"].new(wish), body))
@@ -283,79 +279,6 @@ class _Writer:
         if not (self.job.by_content and os.path.exists(path)):
             slo_mesh.write(path, arrays)
         return f"{self.folder_name}/{name}.slo"
-
-    # Surfaces
-
-    def _finish(self, item):
-        """Name in the scene and finish (or None) of a `bpy` material or None."""
-        key = item.name_full if item else None
-        if key not in self.finishes:
-            ambient = [c * self.values.world_light for c in self.background]
-            name = self.names["material"].new(item.name if item else "no_material")
-            self.finishes[key] = name, material.finish(self._now(item), ambient, self.report)
-        return self.finishes[key]
-
-    def _material_name(self, item):
-        return self._finish(item)[0]
-
-    def _look_of(self, item):
-        """The `Look` of a `bpy` material or None; None if what has it is not seen."""
-        finish = self._finish(item)[1]
-        if finish is None:
-            return None
-        if finish.texture:
-            return Look(finish.texture.uv_map, True)
-        # An export may get a texture by hand.
-        return Look(None if self.job.by_content else "", False)
-
-    def _materials(self, things):
-        elements = []
-        used = {
-            part.material.name_full if part.material else None for t in things for part in t.parts
-        }
-        for key, (name, finish) in self.finishes.items():
-            if key not in used:
-                continue
-            elements.append(finish.phong.element(name))
-            texture = self._texture(finish.texture, elements) if finish.texture else None
-            body = [("phong_info", name)]
-            if texture:
-                scale = finish.texture.scale
-                body += [("texture", texture), ("scale_U", scale[0]), ("scale_V", scale[1])]
-            kind = "material_texture" if texture else "material_phong"
-            elements.append(Element(kind, name, body))
-        order = {"texture": 0, "phong_info": 1}
-        return sorted(elements, key=lambda element: order.get(element.kind, 2))
-
-    def _texture(self, texture, elements):
-        """Name of the texture's element, which is written when it is needed first; None if
-        unreadable."""
-        picture, key = texture.image, (texture.image.name_full, texture.is_alpha)
-        if key not in self.textures:
-            wish = os.path.splitext(picture.name)[0] + ("_alpha" if texture.is_alpha else "")
-            name = self.names["texture"].new(wish)
-            filename = self._store_image(Picture(picture, texture.is_alpha), name)
-            self.textures[key] = name if filename else None
-            if filename:
-                elements.append(Element("texture", name, [("filename", filename)]))
-        return self.textures[key]
-
-    def _store_image(self, picture, name):
-        """Writes an image, unless it is there; its path in the scene, or None if there is none."""
-        if picture.image.source in {"MOVIE", "SEQUENCE", "TILED"}:
-            self.report.note(
-                picture.subject, "of movies, sequences and tiles only the first picture is carried"
-            )
-        if not picture.is_readable:
-            self.report.note(picture.subject, "can't be read; its surface has no texture")
-            return None
-        name = picture.digest() if self.job.by_content else name
-        path = os.path.join(self.folder, f"{name}.png")
-        if not (self.job.by_content and name in _notes_of_images and os.path.exists(path)):
-            _notes_of_images[name] = picture.write(path)
-        for note in _notes_of_images[name]:
-            self.report.note(picture.subject, note)
-        return f"{self.folder_name}/{name}.png"
 
     def _lights(self, lamps):
         names, elements = Names(), []

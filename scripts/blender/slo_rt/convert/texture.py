@@ -43,7 +43,9 @@ def _coordinates(input_, reader):
         scale = _mapping_scale(feed, reader)
         behind = follow(feed.input("Vector"))
         if behind.node is None:
-            reader.note("a Mapping without coordinates is one point of the image; here the uv map is")
+            reader.note(
+                "a Mapping without coordinates is one point of the image; here the uv map is"
+            )
             return scale, ""
         feed = behind
     node = feed.node
@@ -68,7 +70,11 @@ def _mapping_scale(feed, reader):
     reader.note_rest(feed)
     location, rotation, scale = (
         reader.color(i) if (i := feed.input(name)) else zero
-        for name, zero in (("Location", (0.0,) * 3), ("Rotation", (0.0,) * 3), ("Scale", (1.0,) * 3))
+        for name, zero in (
+            ("Location", (0.0,) * 3),
+            ("Rotation", (0.0,) * 3),
+            ("Scale", (1.0,) * 3),
+        )
     )
     kind = feed.node.vector_type
     if any(location) or any(rotation) or kind == "NORMAL":

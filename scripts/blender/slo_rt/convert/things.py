@@ -86,7 +86,8 @@ class Inventory:
 class Collector:
     """Takes stock of an evaluated scene; meshes go to `store(name, arrays) -> filename`.
 
-    `look_of(material)` is the `Look` of a material, or None if it is not seen. `is_blurred`: whether the shutter is open for a while.
+    `look_of(material)` is the `Look` of a material, or None if it is not seen. `is_blurred`: whether
+    the shutter is open for a while.
     """
 
     def __init__(self, store, look_of, is_blurred, report):

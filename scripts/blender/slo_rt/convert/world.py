@@ -32,7 +32,7 @@ def _color(world, subject, report):
         return BLACK
     reader = Reader(subject, report)
     reader.note_rest(Feed(output))
-    return emitted(follow(Feed(output).input("Surface")), reader)
+    return reader.light(emitted(follow(Feed(output).input("Surface")), reader))
 
 
 def _note_rays(world, subject, report):

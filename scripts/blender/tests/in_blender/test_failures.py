@@ -52,8 +52,9 @@ class FailureTest(unittest.TestCase):
                 raise ZeroDivisionError("at the second frame")
             whole(self, report, is_first)
 
-        with mock.patch.object(engine.SloRtRenderEngine, "_tell", tell), mock.patch(
-            "traceback.print_exception"
+        with (
+            mock.patch.object(engine.SloRtRenderEngine, "_tell", tell),
+            mock.patch("traceback.print_exception"),
         ):
             with self.assertRaisesRegex(RuntimeError, "ZeroDivisionError: at the second frame"):
                 self.animate()
@@ -61,8 +62,9 @@ class FailureTest(unittest.TestCase):
 
     def test_any_exception_of_an_export_is_told(self):
         for error in (TypeError("sorted"), KeyError("x"), ZeroDivisionError("no")):
-            with mock.patch.object(engine, "write_scene", side_effect=error), mock.patch(
-                "traceback.print_exception"
+            with (
+                mock.patch.object(engine, "write_scene", side_effect=error),
+                mock.patch("traceback.print_exception"),
             ):
                 with self.assertRaisesRegex(RuntimeError, type(error).__name__):
                     blend.export()

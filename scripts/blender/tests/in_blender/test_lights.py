@@ -43,7 +43,12 @@ class BrightnessTest(unittest.TestCase):
     def test_bulbs_in_rooms(self):
         for is_one_mesh in (True, False):
             for kind in ("POINT", "AREA"):
-                for place in ((0.0, 0.0, 1.0), (0.01, 0.0, 1.02), (0.0, 0.0, 3.6), (1.5, -1.0, 2.0)):
+                for place in (
+                    (0.0, 0.0, 1.0),
+                    (0.01, 0.0, 1.02),
+                    (0.0, 0.0, 3.6),
+                    (1.5, -1.0, 2.0),
+                ):
                     self.setUp()
                     self.room(6.0, is_one_mesh)
                     light = blend.lamp("Bulb", kind, place, POWER)

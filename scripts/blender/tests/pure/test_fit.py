@@ -164,7 +164,7 @@ class MotionTest(unittest.TestCase):
         together, questions = count(list(range(40)))
         self.assertLessEqual(questions, sum(count([who])[1] for who in (0, 1)))
         for who, (keys, misfit) in enumerate(together):
-            (alone, _), = count([who])[0]
+            ((alone, _),) = count([who])[0]
             self.assertIsNone(misfit)
             self.assertEqual([key.time for key in keys], [key.time for key in alone])
             for a, b in zip(keys, alone):
