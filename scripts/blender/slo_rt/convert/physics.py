@@ -50,7 +50,7 @@ def _unbaked_modifier(modifier):
 
 def _unbaked_particles(system):
     how = system.settings
-    if how.type == "EMITTER" and not system.point_cache.is_baked:
+    if how.type == "EMITTER" and how.physics_type != "NO" and not system.point_cache.is_baked:
         yield "particle system"
     if how.type == "HAIR" and system.use_hair_dynamics:
         if not system.cloth.point_cache.is_baked:

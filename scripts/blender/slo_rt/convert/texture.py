@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import bpy
 
 from .. import compat
-from .node_table import PLAIN_TEXTURE_MAPPING
+from .node_table import ENTRIES, PLAIN_TEXTURE_MAPPING
 from .nodes import follow
 
 
@@ -54,7 +54,8 @@ def _coordinates(input_, reader):
         if feed.own not in {None, input_.socket} and not compat.ENDLESS_CHAINS_ARE_ZERO:
             reader.note("a vector as coordinates is one point of the image; here the uv map is")
         return scale, ""
-    reader.note_rest(feed)
+    if node.type in ENTRIES:
+        reader.note_rest(feed)
     is_uv = node.type == "UVMAP" or (node.type == "TEX_COORD" and feed.socket.name == "UV")
     if not is_uv:
         reader.note(

@@ -514,6 +514,13 @@ class FeatureTest(unittest.TestCase):
         self.assertNotIn("baked", text)
         self.assertGreater(text.count("addKframe"), 1)
 
+    def test_particles_that_rest_need_no_bake(self):
+        frame = Frame()
+        particles("OBJECT")(frame)
+        self.assertIn("its particle system is not baked", blend.export_text())
+        frame.cube.particle_systems[0].settings.physics_type = "NO"
+        self.assertNotIn("baked", blend.export_text())
+
     def test_what_has_nothing_of_its_own_kind_is_not_listed(self):
         """Objects that are no meshes, of which geometry nodes make one, or which are empty."""
         for kind in ("hair_curves", "pointclouds", "volumes"):

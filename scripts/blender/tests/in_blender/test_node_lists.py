@@ -194,6 +194,10 @@ class ListTest(unittest.TestCase):
             if output.name != "UV":
                 tree.links.new(output, mapping.inputs["Vector"])
                 self.assertIn(f"({output.name}) as texture coordinates is not", self.exported()[0])
+        scaled = tree.nodes.new("ShaderNodeVectorMath")
+        tree.links.new(scaled.outputs[0], mapping.inputs["Vector"])
+        self.assertIn("Vector Math (Vector) as texture coordinates is not", self.exported()[0])
+        self.assertNotIn("Vector is not carried", self.exported()[0])
         tree.links.new(source.outputs["UV"], mapping.inputs["Vector"])
         source.from_instancer = True
         self.assertIn("coordinates of the instancer", self.exported()[0])
