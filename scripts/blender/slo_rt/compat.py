@@ -35,9 +35,10 @@ def is_animated(owner):
 def node_tree(owner):
     """The node tree of a material, world or light if it counts, or None.
 
-    `use_nodes` is always on, and deprecated, in Blender 5.0.
+    `use_nodes` of materials and worlds is always on, and deprecated, in Blender 5.0.
     """
-    if bpy.app.version < (5, 0, 0) and not owner.use_nodes:
+    has_switch = bpy.app.version < (5, 0, 0) or isinstance(owner, bpy.types.Light)
+    if has_switch and not owner.use_nodes:
         return None
     return owner.node_tree
 
@@ -52,3 +53,27 @@ def light_strength(light):
     if getattr(light, "use_temperature", False):
         color = tuple(a * b for a, b in zip(color, light.temperature_color))
     return power, color
+
+
+def compositing_nodes(scene):
+    """The nodes of the compositor, none if it is off."""
+    if bpy.app.version < (5, 0, 0):
+        tree = scene.node_tree if scene.use_nodes else None
+    else:
+        tree = scene.compositing_node_group
+    return list(tree.nodes) if tree else []
+
+
+def strips(scene):
+    """The strips of the video sequencer, named sequences before Blender 4.4."""
+    editor = scene.sequence_editor
+    return (
+        list(getattr(editor, "strips", None) or getattr(editor, "sequences", ())) if editor else []
+    )
+
+
+# Blender 5.0 resolves reroutes, muted nodes and groups itself before Cycles sees them: a chain of
+# links that begins nowhere leaves a socket its own value, which is 0 before; and that an output node
+# is muted means nothing.
+ENDLESS_CHAINS_ARE_ZERO = bpy.app.version < (5, 0, 0)
+MUTED_OUTPUTS_ARE_NONE = bpy.app.version < (5, 0, 0)

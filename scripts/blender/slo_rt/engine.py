@@ -7,6 +7,7 @@ import os
 import shutil
 import tempfile
 import time
+import traceback
 
 import bpy
 import numpy as np
@@ -22,6 +23,20 @@ last_notes = []
 
 class RenderFailed(Exception):
     """The picture can't be made; the message is for the artist."""
+
+
+def complaint(error):
+    """What the artist reads about an exception; of a mistake in the extension, the console shows
+    the place."""
+    if isinstance(error, (RenderFailed, program.ProgramMissing, OSError, ValueError)):
+        return str(error)
+    traceback.print_exception(error)
+    if type(error) is RuntimeError:  # Blender's own words
+        return str(error)
+    return (
+        f"slo-rt: a mistake in the extension, {type(error).__name__}: {error}. "
+        "Please report it with what Blender's console shows"
+    )
 
 
 class SloRtRenderEngine(bpy.types.RenderEngine):
@@ -41,11 +56,15 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             if request.view_layer == depsgraph.view_layer.name:
                 self._export(depsgraph, request)
             return
+        # Blender takes an exception of an engine for a black picture and goes on with the next
+        # frame; only `error_set` stops it. So nothing may get past here.
         try:
+            last_notes.clear()
             self._render_frame(depsgraph)
-        except (RenderFailed, program.ProgramMissing, OSError, ValueError) as error:
-            self.error_set(str(error))
-            self.report({"ERROR"}, str(error))
+        except BaseException as error:  # Ctrl-C too
+            message = complaint(error)
+            self.error_set(message)
+            self.report({"ERROR"}, message)
 
     # Export
 
@@ -61,9 +80,10 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             notes=request.notes,
         )
         try:
+            last_notes.clear()
             request.report = write_scene(job)
             last_notes[:] = request.report.lines()
-        except (OSError, ValueError) as error:
+        except Exception as error:
             request.error = error
 
     def _set_frame(self, frame):
@@ -90,7 +110,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         )
         self._tell(write_scene(job), frame == scene.frame_start)
         self._set_frame(float(frame))
-        remove_stale_meshes(job.scene_path)
+        remove_stale_files(job.scene_path)
         self._run_passes(Run(found, job, scene.render), depsgraph)
 
     def _tell(self, report, is_first):
@@ -103,7 +123,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
     def _run_passes(self, run, depsgraph):
         values = depsgraph.scene.slo_rt
         # What was stopped goes on at once.
-        early = self._shows_early(values) and not run.was_stopped()
+        early = not run.begin() and self._shows_early(values)
         plan = passes.planned(values.samples, early, run.goes_on)
         run.goes_on &= len(plan) > 1 or values.time > 0.0
         measured = []
@@ -113,11 +133,13 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             else:
                 samples = plan[len(measured)] if len(measured) < len(plan) else None
             begin = time.monotonic()
-            if samples is None or not self._run(run, samples, values.samples):
+            if samples is None:
+                run.end()
+                break
+            if not self._run(run, samples, values.samples):
                 break
             self._show(run, depsgraph)
             measured.append((samples, time.monotonic() - begin))
-        run.forget_passes()
 
     def _shows_early(self, values):
         return values.show_early and not self.is_animation and not bpy.app.background
@@ -156,18 +178,29 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
 
     def _show(self, run, depsgraph):
         """Hands the picture to Blender."""
-        pixels = linear_pixels(run.picture)
+        pixels = run.pixels()
         width, height = picture_size(depsgraph.scene.render)
         result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
         # Blender cuts the result down to the border.
         right, top = run.left + result.resolution_x, run.bottom + result.resolution_y
         shown = np.ascontiguousarray(pixels[run.bottom : top, run.left : right])
+        if shown.shape[:2] != (result.resolution_y, result.resolution_x):
+            self.end_result(result, cancel=True)
+            found = f"{pixels.shape[1]} x {pixels.shape[0]}"
+            raise RenderFailed(
+                f"{run.found.path} wrote a picture of {found} pixels, which is another size than "
+                f"Blender's. {program.WHAT_TO_DO}"
+            )
         # With stereo there is one for each view.
         for combined in result.layers[0].passes:
             if combined.name == "Combined":
                 combined.rect.foreach_set(shown.ravel())
         self.end_result(result)
         os.remove(run.picture)
+
+
+# What was begun and is not complete, by work folder: `Run.identity`.
+_begun = {}
 
 
 class Run:
@@ -188,6 +221,9 @@ class Run:
         self.folder = os.path.dirname(job.scene_path)
         name = program.picture_name(job.prefix, job.first, "exr", self.region)
         self.picture = os.path.join(self.folder, name)
+        # Meshes and textures are named by what is in them, so the text tells scenes apart.
+        with open(job.scene_path, "rb") as file:
+            self.identity = name, hashlib.blake2b(file.read()).digest()
 
     def _use_border(self, render):
         width, height = picture_size(render)
@@ -204,17 +240,46 @@ class Run:
             self.job.scene_path, self.job.first, self.folder, samples, self.region, self.goes_on
         )
 
-    def was_stopped(self):
-        """Whether a rendering of this picture was stopped, which can go on."""
-        start = f".slo-rt-{os.path.basename(self.picture)}."
-        names = os.listdir(self.folder)
-        return any(name.startswith(start) and name.endswith(".state") for name in names)
+    def pixels(self):
+        """The pixels of the picture, as `linear_pixels`.
 
-    def forget_passes(self):
-        """Removes what was kept from pass to pass."""
-        state = f"{os.path.splitext(self.picture)[0]}.state"
-        if os.path.exists(state):
-            os.remove(state)
+        # Errors `RenderFailed` if there is no picture that can be read.
+        """
+        if not os.path.exists(self.picture):
+            raise RenderFailed(
+                f"{self.found.path} ({self.found.version}) ended without an error and without a "
+                f"picture, {self.picture}. {program.WHAT_TO_DO}"
+            )
+        try:
+            pixels = linear_pixels(self.picture)
+        except RuntimeError as error:
+            raise RenderFailed(f"the picture {self.picture} can't be read: {error}") from error
+        if not pixels.size:
+            raise RenderFailed(f"the picture {self.picture} can't be read")
+        return pixels
+
+    def begin(self):
+        """Removes what other renderings left in the folder. Returns whether this very rendering was
+        stopped before it was complete, so that it can go on."""
+        goes_on = _begun.get(self.folder) == self.identity
+        if not goes_on:
+            self._remove_states()
+        if os.path.exists(self.picture):
+            os.remove(self.picture)
+        _begun[self.folder] = self.identity
+        return goes_on and bool(self._states())
+
+    def end(self):
+        """Removes what was kept from pass to pass, now that the picture is complete."""
+        self._remove_states()
+        _begun.pop(self.folder, None)
+
+    def _states(self):
+        return [name for name in os.listdir(self.folder) if name.endswith(".state")]
+
+    def _remove_states(self):
+        for name in self._states():
+            os.remove(os.path.join(self.folder, name))
 
 
 def _pixel(fraction, size):
@@ -238,13 +303,14 @@ def linear_pixels(path):
     return pixels.reshape(height, width, 4)
 
 
-def remove_stale_meshes(scene_path):
-    """Removes meshes of earlier frames that the scene does not use, which would fill the disk."""
+def remove_stale_files(scene_path):
+    """Removes meshes and textures of earlier frames that the scene does not use, which would fill
+    the disk."""
     with open(scene_path, encoding="utf-8") as file:
         text = file.read()
     folder = os.path.splitext(scene_path)[0]
     for name in os.listdir(folder):
-        if name.endswith(".slo") and name not in text:
+        if name.endswith((".slo", ".png")) and name not in text:
             os.remove(os.path.join(folder, name))
 
 
@@ -271,6 +337,7 @@ def remove_work_folders():
     if _session_folder is not None:
         shutil.rmtree(_session_folder, ignore_errors=True)
         _session_folder = None
+        _begun.clear()
 
 
 classes = (SloRtRenderEngine,)

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from . import compat
+
 ENGINE = "SLO_RT"
 
 
@@ -45,10 +47,7 @@ def export_scene(scene, view_layer, scene_path, first, last, prefix, output="PNG
     it does not render, as without a camera.
     """
     global _pending
-    notes = []
-    if scene.render.use_freestyle and view_layer.use_freestyle:
-        # Blender draws them into its own picture, and crashes where there is none.
-        notes.append(("scene", "Freestyle's lines are not carried"))
+    notes = [("scene", message) for message in _left_to_blender(scene, view_layer)]
     wanted = Request(view_layer.name, scene_path, first, last, prefix, output, notes)
     _pending = wanted
     try:
@@ -61,6 +60,24 @@ def export_scene(scene, view_layer, scene_path, first, last, prefix, output="PNG
     if wanted.report is None:
         raise RuntimeError("Blender did not start the export")
     return wanted.report
+
+
+def _left_to_blender(scene, view_layer):
+    """What Blender does around a rendering by F12, and nobody to an exported scene."""
+    render = scene.render
+    if render.use_freestyle and view_layer.use_freestyle:
+        # Blender draws them into its own picture, and crashes where there is none.
+        yield "Freestyle's lines are not carried"
+    if render.use_border:
+        yield "the render border is not carried: the whole picture is rendered (slo-rt has --region)"
+    if render.use_multiview:
+        yield "one view is rendered, not two for stereo"
+    if render.use_compositing and compat.compositing_nodes(scene):
+        yield "the compositor's nodes are not carried"
+    if render.use_sequencer and compat.strips(scene):
+        yield "the video sequencer's strips are not carried"
+    if render.use_stamp:
+        yield "metadata is not drawn into the picture"
 
 
 @contextlib.contextmanager

@@ -59,8 +59,8 @@ class SLO_RT_OT_export_scene(bpy.types.Operator, ExportHelper):
             path = target_path(self.filepath, self.filename_ext)
             prefix = plain(os.path.splitext(os.path.basename(path))[0]) + "_"
             report = exports.export_scene(scene, context.view_layer, path, first, last, prefix)
-        except (OSError, ValueError, RuntimeError) as error:
-            self.report({"ERROR"}, str(error))
+        except Exception as error:
+            self.report({"ERROR"}, engine.complaint(error))
             return {"CANCELLED"}
         for line in report.lines():
             self.report({"WARNING"}, line)
@@ -92,8 +92,8 @@ class SLO_RT_OT_export_mesh(bpy.types.Operator, ExportHelper):
             for thing in things:
                 path = stem + (f"_{names.new(thing.name)}" if len(things) > 1 else "") + ".slo"
                 written += self._write(path, thing.evaluated_get(depsgraph))
-        except (OSError, ValueError) as error:
-            self.report({"ERROR"}, str(error))
+        except Exception as error:
+            self.report({"ERROR"}, engine.complaint(error))
             return {"CANCELLED"}
         return {"FINISHED"} if written else {"CANCELLED"}
 
@@ -121,10 +121,11 @@ def arrays_of_object(thing):
     is_scaled = not np.allclose(shape, np.eye(3), rtol=0.0, atol=1e-6)
     mesh = thing.to_mesh()
     try:
-        result = meshes.arrays(mesh, shape if is_scaled else None, "") if mesh else None
+        if mesh is None or not meshes.has_faces(mesh):
+            return None
+        return meshes.Triangles(mesh, shape if is_scaled else None).arrays("", False)
     finally:
         thing.to_mesh_clear()
-    return result and result[0]
 
 
 class SLO_RT_OT_copy_notes(bpy.types.Operator):

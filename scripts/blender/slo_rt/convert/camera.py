@@ -4,19 +4,27 @@
 import numpy as np
 
 from ..fit.camera import CameraSamples, fit_segments
-from ..fit.rigid import axes_of
-from ..format.scene_text import Element, seconds
+from ..format.scene_text import Element, exact
 
 MILLIMETRE = 1e-3  # Blender counts lenses in millimetres and the scene in metres
 SMALLEST_SCALE = 1e-20
 SMALLEST_FSTOP = 1e-3
-DEFAULT_CLIP_START = 0.1
+# Objects that are no cameras and no lights look through this lens, as in Cycles.
+BARE_LENS, BARE_SENSOR = 50.0, 36.0
+BARE_FOCUS = 10.0
+# Directions of a camera further from right angles, as cosines, are noted.
+SHEAR_TOLERANCE = 1e-4
 
 
 class CameraReader:
-    """Reads cameras of an evaluated scene, for a picture of `width` x `height` pixels."""
+    """Reads cameras of an evaluated scene, for a picture of `width` x `height` pixels.
 
-    def __init__(self, render, width, height):
+    Any object can be the camera: a light sees what it lights, and others look through a lens of
+    50 mm, as in Cycles.
+    """
+
+    def __init__(self, render, width, height, report):
+        self._report = report
         self._size = {
             "x": width,
             "y": height,
@@ -36,23 +44,38 @@ class CameraReader:
         if lengths.min() <= SMALLEST_SCALE:
             raise ValueError(f'camera "{camera.name}" is scaled to nothing: it looks nowhere')
         axes = matrix[:3, :3] / lengths
+        self._note_axes(camera, axes)
         position, forward = matrix[:3, 3], -axes[:, 2]
-        projection = np.array(evaluated.calc_matrix_camera(depsgraph, **self._size))
-        optics = evaluated.data
-        focus, radius = self._focus(optics, position, forward, depsgraph)
-        view = self._view(optics, projection, focus)
+        focus, radius = BARE_FOCUS, 0.0
+        if evaluated.type == "CAMERA":
+            focus, radius = self._focus(evaluated.data, position, forward, depsgraph)
+        view = self._view(evaluated, focus, depsgraph)
         return np.concatenate([position, forward, axes[:, 1], [view, focus, radius]])
 
-    @staticmethod
-    def _view(optics, projection, focus):
-        half_height = 1.0 / projection[1, 1]
-        return half_height / focus if optics.type == "ORTHO" else half_height
+    def _note_axes(self, camera, axes):
+        """Notes a camera whose directions make no right-handed system of right angles."""
+        subject = f'camera "{camera.name}"'
+        if np.linalg.det(axes) < 0.0:
+            self._report.note(
+                subject, "mirrored by a negative scale in Blender; slo-rt's picture is not mirrored"
+            )
+        if np.abs(axes.T @ axes - np.eye(3)).max() > SHEAR_TOLERANCE:
+            self._report.note(subject, "sheared in Blender; slo-rt's picture is not")
+
+    def _view(self, evaluated, focus, depsgraph):
+        """Half the height of the view at distance 1."""
+        if evaluated.type not in {"CAMERA", "LIGHT"}:
+            sides = [self._size[side] * self._size[f"scale_{side}"] for side in "xy"]
+            return BARE_SENSOR / (2.0 * BARE_LENS) * sides[1] / max(sides)
+        half_height = 1.0 / evaluated.calc_matrix_camera(depsgraph, **self._size)[1][1]
+        is_parallel = evaluated.type == "CAMERA" and evaluated.data.type == "ORTHO"
+        return half_height / focus if is_parallel else half_height
 
     @staticmethod
     def _focus(optics, position, forward, depsgraph):
         dof = optics.dof
         if dof.focus_object:
-            target = dof.focus_object.evaluated_get(depsgraph).matrix_world.translation
+            target = _focus_point(dof, depsgraph)
             distance = abs(float(np.dot(np.array(target) - position, forward)))
         else:
             distance = dof.focus_distance
@@ -60,6 +83,13 @@ class CameraReader:
             return max(distance, 1e-6), 0.0
         fstop = max(dof.aperture_fstop, SMALLEST_FSTOP)
         return max(distance, 1e-6), optics.lens * MILLIMETRE / (2.0 * fstop)
+
+
+def _focus_point(dof, depsgraph):
+    """Where the focus object is, or the head of its bone."""
+    target = dof.focus_object.evaluated_get(depsgraph)
+    bone = target.pose.bones.get(dof.focus_subtarget) if target.pose else None
+    return (target.matrix_world @ bone.matrix if bone else target.matrix_world).translation
 
 
 def samples_of(times, rows):
@@ -77,12 +107,20 @@ def samples_of(times, rows):
 
 def shots(scene, first, last):
     """`(camera, first frame, frame after the last)` from `first` to `last`: markers cut between
-    cameras."""
-    cuts = {first: scene.camera}
-    markers = sorted((m.frame, m.camera) for m in scene.timeline_markers if m.camera)
-    for frame, camera in markers:
-        cuts[max(first, frame)] = camera
-    starts = sorted(frame for frame in cuts if frame <= last)
+    cameras, as in Blender.
+
+    Before the first marker the first marker's camera counts; of several markers on one frame, the
+    first in the list; a camera that is hidden in renders never.
+    """
+    markers = [m for m in scene.timeline_markers if m.camera and not m.camera.hide_render]
+    markers.sort(key=lambda marker: marker.frame)
+    cuts = {}
+    for marker in markers:
+        cuts.setdefault(marker.frame, marker.camera)
+    before = [frame for frame in cuts if frame <= first]
+    at_first = cuts[max(before) if before else min(cuts)] if cuts else scene.camera
+    cuts = {first: at_first, **{f: camera for f, camera in cuts.items() if first < f <= last}}
+    starts = sorted(cuts)
     return [(cuts[a], a, b) for a, b in zip(starts, starts[1:] + [last + 1])]
 
 
@@ -99,13 +137,13 @@ def segment_element(name, segment, fps, shutter):
     """The text of a segment."""
     offset = shutter.offset
     scene_times = [
-        ("sceneStart", seconds(segment.start / fps)),
-        ("sceneEnd", seconds(segment.end / fps)),
+        ("sceneStart", exact(segment.start / fps)),
+        ("sceneEnd", exact(segment.end / fps)),
     ]
     lens_is_open = any(segment.lens_radius)
     body = [
-        ("videoStart", seconds((segment.start - offset) / fps)),
-        ("videoEnd", seconds((segment.end - offset) / fps)),
+        ("videoStart", exact(_whole(segment.start - offset) / fps)),
+        ("videoEnd", exact(_whole(segment.end - offset) / fps)),
         *(scene_times if offset else []),
         *(("addPosition", point) for point in segment.positions),
         *(("addTarget", point) for point in segment.targets),
@@ -115,8 +153,13 @@ def segment_element(name, segment, fps, shutter):
     if lens_is_open:
         body += [*_pair("dof", segment.focus), *_pair("lensRadius", segment.lens_radius)]
     if shutter.duration > 0.0:
-        body.append(("blurDuration", seconds(shutter.duration / fps)))
+        body.append(("blurDuration", exact(shutter.duration / fps)))
     return Element("CamSegment", name, body)
+
+
+def _whole(frame):
+    """A time in frames without the error of adding a shutter's offset and taking it off again."""
+    return round(frame, 9)
 
 
 def _pair(name, values):
@@ -127,7 +170,18 @@ def _pair(name, values):
 
 def note_limits(camera, render, report):
     """Notes what of `camera` slo-rt has no word for."""
-    optics, subject = camera.data, f'camera "{camera.name}"'
+    subject = f'camera "{camera.name}"'
+    if render.pixel_aspect_x != render.pixel_aspect_y:
+        change = "less" if render.pixel_aspect_x > render.pixel_aspect_y else "more"
+        report.note(
+            subject,
+            f"pixels are square in slo-rt: the picture shows {change} at its sides than Blender's",
+        )
+    if camera.type != "CAMERA":
+        lens = "its cone" if camera.type == "LIGHT" else f"a lens of {BARE_LENS:g} mm"
+        report.note(subject, f"no camera, but an object; the picture shows what it sees by {lens}")
+        return
+    optics = camera.data
     if optics.type == "ORTHO":
         report.note(
             subject,
@@ -139,31 +193,3 @@ def note_limits(camera, render, report):
         report.note(subject, "the shift of the lens is not carried")
     if optics.dof.use_dof and (optics.dof.aperture_blades or optics.dof.aperture_ratio != 1.0):
         report.note(subject, "the aperture is a circle, whatever its blades and ratio")
-    if render.pixel_aspect_x != render.pixel_aspect_y:
-        change = "less" if render.pixel_aspect_x > render.pixel_aspect_y else "more"
-        report.note(
-            subject,
-            f"pixels are square in slo-rt: the picture shows {change} at its sides than Blender's",
-        )
-
-
-def note_clipping(camera, values, things, report):
-    """Notes what lies before the start or behind the end of a camera's clipping, which Blender does
-    not show; `values` is what `CameraReader` says of it."""
-    if not things:
-        return
-    optics, subject = camera.data, f'camera "{camera.name}"'
-    placements = np.array([thing.placement for thing in things])
-    boxes = np.array([thing.box for thing in things])
-    axes = axes_of(placements[:, 3:6], placements[:, 6:9])
-    position, forward = values[:3], values[3:6]
-    eye = np.einsum("nji,nj->ni", axes, position - placements[:, :3])
-    gaps = np.linalg.norm(eye - np.clip(eye, boxes[:, 0], boxes[:, 1]), axis=1)
-    gaze = np.einsum("nji,j->ni", axes, forward)
-    farthest = np.where(gaze > 0.0, boxes[:, 1], boxes[:, 0]) - eye
-    if np.sum(farthest * gaze, axis=1).max() > optics.clip_end:
-        report.note(subject, f"what is behind its clip end, {optics.clip_end:g} m, is seen too")
-    # Around a camera in a room is a box, whose walls are farther off.
-    outside = (gaps > 0.0) | (optics.clip_start > DEFAULT_CLIP_START * 1.001)
-    if (outside & (gaps < optics.clip_start)).any():
-        report.note(subject, f"what is before its clip start, {optics.clip_start:g} m, is seen too")

@@ -2,8 +2,9 @@
 """Lights.
 
 Light does not fall off with distance in slo-rt, and in Blender it does. A light becomes as bright
-as Blender's is at one distance: its own setting, or, where that is 0, the distance to the middle of
-the scene.
+as Blender's is at one distance: its own setting, or, if that is 0, the distance to the middle of the
+scene, but not less than the median distance to the surfaces of things: a bulb in the middle of a room
+lights its walls.
 
 A white surface that faces a lamp of P watts at distance d has, in Blender, the radiance P / (4 pi^2
 d^2) for a point, P / (pi^2 d^2) for a small area that faces it, and E / pi for a sun of E watts per
@@ -16,21 +17,29 @@ import numpy as np
 
 from .. import compat
 from ..format.scene_text import Element
+from .emission import emitted
+from .flags import note_flags
+from .nodes import Feed, Reader, follow, output_node
 
 SUN_DISTANCE = 200.0  # in diagonals of the scene
 
 
-def elements_of_light(name, light, matrix, center, diagonal, report):
+def elements_of_light(name, light, matrix, surroundings, report):
     """Elements of one light; none where slo-rt has no such light, which is noted.
 
-    `matrix` (4, 4) leads to world space; `center` and `diagonal` describe the scene.
+    `matrix` (4, 4) leads to world space; `surroundings` (`Surroundings`) describe the scene.
     """
+    center, diagonal = surroundings.center, surroundings.diagonal
     subject = f'light "{light.name}"'
     position, axes = matrix[:3, 3], matrix[:3, :3]
     toward = -axes[:, 2] / max(np.linalg.norm(axes[:, 2]), 1e-30)
-    distance = light.slo_rt.distance or max(float(np.linalg.norm(center - position)), 1e-3)
+    distance = light.slo_rt.distance or surroundings.distance(position)
     power, color = compat.light_strength(light)
     power *= light.slo_rt.brightness
+    reader = Reader(subject, report)
+    color = reader.light(
+        tuple(c * n * power for c, n in zip(color, _light_of_nodes(light, reader)))
+    )
     if getattr(getattr(light, "cycles", None), "is_portal", False) and light.type == "AREA":
         report.note(subject, "portals are not carried: they give no light of their own")
         return []
@@ -39,14 +48,14 @@ def elements_of_light(name, light, matrix, center, diagonal, report):
     if light.type == "POINT":
         if light.shadow_soft_size > 0.0:
             report.note(subject, "a point in slo-rt: its radius is not carried, shadows are sharp")
-        return [_point(name, color, power / (4.0 * math.pi**2 * distance**2), position)]
+        return [_point(name, color, 1.0 / (4.0 * math.pi**2 * distance**2), position)]
     if light.type == "SUN":
         if light.angle > 0.0:
             report.note(subject, "a sun without size in slo-rt: shadows are sharp")
         far = center - toward * SUN_DISTANCE * max(diagonal, 1.0)
-        return [_point(name, color, power / math.pi, far)]
+        return [_point(name, color, 1.0 / math.pi, far)]
     if light.type == "AREA":
-        brightness = power / (math.pi**2 * distance**2)
+        brightness = 1.0 / (math.pi**2 * distance**2)
         return [_rectangle(name, light, color, brightness, matrix, subject, report)]
     report.note(subject, f"{light.type.lower()} lights are not carried")
     return []
@@ -76,10 +85,21 @@ def _rectangle(name, light, color, brightness, matrix, subject, report):
     return Element("light_rectangle", name, body)
 
 
-def _note_limits(light, subject, report):
+def _light_of_nodes(light, reader):
+    """What the nodes of a light multiply its own light by: three numbers."""
     tree = compat.node_tree(light)
-    if tree and any(node.type not in {"EMISSION", "OUTPUT_LIGHT"} for node in tree.nodes):
-        report.note(subject, "the light's nodes are not carried")
+    if tree is None:
+        return (1.0, 1.0, 1.0)
+    output = output_node(tree)
+    if output is None:
+        return (0.0, 0.0, 0.0)
+    reader.note_rest(Feed(output))
+    return emitted(follow(Feed(output).input("Surface")), reader)
+
+
+def _note_limits(light, subject, report):
+    note_flags(light, "Light", subject, report)
+    note_flags(getattr(light, "cycles", None), "CyclesLightSettings", subject, report)
     if not getattr(light, "use_shadow", True):
         report.note(subject, "throws shadows in slo-rt")
     if not getattr(light, "normalize", True):

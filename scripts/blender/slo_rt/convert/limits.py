@@ -3,8 +3,12 @@
 
 import bpy
 
+from .flags import note_flags
+from .physics import note_unbaked
+
 # Rays from which Blender can hide an object.
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
+_PASSES = ("use_pass_", "pass_debug", "pass_render", "denoising_store_passes")
 # How particles may be shown, other than as objects.
 _PARTICLES = {"HALO": "halos", "LINE": "lines", "PATH": "paths"}
 # View settings that leave colours alone.
@@ -34,6 +38,10 @@ def note_object(thing, view_layer, report):
         hidden.remove("camera")  # as all lights of Blender are; what shines and is seen is noted
     if hidden:
         report.note(subject, f"hidden from {', '.join(hidden)} rays in Blender, not in slo-rt")
+    note_flags(getattr(thing, "cycles", None), "CyclesObjectSettings", subject, report)
+    for modifier in thing.modifiers:
+        if modifier.type == "SUBSURF" and modifier.show_render:
+            note_flags(modifier, "SubsurfModifier", subject, report)
     linking = thing.light_linking
     if linking and (linking.receiver_collection or linking.blocker_collection):
         report.note(subject, "light linking is not carried: lights shine on everything")
@@ -49,6 +57,23 @@ def note_particles(thing, report):
             report.note(subject, f"{kind} not carried")
 
 
+def note_physics(depsgraph, report):
+    """Notes physics of all objects, seen or not, that are not baked."""
+    for thing in depsgraph.objects:
+        note_unbaked(thing.original, depsgraph.scene, report)
+
+
+def is_empty(thing):
+    """Whether an object that is no mesh has nothing of its own kind, as hair of which geometry nodes
+    make a mesh."""
+    data = thing.data
+    if thing.type == "VOLUME":
+        data.grids.load()
+        return not len(data.grids)
+    parts = {"CURVES": "points", "POINTCLOUD": "points", "GREASEPENCIL": "layers"}.get(thing.type)
+    return bool(parts) and not len(getattr(data, parts))
+
+
 def note_blur(thing, report):
     """Notes an object that Cycles does not blur; only for an open shutter."""
     if not getattr(getattr(thing, "cycles", None), "use_motion_blur", True):
@@ -58,10 +83,12 @@ def note_blur(thing, report):
 def note_view_layer(layer, report):
     """Notes what of a view layer slo-rt has no word for."""
     subject = f'view layer "{layer.name}"'
+    note_flags(layer, "ViewLayer", subject, report)
     passes = [
         each.name
-        for each in layer.bl_rna.properties
-        if each.identifier.startswith("use_pass_") and getattr(layer, each.identifier)
+        for owner in (layer, getattr(layer, "cycles", None))
+        for each in (owner.bl_rna.properties if owner else ())
+        if each.identifier.startswith(_PASSES) and getattr(owner, each.identifier)
         if each.identifier not in {"use_pass_combined", "use_pass_cryptomatte_accurate"}
     ]
     if passes or layer.aovs:
@@ -72,12 +99,11 @@ def note_view_layer(layer, report):
 def note_scene(scene, report):
     """Notes what of the render settings slo-rt has no word for."""
     render = scene.render
+    note_flags(getattr(scene, "cycles", None), "CyclesRenderSettings", "scene", report)
     if render.film_transparent:
         report.note("scene", "the background is not transparent in slo-rt")
     if render.use_multiview:
         report.note("scene", "one view is rendered, not two for stereo")
-    if render.frame_map_old != render.frame_map_new:
-        report.note("scene", "time remapping is not carried")
     if render.use_motion_blur and getattr(render, "motion_blur_shutter_curve", None):
         points = render.motion_blur_shutter_curve.curves[0].points
         if any(abs(point.location[1] - 1.0) > 1e-3 for point in points):
@@ -97,6 +123,8 @@ def note_export(scene, layer, report):
         for value in [getattr(view, name, plain)]
         if value != plain
     ]
+    device = scene.display_settings.display_device
+    odd += [f"display {device}"] if device != "sRGB" else []
     if odd:
         report.note(
             "scene",

@@ -3,33 +3,24 @@
 
 from dataclasses import dataclass
 
-import bpy
-
 from .. import compat
-from ..format.phong import BLACK, Phong, Surface, mean, phong_of_surface
+from ..format.phong import BLACK, Phong, Surface, blend, mean, phong_of_surface
+from .flags import note_flags
+from .nodes import Feed, Reader, constant, follow, output_node
+from .texture import Texture, read_texture
 
-# Sockets of the Principled BSDF that slo-rt has no word for, and the value at which they do nothing.
-_SILENT_AT = {
-    "Subsurface Weight": 0.0,
-    "Anisotropic": 0.0,
-    "Coat Weight": 0.0,
-    "Sheen Weight": 0.0,
-    "Thin Film Thickness": 0.0,
-    "Diffuse Roughness": 0.0,
-    "Anisotropy": 0.0,
-    "Specular Tint": (1.0, 1.0, 1.0, 1.0),
-}
-_SIMPLE_SHADERS = {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_METALLIC", "BSDF_GLASS", "EMISSION"}
 _TRANSPARENT = "BSDF_TRANSPARENT"
-
-
-@dataclass
-class Texture:
-    """An image on the base colour, `scale` times over one unit of uv coordinates."""
-
-    image: bpy.types.Image
-    scale: tuple = (1.0, 1.0)
-    uv_map: str = ""
+_MIXES = {"MIX_SHADER", "ADD_SHADER"}
+_KNOWN = {
+    "BSDF_PRINCIPLED", "BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_METALLIC", "BSDF_GLASS", "EMISSION",
+    _TRANSPARENT,
+}  # fmt: skip
+# What these do has no likeness to a matt surface of their colour.
+_BLACK = {"HOLDOUT"}
+_GLASSY = {"BSDF_REFRACTION"}
+# Factors of a mix closer to 0 or 1 show one shader only.
+_HARDLY = 1e-6
+SMALLEST_IOR = 1e-3
 
 
 @dataclass
@@ -42,16 +33,19 @@ class Finish:
 
 
 def finish(material, ambient_light, report):
-    """The finish of a material (None: Blender's default grey)."""
+    """The finish of a material (None: Blender's default grey); None if the material has no surface,
+    only a volume, so that what has it is not seen."""
     if material is None:
         return Finish(phong_of_surface(Surface(), ambient_light))
     subject = f'material "{material.name}"'
-    if material.slo_rt.use_own:
-        return Finish(own_phong(material.slo_rt), _own_texture(material, subject, report))
+    note_flags(material, "Material", subject, report)
     tree = compat.node_tree(material)
+    if material.slo_rt.use_own:
+        texture = _MaterialReader(subject, report, ambient_light).own_texture(tree)
+        return Finish(own_phong(material.slo_rt), texture)
     if tree is None:
         return Finish(phong_of_surface(_viewport_surface(material), ambient_light))
-    return _Reader(subject, report).finish(tree, ambient_light)
+    return _MaterialReader(subject, report, ambient_light).finish(tree)
 
 
 def own_phong(values):
@@ -65,14 +59,6 @@ def own_phong(values):
     )
 
 
-def _own_texture(material, subject, report):
-    tree = compat.node_tree(material)
-    reader = _Reader(subject, report)
-    shader = reader.shader_of(tree) if tree else None
-    socket = shader and (shader.inputs.get("Base Color") or shader.inputs.get("Color"))
-    return reader.color(socket)[1] if socket else None
-
-
 def _viewport_surface(material):
     return Surface(
         base_color=tuple(material.diffuse_color[:3]),
@@ -81,25 +67,179 @@ def _viewport_surface(material):
     )
 
 
-class _Reader:
+class _MaterialReader(Reader):
     """Reads the node tree of one material."""
 
-    def __init__(self, subject, report):
-        self.subject = subject
-        self.report = report
+    def __init__(self, subject, report, ambient_light):
+        super().__init__(subject, report)
+        self.ambient_light = ambient_light
 
-    def note(self, message):
-        self.report.note(self.subject, message)
-
-    def finish(self, tree, ambient_light):
-        shader = self.shader_of(tree)
-        if shader is None:
-            self.note("has no surface; rendered black")
+    def finish(self, tree):
+        """The `Finish` of a tree, or None if it has a volume and no surface."""
+        output = output_node(tree)
+        if output is None:
+            self.note("has no output; it is black")
             return Finish(Phong())
-        surface, texture = self.surface(shader)
+        feed = Feed(output)
+        self.note_rest(feed)
+        surface, volume = (follow(feed.input(name)) for name in ("Surface", "Volume"))
+        if surface.node is None and volume.node is not None:
+            self.note("has a volume and no surface: what has it is left out")
+            return None
+        if surface.node is None:
+            self.note("has no surface; it is black, as in Blender")
+            return Finish(Phong())
+        return self._shader(surface)
+
+    def own_texture(self, tree):
+        """The texture of a tree, of which nothing else counts."""
+        output = tree and output_node(tree)
+        open_ = [follow(Feed(output).input("Surface"))] if output else []
+        while open_:
+            feed = open_.pop(0)
+            if feed.node is None:
+                continue
+            socket = feed.input("Base Color") or feed.input("Color")
+            texture = self.textured_color(socket)[1] if socket else None
+            if texture:
+                return texture
+            open_ += [follow(i) for i in feed.inputs() if i.socket.type == "SHADER"]
+        return None
+
+    # Shaders
+
+    def _shader(self, feed):
+        """The `Finish` of what feeds a shader socket."""
+        node = feed.node
+        if node is None:
+            return Finish(Phong())
+        if node.type in _MIXES:
+            return self._mix(feed)
+        self.note_rest(feed)
+        if node.type in _KNOWN:
+            surface, texture = self._surface(feed)
+            self._note_surface(surface, texture)
+            return Finish(phong_of_surface(surface, self.ambient_light), texture)
+        return self._stranger(feed)
+
+    def _mix(self, feed):
+        """Mixes of known parts are mixed; of others, one is taken."""
+        first, second = (follow(i) for i in feed.inputs() if i.socket.type == "SHADER")
+        if feed.node.type == "ADD_SHADER":
+            return self._blend(feed, ((1.0, first), (1.0, second)))
+        factor = constant(follow(feed.input("Fac")))
+        if factor is None:
+            self.note(f"{feed.node.bl_label} is not carried, one of its shaders is")
+            return self._shader(_something(first, second))
+        factor = mean(factor) if isinstance(factor, tuple) else factor
+        factor = min(max(factor, 0.0), 1.0)
+        return self._blend(feed, ((1.0 - factor, first), (factor, second)))
+
+    def _blend(self, feed, parts):
+        parts = [(weight, self._shader(part)) for weight, part in parts if weight > _HARDLY]
+        if len(parts) == 1 and parts[0][0] > 1.0 - _HARDLY:
+            return parts[0][1]
+        heaviest = max(parts, key=lambda part: part[0])[1]
+        lit = [finish for _, finish in parts if finish.phong.is_lit]
+        textures = [finish.texture for finish in lit]
+        if any(texture != textures[0] for texture in textures):
+            self.note(
+                f"of {feed.node.bl_label} with a texture, the shader that is seen most is carried"
+            )
+            return heaviest
+        phong, is_exact = blend([(weight, finish.phong) for weight, finish in parts])
+        if not is_exact:
+            self.note(
+                f"{feed.node.bl_label}: the shaders share one roughness and one refraction index, "
+                "those of the one that is seen most"
+            )
+        return Finish(phong, textures[0] if textures else None)
+
+    def _stranger(self, feed):
+        """A shader that slo-rt has nothing like."""
+        node = feed.node
+        socket = feed.input("Base Color") or feed.input("Color")
+        if node.type in _BLACK or socket is None:
+            self.note(f"{node.bl_label} is not carried; it is black")
+            return Finish(Phong())
+        color, texture = self.textured_color(socket)
+        surface = Surface(color, specular_level=0.0)
+        what = "a matt surface"
+        if node.type in _GLASSY:
+            what = "glass"
+            surface = Surface(
+                color,
+                roughness=self.unit(feed.input("Roughness")),
+                ior=self._ior(feed, 1.45),
+                transmission=1.0,
+            )
+        self.note(f"{node.bl_label} is not carried, {what} of its colour is")
+        return Finish(phong_of_surface(surface, self.ambient_light), texture)
+
+    def _surface(self, feed):
+        """`(Surface, Texture or None)` of a known shader."""
+        kind = feed.node.type
+        if kind == "BSDF_PRINCIPLED":
+            return self._principled(feed)
+        if kind == "BSDF_METALLIC":
+            return self._metal(feed)
+        color, texture = self.textured_color(feed.input("Color"))
+        if kind == _TRANSPARENT:
+            if texture or any(c < 1.0 for c in color):
+                self.note("what is seen through it keeps its colour")
+            return Surface(alpha=0.0), None
+        if kind == "BSDF_DIFFUSE":
+            return Surface(color, specular_level=0.0), texture
+        if kind == "EMISSION":
+            strength = self.value(feed.input("Strength"), 1.0)
+            light = self.light(tuple(c * strength for c in color))
+            return Surface(BLACK, specular_level=0.0, emission=light), texture
+        if kind == "BSDF_GLASS":
+            roughness, ior = self.unit(feed.input("Roughness")), self._ior(feed, 1.5)
+            return Surface(color, roughness=roughness, ior=ior, transmission=1.0), texture
+        roughness = self.unit(feed.input("Roughness"))
+        return Surface(color, metallic=1.0, roughness=roughness), texture
+
+    def _metal(self, feed):
+        roughness = self.unit(feed.input("Roughness"))
+        if feed.node.fresnel_type == "PHYSICAL_CONDUCTOR":
+            self.note(
+                "of the Metallic BSDF, Roughness and what it reflects straight on are carried"
+            )
+            n, k = (self.color(feed.input(name)) for name in ("IOR", "Extinction"))
+            color = tuple(((a - 1.0) ** 2 + b * b) / ((a + 1.0) ** 2 + b * b) for a, b in zip(n, k))
+            return Surface(color, metallic=1.0, roughness=roughness), None
+        self.note("of the Metallic BSDF, Base Color and Roughness are carried")
+        color, texture = self.textured_color(feed.input("Base Color"))
+        return Surface(color, metallic=1.0, roughness=roughness), texture
+
+    def _principled(self, feed):
+        color, texture = self.textured_color(feed.input("Base Color"))
+        strength = self.value(feed.input("Emission Strength"))
+        emission = BLACK
+        if strength != 0.0:
+            light = tuple(c * strength for c in self.color(feed.input("Emission Color")))
+            emission = self.light(light)
+        surface = Surface(
+            base_color=color,
+            metallic=self.unit(feed.input("Metallic")),
+            roughness=self.unit(feed.input("Roughness"), 0.5),
+            ior=self._ior(feed, 1.5),
+            specular_level=max(self.value(feed.input("Specular IOR Level"), 0.5), 0.0),
+            transmission=self.unit(feed.input("Transmission Weight")),
+            alpha=self.unit(feed.input("Alpha"), 1.0),
+            emission=emission,
+        )
+        return surface, texture
+
+    def _ior(self, feed, otherwise):
+        return max(self.value(feed.input("IOR"), otherwise), SMALLEST_IOR)
+
+    def _note_surface(self, surface, texture):
+        """Notes what slo-rt does differently with a surface that it can read."""
         if surface.emission != BLACK:
             self.note("shines by itself, and on nothing else: only lights light other things")
-        if texture and surface.emission != BLACK:
+        if texture and surface.emission != BLACK and surface.base_color != BLACK:
             self.note("the texture colours what the surface emits, too")
         if texture and (surface.metallic > 0.0 or surface.transmission > 0.0):
             self.note(
@@ -109,193 +249,43 @@ class _Reader:
             self.note("reflections of metals are grey in slo-rt; highlights keep their colour")
         if surface.transmission > 0.0 and _is_coloured(surface.base_color):
             self.note("glass is grey in slo-rt")
-        return Finish(phong_of_surface(surface, ambient_light), texture)
 
-    def shader_of(self, tree):
-        """The node that shades the surface: the first one behind mixes that slo-rt can read."""
-        output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
-        if output is None:
-            return None
-        for name in ("Volume", "Displacement"):
-            if output.inputs[name].is_linked:
-                self.note(f"{name.lower()} is not carried")
-        return self._shader_behind(output.inputs["Surface"])
+    # Colours
 
-    def _shader_behind(self, socket):
-        node = _source_node(socket)
-        if node is None or _is_known(node):
-            return node
-        inner = [i for i in node.inputs if i.type == "SHADER" and i.is_linked]
-        if not inner:
-            self.note(f"{node.bl_label} is not carried")
-            return None
-        # Of a mix of something with nothing, something is what the artist looks at.
-        inner.sort(key=lambda i: getattr(_source_node(i), "type", None) == _TRANSPARENT)
-        self.note(f"{node.bl_label} is not carried, one of its shaders is")
-        found = (self._shader_behind(i) for i in inner)
-        return next((shader for shader in found if shader), None)
-
-    def surface(self, node):
-        """`(Surface, Texture or None)` of a shader node."""
-        self._note_silent(node)
-        if node.type == "BSDF_PRINCIPLED":
-            return self._principled(node)
-        color, texture = self.color(node.inputs.get("Color") or node.inputs["Base Color"])
-        roughness = self.value(node, "Roughness", 0.5)
-        if node.type == _TRANSPARENT:
-            if texture or any(c < 1.0 for c in color):
-                self.note("what is seen through it keeps its colour")
-            return Surface(alpha=0.0), None
-        if node.type == "BSDF_DIFFUSE":
-            if roughness != 0.0:
-                self.note("Diffuse Roughness is not carried")
-            return Surface(color, specular_level=0.0), texture
-        if node.type == "EMISSION":
-            strength = self.value(node, "Strength", 1.0)
-            light = tuple(c * strength for c in color)
-            return Surface(BLACK, specular_level=0.0, emission=light), texture
-        if node.type == "BSDF_GLASS":
-            ior = self.value(node, "IOR", 1.5)
-            return Surface(color, roughness=roughness, ior=ior, transmission=1.0), texture
-        if node.type == "BSDF_METALLIC":
-            self.note("of the Metallic BSDF, Base Color and Roughness are carried")
-        return Surface(color, metallic=1.0, roughness=roughness), texture
-
-    def _note_silent(self, node):
-        """Notes sockets that do something in Blender and nothing in slo-rt."""
-        for name, silent in _SILENT_AT.items():
-            socket = node.inputs.get(name)
-            if socket and (socket.is_linked or _plain(socket.default_value) != silent):
-                self.note(f"{name} is not carried")
-        for name in ("Normal", "Coat Normal"):
-            if node.inputs.get(name) and node.inputs[name].is_linked:
-                self.note("normal and bump maps are not carried")
-
-    def _principled(self, node):
-        color, texture = self.color(node.inputs["Base Color"])
-        strength = self.value(node, "Emission Strength", 0.0)
-        emission = BLACK
-        if strength > 0.0:
-            emission_color, _ = self.color(node.inputs["Emission Color"], textured=False)
-            emission = tuple(c * strength for c in emission_color)
-        surface = Surface(
-            base_color=color,
-            metallic=self.value(node, "Metallic", 0.0),
-            roughness=self.value(node, "Roughness", 0.5),
-            ior=self.value(node, "IOR", 1.5),
-            specular_level=self.value(node, "Specular IOR Level", 0.5),
-            transmission=self.value(node, "Transmission Weight", 0.0),
-            alpha=self.value(node, "Alpha", 1.0),
-            emission=emission,
-        )
-        return surface, texture
-
-    def value(self, node, name, otherwise):
-        """A number of a socket; what is linked to it counts only if it is a constant."""
-        socket = node.inputs.get(name)
-        if socket is None:
-            return otherwise
-        source = _source_node(socket)
-        if source is not None and source.type == "VALUE":
-            return source.outputs[0].default_value
-        if source is not None:
-            self.note(f"{source.bl_label} on {name} is not carried, the socket's own value is")
-        return socket.default_value
-
-    def color(self, socket, textured=True):
-        """`(colour, Texture or None)` of a socket."""
-        source = _source_node(socket)
-        if source is None:
-            return tuple(socket.default_value[:3]), None
-        if source.type == "RGB":
-            return tuple(source.outputs[0].default_value[:3]), None
-        image_node = _first_image_node(source) if textured else None
-        if image_node is None:
-            self.note(
-                f"{source.bl_label} on {socket.name} is not carried, the socket's own value is"
-            )
-            return tuple(socket.default_value[:3]), None
-        if image_node != source:
-            self.note(f"{source.bl_label} on {socket.name} is not carried, the image behind it is")
-        return (1.0, 1.0, 1.0), self._texture(image_node)
-
-    def _texture(self, node):
-        if node.projection != "FLAT":
-            self.note(f"{node.projection.lower()} projection of an image is not carried")
-        if node.extension != "REPEAT":
-            self.note("images repeat in slo-rt")
-        scale, uv_map = (1.0, 1.0), ""
-        source = _source_node(node.inputs["Vector"])
-        if source is not None and source.type == "MAPPING":
-            scale = self._mapping_scale(source)
-            source = _source_node(source.inputs["Vector"])
-        if source is not None and source.type == "UVMAP":
-            uv_map = source.uv_map
-        elif source is not None and not _gives_uv(source):
-            self.note(f"{source.bl_label} as texture coordinates is not carried, the uv map is")
-        return Texture(node.image, scale, uv_map)
-
-    def _mapping_scale(self, node):
-        location, rotation, scale = (node.inputs.get(n) for n in ("Location", "Rotation", "Scale"))
-        moved = any(s and (s.is_linked or any(s.default_value)) for s in (location, rotation))
-        if moved or scale.is_linked or node.vector_type != "POINT":
-            self.note("of a texture's mapping only the scale is carried")
-        return tuple(scale.default_value[:2])
+    def textured_color(self, input_):
+        """`(colour, Texture or None)` of a colour socket; a texture's colour is white."""
+        feed = follow(input_)
+        image = None
+        if feed.node is not None and constant(feed) is None:
+            image = _nearest_image(feed)
+        if image is None:
+            return self.light(self.color(input_)), None
+        if image.node != feed.node:
+            self.note_feed(feed, input_, "the image behind it is")
+        return (1.0, 1.0, 1.0), read_texture(image, self)
 
 
-def _is_known(node):
-    return node.type in _SIMPLE_SHADERS or node.type in {"BSDF_PRINCIPLED", _TRANSPARENT}
+def _something(first, second):
+    """Of a mix of something with nothing, something is what the artist looks at."""
+    for feed in (first, second):
+        if feed.node is not None and feed.node.type != _TRANSPARENT:
+            return feed
+    return first if first.node is not None else second
 
 
-def _plain(value):
-    """A socket's value as number or tuple."""
-    return tuple(value) if hasattr(value, "__len__") else value
-
-
-def _source_node(socket):
-    """The node that feeds a socket, reroutes followed, or None."""
-    while socket.is_linked:
-        node = socket.links[0].from_node
-        if node.type != "REROUTE":
-            return node
-        socket = node.inputs[0]
-    return None
-
-
-def with_node_trees(owner):
-    """`owner` (a material, world, light or scene), its node tree, and all groups in there."""
-    found, open_ = [], [owner, getattr(owner, "node_tree", None)]
+def _nearest_image(feed):
+    """The `Feed` of the nearest image texture with an image at or behind `feed`, or None."""
+    seen, open_ = set(), [feed]
     while open_:
-        tree = open_.pop()
-        if tree is None or tree in found:
+        feed = open_.pop(0)
+        node = feed.node
+        if node is None or (node, feed.groups) in seen:
             continue
-        found.append(tree)
-        open_ += [getattr(node, "node_tree", None) for node in getattr(tree, "nodes", ())]
-    return found
-
-
-def _first_image_node(node):
-    """The nearest image texture with an image at or behind `node`, or None."""
-    seen, open_ = set(), [node]
-    while open_:
-        node = open_.pop(0)
         if node.type == "TEX_IMAGE" and node.image:
-            return node
-        if node in seen:
-            continue
-        seen.add(node)
-        behind = (
-            _source_node(s) for s in node.inputs if s.type == "RGBA" or node.type == "REROUTE"
-        )
-        open_ += [n for n in behind if n is not None]
+            return feed
+        seen.add((node, feed.groups))
+        open_ += [follow(i) for i in feed.inputs() if i.socket.type == "RGBA"]
     return None
-
-
-def _gives_uv(node):
-    """Whether a Texture Coordinate node is used by its UV output."""
-    return node.type == "TEX_COORD" and any(
-        link.from_socket.name == "UV" for output in node.outputs for link in output.links
-    )
 
 
 def _is_coloured(color):

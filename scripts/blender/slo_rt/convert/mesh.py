@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's meshes become triangles, with numpy all the way."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..format.slo_mesh import MeshArrays
@@ -9,40 +11,49 @@ from ..format.slo_mesh import MeshArrays
 NORMAL_STEP = 1e-4
 
 
-def arrays(mesh, shape=None, uv_map=None):
-    """`(MeshArrays, material index of each triangle)` of a mesh; None if it has no face.
+class Triangles:
+    """The triangles of a mesh: `geometry`, arrays without uvs, and the `material` index of each.
 
-    `shape` (3, 3) is applied to vertices and normals; one that mirrors turns triangles round.
-    `uv_map` is the name of the uv map to take, "" the one for rendering, None no uvs.
+    `shape` (3, 3) is applied to vertices and normals; one that mirrors turns triangles round. To be
+    used as long as the mesh is there.
     """
-    mesh.calc_loop_triangles()
-    count = len(mesh.loop_triangles)
-    if count == 0:
-        return None
-    vertices = _attribute(mesh, "position", "vector", 3, np.float32)
-    corner_vertex = _attribute(mesh, ".corner_vert", "value", 1, np.int32)[:, 0]
-    corners = _read(mesh.loop_triangles, "loops", count, 3, np.int32)
-    material = _materials(mesh, count)
 
-    flattened = shape is not None and is_flat(shape)
-    mirrored = shape is not None and not flattened and np.linalg.det(shape) < 0.0
-    if mirrored:
-        corners = corners[:, ::-1]
-    uvs, corner_uv = _uvs(mesh, corner_vertex, uv_map)
-    vertex_of_corner, source, normals = _normals(mesh, corner_vertex)
-    if source is not None:
-        vertices = vertices[source]
-    if shape is not None:
-        vertices = (vertices @ shape.T).astype(np.float32)
-        normals = None if normals is None or flattened else _unit(normals @ np.linalg.inv(shape))
-    result = MeshArrays(
-        vertices=vertices,
-        faces=vertex_of_corner[corners],
-        uvs=uvs,
-        face_uvs=None if uvs is None else corner_uv[corners],
-        normals=normals,
-    )
-    return result, material
+    def __init__(self, mesh, shape=None):
+        mesh.calc_loop_triangles()
+        count = len(mesh.loop_triangles)
+        self._mesh = mesh
+        vertices = _attribute(mesh, "position", "vector", 3, np.float32)
+        self._corner_vertex = _attribute(mesh, ".corner_vert", "value", 1, np.int32)[:, 0]
+        self._corners = _read(mesh.loop_triangles, "loops", count, 3, np.int32)
+        self.material = _materials(mesh, count)
+        flattened = shape is not None and is_flat(shape)
+        mirrored = shape is not None and not flattened and np.linalg.det(shape) < 0.0
+        if mirrored:
+            self._corners = self._corners[:, ::-1]
+        vertex_of_corner, source, normals = _normals(mesh, self._corner_vertex)
+        if source is not None:
+            vertices = vertices[source]
+        if shape is not None:
+            vertices = (vertices @ shape.T).astype(np.float32)
+            normals = (
+                None if normals is None or flattened else _unit(normals @ np.linalg.inv(shape))
+            )
+        self.geometry = MeshArrays(vertices, vertex_of_corner[self._corners], normals=normals)
+
+    def arrays(self, uv_map, is_needed):
+        """The geometry with the uv map of a name, "" that for rendering, None for none.
+
+        Where there is none, all of a texture is one point if it `is_needed`, as in Blender.
+        """
+        uvs, corner_uv = _uvs(self._mesh, self._corner_vertex, uv_map, is_needed)
+        if uvs is None:
+            return self.geometry
+        return replace(self.geometry, uvs=uvs, face_uvs=corner_uv[self._corners])
+
+
+def has_faces(mesh):
+    """Whether there are triangles in a mesh."""
+    return len(mesh.polygons) > 0
 
 
 def is_flat(matrix):
@@ -90,12 +101,16 @@ def _read(collection, attribute, count, width, kind):
     return values.reshape(count, width)
 
 
-def _uvs(mesh, corner_vertex, uv_map):
+def _uvs(mesh, corner_vertex, uv_map, is_needed):
     """Distinct uv coordinates, and the index of that of each corner; `(None, None)` without."""
     layers = mesh.uv_layers
-    if uv_map is None or not layers:
+    layer = layers.get(uv_map) if uv_map else None
+    if uv_map == "":
+        layer = next((each for each in layers if each.active_render), None)
+    if layer is None and is_needed:
+        return np.zeros((1, 2), np.float32), np.zeros(len(corner_vertex), np.int32)
+    if layer is None:
         return None, None
-    layer = layers.get(uv_map) or next((x for x in layers if x.active_render), layers[0])
     at_corner = _read(layer.uv, "vector", len(corner_vertex), 2, np.float32)
     at_vertex = np.zeros((len(mesh.vertices), 2), np.float32)
     at_vertex[corner_vertex] = at_corner

@@ -5,7 +5,7 @@ import numpy as np
 
 from .. import compat
 from ..fit.motion import Break
-from .checks import finite
+from .checks import LARGEST, finite
 
 
 def instance_key(instance):
@@ -19,7 +19,9 @@ def instance_key(instance):
 class Timeline:
     """Samples the whole scene, at each time once.
 
-    `set_frame(frame)` takes the dependency graph to a time in frames, fractions included.
+    `set_frame(frame)` takes the dependency graph to a time in frames, fractions included. Matrices
+    are read in columns. Things are counted from 0 in the order in which they were first seen; of
+    each, the first matrix is kept, and of each time the matrices that differ from it.
     """
 
     def __init__(self, depsgraph, set_frame, cameras, read_camera):
@@ -27,36 +29,58 @@ class Timeline:
         self._set_frame = set_frame
         self._cameras = cameras
         self._read_camera = read_camera
-        self._times = {}
-        self._first = {}
-        self._changed = {}
+        self._numbers = {}  # key -> number of a thing
+        self._first = np.empty((0, 4, 4), np.float32)
+        self._counts = np.empty(0, np.int64)  # at how many times each was seen
+        self._has_moved = np.empty(0, bool)
+        self._changes = {}  # time -> (numbers, matrices)
+        self._known_order = None  # what the instances were last: their signature and numbers
         self._camera_values = {}
-        self._seen = {}
 
     @property
     def samples(self):
         """How many times were looked at."""
-        return len(self._times)
+        return len(self._changes)
 
     def visit(self, times):
         """Makes sure that `times` (frames) were looked at."""
         for time in times:
-            if time not in self._times:
-                self._times[time] = True
+            if time not in self._changes:
                 self._set_frame(float(time))
-                self._look(float(time))
+                self._changes[time] = self._look()
+                self._look_at_cameras(float(time))
 
-    def _look(self, time):
-        for instance in self._depsgraph.object_instances:
-            if not instance.show_self:
-                continue
-            key = instance_key(instance)
-            self._seen[key] = self._seen.get(key, 0) + 1
-            # Blender's own matrices compare and copy many times quicker than arrays are made.
-            matrix = instance.matrix_world.copy()
-            first = self._first.setdefault(key, matrix)
-            if first != matrix:
-                self._changed.setdefault(key, {})[time] = matrix
+    def _look(self):
+        """Numbers and matrices of what is elsewhere than at first."""
+        instances = self._depsgraph.object_instances
+        count = len(instances)
+        shown, ids = np.empty(count, bool), np.empty(count, np.int32)
+        flat = np.empty(16 * count, np.float32)
+        instances.foreach_get("show_self", shown)
+        instances.foreach_get("random_id", ids)
+        instances.foreach_get("matrix_world", flat)
+        matrices = flat.reshape(count, 4, 4).transpose(0, 2, 1)[shown]
+        numbers = self._numbers_of(instances, (shown.tobytes(), ids.tobytes()))
+        new = numbers >= len(self._first)
+        if new.any():
+            self._first = np.concatenate([self._first, matrices[new]])
+            self._counts = np.concatenate([self._counts, np.zeros(new.sum(), np.int64)])
+            self._has_moved = np.concatenate([self._has_moved, np.zeros(new.sum(), bool)])
+        self._counts[numbers] += 1
+        elsewhere = (matrices != self._first[numbers]).any(axis=(1, 2))
+        self._has_moved[numbers[elsewhere]] = True
+        return numbers[elsewhere], matrices[elsewhere]
+
+    def _numbers_of(self, instances, signature):
+        """Numbers of the instances that show themselves, in order. Their names are read only if
+        they are others than last time."""
+        if self._known_order is None or self._known_order[0] != signature:
+            keys = [instance_key(instance) for instance in instances if instance.show_self]
+            numbers = [self._numbers.setdefault(key, len(self._numbers)) for key in keys]
+            self._known_order = signature, np.array(numbers, np.int64)
+        return self._known_order[1]
+
+    def _look_at_cameras(self, time):
         for camera in self._cameras:
             values = self._read_camera(camera, self._depsgraph)
             finite(values, f'camera "{camera.name}"', f"its place or its lens at frame {time:g}")
@@ -64,22 +88,37 @@ class Timeline:
 
     def moves(self, key):
         """Whether the thing was ever seen at another place than at first."""
-        return key in self._changed
+        number = self._numbers.get(key)
+        return number is not None and bool(self._has_moved[number])
 
     def not_always_there(self):
         """Keys of things that were seen at some times only."""
-        return [key for key, count in self._seen.items() if count < len(self._times)]
+        return [k for k, number in self._numbers.items() if self._counts[number] < self.samples]
 
-    def matrices(self, key, times):
-        """Matrices to world space (n, 4, 4) of a thing at times (n,).
+    def matrices(self, keys, times):
+        """Matrices to world space (n, k, 4, 4) of things at times (n, k).
 
-        # Errors `ValueError` where one is not finite.
+        # Errors `ValueError` if one is not finite.
         """
-        self.visit(times)
-        changed, first = self._changed.get(key, {}), self._first[key]
-        matrices = np.array([changed.get(time, first) for time in times], np.float64)
-        when = f"between frames {times[0]:g} and {times[-1]:g}"
-        return finite(matrices, f'object "{key[0]}"', f"its place {when}")
+        self.visit(np.unique(times))
+        numbers = np.array([self._numbers[key] for key in keys])
+        found = np.repeat(self._first[numbers][:, None], times.shape[1], axis=1).astype(np.float64)
+        order = np.argsort(times, axis=None, kind="stable")
+        flat_times = times.ravel()[order]
+        starts = np.flatnonzero(np.diff(flat_times, prepend=np.nan))
+        place = np.full(len(self._first), -1, np.int64)
+        for chosen in np.split(order, starts[1:]):
+            changed, matrices = self._changes[float(times.flat[chosen[0]])]
+            place[changed] = np.arange(len(changed))
+            rows = place[numbers[chosen // times.shape[1]]]
+            known = rows >= 0
+            found.reshape(-1, 4, 4)[chosen[known]] = matrices[rows[known]]
+            place[changed] = -1
+        if not (np.abs(found) <= LARGEST).all():
+            for key, own in zip(keys, found):
+                when = f"between frames {times.min():g} and {times.max():g}"
+                finite(own, f'object "{key[0]}"', f"its place {when}")
+        return found
 
     def camera_values(self, camera, times):
         """What `read_camera` said of a camera at times (n,), one row each."""
@@ -87,14 +126,15 @@ class Timeline:
         return np.array([self._camera_values[camera.name_full, time] for time in times], np.float64)
 
 
-def breaks(thing, first, last):
-    """Times of the key frames from `first` to `last` that `thing` (an object) may depend on."""
+def breaks(thing, first, last, remapped=1.0):
+    """Times of the key frames from `first` to `last` that `thing` (an object) may depend on; a key
+    frame shows `remapped` times as late as it stands."""
     leaps = {}
     for owner in _sources(thing):
         for curve in compat.fcurves(owner.animation_data):
             constant = False
             for point in curve.keyframe_points:
-                time = float(point.co[0])
+                time = float(point.co[0]) * remapped
                 leaps[time] = leaps.get(time, False) or constant
                 constant = point.interpolation == "CONSTANT"
     return [Break(time, leap) for time, leap in sorted(leaps.items()) if first <= time <= last]

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import compat
-from ..fit.motion import fit_key_frames, sample_times
+from ..fit.motion import fit_all, sample_times
 from ..fit.rigid import split_matrix
 from ..format import key_frames, scene_text, slo_mesh
 from ..format.names import Names, plain
 from ..format.scene_text import Element
 from ..report import Report
 from . import camera as cameras
-from . import image, light, limits, material, motion, settings, world
+from . import light, limits, motion, nodes, settings, world
+from .surfaces import Surfaces
+from .surroundings import Surroundings
 from .things import Collector, outlines
 
 # Shapes whose entries change by more, in parts of the thing's size, count as changing.
@@ -74,9 +76,8 @@ class _Writer:
         beside, filename = os.path.split(job.scene_path)
         self.folder_name = plain(os.path.splitext(filename)[0])
         self.folder = os.path.join(beside, self.folder_name)
-        self.finishes = {}
-        self.names = {kind: Names() for kind in ("file", "object", "material", "texture")}
-        self.textures = {}
+        self.breaks = {}
+        self.names = {kind: Names() for kind in ("file", "object")}
 
     def write(self):
         job = self.job
@@ -87,16 +88,20 @@ class _Writer:
         self.world = (self.layer.world_override or self.scene.world) if self.layer.use_sky else None
         self.background = world.background(self._now(self.world), self.report)
         is_blurred = self.shutter.duration > 0.0
-        collector = Collector(self._store_mesh, self._uv_map_of, is_blurred, self.report)
+        ambient_light = [c * self.values.world_light for c in self.background]
+        self.surfaces = Surfaces(self._now, ambient_light, self.folder, job.by_content, self.report)
+        collector = Collector(self._store_mesh, self.surfaces.look_of, is_blurred, self.report)
         found = collector.take_stock(job.depsgraph)
-        self._measure(found.things)
+        self.surroundings = Surroundings(found.things)
         lights = self._lights(found.lamps)
         self._note_darkness(lights)
-        elements = [*lights, *self._materials(found.things)]
-        timeline = self._timeline(found.things)
+        elements = [*lights, *self.surfaces.elements(found.things)]
+        timeline = self._timeline()
         camera = self._camera(timeline)
-        objects = [e for thing in found.things for e in self._thing(thing, timeline)]
+        paths = self._paths(found.things, timeline)
+        objects = [e for thing in found.things for e in self._thing(thing, paths)]
         self._note_changes(found, timeline)
+        limits.note_physics(job.depsgraph, self.report)
         limits.note_view_layer(self.layer, self.report)
         limits.note_scene(self.scene, self.report)
         if job.output != "EXR_IMAGE":
@@ -127,19 +132,19 @@ class _Writer:
 
     # Time
 
-    def _timeline(self, things):
+    def _timeline(self):
         shots = cameras.shots(self.scene, self.job.first, self.job.last)
         used = {camera.name_full: camera for camera, _, _ in shots}.values()
         for camera in used:
             cameras.note_limits(camera, self.render, self.report)
         size = settings.picture_size(self.render)
-        reader = cameras.CameraReader(self.render, *size)
+        reader = cameras.CameraReader(self.render, *size, self.report)
         timeline = motion.Timeline(self.job.depsgraph, self.job.set_frame, list(used), reader)
         start = float(self.job.first)
         timeline.visit([start])
         for camera in used:
             values = timeline.camera_values(camera, [start])[0]
-            cameras.note_clipping(camera, values, things, self.report)
+            self.surroundings.note_clipping(camera, values, self.report)
         if self._moving:
             timeline.visit(sample_times(*self._span))
         return timeline
@@ -154,14 +159,6 @@ class _Writer:
         """First and last scene time in frames that a shutter can see."""
         tail = self.shutter.duration
         return self.job.first + self.shutter.offset, self.job.last + self.shutter.offset + tail
-
-    def _measure(self, things):
-        """The middle of the scene, which is the median of its things, and its diagonal."""
-        centers = np.array([thing.center for thing in things]) if things else np.zeros((1, 3))
-        self.centers = centers
-        self.center = np.median(centers, axis=0)
-        reach = [thing.diagonal for thing in things]
-        self.diagonal = float(np.linalg.norm(np.ptp(centers, axis=0)) + max(reach, default=0.0))
 
     # Camera
 
@@ -178,7 +175,7 @@ class _Writer:
                 "the shutter is open for more than a frame, and stops at the end of a segment",
             )
         film = settings.film_element(settings.picture_size(self.render), job.prefix, job.output)
-        return Element("Camera", "camera", [("fps", self.fps), film, *segments])
+        return Element("Camera", "camera", [("fps", scene_text.exact(self.fps)), film, *segments])
 
     def _segments(self, timeline, camera, first, stop):
         if not self._moving:
@@ -200,14 +197,16 @@ class _Writer:
     def _distance_of(self, positions):
         """The shortest distance from a camera at `positions` to the middle of a thing, which is the
         length that its errors are measured by; not below a thousandth of the scene."""
-        gaps = self.centers[None, :, :] - positions[:, None, :]
-        shortest = np.linalg.norm(gaps, axis=2).min()
-        return max(float(shortest), 1e-3 * self.diagonal, 1e-9)
+        shortest = min(
+            np.linalg.norm(self.surroundings.centers - position, axis=1).min()
+            for position in np.unique(positions, axis=0)
+        )
+        return max(float(shortest), 1e-3 * self.surroundings.diagonal, 1e-9)
 
     # Things
 
-    def _thing(self, thing, timeline):
-        keys = self._key_frames(thing, timeline)
+    def _thing(self, thing, paths):
+        keys = self._key_frames(thing, paths)
         elements = []
         for part in thing.parts:
             wish = thing.name
@@ -216,30 +215,56 @@ class _Writer:
             body = [
                 ("filename", part.filename),
                 ("smooth_normals", int(part.smooth)),
-                ("material", self._material_name(part.material)),
+                ("material", self.surfaces.name_of(part.material)),
                 *keys,
             ]
             elements.append(Element("mesh", self.names["object"].new(wish), body))
         return elements
 
-    def _key_frames(self, thing, timeline):
-        if not self._moving or not timeline.moves(thing.key):
-            rest = np.concatenate([np.zeros(3), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
-            return (
-                [] if np.array_equal(thing.placement, rest) else [key_frames.still(thing.placement)]
-            )
-        shapes = []
+    def _key_frames(self, thing, paths):
+        if thing.key in paths:
+            return key_frames.moving(paths[thing.key], self.fps)
+        rest = np.concatenate([np.zeros(3), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
+        return [] if np.array_equal(thing.placement, rest) else [key_frames.still(thing.placement)]
 
-        def sample(times):
-            placements, shape = split_matrix(timeline.matrices(thing.key, times))
-            shapes.append(np.abs(shape - thing.shape).max())
+    def _paths(self, things, timeline):
+        """Key frames of the things that move, by their keys."""
+        moving = [thing for thing in things if self._moving and timeline.moves(thing.key)]
+        if not moving:
+            return {}
+        keys = [thing.key for thing in moving]
+        shapes = np.array([thing.shape for thing in moving])
+        shape_misses = np.zeros(len(moving))
+
+        def sample(who, times):
+            matrices = timeline.matrices([keys[number] for number in who], times)
+            placements, shape = split_matrix(matrices)
+            miss = np.abs(shape - shapes[who][:, None]).max(axis=(1, 2, 3))
+            np.maximum.at(shape_misses, who, miss)
             return placements
 
         first, last = self._span
-        breaks = [b for source in thing.sources for b in motion.breaks(source, first, last)]
-        keys, misfit = fit_key_frames(sample, first, last, thing.diagonal, breaks)
+        breaks = [self._breaks(thing, first, last) for thing in moving]
+        sizes = [thing.diagonal for thing in moving]
+        fitted = fit_all(sample, first, last, sizes, breaks, timeline.visit)
+        largest = SHAPE_TOLERANCE * np.abs(shapes).max(axis=(1, 2))
+        for thing, (_, misfit), scales in zip(moving, fitted, shape_misses > largest):
+            self._note_motion(thing, misfit, scales)
+        return {key: path for key, (path, _) in zip(keys, fitted)}
+
+    def _breaks(self, thing, first, last):
+        """The `Break`s of all sources of a thing, which many things share."""
+        remapped = self.render.frame_map_new / self.render.frame_map_old
+        found = []
+        for source in thing.sources:
+            if source.name_full not in self.breaks:
+                self.breaks[source.name_full] = motion.breaks(source, first, last, remapped)
+            found += self.breaks[source.name_full]
+        return found
+
+    def _note_motion(self, thing, misfit, scales):
         subject = f'object "{thing.name}"'
-        if max(shapes) > SHAPE_TOLERANCE * np.abs(thing.shape).max():
+        if scales:
             self.report.note(subject, f"its scale changes; it is as at frame {self.job.first}")
         if misfit:
             self.report.note(
@@ -247,7 +272,6 @@ class _Writer:
                 f"moves too wildly at frame {misfit.time:.2f}: off by up to "
                 f"{100.0 * misfit.position:.3g} % of its size and {np.degrees(misfit.direction):.3g} degrees",
             )
-        return key_frames.moving(keys, self.fps)
 
     def _store_mesh(self, name, arrays):
         name = arrays.digest() if self.job.by_content else self.names["file"].new(name)
@@ -256,60 +280,6 @@ class _Writer:
             slo_mesh.write(path, arrays)
         return f"{self.folder_name}/{name}.slo"
 
-    # Surfaces
-
-    def _finish(self, item):
-        """Name in the scene and finish of a `bpy` material or None."""
-        key = item.name_full if item else None
-        if key not in self.finishes:
-            ambient = [c * self.values.world_light for c in self.background]
-            name = self.names["material"].new(item.name if item else "no_material")
-            self.finishes[key] = name, material.finish(self._now(item), ambient, self.report)
-        return self.finishes[key]
-
-    def _material_name(self, item):
-        return self._finish(item)[0]
-
-    def _uv_map_of(self, materials):
-        """The uv map that these materials need; None where there is no texture and none is asked
-        for."""
-        textures = [self._finish(item)[1].texture for item in materials]
-        named = [texture.uv_map for texture in textures if texture]
-        return named[0] if named else (None if self.job.by_content else "")
-
-    def _materials(self, things):
-        elements = []
-        used = {
-            part.material.name_full if part.material else None for t in things for part in t.parts
-        }
-        for key, (name, finish) in self.finishes.items():
-            if key not in used:
-                continue
-            elements.append(finish.phong.element(name))
-            texture = self._texture(finish.texture, elements) if finish.texture else None
-            body = [("phong_info", name)]
-            if texture:
-                scale = finish.texture.scale
-                body += [("texture", texture), ("scale_U", scale[0]), ("scale_V", scale[1])]
-            kind = "material_texture" if texture else "material_phong"
-            elements.append(Element(kind, name, body))
-        order = {"texture": 0, "phong_info": 1}
-        return sorted(elements, key=lambda element: order.get(element.kind, 2))
-
-    def _texture(self, texture, elements):
-        """Name of the texture's element, which is written when it is needed first; None if
-        unreadable."""
-        picture = texture.image
-        if picture.name_full not in self.textures:
-            name = self.names["texture"].new(os.path.splitext(picture.name)[0])
-            path = os.path.join(self.folder, f"{name}.png")
-            written = image.write_linear(picture, path, self.report)
-            self.textures[picture.name_full] = name if written else None
-            if written:
-                filename = f"{self.folder_name}/{name}.png"
-                elements.append(Element("texture", name, [("filename", filename)]))
-        return self.textures[picture.name_full]
-
     def _lights(self, lamps):
         names, elements = Names(), []
         for lamp in lamps:
@@ -317,8 +287,7 @@ class _Writer:
                 names.new(lamp.name),
                 self._now(lamp.light),
                 lamp.matrix,
-                self.center,
-                self.diagonal,
+                self.surroundings,
                 self.report,
             )
         return elements
@@ -363,7 +332,7 @@ class _Writer:
         owners = {lamp.light for lamp in found.lamps} | {self.world, self.scene}
         owners |= {part.material for thing in found.things for part in thing.parts}
         for owner in owners - {None}:
-            if any(compat.is_animated(each) for each in material.with_node_trees(owner)):
+            if any(compat.is_animated(each) for each in nodes.with_node_trees(owner)):
                 kind = owner.bl_rna.name.lower().split()[-1]  # a point light is a light
                 self.report.note(
                     f'{kind} "{owner.name}"',

@@ -3,6 +3,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..format.scene_text import Element
 
 
@@ -25,8 +27,12 @@ class Shutter:
 
 
 def frames_per_second(render):
-    """Frames per second of the video."""
-    return render.fps / render.fps_base
+    """Frames per second of the video.
+
+    Blender holds the base in single precision, where 1.001 is 1.00100004673; the shortest decimal
+    that stands for it is what the artist chose.
+    """
+    return render.fps / float(str(np.float32(render.fps_base)))
 
 
 def picture_size(render):

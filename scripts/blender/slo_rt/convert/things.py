@@ -20,6 +20,15 @@ NO_AREA = 1e-12
 
 
 @dataclass
+class Look:
+    """What a material wants of a mesh: a uv map, "" that for rendering, None for none; and whether a
+    texture lies on it."""
+
+    uv_map: str | None
+    is_textured: bool
+
+
+@dataclass
 class Part:
     """Triangles of one material: the file's path in the scene and the `bpy` material, or None."""
 
@@ -77,12 +86,13 @@ class Inventory:
 class Collector:
     """Takes stock of an evaluated scene; meshes go to `store(name, arrays) -> filename`.
 
-    `is_blurred`: whether the shutter is open for a while.
+    `look_of(material)` is the `Look` of a material, or None if it is not seen. `is_blurred`: whether
+    the shutter is open for a while.
     """
 
-    def __init__(self, store, uv_map_of, is_blurred, report):
+    def __init__(self, store, look_of, is_blurred, report):
         self._store = store
-        self._uv_map_of = uv_map_of
+        self._look_of = look_of
         self._is_blurred = is_blurred
         self._report = report
         self._known = {}
@@ -105,7 +115,7 @@ class Collector:
                 found.things += self._solid(instance, override)
             elif thing.type == "LIGHT":
                 found.lamps += self._lamp(instance)
-            elif thing.type not in UNSEEN:
+            elif thing.type not in UNSEEN and not limits.is_empty(thing):
                 kind = thing.type.lower().replace("_", " ")
                 self._report.note(f'object "{thing.name}"', f"{kind} objects are not carried")
         return found
@@ -175,41 +185,54 @@ class Collector:
         if mesh is None:
             return nothing
         try:
+            if not meshes.has_faces(mesh):
+                return nothing
             materials = materials_of(thing, mesh)
             if override:
                 materials = [override] * len(materials)
-            uv_map = self._uv_map_of(materials)
             scale = None if np.array_equal(shape, np.eye(3)) else shape
-            result = meshes.arrays(mesh, scale, uv_map)
+            pieces = self._pieces(thing.name, meshes.Triangles(mesh, scale), materials)
             outline = _hash(mesh) if may_deform(thing) else None
         finally:
             thing.to_mesh_clear()
-        if result is None:
+        if not pieces:
             return nothing
-        triangles, material_index = result
-        for what in ("vertices", "uvs", "normals"):
-            array = getattr(triangles, what)
-            if array is not None:
-                finite(array, f'object "{thing.name}"', f"a number of its {what}")
-        vertices = triangles.vertices
-        box = np.array([vertices.min(axis=0), vertices.max(axis=0)], np.float64)
-        if _has_no_area(triangles, box):
+        for _, _, arrays in pieces:
+            for what in ("vertices", "uvs", "normals"):
+                array = getattr(arrays, what)
+                if array is not None:
+                    finite(array, f'object "{thing.name}"', f"a number of its {what}")
+        box = _box([arrays for _, _, arrays in pieces])
+        if all(_has_no_area(arrays, box) for _, _, arrays in pieces):
             self._note_nothing(thing)
             return nothing
-        return list(self._parts(thing.name, triangles, material_index, materials)), box, outline
+        parts = [Part(self._store(n, arrays), m, arrays.smooth) for n, m, arrays in pieces]
+        return parts, box, outline
 
-    def _parts(self, name, triangles, material_index, materials):
+    def _pieces(self, name, triangles, materials):
+        """`(name, material, arrays)` of the triangles of each material that is seen."""
         first_like = np.array([materials.index(material) for material in materials])
-        material_index = first_like[np.clip(material_index, 0, len(materials) - 1)]
+        material_index = first_like[np.clip(triangles.material, 0, len(materials) - 1)]
         used = np.unique(material_index)
+        pieces = []
         for index in used:
             material = materials[index]
-            piece, piece_name = triangles, name
+            look = self._look_of(material)
+            if look is None:
+                continue
+            arrays, piece_name = triangles.arrays(look.uv_map, look.is_textured), name
             if len(used) > 1:
-                chosen = material_index == index
-                piece = meshes.part(triangles, chosen)
+                arrays = meshes.part(arrays, material_index == index)
                 piece_name = f"{name}_{material.name if material else index}"
-            yield Part(self._store(piece_name, piece), material, piece.smooth)
+            pieces.append((piece_name, material, arrays))
+        return pieces
+
+
+def _box(pieces):
+    """The low and the high corner of the box around the vertices of `MeshArrays`."""
+    low = np.min([arrays.vertices.min(axis=0) for arrays in pieces], axis=0)
+    high = np.max([arrays.vertices.max(axis=0) for arrays in pieces], axis=0)
+    return np.array([low, high], np.float64)
 
 
 def _matrix(instance):

@@ -3,7 +3,9 @@
 
 from .. import compat
 from .checks import finite
-
+from .emission import emitted
+from .flags import note_flags
+from .nodes import Feed, Reader, follow, output_node
 
 BLACK = (0.0, 0.0, 0.0)
 
@@ -17,6 +19,7 @@ def background(world, report):
         return BLACK
     subject = f'world "{world.name}"'
     _note_rays(world, subject, report)
+    note_flags(getattr(world, "cycles", None), "CyclesWorldSettings", subject, report)
     return finite(_color(world, subject, report), subject, "its colour")
 
 
@@ -24,22 +27,12 @@ def _color(world, subject, report):
     tree = compat.node_tree(world)
     if tree is None:
         return tuple(world.color)
-    output = tree.get_output_node("ALL")
-    if output is None or not output.inputs["Surface"].is_linked:
+    output = output_node(tree)
+    if output is None:
         return BLACK
-    if output.inputs["Volume"].is_linked:
-        report.note(subject, "volumes are not carried")
-    shader = output.inputs["Surface"].links[0].from_node
-    if shader.type != "BACKGROUND":
-        report.note(subject, f"{shader.bl_label}: not carried, the background is black")
-        return BLACK
-    for socket in (shader.inputs["Color"], shader.inputs["Strength"]):
-        if socket.is_linked:
-            report.note(
-                subject, f"what is linked to {socket.name} is not carried, its own value is"
-            )
-    strength = shader.inputs["Strength"].default_value
-    return tuple(c * strength for c in shader.inputs["Color"].default_value[:3])
+    reader = Reader(subject, report)
+    reader.note_rest(Feed(output))
+    return reader.light(emitted(follow(Feed(output).input("Surface")), reader))
 
 
 def _note_rays(world, subject, report):

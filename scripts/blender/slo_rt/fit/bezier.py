@@ -19,6 +19,17 @@ def evaluate(control, u):
     return basis(len(control) - 1, u) @ control
 
 
+def fit_many(degree, u, values):
+    """As `fit` of each of `values` (n, k, d): control points (n, degree + 1, d)."""
+    line = np.linspace(0.0, 1.0, degree + 1)[:, None]
+    control = values[:, :1] * (1.0 - line) + values[:, -1:] * line
+    if degree >= 2 and len(u) > 2:
+        weights = basis(degree, u)
+        remainder = values - weights @ control
+        control[:, 1:-1] += np.linalg.pinv(weights[1:-1, 1:-1]) @ remainder[:, 1:-1]
+    return control
+
+
 def fit(degree, u, values):
     """Control points of the curve that starts and ends at the first and last of `values` (n, d) and
     is nearest to the others in the mean.
@@ -26,19 +37,18 @@ def fit(degree, u, values):
     `u` (n,) rises from 0 to 1. Where there are too few samples for the degree, the curve with the
     shortest control points about the straight line is taken.
     """
-    line = np.linspace(0.0, 1.0, degree + 1)[:, None]
-    control = values[0] * (1.0 - line) + values[-1] * line
-    if degree >= 2 and len(u) > 2:
-        weights = basis(degree, u)
-        remainder = values - weights @ control
-        inner, *_ = np.linalg.lstsq(weights[1:-1, 1:-1], remainder[1:-1], rcond=None)
-        control[1:-1] += inner
-    return control
+    return fit_many(degree, u, np.asarray(values)[None])[0]
+
+
+def tidy_many(points):
+    """As `tidy` of each of `points` (n, m, d)."""
+    largest = np.abs(points).max(axis=(1, 2), keepdims=True)
+    decimals = 8 - np.ceil(np.log10(np.where(largest > 0.0, largest, 1.0)))
+    scale = 10.0 ** np.clip(np.abs(decimals), 0, 300)
+    coarse, fine = np.rint(points / scale) * scale, np.rint(points * scale) / scale
+    return np.where(decimals < 0, coarse, fine) + 0.0
 
 
 def tidy(points):
     """The same points without digits that single precision never had: to 1e-8 of the largest."""
-    largest = np.abs(points).max()
-    if largest == 0.0:
-        return points
-    return np.round(points, int(8 - np.ceil(np.log10(largest)))) + 0.0
+    return tidy_many(points[None])[0]

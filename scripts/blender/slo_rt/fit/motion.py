@@ -27,6 +27,8 @@ SAMPLE_TURN = np.radians(20.0)
 COARSEST_STEP = 0.25
 SHORTEST_PIECE = 1.0 / 64.0
 INNER_SAMPLES = 8
+# So many placements are worked on together.
+SAMPLES_AT_ONCE = 1 << 17
 # How long before its time a leap begins.
 LEAP = 1.0 / 256.0
 
@@ -65,21 +67,43 @@ class Misfit:
 class _Piece:
     start: float
     end: float
-    control: np.ndarray  # (4, 9), or (2, 9) if straight
+    control: np.ndarray  # (4, 9), or (2, 9); tidied
+    is_straight: bool
 
 
 def fit_key_frames(sample, start, end, size, breaks=()):
-    """Key frames of a motion from `start` to `end` (frames).
+    """Key frames of one motion; `sample(times)` gives placements (n, 9) at times (n,). As `fit_all`."""
 
-    `sample(times)` gives placements (n, 9) at times (n,). `size` is the diagonal of the thing.
-    Returns `(key_frames, misfit)`; `misfit` is None if the tolerances hold at all samples,
-    otherwise the place where the motion is too wild, such as a leap that no curve announces.
+    def sample_one(_who, times):
+        return np.array([sample(row) for row in times])
+
+    return fit_all(sample_one, start, end, [size], [breaks])[0]
+
+
+def fit_all(sample, start, end, sizes, breaks, prepare=None):
+    """Key frames of many motions from `start` to `end` (frames).
+
+    `sample(who, times)` gives placements (n, k, 9) of the motions with numbers `who` (n,) at times
+    (n, k); `prepare(times)` is told before which times are asked for next. `sizes` are the diagonals
+    of the things, `breaks` lists of `Break`s. Returns `(key_frames, misfit)` of each; `misfit` is None
+    if the tolerances hold at all samples, otherwise the place where the motion is too wild, such as a
+    leap that no curve announces.
+
+    Pieces of all motions that have the same pattern of samples are fitted together.
     """
-    fitter = _Fitter(sample, size)
-    borders = _borders(start, end, breaks)
-    for (a, _), (b, leap) in zip(borders, borders[1:]):
-        fitter.cover(a, b, leap)
-    return _join(fitter.pieces), fitter.misfit
+    fitter = _Fitter(sample, sizes, prepare or (lambda times: None))
+    stretches, leaps = [], []
+    for who, own in enumerate(breaks):
+        borders = _borders(start, end, own)
+        for (a, _), (b, leap) in zip(borders, borders[1:]):
+            (leaps if leap else stretches).append((who, a, b))
+    fitter.leap(leaps)
+    while stretches:
+        stretches = fitter.cover(stretches)
+    return [
+        (_join(sorted(pieces, key=lambda piece: piece.start)), fitter.misfits.get(who))
+        for who, pieces in enumerate(fitter.pieces)
+    ]
 
 
 def sample_times(start, end):
@@ -99,64 +123,86 @@ def middle(start, end):
 
 
 class _Fitter:
-    def __init__(self, sample, size):
+    def __init__(self, sample, sizes, prepare):
         self.sample = sample
-        self.size = max(size, 1e-12)
-        self.pieces = []
-        self.misfit = None
+        self.prepare = prepare
+        self.sizes = np.maximum(np.asarray(sizes, np.float64), 1e-12)
+        self.pieces = [[] for _ in sizes]
+        self.misfits = {}
 
-    def cover(self, start, end, leap):
-        """Appends pieces from `start` to `end`."""
-        ends = np.array([start, end])
-        if leap:
-            self._leap(start, end, *self.sample(ends))
-            return
-        times = sample_times(start, end)
-        placements = self.sample(times)
-        piece = _Piece(start, end, _fit_piece(times, placements))
-        position, direction = self._miss(piece, times, placements)
-        fits = position <= POSITION_TOLERANCE * MARGIN and direction <= DIRECTION_TOLERANCE * MARGIN
-        if fits and _turn(placements) <= SAMPLE_TURN:
-            self.pieces.append(piece)
-        elif end - start > SHORTEST_PIECE * 1.5:
-            center = middle(start, end)
-            self.cover(start, center, False)
-            self.cover(center, end, False)
-        else:
-            self.pieces.append(piece)
-            self._remember(Misfit(start, position, direction))
+    def cover(self, stretches):
+        """Appends the pieces that fit of stretches `(who, start, end)`; returns the halves of the
+        others."""
+        patterns, asked = {}, {}
+        for stretch in stretches:
+            _, start, end = stretch
+            if (start, end) not in asked:
+                times = sample_times(start, end)
+                u = (times - start) / (end - start)
+                asked[start, end] = times, np.round(u, 12).tobytes()
+            patterns.setdefault(asked[start, end][1], []).append(stretch)
+        self.prepare(np.unique(np.concatenate([times for times, _ in asked.values()])))
+        halves = []
+        for alike in patterns.values():
+            size = max(1, SAMPLES_AT_ONCE // len(asked[alike[0][1:]][0]))
+            for at in range(0, len(alike), size):
+                some = alike[at : at + size]
+                halves += self._cover_alike(some, np.array([asked[s[1:]][0] for s in some]))
+        return halves
 
-    def _leap(self, start, end, before, after):
+    def _cover_alike(self, stretches, times):
+        """As `cover`, for stretches with one pattern of samples at `times` (n, k)."""
+        who = np.array([stretch[0] for stretch in stretches])
+        placements = self.sample(who, times)
+        u = (times[0] - times[0, 0]) / (times[0, -1] - times[0, 0])
+        control = bezier.fit_many(3, u, placements)
+        tidied = _tidy(control)
+        straight = _is_straight(tidied)
+        axes = _axes(placements)
+        fitted = bezier.basis(3, u) @ control
+        gaps = np.linalg.norm(fitted[..., :3] - placements[..., :3], axis=-1)
+        position = gaps.max(axis=1) / self.sizes[who]
+        direction = angle_between(_axes(fitted), axes).max(axis=1)
+        turn = angle_between(axes[:, 1:], axes[:, :-1]).max(axis=1)
+        fits = (
+            (position <= POSITION_TOLERANCE * MARGIN)
+            & (direction <= DIRECTION_TOLERANCE * MARGIN)
+            & (turn <= SAMPLE_TURN)
+        )
+        halves = []
+        for i, (number, start, end) in enumerate(stretches):
+            if fits[i]:
+                self.pieces[number].append(_Piece(start, end, tidied[i], straight[i]))
+            elif end - start > SHORTEST_PIECE * 1.5:
+                center = middle(start, end)
+                halves += [(number, start, center), (number, center, end)]
+            else:
+                self.pieces[number].append(_Piece(start, end, tidied[i], straight[i]))
+                self._remember(number, Misfit(start, float(position[i]), float(direction[i])))
+        return halves
+
+    def leap(self, stretches):
         """From one place to the other in half the time, so that rounded times can't fall into
         it."""
-        landed = (start + end) / 2.0
-        for a, b, values in ((start, landed, (before, after)), (landed, end, (after, after))):
-            self.pieces.append(_Piece(a, b, bezier.fit(1, np.array([a, b]), np.array(values))))
+        if not stretches:
+            return
+        ends = np.array([stretch[1:] for stretch in stretches])
+        self.prepare(np.unique(ends))
+        places = self.sample(np.array([stretch[0] for stretch in stretches]), ends)
+        for (number, start, end), (before, after) in zip(stretches, _tidy(places)):
+            landed = (start + end) / 2.0
+            for a, b, control in ((start, landed, (before, after)), (landed, end, (after, after))):
+                self.pieces[number].append(_Piece(a, b, np.array(control), True))
 
-    def _miss(self, piece, times, placements):
-        u = (times - piece.start) / (piece.end - piece.start)
-        fitted = bezier.evaluate(piece.control, u)
-        offset = np.linalg.norm(fitted[:, :3] - placements[:, :3], axis=1).max() / self.size
-        return offset, angle_between(_axes(fitted), _axes(placements)).max()
-
-    def _remember(self, misfit):
+    def _remember(self, who, misfit):
         within = misfit.position <= POSITION_TOLERANCE and misfit.direction <= DIRECTION_TOLERANCE
-        if not within and (self.misfit is None or misfit.position > self.misfit.position):
-            self.misfit = misfit
-
-
-def _fit_piece(times, placements):
-    u = (times - times[0]) / (times[-1] - times[0])
-    return bezier.fit(3, u, placements)
+        known = self.misfits.get(who)
+        if not within and (known is None or misfit.position > known.position):
+            self.misfits[who] = misfit
 
 
 def _axes(placements):
-    return axes_of(placements[:, 3:6], placements[:, 6:9])
-
-
-def _turn(placements):
-    axes = _axes(placements)
-    return angle_between(axes[1:], axes[:-1]).max()
+    return axes_of(placements[..., 3:6], placements[..., 6:9])
 
 
 def _borders(start, end, breaks):
@@ -173,25 +219,25 @@ def _borders(start, end, breaks):
 
 def _join(pieces):
     """Key frames of adjoining pieces; straight handles are left out, and rest is told once."""
-    keys = [KeyFrame(pieces[0].start, _tidy(pieces[0].control)[0])]
+    keys = [KeyFrame(pieces[0].start, pieces[0].control[0])]
     for piece in pieces:
-        control = _tidy(piece.control)
-        nex, pre = (None, None) if _is_straight(control) else control[1:3]
+        control = piece.control
+        nex, pre = (None, None) if piece.is_straight else control[1:3]
         keys[-1].nex = nex
         keys.append(KeyFrame(piece.end, control[-1], pre))
     return _without_middle_of_rest(keys)
 
 
 def _tidy(control):
-    return np.hstack([bezier.tidy(control[:, i : i + 3]) for i in (0, 3, 6)])
+    """Control points (n, m, 9) without digits that single precision never had, for pivot, up and
+    right each."""
+    return np.concatenate([bezier.tidy_many(control[..., i : i + 3]) for i in (0, 3, 6)], axis=-1)
 
 
 def _is_straight(control):
-    if len(control) == 2:
-        return True
-    ends = control[[0, 3]]
-    line = ends[0] + (ends[1] - ends[0]) * np.array([[1.0 / 3.0], [2.0 / 3.0]])
-    return np.allclose(control[1:3], line, rtol=0.0, atol=1e-9)
+    """Which of the curves with control points (n, 4, 9) are straight and even."""
+    line = control[:, :1] + (control[:, 3:] - control[:, :1]) * np.array([[1.0 / 3.0], [2.0 / 3.0]])
+    return np.abs(control[:, 1:3] - line).max(axis=(1, 2)) <= 1e-9
 
 
 def _without_middle_of_rest(keys):

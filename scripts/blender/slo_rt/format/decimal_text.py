@@ -31,6 +31,32 @@ def vector(values):
     return "{ " + " ".join(number(value) for value in values) + " }"
 
 
+def vectors(values):
+    """Texts of the rows of an array (n, 3), as `vector` of each."""
+    values = np.asarray(values, np.float64)
+    if not np.isfinite(values).all():
+        raise ValueError("a number of a vector is not finite")
+    short = _significant(values, 7)
+    fits = np.abs(short - values) <= 6e-8 * np.abs(values)
+    words = [
+        word[:-2] if word.endswith(".0") else word
+        for word in map(repr, np.where(fits, short, _significant(values, 9)).ravel().tolist())
+    ]
+    triples = iter(words)
+    return [f"{{ {x} {y} {z} }}" for x, y, z in zip(triples, triples, triples)]
+
+
+def _significant(values, digits):
+    """Numbers rounded to so many significant digits, to the nearest that has them; never -0."""
+    size = np.abs(values)
+    decimals = digits - 1 - np.floor(np.log10(np.where(size > 0.0, size, 1.0)))
+    scale = 10.0 ** np.clip(np.abs(decimals), 0, 300)
+    rounded = np.where(
+        decimals < 0, np.rint(values / scale) * scale, np.rint(values * scale) / scale
+    )
+    return rounded + 0.0
+
+
 def integer_lines(values):
     """Rows of an array of integers (0 or more, shape (n, k)) as text, yielded in pieces of
     bytes."""

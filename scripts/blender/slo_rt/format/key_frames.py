@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from .scene_text import block, seconds
+from .decimal_text import vectors
+from .scene_text import block, exact
 
 PARTS = {"pivot": slice(0, 3), "up": slice(3, 6), "right": slice(6, 9)}
 STRAIGHT = 1e-8  # how far a handle may lie from a straight line, in units of the largest number
@@ -20,36 +21,43 @@ def moving(keys, frames_per_second):
     A key says what has changed since the key before; a handle what does not lie on the straight line
     between two keys.
     """
-    bent = [_bent(a, b) for a, b in zip(keys, keys[1:], strict=False)]
+    points, is_told = _points(keys)
+    texts = iter(vectors(points[is_told]))
     blocks = []
-    for i, key in enumerate(keys):
-        changed = PARTS if i == 0 else _changed(keys[i - 1].key, key.key)
-        body = [("time", seconds(key.time / frames_per_second))]
-        if i > 0 and bent[i - 1]:
-            body.append(block("pre", _parts(key.pre, bent[i - 1])))
-        if changed:
-            body.append(block("key", _parts(key.key, changed)))
-        if i < len(bent) and bent[i]:
-            body.append(block("nex", _parts(key.nex, bent[i])))
+    for key, told in zip(keys, is_told.tolist()):
+        body = [("time", exact(key.time / frames_per_second))]
+        for side, parts in zip(("pre", "key", "nex"), told):
+            if any(parts):
+                inner = [(name, next(texts)) for name, is_here in zip(PARTS, parts) if is_here]
+                body.append(block(side, inner))
         blocks.append(block("addKframe", body))
     return blocks
 
 
+def _points(keys):
+    """Handle, key, handle of `n` key frames by their parts, (n, 3, 3, 3), and which of the vectors
+    must be told, (n, 3, 3)."""
+    key = np.array([each.key for each in keys])
+    step = np.diff(key, axis=0) / 3.0
+    lines = key[:-1] + step, key[1:] - step
+    has_handles = [a.nex is not None and b.pre is not None for a, b in zip(keys, keys[1:])]
+    nex, pre = (line.copy() for line in lines)
+    for i in np.flatnonzero(has_handles):
+        nex[i], pre[i] = keys[i].nex, keys[i + 1].pre
+    nothing = np.zeros((1, 9))
+    points = np.stack([np.vstack([nothing, pre]), key, np.vstack([nex, nothing])], axis=1)
+    points = points.reshape(len(keys), 3, 3, 3)
+
+    off = np.maximum(np.abs(nex - lines[0]), np.abs(pre - lines[1])).reshape(-1, 3, 3).max(axis=2)
+    size = np.maximum(np.abs(key[:-1]), np.abs(key[1:])).reshape(-1, 3, 3).max(axis=2)
+    bent = off > STRAIGHT * np.maximum(1.0, size)
+    changed = (np.diff(key, axis=0) != 0.0).reshape(-1, 3, 3).any(axis=2)
+    never, always = np.zeros((1, 3), bool), np.ones((1, 3), bool)
+    is_told = np.stack(
+        [np.vstack([never, bent]), np.vstack([always, changed]), np.vstack([bent, never])], axis=1
+    )
+    return points, is_told
+
+
 def _parts(placement, names):
     return [(name, placement[PARTS[name]]) for name in PARTS if name in names]
-
-
-def _changed(before, after):
-    return [name for name, part in PARTS.items() if not np.array_equal(before[part], after[part])]
-
-
-def _bent(a, b):
-    """Names of the parts that don't go straight and evenly from key frame `a` to `b`."""
-    if a.nex is None or b.pre is None:
-        return []
-    step = (b.key - a.key) / 3.0
-    off = np.maximum(np.abs(a.nex - (a.key + step)), np.abs(b.pre - (b.key - step)))
-    size = np.maximum(np.abs(a.key), np.abs(b.key))
-    return [
-        n for n, part in PARTS.items() if off[part].max() > STRAIGHT * max(1.0, size[part].max())
-    ]

@@ -24,13 +24,15 @@ class Names:
 
     def __init__(self):
         self._taken = set()
+        self._counts = {}  # how often each wish came
 
     def new(self, wish):
         """A name like `wish` that was not handed out before."""
         base = plain(wish)
-        name, count = base, 1
+        name, count = base, self._counts.get(base.casefold(), 1)
         while name.casefold() in self._taken:
             count += 1
             name = f"{base}_{count}"
+        self._counts[base.casefold()] = count
         self._taken.add(name.casefold())
         return name

@@ -23,6 +23,11 @@ class Phong:
     diffuse_refraction: float = 0.0
     refraction_index: float = 1.0
 
+    @property
+    def is_lit(self):
+        """Whether it has what a texture multiplies."""
+        return any(self.ambient) or any(self.diffuse)
+
     def element(self, name):
         """Its text; what has its default is left out."""
         default = Phong()
@@ -30,6 +35,34 @@ class Phong:
             (k, v) for k, v in vars(self).items() if tuple_of(v) != tuple_of(getattr(default, k))
         ]
         return Element("phong_info", name, body)
+
+
+def blend(parts):
+    """A mixture of surfaces: `(Phong, whether nothing is lost)` of `(weight, Phong)` pairs.
+
+    Light adds up, so colours do; a surface has one roughness and one refraction index, those of the
+    part that reflects and refracts most.
+    """
+
+    def total(name):
+        values = [(weight, tuple_of(getattr(phong, name))) for weight, phong in parts]
+        summed = tuple(sum(w * v[i] for w, v in values) for i in range(len(values[0][1])))
+        return summed if len(summed) > 1 else summed[0]
+
+    def decide(strength, names):
+        strong = [(weight * strength(p), p) for weight, p in parts if weight * strength(p) > 0.0]
+        if not strong:
+            return {}, True
+        leader = max(strong, key=lambda part: part[0])[1]
+        chosen = {name: getattr(leader, name) for name in names}
+        return chosen, all(getattr(p, n) == v for _, p in strong for n, v in chosen.items())
+
+    shine, one_shine = decide(
+        lambda p: p.reflectance + mean(p.specular), ("shininess", "diffuse_reflection")
+    )
+    glass, one_glass = decide(lambda p: p.refraction, ("refraction_index", "diffuse_refraction"))
+    sums = {n: total(n) for n in ("ambient", "diffuse", "specular", "reflectance", "refraction")}
+    return Phong(**sums, **shine, **glass), one_shine and one_glass
 
 
 def tuple_of(value):

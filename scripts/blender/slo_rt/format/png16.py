@@ -8,14 +8,19 @@ import zlib
 import numpy as np
 
 
+def levels(values):
+    """The 16-bit levels of values in [0, 1]; values outside are clamped."""
+    return np.rint(np.clip(values, 0.0, 1.0) * 65535.0).astype(">u2")
+
+
 def write(path, pixels):
     """Writes an image, whole or not at all.
 
-    `pixels` has shape (height, width, 3), the top row first, values in [0, 1]; they are stored as
-    they are, and values outside are clamped.
+    `pixels` has shape (height, width, 3), the top row first, and holds `levels`, which are stored as
+    they are.
     """
     height, width, _ = pixels.shape
-    values = np.rint(np.clip(pixels, 0.0, 1.0) * 65535.0).astype(">u2")
+    values = np.ascontiguousarray(pixels, ">u2")
     rows = np.zeros((height, 1 + 6 * width), np.uint8)  # each row starts with its filter: none
     rows[:, 1:] = values.view(np.uint8).reshape(height, 6 * width)
     header = struct.pack(">IIBBBBB", width, height, 16, 2, 0, 0, 0)
@@ -24,7 +29,7 @@ def write(path, pixels):
         file.write(b"\x89PNG\r\n\x1a\n")
         for kind, data in (
             (b"IHDR", header),
-            (b"IDAT", zlib.compress(rows.tobytes(), 3)),
+            (b"IDAT", zlib.compress(rows, 1)),
             (b"IEND", b""),
         ):
             file.write(struct.pack(">I", len(data)) + kind + data)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scene text: elements and attributes in the three forms of the scene language."""
 
+import math
 from dataclasses import dataclass, field
 
 from .decimal_text import number, vector
@@ -26,9 +27,18 @@ def block(name, body):
     return Element("", name, body)
 
 
-def seconds(time):
-    """Text of a time: twelve digits, since a frame must not slip over a border."""
-    return f"{time + 0.0:.12g}"
+def exact(value):
+    """Text of a number in double precision, as short as it can be read back without loss.
+
+    Frame rates and times need this: if they were rounded differently, frames would slip over the
+    borders of camera segments, and the more so the later they are.
+
+    # Errors `ValueError` for infinity and what is not a number.
+    """
+    value = float(value) + 0.0
+    if not math.isfinite(value):
+        raise ValueError(f"{value} is not a finite number")
+    return repr(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
 
 
 def write(elements, comments=()):
@@ -55,9 +65,10 @@ def write(elements, comments=()):
 
 def _element(element, indent):
     head = f"{element.kind} {element.name}".strip()
-    single = f"{indent}{head} {{ " + "  ".join(_inline(item) for item in element.body) + " }"
-    if len(single) <= LINE_WIDTH and "\n" not in single and not _is_deep(element):
-        return [single]
+    if not _is_deep(element):
+        single = f"{indent}{head} {{ " + "  ".join(_inline(item) for item in element.body) + " }"
+        if len(single) <= LINE_WIDTH and "\n" not in single:
+            return [single]
     lines = [f"{indent}{head} {{"]
     for item in element.body:
         if isinstance(item, Element):

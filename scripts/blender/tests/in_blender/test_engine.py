@@ -203,6 +203,49 @@ class EngineTest(unittest.TestCase):
         }
         self.assertEqual(before, after)
 
+    def test_textures_are_written_when_they_change(self):
+        tree = blend.paint(blend.cube()).id_data
+        image = bpy.data.images.new("Picture", 64, 64)
+        node = tree.nodes.new("ShaderNodeTexImage")
+        node.image = image
+        tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        folder = os.path.join(blend.work_folder(), "frame")
+
+        def texture():
+            bpy.ops.render.render()
+            names = [name for name in os.listdir(folder) if name.endswith(".png")]
+            self.assertEqual(len(names), 1)
+            return names[0], os.stat(os.path.join(folder, names[0])).st_mtime_ns
+
+        def paint():
+            image.pixels[4 * 2000] = 0.5
+
+        def save():
+            image.filepath_raw, image.file_format = os.path.join(blend.FOLDER, "p.png"), "PNG"
+            image.save()
+
+        def reload():
+            other = image.copy()
+            other.pixels[4 * 1000 + 1] = 0.25
+            other.filepath_raw, other.file_format = image.filepath_raw, "PNG"
+            other.save()
+            image.reload()
+
+        seen = [texture()]
+        for change, is_other in (
+            (paint, True),
+            (save, False),
+            (reload, True),
+            (lambda: setattr(image.colorspace_settings, "name", "Non-Color"), True),
+            (lambda: image.pixels.__setitem__(4 * 7 + 3, 0.0), True),
+            (lambda: image.pack(), False),
+        ):
+            change()
+            seen.append(texture())
+            self.assertEqual(seen[-1] != seen[-2], is_other, change)
+            self.assertEqual(texture(), seen[-1])
+        self.assertIn("the transparency of an image is not carried", "".join(engine.last_notes))
+
     def test_meshes_of_other_frames_are_removed(self):
         thing = blend.cube()
         bpy.ops.render.render()

@@ -264,7 +264,7 @@ class SceneTest(unittest.TestCase):
         for kind in ("SPOT", "SUN"):
             lamp = bpy.data.objects.new(kind, bpy.data.lights.new(kind, kind))
             self.scene.collection.objects.link(lamp)
-        bpy.ops.object.volume_add()
+        bpy.ops.object.pointcloud_random_add()
         self.scene.camera.data.shift_x = 0.1
         key = thing.shape_key_add(name="Basis")
         key = thing.shape_key_add(name="Fat")
@@ -284,7 +284,7 @@ class SceneTest(unittest.TestCase):
             "as texture coordinates is not carried",
             "spot lights are not carried",
             "a sun without size",
-            "volume objects are not carried",
+            "pointcloud objects are not carried",
             "the shift of the lens is not carried",
             "changes its shape",
             "appears or vanishes",

@@ -78,6 +78,66 @@ def particles(render_type, kind="EMITTER"):
     return add
 
 
+def hair_curves(f):
+    data = bpy.data.hair_curves.new("Hair")
+    data.add_curves([3])
+    f.scene.collection.objects.link(bpy.data.objects.new("Hair", data))
+
+
+def point_cloud(f):
+    bpy.ops.object.pointcloud_random_add()
+
+
+def compositor(f):
+    if bpy.app.version < (5, 0, 0):
+        f.scene.use_nodes = True
+    else:
+        group = bpy.data.node_groups.new("Compositor", "CompositorNodeTree")
+        group.nodes.new("CompositorNodeBlur")
+        f.scene.compositing_node_group = group
+
+
+def strip(f):
+    editor = f.scene.sequence_editor_create()
+    strips = editor.strips if hasattr(editor, "strips") else editor.sequences
+    kind = {"frame_end" if bpy.app.version < (5, 0, 0) else "length": 20}
+    strips.new_effect("Color", "COLOR", channel=1, frame_start=1, **kind)
+
+
+def adaptive_subdivision(f):
+    modifier = f.cube.modifiers.new("S", "SUBSURF")
+    owner = modifier if hasattr(modifier, "use_adaptive_subdivision") else f.cube.cycles
+    owner.use_adaptive_subdivision = True
+
+
+def rigid_body(f):
+    bpy.context.view_layer.objects.active = f.cube
+    bpy.ops.rigidbody.object_add()
+
+
+def dynamic_paint(f):
+    bpy.context.view_layer.objects.active = f.cube
+    f.cube.modifiers.new("D", "DYNAMIC_PAINT")
+    bpy.ops.dpaint.type_toggle(type="CANVAS")
+    surface = f.cube.modifiers["D"].canvas_settings.canvas_surfaces.active
+    surface.surface_type = "WAVE"
+
+
+def fluid(f):
+    modifier = f.cube.modifiers.new("F", "FLUID")
+    modifier.fluid_type = "DOMAIN"
+
+
+def simulation(f):
+    group = geometry_nodes(f.cube)
+    start = group.nodes.new("GeometryNodeSimulationInput")
+    end = group.nodes.new("GeometryNodeSimulationOutput")
+    start.pair_with_output(end)
+    group.links.new(start.outputs["Geometry"], end.inputs["Geometry"])
+    join = next(node for node in group.nodes if node.type == "JOIN_GEOMETRY")
+    group.links.new(end.outputs["Geometry"], join.inputs[0])
+
+
 def curve(f):
     bpy.ops.curve.primitive_bezier_circle_add(location=(3.0, 0.0, 0.0))
     bpy.context.object.data.bevel_depth = 0.2
@@ -119,8 +179,8 @@ def animated_material(f):
         socket.keyframe_insert("default_value", frame=frame)
 
 
-def mixed(first, second):
-    """The surface as a mix of two shaders."""
+def mixed(first, second, factor=None):
+    """The surface as a mix of two shaders; `factor` is a kind of node."""
 
     def add(f):
         tree = f.shader.id_data
@@ -131,6 +191,8 @@ def mixed(first, second):
             node = nodes.new(kind) if kind else f.shader
             links.new(node.outputs[0], mix.inputs[i])
         links.new(mix.outputs[0], output.inputs["Surface"])
+        if factor:
+            links.new(nodes.new(factor).outputs[0], mix.inputs[0])
 
     return add
 
@@ -279,7 +341,8 @@ FEATURES = {
         lambda f: bpy.ops.surface.primitive_nurbs_surface_sphere_add(location=(3.0, 0.0, 0.0)),
         CHANGES,
     ),
-    "volume": (lambda f: bpy.ops.object.volume_add(), "volume objects"),
+    "hair curves": (hair_curves, "curves objects"),
+    "point cloud": (point_cloud, "pointcloud objects"),
     "grease pencil": (lambda f: bpy.ops.object.grease_pencil_add(type="STROKE"), "grease"),
     # Visibility
     "holdout": (sets("cube.is_holdout", True), "a holdout in Blender"),
@@ -321,8 +384,10 @@ FEATURES = {
     "metallic": (surface("ShaderNodeBsdfMetallic"), "of the Metallic BSDF"),
     "toon": (surface("ShaderNodeBsdfToon"), "Toon BSDF is not carried"),
     "transparent mix": (
-        mixed("ShaderNodeBsdfTransparent", None), "Mix Shader is not carried, one of its",
+        mixed("ShaderNodeBsdfTransparent", None, "ShaderNodeTexNoise"),
+        "Mix Shader is not carried, one of its",
     ),
+    "half transparent": (mixed("ShaderNodeBsdfTransparent", None), CHANGES),
     "glow": (emission, "shines by itself"),
     "displacement": (node_on("Displacement", "ShaderNodeDisplacement"), "displacement is not"),
     "volume of a material": (
@@ -374,9 +439,26 @@ FEATURES = {
     "view transform": (sets("view.view_transform", "AgX"), "view transform AgX"),
     "exposure": (sets("view.exposure", 1.0), "exposure 1.0"),
     "gamma": (sets("view.gamma", 2.0), "gamma 2.0"),
-    "time remapping": (sets("scene.render.frame_map_new", 200), "time remapping"),
     "transparent film": (sets("scene.render.film_transparent", True), "not transparent"),
     "Freestyle": (sets("scene.render.use_freestyle", True), "Freestyle"),
+    "render border": (sets("scene.render.use_border", True), "the render border is not carried"),
+    "stereo": (sets("scene.render.use_multiview", True), "one view is rendered, not two"),
+    "metadata in the picture": (sets("scene.render.use_stamp", True), "metadata is not drawn"),
+    "compositor": (compositor, "the compositor's nodes are not carried"),
+    "sequencer": (strip, "the video sequencer's strips are not carried"),
+    "display": (sets("scene.display_settings.display_device", "Display P3"), "display Display P3"),
+    "passes of Cycles": (
+        sets("layer.cycles.denoising_store_passes", True), "only the picture, not its passes",
+    ),
+    "adaptive subdivision": (adaptive_subdivision, "adaptive subdivision is not carried"),
+    # Physics without a bake
+    "cloth": (lambda f: f.cube.modifiers.new("C", "CLOTH"), "its cloth is not baked"),
+    "soft body": (lambda f: f.cube.modifiers.new("S", "SOFT_BODY"), "its soft body is not baked"),
+    "rigid body": (rigid_body, "its rigid body is not baked"),
+    "particle physics": (particles("HALO"), "its particle system is not baked"),
+    "dynamic paint": (dynamic_paint, "its dynamic paint is not baked"),
+    "fluid": (fluid, "its fluid is not baked"),
+    "simulation nodes": (simulation, "unless its simulation of geometry nodes is baked"),
     "percentage": (sets("scene.render.resolution_percentage", 57), CHANGES),
 }  # fmt: skip
 
@@ -420,6 +502,39 @@ class FeatureTest(unittest.TestCase):
                 else:
                     self.assertIn(words, "\n".join(comments))
 
+    def test_a_bake_is_no_note(self):
+        frame = Frame()
+        rigid_body(frame)
+        frame.scene.frame_end = 12
+        cache = frame.scene.rigidbody_world.point_cache
+        cache.frame_end = 12
+        with bpy.context.temp_override(scene=frame.scene, point_cache=cache):
+            bpy.ops.ptcache.bake(bake=True)
+        text = blend.export_text()
+        self.assertNotIn("baked", text)
+        self.assertGreater(text.count("addKframe"), 1)
+
+    def test_particles_that_rest_need_no_bake(self):
+        frame = Frame()
+        particles("OBJECT")(frame)
+        self.assertIn("its particle system is not baked", blend.export_text())
+        frame.cube.particle_systems[0].settings.physics_type = "NO"
+        self.assertNotIn("baked", blend.export_text())
+
+    def test_what_has_nothing_of_its_own_kind_is_not_listed(self):
+        """Objects that are no meshes, of which geometry nodes make one, or which are empty."""
+        for kind in ("hair_curves", "pointclouds", "volumes"):
+            for nodes in (("GeometryNodeMeshCube",), ()):
+                frame = Frame()
+                data = getattr(bpy.data, kind).new("Thing")
+                thing = bpy.data.objects.new("Thing", data)
+                frame.scene.collection.objects.link(thing)
+                if nodes:
+                    geometry_nodes(thing, *nodes)
+                text = blend.export_text()
+                self.assertNotIn("not carried", text)
+                self.assertEqual(text.count("\nmesh "), 1 + len(nodes))
+
     def test_surfaces_of_curves_and_texts_come_once(self):
         for add in ("curve", "text", "metaball", "surface"):
             frame = Frame()
@@ -431,7 +546,7 @@ class FeatureTest(unittest.TestCase):
         for order in (("ShaderNodeBsdfTransparent", None), (None, "ShaderNodeBsdfTransparent")):
             frame = Frame()
             frame.shader.inputs["Base Color"].default_value = (0.25, 0.5, 0.75, 1.0)
-            mixed(*order)(frame)
+            mixed(*order, "ShaderNodeFresnel")(frame)
             info = scene_reader.read(blend.export_text()).one("phong_info", "Paint")
             np.testing.assert_allclose(info.vector("diffuse"), (0.25, 0.5, 0.75))
             self.assertNotIn("refraction", info.values)

@@ -154,6 +154,18 @@ class MotionTest(unittest.TestCase):
                 point = next(p for p in curve.keyframe_points if p.co[0] == frame)
                 self.assertAlmostEqual(nex[axis], point.handle_right[1], delta=2e-6)
 
+    def test_stretched_time(self):
+        """Time remapping moves what happens, not the frames."""
+        thing = blend.cube()
+        for frame, x in ((1, 0.0), (6, 3.0), (11, 1.0)):
+            blend.key(thing, "location", frame, (x, 0.0, 0.0))
+        render = self.scene.render
+        render.frame_map_old, render.frame_map_new = 100, 250
+        text = self.check(thing, most_keys=8)
+        element = scene_reader.read(text).one("mesh", "Cube")
+        times = [24.0 * block.number("time") for block in element.all("addKframe")]
+        self.assertIn(15.0, [round(time, 4) for time in times])
+
     def test_leap(self):
         thing = blend.cube()
         for frame, x in ((1, 0.0), (10, 5.0), (20, -5.0)):

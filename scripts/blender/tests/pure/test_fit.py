@@ -136,6 +136,41 @@ class MotionTest(unittest.TestCase):
         self.assertAlmostEqual(at(keys, 9.0)[0], 5.0, places=12)
         self.assertLessEqual(len(keys), 5)
 
+    def test_many_motions_are_fitted_together(self):
+        """As each by itself, and with no more questions than for one."""
+        sizes = np.linspace(0.5, 2.0, 40)
+
+        def place(t):
+            return np.array([math.cos(0.3 * t), math.sin(0.3 * t), 0.1 * t])
+
+        single = placements(place, (0, 0, 1), lambda t: 0.3 * t)
+        asked, prepared = [], []
+
+        def sample(who, times):
+            asked.append(times.shape)
+            rows = np.array([single(row) for row in times])
+            rows[..., :3] *= sizes[who][:, None, None]
+            return rows
+
+        def count(which):
+            asked.clear()
+            breaks = [[motion.Break(5.0 + (who % 2))] for who in which]
+            result = motion.fit_all(
+                lambda who, times: sample(np.array(which)[who], times), 1.0, 25.0, sizes[which],
+                breaks, prepared.append,
+            )  # fmt: skip
+            return result, len(asked)
+
+        together, questions = count(list(range(40)))
+        self.assertLessEqual(questions, sum(count([who])[1] for who in (0, 1)))
+        for who, (keys, misfit) in enumerate(together):
+            ((alone, _),) = count([who])[0]
+            self.assertIsNone(misfit)
+            self.assertEqual([key.time for key in keys], [key.time for key in alone])
+            for a, b in zip(keys, alone):
+                np.testing.assert_allclose(a.key, b.key, atol=1e-7)
+        self.assertTrue(all((np.diff(times) > 0.0).all() for times in prepared))
+
     def test_leap_without_notice_is_told(self):
         sample = placements(lambda t: (float(t >= 9.1) * 5.0, 0.0, 0.0), (0, 0, 1), lambda t: 0.0)
         keys, misfit = motion.fit_key_frames(sample, 1.0, 25.0, 1.0)

@@ -2,6 +2,7 @@
 """Numbers, names, elements, meshes and images as files."""
 
 import itertools
+import math
 import os
 import tempfile
 import unittest
@@ -12,9 +13,10 @@ import numpy as np
 from slo_rt.fit import bezier, rigid
 from slo_rt.fit.motion import KeyFrame
 from slo_rt.format import key_frames, png16, slo_mesh
-from slo_rt.format.decimal_text import decimal_lines, integer_lines, number
+from slo_rt.format.decimal_text import decimal_lines, integer_lines, number, vectors
+from slo_rt.format.fingerprint import BLOCK, fingerprint
 from slo_rt.format.names import Names, plain
-from slo_rt.format.scene_text import Element, block, seconds, write
+from slo_rt.format.scene_text import Element, block, exact, write
 from slo_rt.report import Report
 
 from .. import scene_reader
@@ -34,8 +36,35 @@ class NumberTest(unittest.TestCase):
             (2.0, "2"),
         ):
             self.assertEqual(number(value), text)
-        self.assertEqual(seconds(1.0 / 24.0), "0.0416666666667")
-        self.assertEqual(seconds(-0.0), "0")
+
+    def test_times_lose_nothing(self):
+        for value, text in ((-0.0, "0"), (2.0, "2"), (1.0 / 24.0, "0.041666666666666664")):
+            self.assertEqual(exact(value), text)
+        for fps in (24.0 / 1.001, 30.0 / 1.001, 60.0 / 1.001, 25.0, 1000.0 / 7.0):
+            self.assertEqual(float(exact(fps)), fps)
+            for frame in (1, 28, 551, 10**7):
+                self.assertEqual(float(exact(frame / fps)), frame / fps)
+        for value in (math.inf, math.nan):
+            with self.assertRaises(ValueError):
+                exact(value)
+
+    def test_vectors_are_as_single_numbers(self):
+        random = np.random.default_rng(5)
+        rows = random.standard_normal((400, 3)) * 10.0 ** random.integers(-9, 6, (400, 1))
+        rows[:20] = np.round(rows[:20])
+        rows[20:40] = rows[20:40].astype(np.float32)
+        rows[40] = (-0.0, 1e-300, 123456.0)
+        rows[41] = bezier.tidy(np.array([[0.123456789, 3.0, -7.0]]))[0]
+        for row, text in zip(rows, vectors(rows)):
+            words = text.split()
+            self.assertEqual((words[0], words[-1]), ("{", "}"))
+            for value, word in zip(row, words[1:-1]):
+                self.assertEqual(float(word), float(number(value)))
+                self.assertLessEqual(len(word), len(number(value)) + 4)
+                self.assertFalse(word.startswith("-0") and float(word) == 0.0)
+        for value in (math.inf, math.nan):
+            with self.assertRaises(ValueError):
+                vectors([[0.0, value, 0.0]])
 
     def test_many_numbers_come_back(self):
         random = np.random.default_rng(1)
@@ -61,6 +90,30 @@ class NumberTest(unittest.TestCase):
         back = np.array(b"".join(integer_lines(random)).split(), int).reshape(-1, 3)
         np.testing.assert_array_equal(back, random)
         self.assertEqual(b"".join(integer_lines(np.zeros((0, 3), int))), b"")
+
+
+class FingerprintTest(unittest.TestCase):
+    def test_every_byte_counts(self):
+        for size in (0, 1, 7, 8 * BLOCK - 1, 8 * BLOCK, 8 * BLOCK + 5, 24 * BLOCK + 1):
+            data = np.random.default_rng(size).integers(0, 256, size, dtype=np.uint8)
+            seen = {fingerprint(data)}
+            self.assertEqual(fingerprint(data.copy()), next(iter(seen)))
+            places = {0, 1, size // 2, size - 2, size - 1} & set(range(size))
+            for at in places:
+                for bit in (1, 128):
+                    other = data.copy()
+                    other[at] ^= bit
+                    seen.add(fingerprint(other))
+            self.assertEqual(len(seen), 1 + 2 * len(places))
+        zeros = {fingerprint(np.zeros(size, np.float32)) for size in (0, 1, 2 * BLOCK, 4 * BLOCK)}
+        self.assertEqual(len(zeros), 4)
+
+    def test_order_counts(self):
+        rows = np.random.default_rng(6).random((BLOCK, 4), np.float32)
+        swapped = rows.copy()
+        swapped[[0, 1]] = swapped[[1, 0]]
+        self.assertNotEqual(fingerprint(rows), fingerprint(swapped))
+        self.assertNotEqual(fingerprint(rows), fingerprint(rows[::-1]))
 
 
 class NameTest(unittest.TestCase):
@@ -168,7 +221,7 @@ class FileTest(unittest.TestCase):
 
     def test_png(self):
         path = os.path.join(self.folder, "p.png")
-        png16.write(path, np.array([[[0.0, 0.5, 1.0], [2.0, -1.0, 0.25]]]))
+        png16.write(path, png16.levels(np.array([[[0.0, 0.5, 1.0], [2.0, -1.0, 0.25]]])))
         with open(path, "rb") as file:
             data = file.read()
         self.assertEqual(data[16:26], b"\0\0\0\2\0\0\0\1\x10\2")

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What slo-rt reads of each node, as data.
+
+A node's sockets and properties are all in its entry: those that are read, those that are noted
+unless they have the value at which they do nothing, and those that do nothing while another one
+does nothing. A test compares the table with Blender's nodes, so that none is forgotten; what a newer
+Blender adds is noted as soon as it is linked or not 0.
+"""
+
+from dataclasses import dataclass, field
+
+WHITE = (1.0, 1.0, 1.0, 1.0)
+ZERO = (0.0, 0.0, 0.0)
+_GGX = ("GGX", "MULTI_GGX")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What is known of a type of node; sockets by identifier.
+
+    `read`: sockets that are read. `neutral`: sockets that are not, and their value at which they do
+    nothing; None: they do nothing unless linked. `follows`: sockets and properties that do nothing
+    while another one, which is noted, does nothing. `properties`: values that are read or do nothing;
+    None: the property is read, or noted by the code that reads the node.
+    """
+
+    read: frozenset = frozenset()
+    neutral: dict = field(default_factory=dict)
+    follows: frozenset = frozenset()
+    properties: dict = field(default_factory=dict)
+
+
+def _entry(read="", neutral=None, follows="", **properties):
+    def names(text):
+        return frozenset(name.strip() for name in text.split(",") if name.strip())
+
+    return Entry(names(read), {"Normal": None, **(neutral or {})}, names(follows), properties)
+
+
+ENTRIES = {
+    "BSDF_PRINCIPLED": _entry(
+        "Base Color, Metallic, Roughness, IOR, Alpha, Specular IOR Level, Transmission Weight,"
+        "Emission Color, Emission Strength",
+        {
+            "Diffuse Roughness": 0.0,
+            "Subsurface Weight": 0.0,
+            "Specular Tint": WHITE,
+            "Anisotropic": 0.0,
+            "Coat Weight": 0.0,
+            "Sheen Weight": 0.0,
+            "Thin Film Thickness": 0.0,
+        },
+        "Subsurface Radius, Subsurface Scale, Subsurface IOR, Subsurface Anisotropy,"
+        "Anisotropic Rotation, Tangent, Coat Roughness, Coat IOR, Coat Tint, Coat Normal,"
+        "Sheen Roughness, Sheen Tint, Thin Film IOR, subsurface_method",
+        distribution=_GGX,
+    ),
+    "BSDF_DIFFUSE": _entry("Color", {"Roughness": 0.0}),
+    "BSDF_GLOSSY": _entry(
+        "Color, Roughness", {"Anisotropy": 0.0}, "Rotation, Tangent", distribution=_GGX
+    ),
+    "BSDF_METALLIC": _entry(
+        "Base Color, Roughness, IOR, Extinction",
+        {"Anisotropy": 0.0, "Thin Film Thickness": 0.0},
+        "Rotation, Tangent, Thin Film IOR, Edge Tint",  # Edge Tint is noted in any case
+        distribution=_GGX,
+        fresnel_type=None,
+    ),
+    "BSDF_GLASS": _entry(
+        "Color, Roughness, IOR", {"Thin Film Thickness": 0.0}, "Thin Film IOR", distribution=_GGX
+    ),
+    "EMISSION": _entry("Color, Strength"),
+    "BACKGROUND": _entry("Color, Strength"),
+    "BSDF_TRANSPARENT": _entry("Color"),
+    "MIX_SHADER": _entry("Fac, Shader, Shader_001"),
+    "ADD_SHADER": _entry("Shader, Shader_001"),
+    "OUTPUT_MATERIAL": _entry(
+        "Surface", {"Volume": None, "Displacement": None}, "Thickness", target=None,
+        is_active_output=None,
+    ),
+    "OUTPUT_WORLD": _entry("Surface", {"Volume": None}, target=None, is_active_output=None),
+    "OUTPUT_LIGHT": _entry("Surface", target=None, is_active_output=None),
+    "TEX_IMAGE": _entry(
+        "Vector", {}, "projection_blend, color_mapping, image_user",  # an image notes its frames
+        image=None,
+        projection=("FLAT",),
+        interpolation=("Linear",),
+        extension=("REPEAT",),
+        texture_mapping=None,
+    ),
+    "MAPPING": _entry("Vector, Location, Rotation, Scale", vector_type=None),
+    "UVMAP": _entry(uv_map=None, from_instancer=None),
+    "TEX_COORD": _entry("", {}, "object", from_instancer=None),
+    "RGB": _entry(),
+    "VALUE": _entry(),
+}  # fmt: skip
+
+# What is noted of a socket or property, where that says more than its name.
+MESSAGES = {
+    ("OUTPUT_MATERIAL", "Volume"): "volume is not carried",
+    ("OUTPUT_MATERIAL", "Displacement"): "displacement is not carried",
+    ("OUTPUT_WORLD", "Volume"): "volumes are not carried",
+    ("BSDF_DIFFUSE", "Roughness"): "Diffuse Roughness is not carried",
+    (
+        "TEX_IMAGE",
+        "interpolation",
+    ): "interpolation {value} of an image is not carried: pixels are blurred, as with Linear",
+    ("TEX_IMAGE", "projection"): "{value} projection of an image is not carried",
+    ("TEX_IMAGE", "extension"): "images repeat in slo-rt: extension {value} is not carried",
+}
+for _kind in ENTRIES:
+    MESSAGES[_kind, "Normal"] = "normal and bump maps are not carried"
+
+# Of a texture's own mapping (`ImageTexture.texture_mapping`): values at which it does nothing.
+PLAIN_TEXTURE_MAPPING = {
+    "translation": ZERO,
+    "rotation": ZERO,
+    "scale": (1.0, 1.0, 1.0),
+    "mapping_x": "X",
+    "mapping_y": "Y",
+    "mapping_z": "Z",
+    "use_min": False,
+    "use_max": False,
+}

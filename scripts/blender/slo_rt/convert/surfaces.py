@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The materials of a scene, their Phong values and their textures, as elements and files."""
+
+import os
+
+from ..format.names import Names
+from ..format.scene_text import Element
+from . import material
+from .image import Picture
+from .things import Look
+
+# What was noted of images that were written, by the names of their files.
+_notes_of_images = {}
+
+
+class Surfaces:
+    """The materials that things have. Each is read when it is asked for first.
+
+    `now(item)` gives an item of Blender's data with the values of the frame; textures go to `folder`,
+    named by what is in them if `by_content`; `ambient_light` is the light of the world.
+    """
+
+    def __init__(self, now, ambient_light, folder, by_content, report):
+        self._now = now
+        self._ambient_light = ambient_light
+        self._folder = folder
+        self._by_content = by_content
+        self._report = report
+        self._finishes = {}
+        self._textures = {}
+        self._names = {kind: Names() for kind in ("material", "texture")}
+
+    def _finish(self, item):
+        """Name in the scene and finish (or None) of a `bpy` material or None."""
+        key = item.name_full if item else None
+        if key not in self._finishes:
+            name = self._names["material"].new(item.name if item else "no_material")
+            finish = material.finish(self._now(item), self._ambient_light, self._report)
+            self._finishes[key] = name, finish
+        return self._finishes[key]
+
+    def name_of(self, item):
+        """Name in the scene of a `bpy` material or None."""
+        return self._finish(item)[0]
+
+    def look_of(self, item):
+        """The `Look` of a `bpy` material or None; None if what has it is not seen."""
+        finish = self._finish(item)[1]
+        if finish is None:
+            return None
+        if finish.texture:
+            return Look(finish.texture.uv_map, True)
+        # An export may get a texture by hand.
+        return Look(None if self._by_content else "", False)
+
+    def elements(self, things):
+        """The elements of all materials that `things` have; writes their textures."""
+        elements = []
+        used = {
+            part.material.name_full if part.material else None for t in things for part in t.parts
+        }
+        for key, (name, finish) in self._finishes.items():
+            if key not in used:
+                continue
+            elements.append(finish.phong.element(name))
+            texture = self._texture(finish.texture, elements) if finish.texture else None
+            body = [("phong_info", name)]
+            if texture:
+                scale = finish.texture.scale
+                body += [("texture", texture), ("scale_U", scale[0]), ("scale_V", scale[1])]
+            kind = "material_texture" if texture else "material_phong"
+            elements.append(Element(kind, name, body))
+        order = {"texture": 0, "phong_info": 1}
+        return sorted(elements, key=lambda element: order.get(element.kind, 2))
+
+    def _texture(self, texture, elements):
+        """Name of the texture's element, which is written when it is needed first; None if
+        unreadable."""
+        picture, key = texture.image, (texture.image.name_full, texture.is_alpha)
+        if key not in self._textures:
+            wish = os.path.splitext(picture.name)[0] + ("_alpha" if texture.is_alpha else "")
+            name = self._names["texture"].new(wish)
+            filename = self._store_image(Picture(picture, texture.is_alpha), name)
+            self._textures[key] = name if filename else None
+            if filename:
+                elements.append(Element("texture", name, [("filename", filename)]))
+        return self._textures[key]
+
+    def _store_image(self, picture, name):
+        """Writes an image, unless it is there; its path in the scene, or None if there is none."""
+        if picture.image.source in {"MOVIE", "SEQUENCE", "TILED"}:
+            self._report.note(
+                picture.subject, "of movies, sequences and tiles only the first picture is carried"
+            )
+        if not picture.is_readable:
+            self._report.note(picture.subject, "can't be read; its surface has no texture")
+            return None
+        name = picture.digest() if self._by_content else name
+        path = os.path.join(self._folder, f"{name}.png")
+        if not (self._by_content and name in _notes_of_images and os.path.exists(path)):
+            _notes_of_images[name] = picture.write(path)
+        for note in _notes_of_images[name]:
+            self._report.note(picture.subject, note)
+        return f"{os.path.basename(self._folder)}/{name}.png"

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Image textures: which image, which of its channels, and where it lies on a surface."""
+
+from dataclasses import dataclass
+
+import bpy
+
+from .. import compat
+from .node_table import ENTRIES, PLAIN_TEXTURE_MAPPING
+from .nodes import follow
+
+
+@dataclass(frozen=True)
+class Texture:
+    """An image on the base colour, `scale` times over one unit of uv coordinates.
+
+    `uv_map` is the name of the uv map, "" that for rendering; `is_alpha`: the grey of the image's
+    alpha instead of its colours.
+    """
+
+    image: bpy.types.Image
+    scale: tuple = (1.0, 1.0)
+    uv_map: str = ""
+    is_alpha: bool = False
+
+
+def read_texture(feed, reader):
+    """The `Texture` of an image texture node; `reader` (`nodes.Reader`) notes what is not carried."""
+    node = feed.node
+    reader.note_rest(feed)
+    mapping = node.texture_mapping
+    if any(_plain(getattr(mapping, name)) != v for name, v in PLAIN_TEXTURE_MAPPING.items()):
+        reader.note("the texture mapping of an Image Texture is not carried; use a Mapping node")
+    scale, uv_map = _coordinates(feed.input("Vector"), reader)
+    return Texture(node.image, scale, uv_map, feed.socket.name == "Alpha")
+
+
+def _coordinates(input_, reader):
+    """`(scale, uv map)` of texture coordinates."""
+    feed = follow(input_)
+    scale = (1.0, 1.0)
+    if feed.node is not None and feed.node.type == "MAPPING":
+        scale = _mapping_scale(feed, reader)
+        behind = follow(feed.input("Vector"))
+        if behind.node is None:
+            reader.note(
+                "a Mapping without coordinates is one point of the image; here the uv map is"
+            )
+            return scale, ""
+        feed = behind
+    node = feed.node
+    if node is None:
+        # Only the socket of the image itself stands for the uv map if nothing is linked.
+        if feed.own not in {None, input_.socket} and not compat.ENDLESS_CHAINS_ARE_ZERO:
+            reader.note("a vector as coordinates is one point of the image; here the uv map is")
+        return scale, ""
+    if node.type in ENTRIES:
+        reader.note_rest(feed)
+    is_uv = node.type == "UVMAP" or (node.type == "TEX_COORD" and feed.socket.name == "UV")
+    if not is_uv:
+        reader.note(
+            f"{node.bl_label} ({feed.socket.name}) as texture coordinates is not carried, the uv map is"
+        )
+        return scale, ""
+    if node.from_instancer:
+        reader.note("texture coordinates of the instancer are not carried, the uv map is")
+    return scale, node.uv_map if node.type == "UVMAP" else ""
+
+
+def _mapping_scale(feed, reader):
+    reader.note_rest(feed)
+    location, rotation, scale = (
+        reader.color(i) if (i := feed.input(name)) else zero
+        for name, zero in (
+            ("Location", (0.0,) * 3),
+            ("Rotation", (0.0,) * 3),
+            ("Scale", (1.0,) * 3),
+        )
+    )
+    kind = feed.node.vector_type
+    if any(location) or any(rotation) or kind == "NORMAL":
+        reader.note("of a texture's mapping only the scale is carried")
+    if kind == "TEXTURE":
+        scale = tuple(1.0 / s if s else 0.0 for s in scale)
+    return tuple(scale[:2])
+
+
+def _plain(value):
+    """A property's value as number, word or tuple."""
+    return value if isinstance(value, str) or not hasattr(value, "__len__") else tuple(value)
