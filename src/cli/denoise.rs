@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::Exit;
-use super::args::DenoiseArgs;
+use super::args::{DenoiseArgs, Threads};
 use super::compare::read;
 use super::problem::Problem;
 use super::recipe::NO_PICTURE;
@@ -19,7 +19,11 @@ use crate::output::{
 
 /// Denoises the pictures one after the other, and prints the paths of what comes out.
 pub(super) fn run(args: &DenoiseArgs, terminal: Terminal) -> Result<(), Problem> {
-    let denoiser = Denoiser::load(args.library.as_deref(), args.threads).map_err(not_there)?;
+    let threads = args.threads.and_then(|threads| match threads {
+        Threads::All => None,
+        Threads::Count(threads) => Some(threads),
+    });
+    let denoiser = Denoiser::load(args.library.as_deref(), threads).map_err(not_there)?;
     for path in &args.pictures {
         let target = target(path, args.outdir.as_deref())?;
         let layers = denoise(path, &target, &denoiser)?;

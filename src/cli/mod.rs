@@ -28,6 +28,7 @@ mod target;
 mod terminal;
 #[cfg(test)]
 mod test_scene;
+mod tips;
 mod verify;
 
 use std::ffi::OsString;
