@@ -11,6 +11,7 @@ mod interrupt;
 mod load;
 mod maps;
 mod merge;
+mod new_folders;
 mod options;
 mod parse;
 mod patience;
