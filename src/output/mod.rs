@@ -20,6 +20,7 @@ mod read_exr;
 mod recipe;
 mod restore;
 mod seal;
+mod state_check;
 mod state_file;
 mod values;
 
