@@ -14,6 +14,7 @@ mod merge;
 mod new_folders;
 mod options;
 mod parse;
+mod part_names;
 mod patience;
 mod problem;
 mod progress;
