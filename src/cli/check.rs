@@ -3,7 +3,7 @@
 use super::load;
 use super::options::Job;
 use super::problem::Problem;
-use super::terminal::Terminal;
+use super::terminal::{Terminal, counted};
 use crate::animation::Clock;
 use crate::output::{encoding_keyword, output_keyword};
 use crate::scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape, Texture};
@@ -12,8 +12,10 @@ use crate::scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape
 pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
     let scene = load::scene(job, terminal)?;
     let clock = Clock::new(&scene.camera);
-    for &frame in job.frames.iter().flat_map(|frames| &frames.numbers) {
-        clock.shutter(frame).map_err(|error| load::no_segment(&error))?;
+    if job.frames.is_some() {
+        for frame in job.for_scene(&scene)?.frames().numbers {
+            clock.shutter(frame).map_err(|error| load::no_segment(&error))?;
+        }
     }
     terminal.note("the scene has no errors");
     for line in report(&scene) {
@@ -34,8 +36,11 @@ fn picture(camera: &Camera) -> String {
     let film = &camera.film;
     let (format, encoding) = (output_keyword(film.output), encoding_keyword(film.encoding));
     format!(
-        "picture: {} x {} pixels, {format}, {encoding}, {} frames per second",
-        film.width, film.height, camera.fps
+        "picture: {} x {} pixels, {format}, {encoding}, {} frame{} per second",
+        film.width,
+        film.height,
+        camera.fps,
+        if camera.fps == 1.0 { "" } else { "s" }
     )
 }
 
@@ -60,7 +65,8 @@ fn segments(camera: &Camera) -> Vec<String> {
 fn objects(objects: &[Object]) -> String {
     let moving = objects.iter().filter(|object| object.key_frames.len() > 1).count();
     let triangles: usize = objects.iter().map(|object| triangles(&object.shape)).sum();
-    format!("objects: {}, {moving} of them animated; {triangles} triangles", objects.len())
+    let triangles = counted(triangles, "triangle");
+    format!("objects: {}, {moving} of them animated; {triangles}", objects.len())
 }
 
 fn triangles(shape: &Shape) -> usize {

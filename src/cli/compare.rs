@@ -5,13 +5,15 @@ use std::path::Path;
 use super::Exit;
 use super::args::CompareArgs;
 use super::maps::{check_distinct, check_name, check_path};
+use super::new_folders::NewFolders;
 use super::problem::Problem;
 use super::terminal::print;
 use crate::compare::{Comparison, Distances, compare};
-use crate::output::{Raster, write_difference_map};
+use crate::output::{Raster, ReadError, write_difference_map};
 
 /// Prints the distances of a picture from a reference; fails where one is beyond what is allowed.
 pub(super) fn run(args: &CompareArgs) -> Result<(), Problem> {
+    let _folders = args.map.as_deref().map(NewFolders::of);
     if let Some(map) = &args.map {
         check_name("--map", map).map_err(|why| Problem::new(Exit::Usage, why))?;
         check_distinct(map, [&args.picture, &args.reference])?;
@@ -24,6 +26,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), Problem> {
     print(report(&distances).as_bytes()).map_err(|error| {
         Problem::new(Exit::Failed, format!("can't print the distances: {error}"))
     })?;
+    drop((picture, reference));
     if let Some(path) = &args.map {
         write_difference_map(path, area, whole, &flip).map_err(|error| {
             Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
@@ -46,13 +49,17 @@ fn not_alike(args: &CompareArgs, picture: &Raster, reference: &Raster) -> Proble
 /// A picture that is there.
 pub(super) fn read(path: &Path) -> Result<Raster, Problem> {
     Raster::read(path).map_err(|error| {
-        Problem::new(unreadable(path), format!("can't read `{}`: {error}", path.display()))
+        Problem::new(unreadable(&error), format!("can't read `{}`: {error}", path.display()))
     })
 }
 
 /// What to tell the caller of a picture that can't be read.
-pub(super) fn unreadable(path: &Path) -> Exit {
-    if path.is_file() { Exit::BadInput } else { Exit::NoInput }
+pub(super) fn unreadable(error: &ReadError) -> Exit {
+    match error {
+        ReadError::Io(_) => Exit::NoInput,
+        ReadError::Bad(_) => Exit::BadInput,
+        ReadError::TooLarge { .. } => Exit::Failed,
+    }
 }
 
 /// A line each: name, tab, number.

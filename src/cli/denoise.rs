@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::Exit;
-use super::args::DenoiseArgs;
-use super::compare::read;
+use super::args::{DenoiseArgs, Threads};
+use super::compare::{read, unreadable};
+use super::new_folders::NewFolders;
 use super::problem::Problem;
 use super::recipe::NO_PICTURE;
 use super::terminal::{Terminal, print};
@@ -19,9 +20,15 @@ use crate::output::{
 
 /// Denoises the pictures one after the other, and prints the paths of what comes out.
 pub(super) fn run(args: &DenoiseArgs, terminal: Terminal) -> Result<(), Problem> {
-    let denoiser = Denoiser::load(args.library.as_deref(), args.threads).map_err(not_there)?;
+    let threads = args.threads.and_then(|threads| match threads {
+        Threads::All => None,
+        Threads::Count(threads) => Some(threads),
+    });
+    let denoiser = Denoiser::load(args.library.as_deref(), threads).map_err(not_there)?;
     for path in &args.pictures {
-        let target = target(path, args.outdir.as_deref())?;
+        let target = target(path, args.outdir.as_deref());
+        let _folders = NewFolders::of(&target);
+        check_target(path, &target)?;
         let layers = denoise(path, &target, &denoiser)?;
         let told = match layers.is_empty() {
             true => "by its colours alone: `--layers albedo,normal` keeps more".to_owned(),
@@ -43,9 +50,9 @@ fn not_there(why: String) -> Problem {
 
 /// Where the denoised picture goes: beside the noisy one under another name, or under the same name
 /// to another folder.
-fn target(path: &Path, outdir: Option<&Path>) -> Result<PathBuf, Problem> {
+fn target(path: &Path, outdir: Option<&Path>) -> PathBuf {
     let name = path.file_name().unwrap_or_default();
-    let target = match outdir {
+    match outdir {
         Some(folder) => folder.join(name),
         None => {
             let part = |part: Option<&std::ffi::OsStr>| {
@@ -54,8 +61,12 @@ fn target(path: &Path, outdir: Option<&Path>) -> Result<PathBuf, Problem> {
             let (stem, extension) = (part(path.file_stem()), part(path.extension()));
             path.with_file_name(format!("{stem}_denoised.{extension}"))
         }
-    };
-    check_writable(&target).map_err(|error| {
+    }
+}
+
+/// The denoised picture can be written, and is not the noisy one.
+fn check_target(path: &Path, target: &Path) -> Result<(), Problem> {
+    check_writable(target).map_err(|error| {
         Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", target.display()))
     })?;
     if let (Ok(one), Ok(other)) = (path.canonicalize(), target.canonicalize())
@@ -65,7 +76,7 @@ fn target(path: &Path, outdir: Option<&Path>) -> Result<PathBuf, Problem> {
         return Err(Problem::new(Exit::Usage, message)
             .with_help("`--outdir` names another folder than the pictures'"));
     }
-    Ok(target)
+    Ok(())
 }
 
 /// Denoises one picture; the layers that helped.
@@ -84,7 +95,9 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
     let Some((format, encoding)) = settings_of(&parsed) else {
         return Err(bad("its recipe does not say what file it is".into()));
     };
-    let layers = read_layers(path).map_err(bad)?;
+    let layers = read_layers(path).map_err(|error| {
+        Problem::new(unreadable(&error), format!("can't read `{shown}`: {error}"))
+    })?;
     let crop = raster.crop;
     let is_linear = raster.values == Values::Linear;
     let noisy = Noisy { image: &raster.image, is_linear, layers: &layers };
@@ -92,7 +105,7 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
     let image = denoiser
         .denoise(&noisy)
         .map_err(|why| Problem::new(Exit::Failed, format!("`{shown}` can't be denoised: {why}")))?;
-    let image = Raster { image, ..raster }.linear();
+    let image = Raster { image, ..raster }.into_image(Raster::linear);
     let helped = if used.is_empty() { String::new() } else { format!(": {}", names(&used)) };
     let recipe = with_denoiser(&recipe, &format!("{}{helped}", denoiser.name()));
     let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };

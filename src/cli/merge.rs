@@ -7,8 +7,10 @@ use serde_json::Value;
 
 use super::Exit;
 use super::args::MergeArgs;
+use super::new_folders::NewFolders;
+use super::part_names::missing;
 use super::problem::Problem;
-use super::terminal::{Terminal, print};
+use super::terminal::{Terminal, counted, print};
 use crate::accel::Isa;
 use crate::film::{Area, Layer, MergeError, Merger, Subject};
 use crate::output::{
@@ -31,11 +33,13 @@ pub(super) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
     let outdir = args.outdir.as_deref().unwrap_or(Path::new(""));
     let pictures = frames.values().map(|parts| Whole::of(parts, outdir));
     let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
+    let _folders: Vec<_> = pictures.iter().map(|picture| NewFolders::of(&picture.path)).collect();
     check_paths(&pictures)?;
     for picture in pictures {
         picture.save()?;
         let (count, path) = (picture.parts.len(), &picture.path);
-        terminal.note(format_args!("{count} parts are `{}`", path.display()));
+        let are = if count == 1 { "is" } else { "are" };
+        terminal.note(format_args!("{} {are} `{}`", counted(count, "part"), path.display()));
         print(path.as_os_str().as_encoded_bytes()).map_err(|error| {
             Problem::new(Exit::Failed, format!("can't print the picture's path: {error}"))
         })?;
@@ -90,6 +94,7 @@ impl Part {
 fn unreadable(path: &Path, error: &std::io::Error) -> Problem {
     let exit = match error.kind() {
         std::io::ErrorKind::InvalidData => Exit::BadInput,
+        std::io::ErrorKind::OutOfMemory => Exit::Failed,
         _ => Exit::NoInput,
     };
     Problem::new(exit, format!("can't read the part `{}`: {error}", path.display()))
@@ -179,6 +184,13 @@ fn film(parts: &[Part], region: Area) -> Result<crate::film::Film, Problem> {
     let first = &parts[0].subject;
     let subject = Subject { area: region, region, samples: None, ..first.clone() };
     let all = parts[0].number("imageSamples") * parts[0].number("dofSamples");
+    // What no part says that it has need not be read, nor have memory.
+    let own = |part: &Part| part.subject.region.common(&region).len();
+    let most: usize = parts.iter().map(own).sum();
+    if most < region.len() {
+        let lacking = counted(region.len() - most, "pixel");
+        return Err(incomplete(parts, format!("{lacking} or more")));
+    }
     let mut merger =
         Merger::new(&subject, all as u32).map_err(|error| explain(error.into(), parts))?;
     for (i, part) in parts.iter().enumerate() {
@@ -212,10 +224,12 @@ fn explain(error: MergeError, parts: &[Part]) -> Problem {
         MergeError::Gap { pixels, first: (x, y), samples } => {
             let of = match samples.map(|range| (range.start, range.end - 1)) {
                 None => String::new(),
-                Some((first, last)) if first == last => format!(" of sample {first}"),
-                Some((first, last)) => format!(" of samples {first} to {last}"),
+                Some((first, last)) if first == last => format!("sample {first} of "),
+                Some((first, last)) => format!("samples {first} to {last} of "),
             };
-            format!("a part{of} is missing: {pixels} pixels, the first in column {x} of row {y}")
+            let pixels = counted(pixels, "pixel");
+            let first = if pixels == "1 pixel" { "" } else { "the first " };
+            return incomplete(parts, format!("{of}{pixels}, {first}in column {x} of row {y}"));
         }
         MergeError::Overlap { parts: [a, b], at: (x, y) } => format!(
             "`{}` and `{}` have the same pixels, such as column {x} of row {y}",
@@ -224,14 +238,27 @@ fn explain(error: MergeError, parts: &[Part]) -> Problem {
         ),
         MergeError::TooBright => "the sums of the parts are beyond all that is rendered".into(),
         MergeError::TooLarge(error) => {
-            format!("the picture needs {:.1} GB of memory", error.bytes as f64 / 1e9)
+            let size = error.bytes as f64 / 1e9;
+            let message = format!("not enough memory: the picture needs {size:.1} GB");
+            return Problem::new(Exit::Failed, message);
         }
     };
-    let names: Vec<String> = parts.iter().map(Part::stem).collect();
-    let problem = Problem::new(Exit::BadInput, message);
-    match &names[..] {
-        [] => problem,
-        [stem] => problem.with_help(format!("there is one part of `{stem}`")),
-        [stem, ..] => problem.with_help(format!("there are {} parts of `{stem}`", parts.len())),
+    Problem::new(Exit::BadInput, message).with_help(there_are(parts))
+}
+
+/// Parts are missing, and so is `what`.
+fn incomplete(parts: &[Part], what: String) -> Problem {
+    let paths = parts.iter().filter_map(|part| part.path.file_name()?.to_str());
+    let missing = missing(paths).unwrap_or_else(|| "a part is missing".into());
+    let message = format!("{missing}: {what}");
+    Problem::new(Exit::BadInput, message).with_help(there_are(parts))
+}
+
+/// What was given.
+fn there_are(parts: &[Part]) -> String {
+    let stem = parts.first().map(Part::stem).unwrap_or_default();
+    match parts.len() {
+        1 => format!("there is one part of `{stem}`"),
+        count => format!("there are {count} parts of `{stem}`"),
     }
 }

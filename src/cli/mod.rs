@@ -11,8 +11,10 @@ mod interrupt;
 mod load;
 mod maps;
 mod merge;
+mod new_folders;
 mod options;
 mod parse;
+mod part_names;
 mod patience;
 mod problem;
 mod progress;
@@ -28,6 +30,7 @@ mod target;
 mod terminal;
 #[cfg(test)]
 mod test_scene;
+mod tips;
 mod verify;
 
 use std::ffi::OsString;

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use super::Exit;
 use super::args::{
-    Args, Command, CompareArgs, DenoiseArgs, MergeArgs, PartBy, Region, SheetArgs, Size, VerifyArgs,
+    Args, Command, CompareArgs, DenoiseArgs, FrameChoice, MergeArgs, PartBy, Region, SheetArgs,
+    SizeChoice, Threads, VerifyArgs,
 };
 use super::maps::Maps;
 use super::problem::Problem;
@@ -13,6 +14,7 @@ use super::progress::ProgressForm;
 use super::sequence::{Frames, Order};
 use super::terminal::{Terminal, Verbosity};
 use crate::accel::{Accelerator, Isa};
+use crate::animation::Clock;
 use crate::output::check_prefix;
 use crate::render::{Part, Steps};
 use crate::scene::{Layer, OutputFormat, SceneDescription};
@@ -47,7 +49,7 @@ pub(super) enum Task {
 }
 
 /// Frames of a scene.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Job {
     /// The scene file; `None`: the one inside the program.
     pub(super) scene: Option<PathBuf>,
@@ -56,7 +58,7 @@ pub(super) struct Job {
     /// Whether the paths of the scene may lead anywhere.
     pub(super) allow_outside: bool,
     /// The frames asked for; `None`: 0.
-    pub(super) frames: Option<Frames>,
+    pub(super) frames: Option<FrameChoice>,
     pub(super) order: Order,
     /// Whether other processes render the same frames, and how long they let each other pass without
     /// a sign of life.
@@ -109,7 +111,7 @@ pub(super) struct Overrides {
     /// Of EXR pictures; empty: none.
     pub(super) layers: Vec<Layer>,
     pub(super) format: Option<OutputFormat>,
-    pub(super) size: Option<Size>,
+    pub(super) size: Option<SizeChoice>,
     pub(super) samples: Option<u32>,
     pub(super) noise: Option<f32>,
     /// The number of samples is decided by noise or time, not by the scene.
@@ -121,9 +123,29 @@ pub(super) struct Overrides {
 }
 
 impl Job {
-    /// The frames to render.
+    /// The frames to render, of a job [for a scene](Self::for_scene).
     pub(super) fn frames(&self) -> Frames {
-        self.frames.clone().unwrap_or(Frames::single(0))
+        match &self.frames {
+            Some(FrameChoice::These(frames)) => frames.clone(),
+            Some(FrameChoice::All) | None => Frames::single(0),
+        }
+    }
+
+    /// The same where the frames of the scene are known.
+    ///
+    /// # Errors
+    /// All are asked for, and there are none, or too many for one run.
+    pub(super) fn for_scene(&self, scene: &SceneDescription) -> Result<Self, Problem> {
+        let mut job = self.clone();
+        if job.frames == Some(FrameChoice::All) {
+            let ranges = Clock::new(&scene.camera).segments().map(|s| s.first..=s.last).collect();
+            let frames = Frames::of_ranges(ranges).map_err(|why| {
+                Problem::new(Exit::Usage, format!("`--frame all`: {why}"))
+                    .with_help("`--frame 1-100` names some frames")
+            })?;
+            job.frames = Some(FrameChoice::These(frames));
+        }
+        Ok(job)
     }
 
     /// Whether the clock decides how far a frame is taken.
@@ -134,7 +156,7 @@ impl Job {
     /// Whether frames that are finished already are left alone.
     pub(super) fn skips_finished(&self) -> bool {
         match self.existing {
-            Existing::Auto => self.frames.as_ref().is_some_and(|frames| frames.is_sequence),
+            Existing::Auto => self.frames.as_ref().is_some_and(FrameChoice::is_sequence),
             Existing::Skip => true,
             Existing::Overwrite => false,
         }
@@ -185,7 +207,7 @@ fn job(args: Args) -> Result<Job, Problem> {
     let usage = |why: String| Problem::new(Exit::Usage, why);
     check_prefix(args.prefix.as_deref().unwrap_or_default()).map_err(usage)?;
     let maps = Maps { samples: args.sample_map, error: args.error_map };
-    let several = args.frame.as_ref().is_some_and(|frames| frames.numbers.len() > 1);
+    let several = args.frame.as_ref().is_some_and(FrameChoice::is_several);
     maps.check_names(several).map_err(usage)?;
     check_total_time(args.total_time, args.frame.as_ref())?;
     Ok(Job {
@@ -194,7 +216,7 @@ fn job(args: Args) -> Result<Job, Problem> {
         allow_outside: args.allow_outside,
         frames: args.frame,
         order: args.order,
-        share: args.share.map(|seconds| Duration::from_secs(seconds.into())),
+        share: args.share,
         region: args.region,
         part: args.part.map(|part| (part, args.part_by)),
         outdir: args.outdir.unwrap_or_default(),
@@ -204,7 +226,7 @@ fn job(args: Args) -> Result<Job, Problem> {
             (_, true) => Existing::Overwrite,
             _ => Existing::Auto,
         },
-        checkpoint: Some(Duration::from_secs(args.checkpoint.into())).filter(|d| !d.is_zero()),
+        checkpoint: Some(args.checkpoint).filter(|time| !time.is_zero()),
         keep_state: args.keep_state,
         time: args.time,
         total_time: args.total_time,
@@ -224,14 +246,17 @@ fn job(args: Args) -> Result<Job, Problem> {
             accelerator: args.accelerator.map(Accelerator::from),
             spatial_splits: args.spatial_splits,
         },
-        threads: args.threads.map(|threads| threads as usize),
+        threads: args.threads.map(|threads| match threads {
+            Threads::All => std::thread::available_parallelism().map_or(1, usize::from),
+            Threads::Count(threads) => threads as usize,
+        }),
         isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
     })
 }
 
 /// A time for all frames is shared out among frames.
-fn check_total_time(time: Option<Duration>, frames: Option<&Frames>) -> Result<(), Problem> {
-    let is_sequence = frames.is_some_and(|frames| frames.is_sequence);
+fn check_total_time(time: Option<Duration>, frames: Option<&FrameChoice>) -> Result<(), Problem> {
+    let is_sequence = frames.is_some_and(FrameChoice::is_sequence);
     match time {
         Some(_) if !is_sequence => {
             let message = "--total-time is for a sequence, and --frame names none, such as 1-100";
@@ -249,8 +274,9 @@ impl Overrides {
     pub(super) fn apply(&self, scene: &mut SceneDescription) {
         let film = &mut scene.camera.film;
         film.prefix = self.prefix.clone().unwrap_or_else(|| film.prefix.clone());
-        if let Some(Size { width, height }) = self.size {
-            (film.width, film.height) = (width, height);
+        if let Some(size) = self.size {
+            let size = size.of(film.width, film.height);
+            (film.width, film.height) = (size.width, size.height);
         }
         film.output = self.format.unwrap_or(film.output);
         if !self.layers.is_empty() {
@@ -312,7 +338,7 @@ mod tests {
         let mut scene = empty_scene();
         let overrides = Overrides {
             prefix: Some("p".into()),
-            size: Some(Size { width: 3, height: 2 }),
+            size: Some(SizeChoice::Share(0.5)),
             seed: Some(7),
             accelerator: Some(Accelerator::None),
             spatial_splits: true,
@@ -322,7 +348,7 @@ mod tests {
         };
         overrides.apply(&mut scene);
         let film = &scene.camera.film;
-        assert_eq!((film.width, film.height, &*film.prefix), (3, 2, "p"));
+        assert_eq!((film.width, film.height, &*film.prefix), (16, 9, "p"));
         assert_eq!((film.output, &film.layers[..]), (OutputFormat::Exr, &Layer::ALL[..]));
         assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
         assert!(scene.settings.spatial_splits);
@@ -361,6 +387,7 @@ mod tests {
         check("-f 5 --skip-existing", true);
         check("-f 5 --share", true);
         check("-f 5-5", true);
+        check("-f all", true);
         check("-f 5,6 --overwrite", false);
     }
 

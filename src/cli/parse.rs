@@ -3,13 +3,14 @@
 use std::ffi::OsString;
 use std::io::{self, Write};
 
-use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::error::ErrorKind;
 use clap::{ColorChoice, CommandFactory, Error, FromArgMatches};
 
 use super::Exit;
 use super::args::Args;
 use super::short_forms::written_out;
 use super::terminal::say;
+use super::tips::with_tip;
 
 /// Parses `args`, the program's name first. Help and version go to standard output, mistakes to
 /// standard error.
@@ -18,7 +19,6 @@ use super::terminal::say;
 /// Nothing is left to do: all was said, and this is the exit code.
 pub(super) fn parse(args: &[OsString]) -> Result<Args, Exit> {
     try_parse(args).map_err(|error| {
-        let error = with_tip(error);
         let what = match error.kind() {
             ErrorKind::DisplayHelp => Some("help"),
             ErrorKind::DisplayVersion => Some("version"),
@@ -39,7 +39,9 @@ pub(super) fn parse(args: &[OsString]) -> Result<Args, Exit> {
 fn try_parse(args: &[OsString]) -> Result<Args, Error> {
     let command = Args::command().color(color_choice(args));
     let args = written_out(args.iter().cloned(), &command);
-    Args::from_arg_matches(&command.try_get_matches_from(args)?)
+    let matches = command.clone().try_get_matches_from(&args);
+    let parsed = matches.and_then(|matches| Args::from_arg_matches(&matches));
+    parsed.map_err(|error| with_tip(error, &args, command))
 }
 
 /// What `--color` says, also where the rest of the arguments is wrong.
@@ -48,32 +50,17 @@ fn color_choice(args: &[OsString]) -> ColorChoice {
         "--color" => args.get(at + 1)?.to_str(),
         arg => arg.strip_prefix("--color="),
     });
-    match values.next() {
+    match values.next().map(str::to_ascii_lowercase).as_deref() {
         Some("always") => ColorChoice::Always,
         Some("never") => ColorChoice::Never,
         _ => ColorChoice::Auto,
     }
 }
 
-/// A word without an option is most likely a scene.
-fn with_tip(mut error: Error) -> Error {
-    let context = match error.kind() {
-        ErrorKind::InvalidSubcommand => ContextKind::InvalidSubcommand,
-        ErrorKind::UnknownArgument => ContextKind::InvalidArg,
-        _ => return error,
-    };
-    let Some(ContextValue::String(word)) = error.get(context) else { return error };
-    let word = word.clone();
-    if !word.starts_with('-') {
-        let tip = format!("a scene file is named by an option: '--scene {word}'");
-        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
-    }
-    error
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::args::FrameChoice;
     use crate::cli::sequence::Frames;
 
     fn arguments(typed: &str) -> Vec<OsString> {
@@ -84,7 +71,7 @@ mod tests {
     fn the_command_lines_of_the_thesis() {
         let check = |typed: &str| try_parse(&arguments(typed)).unwrap();
         assert!(check("").scene.is_none());
-        assert_eq!(check("--frame 5").frame, Some(Frames::single(5)));
+        assert_eq!(check("--frame 5").frame, Some(FrameChoice::These(Frames::single(5))));
         assert_eq!(check("--scene animace.txt").scene, Some("animace.txt".into()));
         assert!(check("-f 15 -s animace.txt --info").info);
         let last = check("-f 15 -s animace.txt -id input/scenes -od output/animace -pre x");
@@ -98,18 +85,6 @@ mod tests {
         let error = try_parse(&arguments("-s -id x")).unwrap_err().to_string();
         assert!(error.contains("--scene <FILE>"), "{error}");
         assert_eq!(try_parse(&arguments("--prefix=-id")).unwrap().prefix, Some("-id".into()));
-    }
-
-    #[test]
-    fn a_bare_scene_gets_a_tip() {
-        let error = with_tip(try_parse(&arguments("table.txt")).unwrap_err()).to_string();
-        assert!(error.contains("'--scene table.txt'"), "{error}");
-    }
-
-    #[test]
-    fn misspelt_options_get_a_tip() {
-        let error = with_tip(try_parse(&arguments("--scen x")).unwrap_err()).to_string();
-        assert!(error.contains("'--scene'"), "{error}");
     }
 
     #[test]

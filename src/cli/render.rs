@@ -10,7 +10,7 @@ use super::problem::Problem;
 use super::progress::{FrameProgress, Progress};
 use super::summary::{Size, Times};
 use super::target::Target;
-use super::terminal::Terminal;
+use super::terminal::{Terminal, counted};
 use super::{Exit, interrupt, load, patience};
 use crate::film::{Film, TooLarge};
 use crate::frame::FrameScene;
@@ -214,8 +214,12 @@ impl Studio<'_> {
             }
         })?;
         if written.not_finite > 0 {
-            let black = written.not_finite;
-            self.terminal.warn(format_args!("{black} pixels are no numbers and were left black"));
+            let black = counted(written.not_finite, "pixel");
+            let (are, numbers, were) = match written.not_finite {
+                1 => ("is", "no number", "was"),
+                _ => ("are", "no numbers", "were"),
+            };
+            self.terminal.warn(format_args!("{black} {are} {numbers} and {were} left black"));
         }
         Ok(written.outcome)
     }

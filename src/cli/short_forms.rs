@@ -11,13 +11,14 @@ const SHORT_FORMS: [(&str, &str); 3] =
     [("-pre", "--prefix"), ("-id", "--indir"), ("-od", "--outdir")];
 
 /// `args`, the program's name first, with the short forms written out: `-od x` as `--outdir x`,
-/// `-od=x` as `--outdir=x`. Values of the options of `command`, and all that follows `--`, stay as
-/// they are.
+/// `-od=x` as `--outdir=x`. Values of the options of `command`, or of the one of its subcommands that
+/// is called, and all that follows `--`, stay as they are.
 pub(super) fn written_out(
     args: impl IntoIterator<Item = OsString>,
     command: &Command,
 ) -> Vec<OsString> {
-    let options = ValueOptions::of(command);
+    let args: Vec<OsString> = args.into_iter().collect();
+    let options = ValueOptions::of(called(&args, command));
     let mut args = args.into_iter();
     let mut result: Vec<OsString> = args.next().into_iter().collect();
     while let Some(arg) = args.next() {
@@ -43,15 +44,23 @@ fn long_form(arg: &OsStr) -> Option<OsString> {
     })
 }
 
-/// The options of a command that have a value.
-struct ValueOptions {
+/// The subcommand that is called, or the command itself.
+pub(super) fn called<'a>(args: &[OsString], command: &'a Command) -> &'a Command {
+    args.get(1).and_then(|name| command.find_subcommand(name)).unwrap_or(command)
+}
+
+/// The options of a command that have a value, which may be the next argument.
+pub(super) struct ValueOptions {
     long: HashSet<String>,
     short: HashSet<char>,
 }
 
 impl ValueOptions {
-    fn of(command: &Command) -> Self {
-        let with_value = || command.get_arguments().filter(|arg| arg.get_action().takes_values());
+    pub(super) fn of(command: &Command) -> Self {
+        // A value that has to be joined by `=` is no argument of its own.
+        let takes_next =
+            |arg: &&Arg| arg.get_action().takes_values() && !arg.is_require_equals_set();
+        let with_value = || command.get_arguments().filter(takes_next);
         let names = with_value().filter_map(Arg::get_long);
         let aliases = with_value().flat_map(|arg| arg.get_all_aliases().unwrap_or_default());
         Self {
@@ -61,7 +70,7 @@ impl ValueOptions {
     }
 
     /// Whether the argument after `arg` is the value of an option in it.
-    fn takes_next(&self, arg: &OsStr) -> bool {
+    pub(super) fn takes_next(&self, arg: &OsStr) -> bool {
         let Some(text) = arg.to_str() else { return false };
         if let Some(name) = text.strip_prefix("--") {
             return self.long.contains(name);
@@ -112,6 +121,28 @@ mod tests {
     fn flags_take_nothing() {
         check("-i -id x", "-i --indir x");
         check("--info -id x -q -od y", "--info --indir x -q --outdir y");
+    }
+
+    #[test]
+    fn a_value_that_has_to_be_joined_is_not_the_next_argument() {
+        check("--share -od x", "--share --outdir x");
+        check("--share=5 -od x -id y", "--share=5 --outdir x --indir y");
+        // Whatever other options of the kind there will be.
+        let command = Args::command();
+        let joined = command.get_arguments().filter(|arg| arg.is_require_equals_set());
+        for name in joined.filter_map(Arg::get_long) {
+            for (short, long) in SHORT_FORMS {
+                check(&format!("--{name} {short} x"), &format!("--{name} {long} x"));
+            }
+        }
+    }
+
+    #[test]
+    fn commands_have_options_of_their_own() {
+        check("denoise --library -od -od x", "denoise --library -od --outdir x");
+        check("verify --tiles -id -id x", "verify --tiles -id --indir x");
+        check("merge -q -od x", "merge -q --outdir x");
+        check("sheet -o -od -od x", "sheet -o -od --outdir x");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::progress::human;
 use super::render::Done;
-use super::terminal::Terminal;
+use super::terminal::{Terminal, counted};
 use crate::accel::{Accelerator, Isa};
 use crate::frame::FrameScene;
 use crate::render::Statistics;
@@ -88,9 +88,15 @@ impl Summary {
     pub(super) fn tell(&self, scene: &SceneDescription, terminal: Terminal) {
         let refused = self.statistics.refused_contributions;
         if refused > 0 {
-            terminal.warn(format_args!(
-                "{refused} samples were no numbers or beyond what the film holds, and were left out"
-            ));
+            let samples = counted(refused, "sample");
+            terminal.warn(match refused {
+                1 => format!(
+                    "{samples} was no number or beyond what the film holds, and was left out"
+                ),
+                _ => format!(
+                    "{samples} were no numbers or beyond what the film holds, and were left out"
+                ),
+            });
         }
         let what = match self.frames {
             1 => "rendered".into(),
@@ -121,9 +127,9 @@ impl Summary {
                 human(writing)
             ),
             format!(
-                "{} primitives, {} moving objects; structures {}",
-                self.size.primitives,
-                self.size.moving_objects,
+                "{}, {}; structures {}",
+                counted(self.size.primitives, "primitive"),
+                counted(self.size.moving_objects, "moving object"),
                 megabytes(self.size.structures)
             ),
             format!(
@@ -132,8 +138,8 @@ impl Summary {
                 camera_rays as f64 / pixels.max(1.0)
             ),
             format!(
-                "{} threads, {} instructions, {} structure{}",
-                rayon::current_num_threads(),
+                "{}, {} instructions, {} structure{}",
+                counted(rayon::current_num_threads(), "thread"),
                 self.isa,
                 scene.settings.accelerator,
                 if has_spatial_splits { " with spatial splits" } else { "" }

@@ -55,6 +55,11 @@ impl<'a> Target<'a> {
             Some((part, PartBy::Pixels)) => plan.of_part(part),
             Some((part, PartBy::Samples)) => plan.of_samples(part).ok_or_else(no_samples)?,
         };
+        if plan.samples().is_some_and(|samples| samples.is_empty()) {
+            let message = "there are more parts than samples of a pixel, and this one has none";
+            return Err(Problem::new(Exit::Usage, message)
+                .with_help("`--part-by pixels` shares out the pixels"));
+        }
         Ok(Self { job, scene, plan, whole, region })
     }
 

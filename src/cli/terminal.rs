@@ -80,6 +80,12 @@ impl Terminal {
     }
 }
 
+/// A number of things whose name takes an `s` where there are several.
+pub(super) fn counted(count: impl TryInto<u64>, name: &str) -> String {
+    let count = count.try_into().unwrap_or(u64::MAX);
+    if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
+}
+
 /// One line on standard error, out at once.
 pub(super) fn say(line: impl Display) {
     let _ = writeln!(io::stderr(), "{line}");
@@ -131,6 +137,11 @@ mod tests {
         };
         let message = format!("{when:?}, terminal {is_terminal}, {variables:?}");
         assert_eq!(color(when, is_terminal, variable), expected, "{message}");
+    }
+
+    #[test]
+    fn one_thing_is_no_things() {
+        assert_eq!([0usize, 1, 2].map(|n| counted(n, "part")), ["0 parts", "1 part", "2 parts"]);
     }
 
     #[test]

@@ -13,12 +13,12 @@ use super::load;
 use super::options::Job;
 use super::problem::Problem;
 use super::recipe::NO_PICTURE;
-use super::terminal::{Terminal, print};
+use super::terminal::{Terminal, counted, print};
 use crate::film::{Area, Film, Image, Layer};
 use crate::frame::FrameScene;
 use crate::output::{
-    Crop, Picture, Raster, Recipe, RestoreError, Values, is_companion, is_denoised, read_layers,
-    read_recipe, restore, steps_of, with_region, with_steps, without_outcome,
+    Crop, Picture, Raster, ReadError, Recipe, RestoreError, Values, is_companion, is_denoised,
+    read_layers, read_recipe, restore, steps_of, with_region, with_steps, without_outcome,
 };
 use crate::render::{Observer, Plan, Steps, render};
 use crate::scene::SceneDescription;
@@ -63,9 +63,9 @@ type Verdict = Result<Outcome, Refusal>;
 fn line(path: &Path, verdict: &Verdict) -> String {
     let path = path.display();
     match verdict {
-        Ok(Outcome { tiles, different: 0 }) => format!("same\t{path}\t{tiles} tiles"),
+        Ok(Outcome { tiles, different: 0 }) => format!("same\t{path}\t{}", counted(*tiles, "tile")),
         Ok(Outcome { tiles, different }) => {
-            format!("different\t{path}\t{different} of {tiles} tiles")
+            format!("different\t{path}\t{different} of {}", counted(*tiles, "tile"))
         }
         Err(refusal) => format!("unverified\t{path}\t{}", refusal.why),
     }
@@ -95,10 +95,12 @@ impl Tally {
     /// A wrong picture is what was looked for: its exit code comes before that of a refusal.
     fn end(self) -> Result<(), Problem> {
         let Self { all, wrong, refused, first_refusal } = self;
-        let of = |count: usize| format!("{count} of {all} pictures");
+        let of = |count: usize| format!("{count} of {}", counted(all, "picture"));
         let mut said = Vec::new();
         if wrong > 0 {
-            said.push(format!("{} are not what their recipes make here", of(wrong)));
+            let (are, their) =
+                if wrong == 1 { ("is", "its recipe makes") } else { ("are", "their recipes make") };
+            said.push(format!("{} {are} not what {their} here", of(wrong)));
         }
         if refused > 0 {
             said.push(format!("{} can't be verified", of(refused)));
@@ -113,7 +115,7 @@ impl Tally {
 
 fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Verdict {
     let bad = |why: String| Refusal { exit: Exit::BadInput, why };
-    let raster = Raster::read(path).map_err(|why| Refusal { exit: unreadable(path), why })?;
+    let raster = Raster::read(path).map_err(refusal)?;
     let recipe = read_recipe(path).map_err(|error| bad(error.to_string()))?;
     if is_companion(&recipe) {
         return Err(bad(NO_PICTURE.into()));
@@ -140,7 +142,8 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
         )));
     }
     let colors = Raster { crop: Crop::of(area, whole), ..raster };
-    let rasters = with_layers(path, colors, &film.layers).map_err(bad)?;
+    let layers = read_layers(path).map_err(refusal)?;
+    let rasters = with_layers(colors, layers, &film.layers).map_err(bad)?;
     let built = load::frame(job, &scene, frame, None)
         .map_err(|problem| Refusal { exit: problem.exit, why: problem.message })?;
     let chosen = choose(area.cells(TILE).collect(), tiles);
@@ -156,6 +159,11 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     Ok(Outcome { tiles: chosen.len(), different })
 }
 
+/// The picture's file can't be read.
+fn refusal(error: ReadError) -> Refusal {
+    Refusal { exit: unreadable(&error), why: error.to_string() }
+}
+
 /// Who names no scene may not know that there is one inside the program.
 fn mismatch(error: RestoreError, job: &Job) -> String {
     match (error, &job.scene) {
@@ -167,9 +175,12 @@ fn mismatch(error: RestoreError, job: &Job) -> String {
 }
 
 /// The colours of a picture, then its layers, which have to be the expected ones.
-fn with_layers(path: &Path, colors: Raster, expected: &[Layer]) -> Result<Vec<Raster>, String> {
+fn with_layers(
+    colors: Raster,
+    layers: Vec<(Layer, Image)>,
+    expected: &[Layer],
+) -> Result<Vec<Raster>, String> {
     let crop = colors.crop;
-    let layers = read_layers(path)?;
     if !layers.iter().map(|(layer, _)| layer).eq(expected) {
         return Err("it does not have the layers of its recipe".into());
     }
@@ -227,14 +238,15 @@ fn again(
     let area = tile.in_blocks(&Area::whole(settings.width, settings.height));
     let film = Film::new(area, plan.needs_spreads());
     let film = if settings.layers.is_empty() { film } else { film.and_then(Film::with_features) };
-    let film = film.map_err(|error| format!("a tile needs {} bytes", error.bytes))?;
+    let film =
+        film.map_err(|error| format!("not enough memory: a tile needs {} bytes", error.bytes))?;
     let film = render(frame, &plan, film, &Nobody).film;
     let image = film.image_of(tile);
     let (format, encoding) = (settings.output, settings.encoding);
     let mut bytes = std::io::Cursor::new(Vec::new());
     let picture = Picture { image: &image, format, encoding, recipe: "{}", crop: None };
     picture.write(&mut bytes).map_err(|error| error.to_string())?;
-    let colors = Raster::from_bytes(bytes.into_inner())?.image;
+    let colors = Raster::from_bytes(bytes.into_inner()).map_err(|error| error.to_string())?.image;
     let layers = film.layers_of(tile, &settings.layers);
     Ok(std::iter::once(colors).chain(layers.into_iter().map(|(_, image)| image)).collect())
 }

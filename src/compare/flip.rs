@@ -19,6 +19,9 @@ const COMPRESSED_TO: f32 = 0.95;
 /// Width of the feature detectors in degrees.
 const FEATURE_WIDTH: f32 = 0.082;
 
+/// Pixels that a difference depends on lie so near, see [`seen_radius`] and [`feature_radius`].
+pub(super) const REACH: u32 = 10;
+
 /// Three values of each pixel.
 type Plane = Vec<[f32; 3]>;
 
@@ -91,13 +94,19 @@ fn hunt_lab(xyz: [f32; 3]) -> [f32; 3] {
     [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
 }
 
+/// How far the widest contrast sensitivity reaches.
+fn seen_radius() -> i32 {
+    let pi = std::f32::consts::PI;
+    (3.0 * (0.04 / (2.0 * pi * pi)).sqrt() * PIXELS_PER_DEGREE).ceil() as i32
+}
+
 /// What the eye makes of a picture: each channel blurred by its contrast sensitivity.
 fn seen(opponent: &Plane, size: Size) -> Plane {
     // Weights and widths of up to two Gaussians per channel.
     const SENSITIVITY: [[[f32; 2]; 2]; 3] =
         [[[1.0, 0.0047], [0.0, 1e-5]], [[1.0, 0.0053], [0.0, 1e-5]], [[34.1, 0.04], [13.5, 0.025]]];
     let pi = std::f32::consts::PI;
-    let radius = (3.0 * (0.04 / (2.0 * pi * pi)).sqrt() * PIXELS_PER_DEGREE).ceil() as i32;
+    let radius = seen_radius();
     let mut blurred = vec![[0.0; 3]; opponent.len()];
     for (channel, gaussians) in SENSITIVITY.iter().enumerate() {
         let plane: Vec<f32> = opponent.iter().map(|pixel| pixel[channel]).collect();
@@ -145,11 +154,20 @@ fn hyab(a: [f32; 3], b: [f32; 3]) -> f32 {
     l.abs() + (x * x + y * y).sqrt()
 }
 
+fn feature_deviation() -> f32 {
+    0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE
+}
+
+/// How far the feature detectors reach.
+fn feature_radius() -> i32 {
+    (3.0 * feature_deviation()).ceil() as i32
+}
+
 /// Strength of edges and of points in each pixel.
 fn features(opponent: &Plane, size: Size) -> Vec<[f32; 2]> {
     let luma: Vec<f32> = opponent.iter().map(|pixel| (pixel[0] + 16.0) / 116.0).collect();
-    let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
-    let radius = (3.0 * deviation).ceil() as i32;
+    let deviation = feature_deviation();
+    let radius = feature_radius();
     let squared = |i: i32| (i * i) as f32 / (deviation * deviation);
     let gauss = |i: i32| libm::expf(-0.5 * squared(i));
     let smooth = balanced((-radius..=radius).map(gauss).collect());
@@ -219,6 +237,11 @@ mod tests {
 
     fn mean(map: &[f32]) -> f32 {
         map.iter().sum::<f32>() / map.len() as f32
+    }
+
+    #[test]
+    fn nothing_reaches_further_than_what_is_looked_at() {
+        assert_eq!(seen_radius().max(feature_radius()), REACH as i32);
     }
 
     #[test]

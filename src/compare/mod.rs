@@ -2,8 +2,11 @@
 
 mod flip;
 
+use std::ops::Range;
+
 use crate::film::{Area, Image, luminance};
 use crate::output::Raster;
+use flip::REACH;
 pub use flip::flip;
 
 /// Distances of a picture from a reference of the same size.
@@ -37,72 +40,130 @@ pub struct Comparison {
     pub whole: Area,
 }
 
+/// Rows that are looked at together: what is worked out on the way takes no memory of all.
+const ROWS: u32 = 128;
+
 /// Compares the pixels that both have; `None` where the sizes differ and neither is known to be a
 /// region of the other.
 pub fn compare(picture: &Raster, reference: &Raster) -> Option<Comparison> {
-    let (area, whole) = common(picture, reference)?;
-    let of = |raster: &Raster| {
-        let image = raster.cut(area).unwrap_or_else(|| raster.image.clone());
-        Raster { image, values: raster.values, crop: None }
-    };
-    let (distances, flip) = compare_alike(&of(picture), &of(reference));
-    Some(Comparison { distances, flip, area, whole })
+    let Common { area, whole, places } = common(picture, reference)?;
+    let [one, other] = [Placed::new(picture, places[0]), Placed::new(reference, places[1])];
+    let mut sums = Sums::default();
+    let mut flip = Vec::with_capacity(area.len());
+    for top in (0..area.height()).step_by(ROWS as usize) {
+        let rows = top..(top + ROWS).min(area.height());
+        sums.add(&one, &other, rows.clone());
+        flip.extend(flip_of_rows(&one, &other, rows));
+    }
+    Some(Comparison { distances: sums.distances(&flip), flip, area, whole })
 }
 
-/// The pixels that both have, and the picture.
-fn common(a: &Raster, b: &Raster) -> Option<(Area, Area)> {
+/// The pixels that two pictures have in common.
+struct Common {
+    area: Area,
+    whole: Area,
+    /// Where they are in each of both.
+    places: [Area; 2],
+}
+
+fn common(a: &Raster, b: &Raster) -> Option<Common> {
     let size = |raster: &Raster| (raster.image.width, raster.image.height);
     let is_place_known = a.crop.is_some() && b.crop.is_some();
     if size(a) == size(b) && (a.crop == b.crop || !is_place_known) {
         let known = if a.crop.is_some() { a } else { b };
-        return Some((known.area(), known.whole()));
+        let (area, whole) = (known.area(), known.whole());
+        return Some(Common { area, whole, places: [a.area(), b.area()] });
     }
     let (first, second) = (a.area(), b.area());
-    let inner = if first.holds(&second) { second } else { first };
-    let is_region = first.holds(&inner) && second.holds(&inner) && a.whole() == b.whole();
-    is_region.then_some((inner, a.whole()))
+    let area = if first.holds(&second) { second } else { first };
+    let is_region = first.holds(&area) && second.holds(&area) && a.whole() == b.whole();
+    is_region.then_some(Common { area, whole: a.whole(), places: [area; 2] })
 }
 
-/// The distances of pictures of the same size, and the map of [`flip()`].
-fn compare_alike(picture: &Raster, reference: &Raster) -> (Distances, Vec<f32>) {
-    let (shown, expected) = (picture.shown(), reference.shown());
-    let mse = mean(&shown, &expected, |x, r| (x - r) * (x - r));
-    let (linear, expected_linear) = (picture.linear(), reference.linear());
-    let relative = |x: f64, r: f64| (x - r) * (x - r) / (r * r + 0.01);
-    let map = flip(&expected, &shown);
-    let distances = Distances {
-        pixels: different(picture, reference),
-        rmse: mse.sqrt(),
-        relative_mse: mean(&linear, &expected_linear, relative),
-        mean_ratio: ratio(total_luminance(&linear), total_luminance(&expected_linear)),
-        psnr: -10.0 * libm::log10(mse),
-        flip: map.iter().map(|&value| f64::from(value)).sum::<f64>() / map.len().max(1) as f64,
-    };
-    (distances, map)
+/// An area of a picture.
+struct Placed<'a> {
+    raster: &'a Raster,
+    area: Area,
 }
 
-/// Pixels whose values differ. Those of files that mean other things by their values are compared as
-/// they are shown.
-fn different(picture: &Raster, reference: &Raster) -> usize {
-    let differ = |one: &Image, other: &Image| {
-        one.rgb.iter().zip(&other.rgb).filter(|(one, other)| one != other).count()
-    };
-    match picture.values == reference.values {
-        true => differ(&picture.image, &reference.image),
-        false => differ(&picture.shown(), &reference.shown()),
+impl<'a> Placed<'a> {
+    fn new(raster: &'a Raster, area: Area) -> Self {
+        Self { raster, area }
+    }
+
+    /// The values of some of its rows, left to right.
+    fn values(&self, rows: Range<u32>) -> impl Iterator<Item = [f32; 3]> + use<'a> {
+        let y0 = self.area.y0;
+        let area = Area { y0: y0 + rows.start, y1: y0 + rows.end, ..self.area };
+        self.raster.rows(area).into_iter().flatten().flatten().copied()
+    }
+
+    /// Some of its rows as they are shown.
+    fn shown(&self, rows: Range<u32>) -> Image {
+        let (width, height) = (self.area.width(), rows.end - rows.start);
+        let shown = |rgb: [f32; 3]| rgb.map(|value| self.raster.shown(value));
+        Image { width, height, rgb: self.values(rows).map(shown).collect() }
     }
 }
 
-/// The mean over all channels of all pixels.
-fn mean(picture: &Image, reference: &Image, of: impl Fn(f64, f64) -> f64) -> f64 {
-    let values = |image: &Image| image.rgb.as_flattened().iter().map(|&v| f64::from(v)).collect();
-    let (picture, reference): (Vec<f64>, Vec<f64>) = (values(picture), values(reference));
-    let sum: f64 = picture.iter().zip(&reference).map(|(&x, &r)| of(x, r)).sum();
-    sum / picture.len().max(1) as f64
+/// [`flip()`] of some rows of pictures of the same size, which looks at some around them.
+fn flip_of_rows(picture: &Placed, reference: &Placed, rows: Range<u32>) -> Vec<f32> {
+    let height = picture.area.height();
+    let around = rows.start.saturating_sub(REACH)..(rows.end + REACH).min(height);
+    let mut map = flip(&reference.shown(around.clone()), &picture.shown(around.clone()));
+    let width = picture.area.width() as usize;
+    map.truncate((rows.end - around.start) as usize * width);
+    map.drain(..(rows.start - around.start) as usize * width);
+    map
 }
 
-fn total_luminance(image: &Image) -> f64 {
-    image.rgb.iter().map(|&rgb| luminance(rgb)).sum()
+/// What is added up over all pixels.
+#[derive(Default)]
+struct Sums {
+    all: usize,
+    different: usize,
+    square: f64,
+    relative: f64,
+    /// Luminance of the picture, and of the reference.
+    luminance: [f64; 2],
+}
+
+impl Sums {
+    fn add(&mut self, picture: &Placed, reference: &Placed, rows: Range<u32>) {
+        let (one, other) = (picture.raster, reference.raster);
+        let is_alike = one.values == other.values;
+        for (x, r) in picture.values(rows.clone()).zip(reference.values(rows)) {
+            let shown = [x.map(|x| one.shown(x)), r.map(|r| other.shown(r))];
+            let linear = [x.map(|x| one.linear(x)), r.map(|r| other.linear(r))];
+            self.all += 1;
+            // Files that mean other things by their values are compared as they are shown.
+            self.different += usize::from(if is_alike { x != r } else { shown[0] != shown[1] });
+            let wide = |of: [[f32; 3]; 2], c: usize| of.map(|rgb: [f32; 3]| f64::from(rgb[c]));
+            for [x, r] in [0, 1, 2].map(|c| wide(shown, c)) {
+                self.square += (x - r) * (x - r);
+            }
+            for [x, r] in [0, 1, 2].map(|c| wide(linear, c)) {
+                self.relative += (x - r) * (x - r) / (r * r + 0.01);
+            }
+            for (sum, rgb) in self.luminance.iter_mut().zip(linear) {
+                *sum += luminance(rgb);
+            }
+        }
+    }
+
+    fn distances(&self, flip: &[f32]) -> Distances {
+        let values = (self.all * 3).max(1) as f64;
+        let mse = self.square / values;
+        Distances {
+            pixels: self.different,
+            rmse: mse.sqrt(),
+            relative_mse: self.relative / values,
+            mean_ratio: ratio(self.luminance[0], self.luminance[1]),
+            psnr: -10.0 * libm::log10(mse),
+            flip: flip.iter().map(|&value| f64::from(value)).sum::<f64>()
+                / flip.len().max(1) as f64,
+        }
+    }
 }
 
 fn ratio(x: f64, r: f64) -> f64 {
@@ -158,6 +219,19 @@ mod tests {
         let curved = raster(Values::Srgb, [0.5; 3]);
         let distances = compare(&linear, &curved).unwrap().distances;
         assert!(distances.rmse < 1e-5 && distances.relative_mse < 1e-9, "{distances:?}");
+    }
+
+    #[test]
+    fn rows_taken_in_turn_are_those_of_the_whole() {
+        let picture = |seed: u32| {
+            let value = |i: u32| (i.wrapping_mul(2_654_435_761) ^ seed) as f32 / u32::MAX as f32;
+            let rgb = (0..7 * 300).map(|i| [value(i), value(i + 1), value(i / 7)]).collect();
+            Raster { image: Image { width: 7, height: 300, rgb }, values: Values::Raw, crop: None }
+        };
+        let (a, b) = (picture(1), picture(0x0100_0000));
+        let found = compare(&a, &b).unwrap();
+        assert!(found.distances.flip > 0.0);
+        assert_eq!(found.flip, flip(&b.image, &a.image));
     }
 
     #[test]

@@ -4,37 +4,40 @@
 //! count, no order of a hash map.
 
 mod chunks;
+mod claim;
 mod companion;
 mod continuation;
 mod crop;
 mod exr;
 mod file;
 mod finished;
-mod layers;
 mod map;
 mod name;
 mod outcome;
 mod png;
 mod read;
+mod read_exr;
 mod recipe;
 mod restore;
 mod seal;
+mod state_check;
 mod state_file;
 mod values;
 
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
+pub use claim::ReadError;
 pub use companion::{check_companion, is_companion, map_format, write_sheet};
 pub use continuation::{continues, has_same_samples};
 pub use crop::Crop;
 pub use file::{check_free, check_writable, remove_leftovers, write_atomically};
 pub use finished::{Found, find_picture, find_state, find_timed_picture};
-pub use layers::read_layers;
 pub use map::{write_difference_map, write_error_map, write_sample_map};
 pub use name::{Info, check_prefix, file_name};
 pub use outcome::{Outcome, is_denoised, with_denoiser, with_outcome, without_outcome};
-pub use read::{Raster, Values};
+pub use read::{Raster, Values, claimed_pixels};
+pub use read_exr::read_layers;
 pub use recipe::{
     KEYWORD, Recipe, RecipeError, encoding_keyword, layers_of, output_keyword, read_recipe,
     settings_of, steps_of, with_region, with_steps,

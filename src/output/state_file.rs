@@ -20,6 +20,7 @@ use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
 use super::file::open_regular;
+use super::state_check::Bounds;
 use super::write_atomically;
 use crate::film::{Area, Features, Film, Fixed, Pixel, Spread, State, Subject};
 
@@ -106,7 +107,7 @@ fn put_color(out: &mut impl Write, color: [Fixed; 3]) -> io::Result<()> {
 }
 
 /// Reads the state at `path`. Nothing in the file is trusted: it may be cut off, damaged, or of
-/// another program, and is refused then.
+/// another program, and its numbers may be ones that can't be; it is refused then.
 ///
 /// # Errors
 /// What the system says, and `InvalidData` with what is wrong.
@@ -119,8 +120,10 @@ pub fn read_state(path: &Path) -> io::Result<State> {
 /// # Errors
 /// As [`read_state`].
 pub fn read_subject(path: &Path) -> io::Result<(Subject, bool)> {
-    let header = Header::read(&mut BufReader::new(open_regular(path)?)).map_err(cut_off)?;
-    header.check(u64::MAX)?;
+    let file = open_regular(path)?;
+    let length = file.metadata()?.len().saturating_sub(HASH);
+    let header = Header::read(&mut BufReader::new(file)).map_err(cut_off)?;
+    header.check(length)?;
     Ok((header.subject, header.is_complete))
 }
 
@@ -136,8 +139,8 @@ fn read(file: File) -> io::Result<State> {
     let hashed = Hashed { inner: file.take(length), hasher: blake3::Hasher::new() };
     let mut input = BufReader::with_capacity(BUFFER, hashed);
     let header = Header::read(&mut input)?;
-    header.check(length)?;
-    let film = read_film(&mut input, &header.subject)?;
+    let bounds = header.check(length)?;
+    let film = read_film(&mut input, &header.subject, &bounds)?;
     if input.read(&mut [0])? != 0 {
         return Err(bad("it is damaged"));
     }
@@ -183,15 +186,11 @@ impl Header {
     }
 
     /// Whether a file of `length` bytes can hold what this says, before memory is asked for it.
-    fn check(&self, length: u64) -> io::Result<()> {
-        let Subject { area, region, samples, .. } = &self.subject;
-        let most = 65_536;
-        let fits = area.x1 <= most && area.y1 <= most && area.holds(region);
-        let range = samples.as_ref().is_none_or(|range| !range.is_empty());
-        if fits && range && area.len() as u64 * 4 < length {
-            Ok(())
-        } else {
-            Err(bad("it is damaged"))
+    fn check(&self, length: u64) -> io::Result<Bounds> {
+        let bounds = Bounds::of(&self.subject, self.is_complete).map_err(damaged)?;
+        match self.subject.area.len() as u64 * 4 < length {
+            true => Ok(bounds),
+            false => Err(damaged("it is too short for its pixels")),
         }
     }
 
@@ -200,19 +199,24 @@ impl Header {
     }
 }
 
-fn read_film(input: &mut impl Read, subject: &Subject) -> io::Result<Film> {
+fn read_film(input: &mut impl Read, subject: &Subject, bounds: &Bounds) -> io::Result<Film> {
     let mut film = subject.film().map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
     for i in 0..subject.area.len() {
-        film.at_mut(i).0.samples = get(input)?;
+        let samples = get(input)?;
+        bounds.check_count(samples).map_err(damaged)?;
+        film.at_mut(i).0.samples = samples;
     }
     for i in 0..subject.area.len() {
         let (pixel, spread) = film.at_mut(i);
-        if pixel.samples > 0 {
-            read_pixel(input, pixel, spread, subject.samples.is_some())?;
-            if let Some(features) = film.features_mut(i) {
-                *features = Features { albedo: get_color(input)?, normal: get_color(input)? };
-            }
+        if pixel.samples == 0 {
+            continue;
         }
+        read_pixel(input, pixel, spread, subject.samples.is_some())?;
+        if let Some(features) = film.features_mut(i) {
+            *features = Features { albedo: get_color(input)?, normal: get_color(input)? };
+        }
+        let (spread, features) = (film.spreads().get(i), film.features().get(i));
+        bounds.check_pixel(&film.pixels()[i], spread, features).map_err(damaged)?;
     }
     Ok(film)
 }
@@ -244,23 +248,22 @@ fn get_area(input: &mut impl Read) -> io::Result<Area> {
     if area.x0 < area.x1 && area.y0 < area.y1 { Ok(area) } else { Err(bad("it is damaged")) }
 }
 
-/// Three sums that have room for more.
 fn get_color(input: &mut impl Read) -> io::Result<[Fixed; 3]> {
     let mut bytes = [0; 24];
     input.read_exact(&mut bytes)?;
     let mut color = [Fixed::default(); 3];
     for (to, from) in color.iter_mut().zip(bytes.as_chunks::<8>().0) {
-        let units = i64::from_le_bytes(*from);
-        if units.unsigned_abs() > 1 << 62 {
-            return Err(bad("it is damaged"));
-        }
-        *to = Fixed::from_units(units);
+        *to = Fixed::from_units(i64::from_le_bytes(*from));
     }
     Ok(color)
 }
 
-fn bad(what: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, what)
+fn damaged(why: &str) -> io::Error {
+    bad(format!("it is damaged: {why}"))
+}
+
+fn bad(what: impl Into<String>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what.into())
 }
 
 /// Hashes what goes through it.
@@ -290,76 +293,4 @@ impl<T: Read> Read for Hashed<T> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn state(with_spreads: bool, samples: Option<std::ops::Range<u32>>) -> State {
-        let area = Area { x0: 8, y0: 0, x1: 16, y1: 5 };
-        let mut film = Film::new(area, with_spreads).unwrap();
-        if with_spreads {
-            film = film.with_features().unwrap();
-        }
-        for i in 0..area.len() {
-            let (pixel, spread) = film.at_mut(i);
-            let value = |k: usize| [Fixed::from_units((i * k) as i64 - 50); 3];
-            let samples = i as u32 % 4;
-            if samples > 0 {
-                let base = if samples > 1 { value(3) } else { [Fixed::default(); 3] };
-                *pixel = Pixel { sum: value(7), base, samples };
-                spread.into_iter().for_each(|spread| spread.add(value(2)));
-                if let Some(features) = film.features_mut(i) {
-                    *features = Features { albedo: value(5), normal: value(11) };
-                }
-            }
-        }
-        let region = Area { x0: 9, y0: 1, x1: 12, y1: 4 };
-        let recipe = "{}".into();
-        let with_features = with_spreads;
-        let subject = Subject { recipe, area, region, samples, with_spreads, with_features };
-        State { subject, film, is_complete: with_spreads }
-    }
-
-    #[test]
-    fn what_was_written_is_read() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("state");
-        for state in [state(false, None), state(true, None), state(false, Some(3..7))] {
-            write_state(&path, &state).unwrap();
-            assert_eq!(read_state(&path).unwrap(), state);
-        }
-    }
-
-    #[test]
-    fn every_damage_is_found() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("state");
-        write_state(&path, &state(true, None)).unwrap();
-        let whole = std::fs::read(&path).unwrap();
-        for length in 0..whole.len() {
-            std::fs::write(&path, &whole[..length]).unwrap();
-            assert!(read_state(&path).is_err(), "cut off at {length}");
-        }
-        for at in 0..whole.len() {
-            for bit in [0, 7] {
-                let mut damaged = whole.clone();
-                damaged[at] ^= 1 << bit;
-                std::fs::write(&path, &damaged).unwrap();
-                assert!(read_state(&path).is_err(), "bit {bit} of byte {at}");
-            }
-        }
-        std::fs::write(&path, [&whole[..], &[0]].concat()).unwrap();
-        assert!(read_state(&path).is_err(), "a byte more");
-    }
-
-    #[test]
-    fn a_small_file_never_asks_for_much_memory() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("state");
-        write_state(&path, &state(false, None)).unwrap();
-        let mut bytes = std::fs::read(&path).unwrap();
-        // The area's x1 and y1, behind magic, version and a recipe of two bytes.
-        bytes[26..34].copy_from_slice(&[0, 0, 1, 0, 0, 0, 1, 0]);
-        std::fs::write(&path, &bytes).unwrap();
-        assert_eq!(read_state(&path).unwrap_err().to_string(), "it is damaged");
-    }
-}
+mod tests;

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::values::limit;
+use super::numbers::count;
+use super::values::{Threads, limit, threads};
 
 /// What else the program does.
 #[derive(Debug, Subcommand)]
@@ -61,13 +62,13 @@ pub(in crate::cli) struct VerifyArgs {
     pub(in crate::cli) allow_outside: bool,
 
     /// Tiles of 32 x 32 pixels that are rendered again, chosen at random
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 8, allow_hyphen_values = true)]
+    #[arg(value_parser = |text: &str| count(text, 1..=u32::MAX, "8"))]
     pub(in crate::cli) tiles: u32,
 
     /// Threads (all)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub(in crate::cli) threads: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
+    pub(in crate::cli) threads: Option<Threads>,
 
     /// Help
     #[arg(short, long, action = clap::ArgAction::Help)]
@@ -88,27 +89,28 @@ pub(in crate::cli) struct CompareArgs {
     pub(in crate::cli) map: Option<PathBuf>,
 
     /// Fail where more pixels differ
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(value_parser = |text: &str| count(text, 0..=u64::MAX, "100"))]
     pub(in crate::cli) max_pixels: Option<u64>,
 
     /// Fail where the root mean square difference is larger
     #[arg(long, value_name = "X", value_parser = limit)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     pub(in crate::cli) max_rmse: Option<f64>,
 
     /// Fail where the relative mean square error is larger
     #[arg(long, value_name = "X", value_parser = limit)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     pub(in crate::cli) max_relative_mse: Option<f64>,
 
     /// Fail where the mean luminance is further from the reference's, as a share of it
     #[arg(long, value_name = "X", value_parser = limit)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     pub(in crate::cli) max_bias: Option<f64>,
 
     /// Fail where the mean of FLIP is larger
     #[arg(long, value_name = "X", value_parser = limit)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_hyphen_values = true)]
     pub(in crate::cli) max_flip: Option<f64>,
 
     /// Help
@@ -132,8 +134,8 @@ pub(in crate::cli) struct DenoiseArgs {
     pub(in crate::cli) library: Option<PathBuf>,
 
     /// Threads (all)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub(in crate::cli) threads: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
+    pub(in crate::cli) threads: Option<Threads>,
 
     /// Say nothing but warnings and errors
     #[arg(short, long)]
@@ -156,12 +158,13 @@ pub(in crate::cli) struct SheetArgs {
     pub(in crate::cli) output: PathBuf,
 
     /// Pictures in a row [as many as rows]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(value_parser = |text: &str| count(text, 1..=1000u32, "8"))]
     pub(in crate::cli) columns: Option<u32>,
 
     /// Width of each picture in pixels
-    #[arg(long, value_name = "N", default_value_t = 240)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "N", default_value_t = 240, allow_hyphen_values = true)]
+    #[arg(value_parser = |text: &str| count(text, 1..=4096u32, "240"))]
     pub(in crate::cli) width: u32,
 
     /// Help

@@ -2,6 +2,7 @@
 
 mod commands;
 mod frame_path;
+mod numbers;
 mod time;
 mod values;
 
@@ -13,11 +14,13 @@ use clap::builder::Styles;
 
 pub(super) use commands::{Command, CompareArgs, DenoiseArgs, MergeArgs, SheetArgs, VerifyArgs};
 pub(super) use frame_path::FramePath;
-pub(super) use values::{AcceleratorName, FormatName, LayerName, PartBy, Region, Size, When};
-use values::{noise, part, region, size, steps};
+pub(super) use values::{
+    AcceleratorName, FormatName, FrameChoice, LayerName, PartBy, Region, SizeChoice, Threads, When,
+};
+use values::{frames, noise, part, region, samples, seed, size, steps, threads};
 
 use super::progress::ProgressForm;
-use super::sequence::{Frames, Order};
+use super::sequence::Order;
 use crate::render::{Part, Steps};
 
 const ABOUT: &str = "Renders frames of a scene file: motion blur, depth of field, soft shadows, \
@@ -55,8 +58,8 @@ The pictures' paths go to standard output, all else to standard error.";
 const EXIT_CODES: &str = "\
 Exit codes:
     0  done
-    1  rendering failed, or a file could not be read or written; of a sequence
-       some frames failed, the others are there
+    1  rendering failed, memory does not suffice, or a file could not be read or
+       written; of a sequence some frames failed, the others are there
     2  the command line is wrong, or the scene has no such frame
    65  the scene, a mesh or a texture has errors
    66  an input file is missing or can't be read
@@ -101,30 +104,31 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "FILE", help_heading = WHAT)]
     pub(super) scene: Option<PathBuf>,
 
-    /// Frames, such as 15, 1-100, 1-100x5 or 3,-5--1 (0)
+    /// Frames, such as 15, 1-100, 1-100x5, 3,-5--1 or all (0)
     ///
     /// 1-100x5 is every fifth, 1-100y5 all but those, 1-100:5 every fifth and
     /// then the ones in between, ever denser. Of a range or a list, frames that
     /// are finished stay as they are.
-    #[arg(short, long, value_name = "FRAMES", help_heading = WHAT, value_parser = Frames::parse)]
+    #[arg(short, long, value_name = "FRAMES", help_heading = WHAT, value_parser = frames)]
     #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
-    pub(super) frame: Option<Frames>,
+    pub(super) frame: Option<FrameChoice>,
 
     /// Order of the frames: forward, reverse, or coarse (every 16th first)
     #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = Order::Forward, hide_default_value = true)]
+    #[arg(ignore_case = true)]
     pub(super) order: Order,
 
     /// Share the frames out with all that run this command on the folder
     ///
     /// On any machines. Each frame is rendered by one of them. A process that
-    /// gives no sign of life for so many seconds (60) is dead, and another one
-    /// goes on with its frame. Returns when all frames are there.
-    #[arg(long, value_name = "SECONDS", help_heading = WHAT, verbatim_doc_comment)]
+    /// gives no sign of life for so long (60s) is dead, and another one goes on
+    /// with its frame. Returns when all frames are there.
+    #[arg(long, value_name = "TIME", help_heading = WHAT, verbatim_doc_comment)]
     #[arg(num_args = 0..=1, require_equals = true, default_missing_value = "60")]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=86400))]
+    #[arg(value_parser = time::lease)]
     #[arg(conflicts_with_all = ["overwrite", "check"])]
-    pub(super) share: Option<u32>,
+    pub(super) share: Option<Duration>,
 
     /// A region of the picture, such as 320x180+0+90
     ///
@@ -146,6 +150,7 @@ pub(super) struct Args {
     /// What is shared out in parts: pixels or samples
     #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = PartBy::Pixels, hide_default_value = true)]
+    #[arg(ignore_case = true)]
     #[arg(requires = "part")]
     pub(super) part_by: PartBy,
 
@@ -186,13 +191,14 @@ pub(super) struct Args {
     #[arg(long, help_heading = WHERE, conflicts_with = "check")]
     pub(super) overwrite: bool,
 
-    /// Seconds between checkpoints of a frame; 0 for none (60)
+    /// Time between checkpoints of a frame, such as 5m; 0 for none (60s)
     ///
     /// A frame that was stopped, or killed, goes on from its last checkpoint. The
     /// file lies beside the picture, and is gone when the picture is there.
-    #[arg(long, value_name = "S", help_heading = WHERE, default_value_t = 60)]
-    #[arg(hide_default_value = true, allow_negative_numbers = true, verbatim_doc_comment)]
-    pub(super) checkpoint: u32,
+    #[arg(long, value_name = "TIME", help_heading = WHERE, default_value = "60")]
+    #[arg(hide_default_value = true, allow_hyphen_values = true, verbatim_doc_comment)]
+    #[arg(value_parser = time::interval)]
+    pub(super) checkpoint: Duration,
 
     /// Keep what is needed to add samples to a picture later
     ///
@@ -214,17 +220,18 @@ pub(super) struct Args {
     /// For denoisers: the share of light that surfaces send back, and the
     /// directions that they face, as channels of the same file.
     #[arg(long, value_name = "NAMES", help_heading = WHERE, hide_possible_values = true)]
-    #[arg(value_enum, value_delimiter = ',', verbatim_doc_comment)]
+    #[arg(value_enum, value_delimiter = ',', ignore_case = true, verbatim_doc_comment)]
     pub(super) layers: Vec<LayerName>,
 
     /// File format: png, png16 or exr
     #[arg(long, value_name = "NAME", help_heading = DRAFT, hide_possible_values = true)]
+    #[arg(ignore_case = true)]
     pub(super) format: Option<FormatName>,
 
-    /// Size of the picture in pixels, such as 320x180
+    /// Size of the picture, such as 320x180, 1080p, or 50% of the scene's
     #[arg(long, value_name = "WxH", help_heading = DRAFT, value_parser = size)]
     #[arg(allow_hyphen_values = true)]
-    pub(super) size: Option<Size>,
+    pub(super) size: Option<SizeChoice>,
 
     /// Camera samples per pixel
     ///
@@ -232,8 +239,7 @@ pub(super) struct Args {
     /// 1, and imageMinSamples becomes N where it is more. Samples of shadows and
     /// of glossy surfaces stay.
     #[arg(long, value_name = "N", help_heading = DRAFT, verbatim_doc_comment)]
-    #[arg(allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=65535))]
+    #[arg(allow_hyphen_values = true, value_parser = samples)]
     pub(super) samples: Option<u32>,
 
     /// Error at which a picture is clean enough, such as 0.01
@@ -242,7 +248,7 @@ pub(super) struct Args {
     /// 8 bits. Each block of 8 x 8 pixels takes samples until its estimated error
     /// is below, --samples at most (4096 without it).
     #[arg(long, value_name = "E", help_heading = DRAFT, value_parser = noise)]
-    #[arg(allow_negative_numbers = true, verbatim_doc_comment)]
+    #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(super) noise: Option<f32>,
 
     /// Time that a frame may take, such as 90s, 15m or 1h30m
@@ -272,7 +278,8 @@ pub(super) struct Args {
     pub(super) steps: Option<Steps>,
 
     /// Seed of the noise
-    #[arg(long, value_name = "N", help_heading = DRAFT, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", help_heading = DRAFT, value_parser = seed)]
+    #[arg(allow_hyphen_values = true)]
     pub(super) seed: Option<u64>,
 
     /// Structure for the rays: kdtree, bvh, cwbvh or none
@@ -284,10 +291,10 @@ pub(super) struct Args {
     #[arg(long, help_heading = DRAFT)]
     pub(super) spatial_splits: bool,
 
-    /// Threads [parallelThreads of the scene, or all]
-    #[arg(long, value_name = "N", help_heading = HOW, allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub(super) threads: Option<u32>,
+    /// Threads, or auto for all [parallelThreads of the scene, or all]
+    #[arg(long, value_name = "N", help_heading = HOW, allow_hyphen_values = true)]
+    #[arg(value_parser = threads)]
+    pub(super) threads: Option<Threads>,
 
     /// Say nothing but warnings and errors
     #[arg(short, long, help_heading = HOW)]
@@ -300,11 +307,13 @@ pub(super) struct Args {
     /// Progress: auto, plain, json, openjd, none
     #[arg(long, value_name = "FORM", help_heading = HOW, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = ProgressForm::Auto, hide_default_value = true)]
+    #[arg(ignore_case = true)]
     pub(super) progress: ProgressForm,
 
     /// Colour of messages: auto, always, never
     #[arg(long, value_name = "WHEN", help_heading = HOW, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = When::Auto, hide_default_value = true)]
+    #[arg(ignore_case = true)]
     pub(super) color: When,
 
     /// Read the scene and all its files, report, render nothing
@@ -333,174 +342,4 @@ pub(super) struct Args {
 }
 
 #[cfg(test)]
-mod tests {
-    use clap::{CommandFactory, ValueEnum};
-
-    use super::*;
-    use crate::scene::Accelerator;
-
-    #[test]
-    fn the_definition_is_sound() {
-        Args::command().debug_assert();
-    }
-
-    fn parse(typed: &str) -> Result<Args, clap::Error> {
-        Args::try_parse_from(format!("slo-rt {typed}").trim().split(' '))
-    }
-
-    #[test]
-    fn frames_may_be_negative() {
-        for typed in ["-f -5", "-f=-5", "-f-5", "--frame -5", "--frame=-5"] {
-            assert_eq!(parse(typed).unwrap().frame, Some(Frames::single(-5)), "{typed}");
-        }
-        for typed in ["-f -5--1,3", "--frame=-5--1,3", "-f-5--1,3"] {
-            let frames = parse(typed).unwrap().frame.unwrap();
-            assert_eq!(frames.numbers, [-5, -4, -3, -2, -1, 3], "{typed}");
-        }
-        assert_eq!(parse("-f 15").unwrap().frame, Some(Frames::single(15)));
-        assert_eq!(parse("").unwrap().frame, None);
-    }
-
-    #[test]
-    fn the_spelling_of_the_thesis_works() {
-        assert_eq!(parse("--outdit x").unwrap().outdir, Some("x".into()));
-        assert!(!Args::command().render_long_help().to_string().contains("outdit"));
-    }
-
-    #[test]
-    fn sizes() {
-        assert_eq!(size("320x180"), Ok(Size { width: 320, height: 180 }));
-        assert_eq!(size("65536X1"), Ok(Size { width: 65536, height: 1 }));
-        for bad in ["", "x", "320", "0x5", "5x0", "65537x1", "-1x5", "1x2x3", "1.5x2", "1 x2"] {
-            assert!(size(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn regions_and_parts() {
-        let expected = Region { width: 320, height: 180, x: 0, y: 90 };
-        assert_eq!(region("320x180+0+90"), Ok(expected));
-        assert_eq!(expected.to_string(), "320x180+0+90");
-        for bad in ["320x180", "320x180+1", "0x5+1+1", "1x1+-1+0", "1x1+1+1+1"] {
-            assert!(region(bad).is_err(), "{bad}");
-        }
-        assert_eq!(part("3/10"), Ok(Part { number: 3, of: 10 }));
-        for bad in ["", "3", "0/3", "4/3", "1/0", "-1/3", "1/2/3"] {
-            assert!(part(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn commands_stand_alone() {
-        let merge = parse("merge a.part b.part --outdir out").unwrap();
-        assert!(matches!(merge.command, Some(Command::Merge(args)) if args.files.len() == 2));
-        assert!(parse("compare a.png b.png --max-flip 0.1 --map c.png").is_ok());
-        assert!(parse("verify a.png -s scene.txt --tiles 3").is_ok());
-        assert!(parse("sheet a.png b.png --columns 2").is_ok());
-        assert!(parse("denoise a.exr b.png --outdir out --library lib.so --threads 2").is_ok());
-        for limit in ["nan", "-0.1", "inf", "x"] {
-            for name in ["rmse", "relative-mse", "bias", "flip"] {
-                assert!(parse(&format!("compare a b --max-{name} {limit}")).is_err(), "{limit}");
-            }
-        }
-        for bad in ["merge", "merge a -f 3", "-f 3 merge a", "help", "compare a", "sheet", "verify"]
-        {
-            assert!(parse(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn wrong_values_are_refused() {
-        for bad in [
-            "-f x",
-            "-f 1.5",
-            "-f 99999999999999999999",
-            "-f",
-            "-f --quiet",
-            "-f 1-5 --order random",
-            "--progress loud",
-            "--overwrite --skip-existing",
-            "--overwrite --share",
-            "--share=0",
-            "--checkpoint -1",
-            "--time 0",
-            "--time 5x",
-            "--time 5s --noise 0.1",
-            "--time 5s --part 1/2",
-            "-f 1-3 --total-time 0",
-            "-f 1-3 --total-time 5s --time 1s",
-            "-f 1-3 --total-time 5s --noise 0.1",
-            "-f 1-3 --total-time 5s --steps 5,0",
-            "-f 1-3 --total-time 5s --part 1/2",
-            "-f 1-3 --total-time 5s --region 4x4+0+0",
-            "-f 1-3 --total-time 5s --share",
-            "-f 1-3 --total-time 5s --info",
-            "--steps 5",
-            "--steps 99,0",
-            "--noise 0",
-            "--noise -1",
-            "--noise nan",
-            "--noise 2",
-            "--part-by samples",
-            "--part 1/2 --info",
-            "--threads 0",
-            "--samples 0",
-            "--samples 65536",
-            "--samples -1",
-            "--seed -1",
-            "--accelerator tree",
-            "--color blue",
-            "--layers depth",
-            "--layers albedo,",
-            "--layers",
-            "--format jpeg",
-            "--indir x",
-            "--quiet --verbose",
-            "scene.txt",
-            "--recipe a --check",
-            "-f 1 -f 2",
-            "--frame= ",
-        ] {
-            assert!(parse(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn numbers_below_their_range_are_told_the_range() {
-        for (typed, said) in [("--samples -3", "1..=65535"), ("--threads -1", "1..=4096")] {
-            let error = parse(typed).unwrap_err().to_string();
-            assert!(error.contains(said), "{error}");
-        }
-        for (typed, said) in [
-            ("--time -5s", "expected a time"),
-            ("-f 1-2 --total-time -1h", "expected a time"),
-            ("--steps -1,0", "expected a step"),
-            ("--size -4x4", "each side"),
-            ("--part -1/3", "expected a number"),
-            ("--region -4x4+0+0", "each side"),
-            ("--noise 1e-50", "too close to 0"),
-        ] {
-            let error = parse(typed).unwrap_err().to_string();
-            assert!(error.contains(said), "{error}");
-        }
-        assert!(parse("--seed -1").unwrap_err().to_string().contains("'--seed <N>'"));
-    }
-
-    #[test]
-    fn accelerators_may_be_spelt_as_in_scenes() {
-        for (name, accelerator) in Accelerator::NAMES {
-            for name in [name.to_owned(), name.to_lowercase()] {
-                let parsed = parse(&format!("--accelerator {name}")).unwrap().accelerator;
-                assert_eq!(parsed.map(Accelerator::from), Some(accelerator), "{name}");
-            }
-        }
-    }
-
-    #[test]
-    fn every_accelerator_of_the_scene_language_has_its_name() {
-        let names = AcceleratorName::value_variants()
-            .iter()
-            .map(|v| v.to_possible_value().unwrap().get_name().to_ascii_uppercase());
-        assert!(names.eq(["KDTREE", "BVH", "CWBVH", "NONE"]));
-    }
-}
+mod tests;

@@ -4,6 +4,8 @@ use std::fmt;
 
 use clap::ValueEnum;
 
+use super::numbers::{count, real, whole};
+use crate::cli::sequence::Frames;
 use crate::film::Layer;
 use crate::render::{Part, Steps};
 use crate::scene::{Accelerator, OutputFormat};
@@ -43,36 +45,42 @@ impl PartBy {
 
 /// Parses `WxH+X+Y`.
 pub(super) fn region(text: &str) -> Result<Region, String> {
-    let expected = || "expected width x height + column + row, such as 320x180+0+90".to_owned();
+    let expected =
+        || "expected width x height + column + row in pixels, such as 320x180+0+90".to_owned();
     let (sides, place) = text.split_once('+').ok_or_else(expected)?;
-    let Size { width, height } = size(sides)?;
+    let Size { width, height } = pixels(sides).ok_or_else(expected)?;
     let (x, y) = place.split_once('+').ok_or_else(expected)?;
-    match (x.parse(), y.parse()) {
-        (Ok(x), Ok(y)) => Ok(Region { width, height, x, y }),
+    let number = |text| whole(text).and_then(|number| u32::try_from(number).ok());
+    match (number(x), number(y)) {
+        (Some(x), Some(y)) => Ok(Region { width, height, x, y }),
         _ => Err(expected()),
     }
 }
 
 /// Parses an error.
 pub(super) fn noise(text: &str) -> Result<f32, String> {
-    let error = text.parse().ok().filter(|error: &f64| *error > 0.0 && *error <= 1.0);
+    let error = real(text).filter(|error| *error > 0.0 && *error <= 1.0);
     match error.map(|error| error as f32) {
-        Some(0.0) => Err("it is too close to 0".into()),
-        error => error.ok_or_else(|| "an error is more than 0 and at most 1, such as 0.01".into()),
+        Some(0.0) => Err("it is too close to 0; 0.01 is a usual error".into()),
+        error => error
+            .ok_or_else(|| "expected an error above 0 and at most 1, such as 0.01 or 1%".into()),
     }
 }
 
 /// Parses a distance that is allowed.
 pub(super) fn limit(text: &str) -> Result<f64, String> {
-    let limit = text.parse().ok().filter(|limit: &f64| limit.is_finite() && *limit >= 0.0);
-    limit.ok_or_else(|| "a limit is 0 or more, such as 0.01".into())
+    let limit = real(text).filter(|limit| *limit >= 0.0);
+    limit.ok_or_else(|| "expected a limit of 0 or more, such as 0.01 or 1%".into())
 }
 
-/// Parses `STEP,TILES`.
+/// Parses `STEP,TILES`, also as a recipe has it, in brackets.
 pub(super) fn steps(text: &str) -> Result<Steps, String> {
-    let numbers = text
+    let inside = text.trim().strip_prefix('[').and_then(|text| text.strip_suffix(']'));
+    let number = |text| whole(text).and_then(|number| u32::try_from(number).ok());
+    let numbers = inside
+        .unwrap_or(text)
         .split_once(',')
-        .and_then(|(step, tiles)| Some((step.trim().parse().ok()?, tiles.trim().parse().ok()?)));
+        .and_then(|(step, tiles)| Some((number(step)?, number(tiles)?)));
     match numbers {
         Some((done, tiles)) if done <= Steps::LAST => Ok(Steps { done, tiles }),
         _ => Err(format!(
@@ -82,12 +90,75 @@ pub(super) fn steps(text: &str) -> Result<Steps, String> {
     }
 }
 
-/// Parses `K/N`.
+/// Parses `K/N`, also as names of files have it: `K-of-N`.
 pub(super) fn part(text: &str) -> Result<Part, String> {
-    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    let number = |text| whole(text).and_then(|number| u32::try_from(number).ok());
+    let numbers = text.split_once('/').or_else(|| text.split_once("-of-"));
+    let numbers = numbers.and_then(|(k, n)| Some((number(k)?, number(n)?)));
     match numbers {
         Some((number, of)) if (1..=of).contains(&number) => Ok(Part { number, of }),
         _ => Err("expected a number and how many parts there are, such as 3/10".into()),
+    }
+}
+
+/// Parses a number of samples.
+pub(super) fn samples(text: &str) -> Result<u32, String> {
+    count(text, 1..=65_535, "64")
+}
+
+/// Parses a seed.
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    count(text, 0..=u64::MAX, "7")
+}
+
+/// `--threads`
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::cli) enum Threads {
+    /// As many as the machine has processors, whatever the scene says.
+    All,
+    Count(u32),
+}
+
+/// Parses a number of threads.
+pub(super) fn threads(text: &str) -> Result<Threads, String> {
+    if ["auto", "all"].iter().any(|word| text.trim().eq_ignore_ascii_case(word)) {
+        return Ok(Threads::All);
+    }
+    let count = count(text, 1..=4096, "4").map(Threads::Count);
+    count.map_err(|expected| format!("{expected}, or `auto` for all of the machine"))
+}
+
+/// `--frame`
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(in crate::cli) enum FrameChoice {
+    /// All that the scene has.
+    All,
+    These(Frames),
+}
+
+impl FrameChoice {
+    /// Whether a range or a list was asked for, even if one frame is in it.
+    pub(in crate::cli) fn is_sequence(&self) -> bool {
+        match self {
+            Self::All => true,
+            Self::These(frames) => frames.is_sequence,
+        }
+    }
+
+    /// Whether more than one frame may be in it.
+    pub(in crate::cli) fn is_several(&self) -> bool {
+        match self {
+            Self::All => true,
+            Self::These(frames) => frames.numbers.len() > 1,
+        }
+    }
+}
+
+/// Parses frames, or `all`.
+pub(super) fn frames(text: &str) -> Result<FrameChoice, String> {
+    match text.trim().eq_ignore_ascii_case("all") {
+        true => Ok(FrameChoice::All),
+        false => Frames::parse(text).map(FrameChoice::These),
     }
 }
 
@@ -96,6 +167,29 @@ pub(super) fn part(text: &str) -> Result<Part, String> {
 pub(in crate::cli) struct Size {
     pub(in crate::cli) width: u32,
     pub(in crate::cli) height: u32,
+}
+
+/// `--size`, as typed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::cli) enum SizeChoice {
+    Pixels(Size),
+    /// Of each side of the scene's picture.
+    Share(f64),
+}
+
+impl SizeChoice {
+    /// The size where the scene's picture has `width` x `height` pixels.
+    pub(in crate::cli) fn of(self, width: u32, height: u32) -> Size {
+        match self {
+            Self::Pixels(size) => size,
+            Self::Share(share) => {
+                let side = |side: u32| {
+                    (f64::from(side) * share).round().clamp(1.0, f64::from(LARGEST_SIDE)) as u32
+                };
+                Size { width: side(width), height: side(height) }
+            }
+        }
+    }
 }
 
 /// `--layers`
@@ -117,8 +211,11 @@ impl From<LayerName> for Layer {
 /// `--format`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum FormatName {
+    #[value(aliases = ["png8", "png_image"])]
     Png,
+    #[value(alias = "png16_image")]
     Png16,
+    #[value(aliases = ["openexr", "exr_image"])]
     Exr,
 }
 
@@ -161,14 +258,42 @@ pub(in crate::cli) enum When {
     Never,
 }
 
-/// Parses `WxH`.
-pub(super) fn size(text: &str) -> Result<Size, String> {
-    let side = |text: &str| text.parse().ok().filter(|side| (1..=65536).contains(side));
-    let (width, height) = text
-        .split_once(['x', 'X', '×'])
-        .ok_or("expected width x height in pixels, such as 320x180")?;
-    match (side(width), side(height)) {
-        (Some(width), Some(height)) => Ok(Size { width, height }),
-        _ => Err("each side is a whole number from 1 to 65536".into()),
+const LARGEST_SIDE: u32 = 65_536;
+
+/// Sizes with names.
+const NAMED: [(&str, [u32; 2]); 7] = [
+    ("720p", [1280, 720]),
+    ("1080p", [1920, 1080]),
+    ("1440p", [2560, 1440]),
+    ("2160p", [3840, 2160]),
+    ("4k", [3840, 2160]),
+    ("4320p", [7680, 4320]),
+    ("8k", [7680, 4320]),
+];
+
+/// Parses `WxH`, a name, or a share.
+pub(super) fn size(text: &str) -> Result<SizeChoice, String> {
+    let text = text.trim();
+    if let Some((_, [width, height])) =
+        NAMED.into_iter().find(|(name, _)| name.eq_ignore_ascii_case(text))
+    {
+        return Ok(SizeChoice::Pixels(Size { width, height }));
     }
+    let share =
+        || real(text).filter(|share| text.ends_with('%') && *share > 0.0 && *share <= 100.0);
+    let found = pixels(text).map(SizeChoice::Pixels).or_else(|| share().map(SizeChoice::Share));
+    found.ok_or_else(|| {
+        format!(
+            "expected width x height in pixels, each from 1 to {LARGEST_SIDE}, such as 320x180, \
+             a size with a name, such as 1080p or 4k, or a share of the scene's, such as 50%"
+        )
+    })
+}
+
+/// Parses `WxH`.
+fn pixels(text: &str) -> Option<Size> {
+    let (width, height) = text.split_once(['x', 'X', '×'])?;
+    let side = |text: &str| whole(text).and_then(|side| u32::try_from(side).ok());
+    let side = |text: &str| side(text).filter(|side| (1..=LARGEST_SIDE).contains(side));
+    Some(Size { width: side(width)?, height: side(height)? })
 }

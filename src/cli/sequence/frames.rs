@@ -1,6 +1,7 @@
 //! Frames as studios write them: `1-100x5,120,-5--1`.
 
 use std::collections::HashSet;
+use std::ops::RangeInclusive;
 
 /// More frames than this in one run are a slip of the finger.
 const MOST: u128 = 1_000_000;
@@ -22,6 +23,23 @@ impl Frames {
     /// The one frame `number`.
     pub(in crate::cli) fn single(number: i64) -> Self {
         Self { numbers: vec![number], is_sequence: false }
+    }
+
+    /// All frames of some ranges, which have none in common.
+    ///
+    /// # Errors
+    /// None or too many, in words for the user.
+    pub(in crate::cli) fn of_ranges(ranges: Vec<RangeInclusive<i64>>) -> Result<Self, String> {
+        let span = |range: &RangeInclusive<i64>| {
+            if range.is_empty() { 0 } else { range.end().abs_diff(*range.start()) as u128 + 1 }
+        };
+        match ranges.iter().map(span).sum::<u128>() {
+            0 => Err("the scene's camera has no frame".into()),
+            count if count > MOST => {
+                Err(format!("the scene has {count} frames; at most {MOST} in one run"))
+            }
+            _ => Ok(Self { numbers: ranges.into_iter().flatten().collect(), is_sequence: true }),
+        }
     }
 
     /// Frames as typed.
@@ -61,7 +79,8 @@ enum Step {
     Staggered(u64),
 }
 
-const EXPECTED: &str = "frames are written as 15, 1-100, 1-100x5, 1-100y5 or 1-100:5, with commas";
+const EXPECTED: &str = "frames are written such as 15, 1-100, 1-100x5, 1-100y5 or 1-100:5, with \
+                        commas, or all";
 
 impl Term {
     fn parse(text: &str) -> Result<Self, String> {
@@ -141,7 +160,9 @@ fn integer(text: &str) -> Result<(i64, &str), String> {
         let found = if text.is_empty() { "nothing".into() } else { format!("`{text}`") };
         return Err(format!("a number was expected, not {found}; {EXPECTED}"));
     }
-    let value = number.parse().map_err(|_| format!("`{number}` is beyond all frames"))?;
+    let value = number
+        .parse()
+        .map_err(|_| format!("`{number}` is beyond all frames, such as 15 or 1-100"))?;
     Ok((value, rest))
 }
 
@@ -218,6 +239,15 @@ mod tests {
         ] {
             assert!(Frames::parse(bad).is_err(), "{bad:?}");
         }
+    }
+
+    #[test]
+    fn the_frames_of_a_scene() {
+        let none = RangeInclusive::new(7, 6);
+        let frames = Frames::of_ranges(vec![-1..=1, none.clone(), 8..=9]).unwrap();
+        assert_eq!((frames.numbers, frames.is_sequence), (vec![-1, 0, 1, 8, 9], true));
+        assert!(Frames::of_ranges(vec![none]).is_err());
+        assert!(Frames::of_ranges(vec![i64::MIN..=i64::MAX]).is_err());
     }
 
     #[test]

@@ -23,7 +23,7 @@ use super::render::{Done, Studio};
 use super::room::Needs;
 use super::summary::Summary;
 use super::target::Target;
-use super::terminal::{Terminal, print};
+use super::terminal::{Terminal, counted, print};
 use super::{Exit, interrupt, load};
 use crate::accel::Accelerator;
 use crate::frame::FrameScene;
@@ -39,6 +39,7 @@ pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
     let _guard = (!job.dry_run).then(Guard::new);
     let threads = load::threads(job.threads)?;
     let scene = threads.install(|| load::scene(job, terminal))?;
+    let job = &job.for_scene(&scene)?;
     let go = || render(job, &scene, terminal, start);
     match (job.threads, scene.settings.parallel_threads) {
         (None, Some(asked)) => load::threads(Some(asked as usize))?.install(go),
@@ -56,7 +57,7 @@ fn render(
     let target = Target::new(job, scene)?;
     let steps = plan::steps(job, scene, &target);
     if job.dry_run {
-        return dry_run::tell(&steps, terminal);
+        return dry_run::tell(steps, terminal);
     }
     if let Some(first) = steps.iter().find(|step| step.is_to_render()) {
         let subject = target.subject(first.frame);
@@ -211,7 +212,8 @@ impl Run<'_> {
             self.summary.tell(self.studio.scene, terminal);
         }
         if self.is_sequence && self.found > 0 {
-            terminal.note(format_args!("{} frames were there already", self.found));
+            let were = if self.found == 1 { "was" } else { "were" };
+            terminal.note(format_args!("{} {were} there already", counted(self.found, "frame")));
         }
         if let Some(why) = self.late {
             terminal.note(why);
@@ -222,7 +224,8 @@ impl Run<'_> {
             failed => {
                 let frames: Vec<i64> = self.failures.iter().map(|failure| failure.0).collect();
                 let all = self.summary.frames + self.found + failed;
-                let message = format!("{failed} of {all} frames failed: {}", shown(&frames));
+                let message =
+                    format!("{failed} of {} failed: {}", counted(all, "frame"), shown(&frames));
                 Err(Problem::new(exit(&self.failures, failed == all), message))
             }
         }

@@ -60,6 +60,8 @@ fn the_same_command_again_renders_what_is_missing_damaged_or_stale() {
         ]
     );
     assert!(listed.said.contains("4 of 7 frames to render"), "{}", listed.said);
+    assert_eq!(listed.exit, 1, "a frame fails, as in the run");
+    assert!(listed.said.contains("does not have 1 of 7 frames: 26"), "{}", listed.said);
     assert_eq!(folder.printed(frames), printed);
     assert_eq!(folder.read("ball_00002.png"), whole);
     assert_eq!(changed(&folder, "ball_00004.png"), old);
@@ -107,6 +109,37 @@ fn bad_frames_do_not_stop_the_others() {
     let run = folder.run("-s scene.txt -f 26-28");
     assert_eq!(run.exit, 2, "{}", run.said);
     assert!(run.said.contains("3 of 3 frames failed: 26-28"), "{}", run.said);
+}
+
+#[test]
+fn a_dry_run_ends_as_the_run_does() {
+    let folder = Folder::new();
+    for (frames, exit) in [("0-2", 0), ("26", 2), ("26-28", 2), ("-5", 2), ("25-26", 1)] {
+        let dry = folder.run(&format!("-s scene.txt -f {frames} --dry-run"));
+        let run = folder.run(&format!("-s scene.txt -f {frames} -q -od out"));
+        assert_eq!((dry.exit, run.exit), (exit, exit), "{frames}: {} {}", dry.said, run.said);
+    }
+    let one = folder.run("-s scene.txt -f 26 --dry-run");
+    assert!(one.said.contains("0 of 1 frame to render"), "{}", one.said);
+    assert!(one.said.contains("frame 26 (1.04 s of the video) lies in no"), "{}", one.said);
+}
+
+#[test]
+fn all_frames_of_the_scene() {
+    let folder = Folder::with_scene(&SCENE.replace("videoEnd 1", "videoEnd 0.1"));
+    let all = "ball_00000.png\nball_00001.png\nball_00002.png\n";
+    assert_eq!(folder.printed("-q -s scene.txt -f all"), all);
+    let again = folder.run("-s scene.txt --frame ALL --order reverse");
+    assert!(again.said.contains("3 frames were there already"), "{}", again.said);
+    assert_eq!(folder.run("-s scene.txt -f all --check").exit, 0);
+    let planned = folder.printed("-s scene.txt -f all --dry-run --overwrite");
+    assert_eq!(planned.lines().count(), 3);
+    let run = folder.run("-s scene.txt -f all --sample-map map.png");
+    assert_eq!(run.exit, 2, "each frame needs a map of its own: {}", run.said);
+    folder.write("long.txt", SCENE.replace("videoEnd 1", "videoEnd 1e9"));
+    let run = folder.run("-s long.txt -f all");
+    assert_eq!(run.exit, 2, "{}", run.said);
+    assert!(run.said.contains("at most 1000000 in one run"), "{}", run.said);
 }
 
 #[test]

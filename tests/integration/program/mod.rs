@@ -8,6 +8,7 @@ mod exit_codes;
 #[cfg(unix)]
 mod failures;
 mod frames;
+mod huge;
 mod layers;
 mod parts;
 mod pictures;

@@ -113,13 +113,20 @@ fn parts_that_are_no_whole_are_refused_by_name() {
         for said in said {
             assert!(run.said.contains(said), "{files:?}: no `{said}` in {}", run.said);
         }
-        assert!(!folder.path().join("m/ball_00000.png").exists(), "{files:?}");
+        assert!(!folder.path().join("m").exists(), "{files:?}");
     };
     let [one, two, three] = [1, 2, 3].map(part);
-    check(&[&one, &three], 65, &["a part is missing", "pixels"]);
+    check(&[&one, &three], 65, &["part 2 of 3 is missing: ", " pixels, the first in column 32"]);
+    check(&[&one], 65, &["parts 2 and 3 of 3 are missing: ", "one part of `ball_00000`"]);
+    folder.write("renamed.part", folder.read(&one));
+    check(&["renamed.part"], 65, &["a part is missing: ", " pixels, the first in column 32"]);
     check(&[&one, &two, &two, &three], 65, &[&two, "the same pixels"]);
     check(&[&one, "half/ball_00000.pixels-2-of-2.part"], 65, &["half/", "the same pixels"]);
-    check(&["half/ball_00000.samples-2-of-2.part"], 65, &["samples 0 to 5"]);
+    check(
+        &["half/ball_00000.samples-2-of-2.part"],
+        65,
+        &["part 1 of 2 is missing: samples 0 to 5 of"],
+    );
     check(&[&one, &two, "other/ball_00000.pixels-3-of-3.part"], 65, &["other/", "seed: 7"]);
     check(&["none.part"], 66, &["none.part"]);
     check(&["scene.txt"], 65, &["scene.txt", "no state of slo-rt"]);
@@ -140,6 +147,49 @@ fn parts_that_are_no_whole_are_refused_by_name() {
     folder.write(renamed, folder.read("ball_00001.pixels-1-of-1.part"));
     check(&["ball_00000.pixels-1-of-1.part", renamed], 65, &["two frames", "m/ball_00000.png"]);
     check(&[], 2, &["FILES"]);
+}
+
+#[test]
+fn a_part_of_no_samples_is_refused() {
+    let folder = Folder::new();
+    let run = folder.run("-s scene.txt --part 1/3 --part-by samples");
+    assert_eq!((run.exit, folder.names().len()), (2, 0), "{}", run.said);
+    assert!(run.said.contains("more parts than samples"), "{}", run.said);
+    assert_eq!(folder.run("-q -s scene.txt --part 2/2 --part-by samples").exit, 0);
+}
+
+/// A state that says that it is of a picture with more pixels than any memory holds.
+#[test]
+fn a_small_part_of_a_huge_picture_is_refused() {
+    let folder = Folder::new();
+    folder.printed("-q -s scene.txt --region 8x8+0+0 --part 1/1");
+    let name = "ball_00000_region=8x8+0+0.pixels-1-of-1.part";
+    let bytes = folder.read(name);
+    let text = String::from_utf8_lossy(&bytes);
+    let start = text.find('{').unwrap();
+    let recipe = &text[start..=text.find('}').unwrap()];
+    let huge = recipe.replace("\"width\": 16", "\"width\": 65536");
+    let huge = huge.replace("\"height\": 9", "\"height\": 65536");
+    let length = (huge.len() as u32).to_le_bytes();
+    let body = &bytes[start + recipe.len()..bytes.len() - 32];
+    let mut part = [&bytes[..start - 4], &length, huge.as_bytes(), body].concat();
+    let hash = blake3::hash(&part);
+    part.extend_from_slice(hash.as_bytes());
+    folder.write(name, &part);
+    let run = folder.run(&format!("merge -od m {name}"));
+    assert_eq!(run.exit, 0, "a region alone is a picture: {}", run.said);
+    // A second region makes it the whole picture, most of which is missing.
+    folder.printed("-q -s scene.txt --region 8x8+8+0 --part 1/1");
+    let name2 = "ball_00000_region=8x8+8+0.pixels-1-of-1.part";
+    let second = folder.read(name2);
+    let body = &second[start + recipe.len()..second.len() - 32];
+    let mut part = [&second[..start - 4], &length, huge.as_bytes(), body].concat();
+    let hash = blake3::hash(&part);
+    part.extend_from_slice(hash.as_bytes());
+    folder.write(name2, &part);
+    let run = folder.run(&format!("merge -od n {name} {name2}"));
+    assert_eq!(run.exit, 65, "{}", run.said);
+    assert!(run.said.contains("missing: 4294967168 pixels or more"), "{}", run.said);
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn pictures_are_verified() {
     let exr = folder();
     exr.write("exr.txt", SCENE.replace("PNG_IMAGE", "EXR_IMAGE"));
     exr.printed("-q -s exr.txt -f 7");
-    assert_eq!(exr.printed("verify ball_00007.exr -s exr.txt"), "same\tball_00007.exr\t1 tiles\n");
+    assert_eq!(exr.printed("verify ball_00007.exr -s exr.txt"), "same\tball_00007.exr\t1 tile\n");
     let folder = folder();
     folder.printed("-q -s scene.txt -f 7 --seed 3 --noise 0.02");
     folder.printed("-q -s scene.txt -f 8 --region 60x50+33+11");
@@ -102,7 +102,7 @@ fn pictures_are_verified() {
         ]
     );
     assert_eq!(run.exit, 1);
-    let said = "1 of 5 pictures are not what their recipes make here; 3 of 5 pictures can't be";
+    let said = "1 of 5 pictures is not what its recipe makes here; 3 of 5 pictures can't be";
     assert!(run.said.contains(said), "{}", run.said);
     let run =
         folder.run("verify gone.png scene.txt ball_00008_region=60x50+33+11.png -s scene.txt");
