@@ -3,11 +3,13 @@
 use std::ffi::OsString;
 use std::fs;
 use std::io;
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::patience;
 use super::terminal::Terminal;
 use crate::film::{Film, State, Subject, TooLarge};
 use crate::output::{
@@ -144,9 +146,9 @@ impl Checkpoint {
     }
 
     /// Writes what is known at this moment; that it can't be written is a warning, said once.
-    pub(super) fn keep(&self, film: Film, steps: Steps) {
+    pub(super) fn keep(&self, mut film: Film, steps: Steps) {
         let start = Instant::now();
-        if let Err(error) = self.save(film, steps, false)
+        if let Err(error) = self.save(&mut film, steps, false)
             && !self.failed.swap(true, Ordering::Relaxed)
         {
             let path = self.unfinished.display();
@@ -161,21 +163,29 @@ impl Checkpoint {
     ///
     /// # Errors
     /// What the system says.
-    pub(super) fn save(&self, film: Film, steps: Steps, is_complete: bool) -> io::Result<()> {
-        self.write(&self.unfinished, film, steps, is_complete)
+    pub(super) fn save(&self, film: &mut Film, steps: Steps, is_complete: bool) -> io::Result<()> {
+        self.with_state(film, steps, is_complete, |state| write_state(&self.unfinished, state))
+    }
+
+    /// The same as soon as it works.
+    ///
+    /// # Errors
+    /// As [`patience::write`].
+    pub(super) fn save_patiently(&self, film: &mut Film, steps: Steps) -> io::Result<()> {
+        self.with_state(film, steps, true, |state| self.write_patiently(&self.unfinished, state))
     }
 
     /// Keeps what is known of a finished picture, unless what is kept already has more samples of
     /// it, which is said.
     ///
     /// # Errors
-    /// What the system says.
-    pub(super) fn keep_finished(&self, film: Film, steps: Steps) -> io::Result<()> {
+    /// As [`patience::write`].
+    pub(super) fn keep_finished(&self, film: &mut Film, steps: Steps) -> io::Result<()> {
         let path = self.kept.display();
         if let Ok(State { subject, film: there, .. }) = read_state(&self.kept) {
             let is_same = subject.same_place(&self.subject)
                 && has_same_samples(&subject.recipe, &self.subject.recipe);
-            if is_same && samples(&there) > samples(&film) {
+            if is_same && samples(&there) > samples(film) {
                 let more = "has more samples than this picture, and stays as it is";
                 self.terminal.warn(format_args!("`{path}` {more}"));
                 return Ok(());
@@ -185,7 +195,7 @@ impl Checkpoint {
                 self.terminal.warn(format_args!("`{path}` {other}"));
             }
         }
-        self.write(&self.kept, film, steps, true)
+        self.with_state(film, steps, true, |state| self.write_patiently(&self.kept, state))
     }
 
     /// Where what is known of an unfinished frame lies.
@@ -198,9 +208,23 @@ impl Checkpoint {
         &self.kept
     }
 
-    fn write(&self, path: &Path, film: Film, steps: Steps, is_complete: bool) -> io::Result<()> {
+    fn write_patiently(&self, path: &Path, state: &State) -> io::Result<()> {
+        patience::write(path, self.terminal, || write_state(path, state))
+    }
+
+    /// What `write` makes of a state that takes the film in, and gives it back: there may not be memory for two.
+    fn with_state(
+        &self,
+        film: &mut Film,
+        steps: Steps,
+        is_complete: bool,
+        write: impl FnOnce(&State) -> io::Result<()>,
+    ) -> io::Result<()> {
         let subject = Subject { recipe: self.recipe(steps), ..self.subject.clone() };
-        write_state(path, &State { subject, film, is_complete })
+        let state = State { subject, film: mem::take(film), is_complete };
+        let written = write(&state);
+        *film = state.film;
+        written
     }
 
     /// The recipe of a film that is to be taken to `steps`, where the clock decides about them.

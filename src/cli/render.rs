@@ -113,7 +113,7 @@ impl Studio<'_> {
     fn put_in_place(
         &self,
         frame: i64,
-        film: Film,
+        mut film: Film,
         steps: Option<Steps>,
         path: &Path,
         checkpoint: &Checkpoint,
@@ -122,16 +122,15 @@ impl Studio<'_> {
         let is_open = self.job.total_time.is_some();
         if is_open {
             // Before the picture, which is taken for finished where it is alone.
-            let (state, keep) =
-                (checkpoint.unfinished(), || checkpoint.save(film.clone(), reached, true));
-            patience::write(state, self.terminal, keep)
-                .map_err(|error| cant_write(state, &error))?;
+            checkpoint
+                .save_patiently(&mut film, reached)
+                .map_err(|error| cant_write(checkpoint.unfinished(), &error))?;
         }
-        let outcome = self.save(frame, &film, steps, path, checkpoint)?;
+        let outcome = self.save(frame, &mut film, steps, path, checkpoint)?;
         let maps = self.target.write_maps(frame, &film, self.terminal);
         let mut beside = maps.map_err(|(path, error)| cant_write(&path, &error));
         if self.job.keep_state && !is_open {
-            let kept = checkpoint.keep_finished(film, reached);
+            let kept = checkpoint.keep_finished(&mut film, reached);
             beside = beside.and(kept.map_err(|error| cant_write(checkpoint.kept(), &error)));
         }
         // Where the film could not be kept, what was known of it still is.
@@ -200,7 +199,7 @@ impl Studio<'_> {
     fn save(
         &self,
         frame: i64,
-        film: &Film,
+        film: &mut Film,
         steps: Option<Steps>,
         path: &Path,
         checkpoint: &Checkpoint,
@@ -208,7 +207,7 @@ impl Studio<'_> {
         let write = || self.target.write(frame, film, steps, path);
         let written = patience::write(path, self.terminal, write).map_err(|error| {
             let problem = cant_write(path, &error);
-            match checkpoint.save(film.clone(), steps.unwrap_or_default(), true) {
+            match checkpoint.save(film, steps.unwrap_or_default(), true) {
                 Ok(()) => problem.with_help("its samples are kept: run the same command again"),
                 Err(_) => problem,
             }
@@ -254,8 +253,8 @@ impl Observer for Watch<'_> {
     }
 }
 
-fn stopped(frame: i64, checkpoint: &Checkpoint, film: Film, steps: Steps) -> Problem {
-    match checkpoint.save(film, steps, false) {
+fn stopped(frame: i64, checkpoint: &Checkpoint, mut film: Film, steps: Steps) -> Problem {
+    match checkpoint.save(&mut film, steps, false) {
         Ok(()) => Problem::new(Exit::Stopped, format!("interrupted in frame {frame}"))
             .with_help("what is done of it is kept: the same command goes on from there"),
         Err(error) => {
@@ -266,13 +265,19 @@ fn stopped(frame: i64, checkpoint: &Checkpoint, film: Film, steps: Steps) -> Pro
 }
 
 fn cant_write(path: &Path, error: &io::Error) -> Problem {
-    Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
+    patience::problem(format_args!("write `{}`", path.display()), error)
 }
 
-/// The first frame makes the folder. One that vanishes later is waited for instead, since it may
-/// come back.
+/// The first frame makes the folder. One that vanishes later, or can't be used for a while, is waited
+/// for instead.
 pub(super) fn find_out_if_writable(path: &Path, is_first: bool) -> Result<(), Problem> {
-    let check = if is_first { check_writable(path) } else { check_free(path) };
+    let check = match is_first {
+        true => check_writable(path),
+        false => check_free(path).or_else(|error| match patience::may_pass(&error) {
+            true => Ok(()),
+            false => Err(error),
+        }),
+    };
     check.map_err(|error| {
         Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()))
             .with_help("`--outdir` names another folder")

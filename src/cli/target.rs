@@ -1,6 +1,7 @@
 //! What a run makes of a frame: its picture, the picture of a region, or a part of one.
 
 use std::io;
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -132,15 +133,18 @@ impl<'a> Target<'a> {
     pub(super) fn write(
         &self,
         frame: i64,
-        film: &Film,
+        film: &mut Film,
         steps: Option<Steps>,
         path: &Path,
     ) -> io::Result<Written> {
         let outcome = Outcome::of(film, self.region, self.plan.display(), self.job.isa);
         if self.job.part.is_some() {
-            let state =
-                State { subject: self.subject(frame), film: film.clone(), is_complete: true };
-            return write_state(path, &state).map(|()| Written { not_finite: 0, outcome });
+            // There may not be memory for two of them.
+            let (subject, film_of) = (self.subject(frame), mem::take(film));
+            let state = State { subject, film: film_of, is_complete: true };
+            let written = write_state(path, &state);
+            *film = state.film;
+            return written.map(|()| Written { not_finite: 0, outcome });
         }
         let image = film.image_of(self.region);
         let settings = &self.scene.camera.film;

@@ -25,6 +25,8 @@ mod values;
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
+use file::Candid;
+
 pub use companion::{check_companion, is_companion, map_format, write_sheet};
 pub use continuation::{continues, has_same_samples};
 pub use crop::Crop;
@@ -94,10 +96,12 @@ impl Picture<'_> {
         out: impl Read + Write + Seek,
         layers: &[(Layer, Image)],
     ) -> io::Result<()> {
-        match self.format {
-            OutputFormat::Png8 | OutputFormat::Png16 => png::write(self, out),
-            OutputFormat::Exr => exr::write(self, layers, out),
-        }
+        let mut out = Candid::new(out);
+        let written = match self.format {
+            OutputFormat::Png8 | OutputFormat::Png16 => png::write(self, &mut out),
+            OutputFormat::Exr => exr::write(self, layers, &mut out),
+        };
+        out.said(written)
     }
 
     /// Pixels with a channel that is not a finite number; such a channel is written as 0.
@@ -132,6 +136,62 @@ mod tests {
         for format in [OutputFormat::Png8, OutputFormat::Png16, OutputFormat::Exr] {
             let once = bytes(format, Encoding::Srgb, &image);
             assert_eq!(once, bytes(format, Encoding::Srgb, &image.clone()), "{format:?}");
+        }
+    }
+
+    /// A disk that is full after so many bytes.
+    #[derive(Debug)]
+    struct SmallDisk {
+        file: io::Cursor<Vec<u8>>,
+        size: usize,
+        /// As the system numbers errors.
+        error: i32,
+    }
+
+    impl Write for SmallDisk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let left = self.size.saturating_sub(self.file.position() as usize);
+            match left.min(bytes.len()) {
+                0 if !bytes.is_empty() => Err(io::Error::from_raw_os_error(self.error)),
+                most => self.file.write(&bytes[..most]),
+            }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Read for SmallDisk {
+        fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+            self.file.read(bytes)
+        }
+    }
+
+    impl Seek for SmallDisk {
+        fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+            self.file.seek(to)
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_the_system_says_comes_through_every_encoder() {
+        // EIO, ENOSPC, ESTALE, EDQUOT.
+        const ERRORS: [i32; 4] = [5, 28, 116, 122];
+        let noisy = |i: u32| [0, 1, 2].map(|c| (i.wrapping_mul(2_654_435_761) >> c) as f32 / 4e9);
+        let image = Image { width: 90, height: 80, rgb: (0..90 * 80).map(noisy).collect() };
+        for format in [OutputFormat::Png8, OutputFormat::Png16, OutputFormat::Exr] {
+            let whole = bytes(format, Encoding::Raw, &image).len();
+            let encoding = Encoding::Raw;
+            let picture = Picture { image: &image, format, encoding, recipe: "{}", crop: None };
+            for size in [0, 1, 100, 1000, whole / 3, whole / 2, whole - 60] {
+                for error in ERRORS {
+                    let mut disk = SmallDisk { file: io::Cursor::default(), size, error };
+                    let said = picture.write(&mut disk).unwrap_err();
+                    assert_eq!(said.raw_os_error(), Some(error), "{format:?} of {size}: {said}");
+                }
+            }
         }
     }
 

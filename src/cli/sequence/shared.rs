@@ -133,10 +133,8 @@ impl Run<'_> {
     fn claim(&self, step: &Step, claims: &Claims) -> Result<Taken, Problem> {
         find_out_if_writable(&step.path, self.before.is_none())?;
         let path = self.claimed(step);
-        patience::write(&path, self.studio.terminal, || claims.take(&path)).map_err(|error| {
-            let path = path.display();
-            Problem::new(Exit::CantWrite, format!("can't claim `{path}`: {error}"))
-        })
+        patience::write(&path, self.studio.terminal, || claims.take(&path))
+            .map_err(|error| patience::problem(format_args!("claim `{}`", path.display()), &error))
     }
 
     /// Says for what frames the run waits, where these are others than last time.
