@@ -13,7 +13,8 @@ use super::patience;
 use super::terminal::Terminal;
 use crate::film::{Film, State, Subject, TooLarge};
 use crate::output::{
-    continues, has_same_samples, read_state, remove_leftovers, steps_of, with_steps, write_state,
+    continues, has_same_samples, made_by_others, read_state, remove_leftovers, steps_of,
+    with_steps, write_state,
 };
 use crate::render::Steps;
 
@@ -182,6 +183,10 @@ impl Checkpoint {
     /// As [`patience::write`].
     pub(super) fn keep_finished(&self, film: &mut Film, steps: Steps) -> io::Result<()> {
         let path = self.kept.display();
+        if let Some(why) = made_by_others(&self.kept) {
+            let message = format!("slo-rt did not make the file that is there ({why})");
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
+        }
         if let Ok(State { subject, film: there, .. }) = read_state(&self.kept) {
             let is_same = subject.same_place(&self.subject)
                 && has_same_samples(&subject.recipe, &self.subject.recipe);
@@ -258,9 +263,13 @@ impl Checkpoint {
 /// recipe.
 pub(super) fn unfinished(path: &Path, subject: &Subject, is_timed: bool) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!(".slo-rt-{name}.{}.state", &recipe_hash(subject, is_timed)[..8]))
+}
+
+/// A hash of what a picture is rendered from, in hexadecimal.
+pub(super) fn recipe_hash(subject: &Subject, is_timed: bool) -> String {
     let recipe = recipe(subject, is_timed, Steps::default());
-    let hash = blake3::hash(recipe.as_bytes()).to_hex();
-    path.with_file_name(format!(".slo-rt-{name}.{}.state", &hash[..8]))
+    blake3::hash(recipe.as_bytes()).to_hex()[..16].to_owned()
 }
 
 /// What a file of a state holds for a run.

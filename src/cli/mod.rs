@@ -51,7 +51,7 @@ pub enum Exit {
     BadInput = 65,
     /// An input file is missing or can't be read.
     NoInput = 66,
-    /// The output can't be created; found before rendering starts.
+    /// The output can't be created, or a file that slo-rt did not make has its name.
     CantCreate = 73,
     /// Writing failed.
     CantWrite = 74,

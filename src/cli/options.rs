@@ -92,7 +92,8 @@ pub(super) struct Job {
 /// Samples of a block at most, where only its noise was asked for.
 const MOST_FOR_NOISE: u32 = 4096;
 
-/// What becomes of a picture that is there, whole and with the same recipe.
+/// What becomes of a picture that is there, whole and with the same recipe. A file that slo-rt did not
+/// make is only replaced with [`Existing::Overwrite`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Existing {
     /// It stays in a sequence, and is overwritten where one frame was asked for.
@@ -129,6 +130,11 @@ impl Job {
     /// Whether the clock decides how far a frame is taken.
     pub(super) fn is_timed(&self) -> bool {
         self.time.is_some() || self.total_time.is_some()
+    }
+
+    /// Whether files are replaced whatever they are.
+    pub(super) fn overwrites(&self) -> bool {
+        self.existing == Existing::Overwrite
     }
 
     /// Whether frames that are finished already are left alone.

@@ -4,12 +4,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::checkpoint::Checkpoint;
+use super::checkpoint::{Checkpoint, recipe_hash};
 use super::options::Job;
 use super::problem::Problem;
 use super::progress::{FrameProgress, Progress};
 use super::summary::{Size, Times};
-use super::target::Target;
+use super::target::{Target, in_the_way};
 use super::terminal::Terminal;
 use super::{Exit, interrupt, load, patience};
 use crate::film::{Film, TooLarge};
@@ -180,6 +180,11 @@ impl Studio<'_> {
         self.checkpoint(frame).remove();
     }
 
+    /// A hash of what a frame is rendered from.
+    pub(super) fn recipe_hash(&self, frame: i64) -> String {
+        recipe_hash(&self.target.subject(frame), self.job.is_timed())
+    }
+
     fn checkpoint(&self, frame: i64) -> Checkpoint {
         let (path, subject) = (self.target.plain_path(frame), self.target.subject(frame));
         let is_timed = self.job.is_timed();
@@ -206,7 +211,10 @@ impl Studio<'_> {
     ) -> Result<Outcome, Problem> {
         let write = || self.target.write(frame, film, steps, path);
         let written = patience::write(path, self.terminal, write).map_err(|error| {
-            let problem = cant_write(path, &error);
+            let problem = match error.kind() {
+                io::ErrorKind::AlreadyExists => in_the_way(path, &error),
+                _ => cant_write(path, &error),
+            };
             match checkpoint.save(film, steps.unwrap_or_default(), true) {
                 Ok(()) => problem.with_help("its samples are kept: run the same command again"),
                 Err(_) => problem,

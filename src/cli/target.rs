@@ -1,5 +1,6 @@
 //! What a run makes of a frame: its picture, the picture of a region, or a part of one.
 
+use std::fmt::{self, Display};
 use std::io;
 use std::mem;
 use std::path::{Path, PathBuf};
@@ -13,7 +14,7 @@ use super::terminal::Terminal;
 use crate::film::{Area, Film, State, Subject};
 use crate::output::{
     Crop, Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state,
-    find_timed_picture, with_outcome, with_region, with_steps, write_state,
+    find_timed_picture, made_by_others, with_outcome, with_region, with_steps, write_state,
 };
 use crate::render::{Part, Plan, Steps};
 use crate::scene::{OutputFormat, SceneDescription};
@@ -129,7 +130,7 @@ impl<'a> Target<'a> {
     /// Writes what was asked for to `path`; `steps` are those that the clock decided about.
     ///
     /// # Errors
-    /// What the system says.
+    /// What the system says; a file of others is there by now (`AlreadyExists`).
     pub(super) fn write(
         &self,
         frame: i64,
@@ -137,6 +138,9 @@ impl<'a> Target<'a> {
         steps: Option<Steps>,
         path: &Path,
     ) -> io::Result<Written> {
+        if let Some(why) = made_by_others(path).filter(|_| !self.job.overwrites()) {
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, NotOurs { why }.to_string()));
+        }
         let outcome = Outcome::of(film, self.region, self.plan.display(), self.job.isa);
         if self.job.part.is_some() {
             // There may not be memory for two of them.
@@ -170,6 +174,28 @@ impl<'a> Target<'a> {
         let (place, display) = ((self.region, self.whole), self.plan.display());
         self.job.maps.write(frame, film, place, display, terminal)
     }
+}
+
+/// A file of others is where a picture is to be.
+struct NotOurs {
+    why: String,
+}
+
+impl Display for NotOurs {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "slo-rt did not make the file that is there ({})", self.why)
+    }
+}
+
+/// A frame that can't be rendered, since a file of others has its name.
+pub(super) fn not_ours(path: &Path, why: &str) -> Problem {
+    in_the_way(path, NotOurs { why: why.to_owned() })
+}
+
+/// A file is in the way of a picture, and stays.
+pub(super) fn in_the_way(path: &Path, what: impl Display) -> Problem {
+    Problem::new(Exit::CantCreate, format!("can't create `{}`: {what}", path.display()))
+        .with_help("it is left alone; move it away, or `--overwrite` replaces it")
 }
 
 /// A picture or a part that is in place.

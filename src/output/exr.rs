@@ -9,6 +9,7 @@ use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, 
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, IntegerBounds, LineOrder, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
+use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::WritableImage;
 
 use super::values::finite;
@@ -83,6 +84,28 @@ fn with_header<'c, C: WritableChannels<'c> + 'c>(
     let of_layer = of_layer(picture.recipe, area)?;
     let layer = exr::image::Layer::new(size, of_layer, encoding, channels);
     Ok(Image::new(of_image(whole), layer))
+}
+
+/// Whether a header says what ours say, as far as damage leaves it: other programs put more into it.
+pub(super) fn is_our_header(meta: &MetaData) -> bool {
+    let [header] = &meta.headers[..] else { return false };
+    let (mut own, mut shared) = (header.own_attributes.clone(), header.shared_attributes.clone());
+    // Recipe and seal; their names may be damaged.
+    let others = own.other.len() + shared.other.len();
+    own.other.clear();
+    shared.other.clear();
+    let plain = LayerAttributes::default();
+    own.layer_position = plain.layer_position;
+    own.screen_window_center = plain.screen_window_center;
+    own.screen_window_width = plain.screen_window_width;
+    let all = ImageAttributes::new(shared.display_window);
+    shared.pixel_aspect = all.pixel_aspect;
+    others <= 2
+        && own == plain
+        && shared == all
+        && header.compression == Compression::RLE
+        && header.blocks == BlockDescription::ScanLines
+        && header.line_order == LineOrder::Increasing
 }
 
 fn said(written: exr::error::UnitResult) -> io::Result<()> {

@@ -37,7 +37,7 @@ pub fn check_free(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// What the system says; `path` is a folder, a device or a pipe.
-pub(super) fn open_regular(path: &Path) -> io::Result<File> {
+pub fn open_regular(path: &Path) -> io::Result<File> {
     match fs::metadata(path)? {
         there if there.is_file() => File::open(path),
         // Some systems open a folder, and fail where it is read.
