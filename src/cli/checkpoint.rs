@@ -146,10 +146,15 @@ impl Checkpoint {
         due && !self.busy.swap(true, Ordering::AcqRel)
     }
 
-    /// Writes what is known at this moment; that it can't be written is a warning, said once.
-    pub(super) fn keep(&self, mut film: Film, steps: Steps) {
+    /// Writes what is known at this moment; that it can't be written, or that there was no memory for it,
+    /// is a warning, said once.
+    pub(super) fn keep(&self, film: Option<Film>, steps: Steps) {
         let start = Instant::now();
-        if let Err(error) = self.save(&mut film, steps, false)
+        let saved = match film {
+            Some(mut film) => self.save(&mut film, steps, false),
+            None => Err(io::ErrorKind::OutOfMemory.into()),
+        };
+        if let Err(error) = saved
             && !self.failed.swap(true, Ordering::Relaxed)
         {
             let path = self.unfinished.display();

@@ -10,6 +10,7 @@ mod denoise;
 mod interrupt;
 mod load;
 mod maps;
+mod memory;
 mod merge;
 mod options;
 mod parse;

@@ -10,6 +10,7 @@ use super::args::{
 use super::maps::Maps;
 use super::problem::Problem;
 use super::progress::ProgressForm;
+use super::room::Beside;
 use super::sequence::{Frames, Order};
 use super::terminal::{Terminal, Verbosity};
 use crate::accel::{Accelerator, Isa};
@@ -130,6 +131,11 @@ impl Job {
     /// Whether the clock decides how far a frame is taken.
     pub(super) fn is_timed(&self) -> bool {
         self.time.is_some() || self.total_time.is_some()
+    }
+
+    /// What is written beside pictures.
+    pub(super) fn beside(&self) -> Beside {
+        Beside { maps: !self.maps.is_empty(), states: self.keep_state }
     }
 
     /// Whether files are replaced whatever they are.

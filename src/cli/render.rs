@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::checkpoint::{Checkpoint, recipe_hash};
+use super::memory::Reserve;
 use super::options::Job;
 use super::problem::Problem;
 use super::progress::{FrameProgress, Progress};
+use super::room::Needs;
 use super::summary::{Size, Times};
 use super::target::{Target, in_the_way};
 use super::terminal::Terminal;
@@ -80,8 +82,12 @@ impl Studio<'_> {
         let (progress, checkpoint) = (progress.frame(frame, expected), self.checkpoint(frame));
         let watch = Watch { progress, checkpoint, is_lost };
         let start = Instant::now();
-        let built = load::frame(self.job, self.scene, frame, before.take())?;
-        let (film, least) = watch.checkpoint.film().map_err(too_large)?;
+        let build = || load::frame(self.job, self.scene, frame, before.take());
+        let built = interrupt::while_building(build)?;
+        let needs = self.needs(frame);
+        let film = watch.checkpoint.film();
+        let (film, least) = film.map_err(|TooLarge { .. }| needs.too_large())?;
+        let end = self.reserve(&needs)?;
         let budget =
             limit.map(|Limit { time, step }| Budget { deadline: start + time, least, last: step });
         let building = start.elapsed();
@@ -99,6 +105,7 @@ impl Studio<'_> {
             return Err(stopped(frame, &checkpoint, exposed.film, steps));
         }
         let start = Instant::now();
+        end.release();
         let path = self.target.path(frame, rendering);
         let Exposed { film, statistics, .. } = exposed;
         let (outcome, beside) = self.put_in_place(frame, film, steps, &path, &checkpoint)?;
@@ -138,6 +145,21 @@ impl Studio<'_> {
             checkpoint.remove();
         }
         Ok((outcome, beside))
+    }
+
+    fn needs(&self, frame: i64) -> Needs {
+        let (subject, format) = (self.target.subject(frame), self.scene.camera.film.output);
+        Needs::of(&subject, format, 1, self.job.beside())
+    }
+
+    /// Makes sure that there is memory for the rest of a frame whose film is there; what its end needs, which
+    /// is to be released then.
+    fn reserve(&self, needs: &Needs) -> Result<Reserve, Problem> {
+        let too_large = || needs.too_large();
+        let work = Reserve::new(needs.work()).ok_or_else(too_large)?;
+        let end = Reserve::new(needs.end).ok_or_else(too_large)?;
+        work.release();
+        Ok(end)
     }
 
     /// Takes a film to the end of the plan or of the budget; with a budget, how far it came.
@@ -256,7 +278,7 @@ impl Observer for Watch<'_> {
         self.checkpoint.is_due()
     }
 
-    fn keep(&self, film: Film, steps: Steps) {
+    fn keep(&self, film: Option<Film>, steps: Steps) {
         self.checkpoint.keep(film, steps);
     }
 }
@@ -290,9 +312,4 @@ pub(super) fn find_out_if_writable(path: &Path, is_first: bool) -> Result<(), Pr
         Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()))
             .with_help("`--outdir` names another folder")
     })
-}
-
-fn too_large(TooLarge { bytes }: TooLarge) -> Problem {
-    let message = format!("the picture needs {:.1} GB of memory", bytes as f64 / 1e9);
-    Problem::new(Exit::Failed, message).with_help("`--size` makes it smaller")
 }

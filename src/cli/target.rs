@@ -11,7 +11,7 @@ use super::args::{PartBy, Region};
 use super::options::Job;
 use super::problem::Problem;
 use super::terminal::Terminal;
-use crate::film::{Area, Film, State, Subject};
+use crate::film::{Area, Film, State, Subject, View};
 use crate::output::{
     Crop, Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state,
     find_timed_picture, made_by_others, with_outcome, with_region, with_steps, write_state,
@@ -150,14 +150,16 @@ impl<'a> Target<'a> {
             *film = state.film;
             return written.map(|()| Written { not_finite: 0, outcome });
         }
-        let image = film.image_of(self.region);
+        let image = View::new(film, self.region);
         let settings = &self.scene.camera.film;
         let (format, encoding) = (settings.output, settings.encoding);
         let recipe = with_outcome(&self.recipe(frame, steps.or(self.job.steps)), &outcome);
         let crop = Crop::of(self.region, self.whole);
         let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };
+        let layers: Vec<_> =
+            settings.layers.iter().map(|&layer| (layer, image.layer(layer))).collect();
         picture
-            .save_with(path, &film.layers_of(self.region, &settings.layers))
+            .save_with(path, &layers)
             .map(|()| Written { not_finite: picture.not_finite(), outcome })
     }
 

@@ -38,6 +38,7 @@ pub use map::{write_difference_map, write_error_map, write_sample_map};
 pub use name::{Info, check_prefix, file_name};
 pub use origin::made_by_others;
 pub use outcome::{Outcome, is_denoised, with_denoiser, with_outcome, without_outcome};
+pub use png::PNG_ROWS_AT_A_TIME;
 pub use read::{Raster, Values};
 pub use recipe::{
     KEYWORD, Recipe, RecipeError, encoding_keyword, layers_of, output_keyword, read_recipe,
@@ -46,14 +47,16 @@ pub use recipe::{
 pub use restore::{RestoreError, restore};
 pub use state_file::{read_state, read_subject, write_state};
 
-use crate::film::{Image, Layer};
+use crate::film::{Image, Layer, Pixels};
 use crate::scene::{Encoding, OutputFormat};
+
+const NO_LAYERS: &[(Layer, Image)] = &[];
 
 /// An image with all that decides its file's bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
     /// Linear radiance.
-    pub image: &'a Image,
+    pub image: &'a dyn Pixels,
     /// File format.
     pub format: OutputFormat,
     /// Transfer curve of PNG values; EXR is linear whatever it is.
@@ -70,14 +73,14 @@ impl Picture<'_> {
     /// # Errors
     /// What the system says of creating, writing or renaming; a picture without pixels.
     pub fn save(&self, path: &Path) -> io::Result<()> {
-        self.save_with(path, &[])
+        self.save_with(path, NO_LAYERS)
     }
 
     /// The same, with layers of the same size beside the colours; a PNG holds none.
     ///
     /// # Errors
     /// As [`save`](Self::save).
-    pub fn save_with(&self, path: &Path, layers: &[(Layer, Image)]) -> io::Result<()> {
+    pub fn save_with(&self, path: &Path, layers: &[(Layer, impl Pixels)]) -> io::Result<()> {
         write_atomically(path, |file| self.write_with(file, layers))
     }
 
@@ -86,7 +89,7 @@ impl Picture<'_> {
     /// # Errors
     /// Those of `out`; a picture without pixels.
     pub fn write(&self, out: impl Read + Write + Seek) -> io::Result<()> {
-        self.write_with(out, &[])
+        self.write_with(out, NO_LAYERS)
     }
 
     /// The same, with layers of the same size beside the colours; a PNG holds none.
@@ -96,7 +99,7 @@ impl Picture<'_> {
     pub fn write_with(
         &self,
         out: impl Read + Write + Seek,
-        layers: &[(Layer, Image)],
+        layers: &[(Layer, impl Pixels)],
     ) -> io::Result<()> {
         let mut out = Candid::new(out);
         let written = match self.format {
@@ -108,7 +111,9 @@ impl Picture<'_> {
 
     /// Pixels with a channel that is not a finite number; such a channel is written as 0.
     pub fn not_finite(&self) -> usize {
-        self.image.rgb.iter().filter(|rgb| !rgb.iter().all(|c| c.is_finite())).count()
+        let [width, height] = self.image.size();
+        let is_odd = |x: u32, y: u32| !self.image.at(x, y).iter().all(|c| c.is_finite());
+        (0..height).map(|y| (0..width).filter(|&x| is_odd(x, y)).count()).sum()
     }
 }
 

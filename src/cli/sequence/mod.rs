@@ -66,9 +66,9 @@ fn render(
         let subject = target.subject(first.frame);
         let format = scene.camera.film.output;
         let frames = to_render(&steps);
-        let needs = Needs::of(&subject, format, frames);
+        let needs = Needs::of(&subject, format, frames, job.beside());
         let needs = if job.total_time.is_some() { needs.with_states(frames) } else { needs };
-        needs.check(&job.outdir, terminal);
+        needs.check(&job.outdir, terminal)?;
         warn_of_structure(scene.settings.accelerator, terminal);
     }
     let pictures = steps.iter().filter(|step| step.is_to_render());
@@ -96,6 +96,7 @@ fn render(
     let claimed: Vec<_> =
         steps.iter().map(|step| run.studio.target.plain_path(step.frame)).collect();
     let left = Left::look(&job.outdir, claimed.iter().map(|path| &**path));
+    Guard::begin_work();
     let start = Instant::now();
     let result = match (job.share, job.total_time) {
         (Some(lease), _) => run.share(steps, lease),

@@ -139,6 +139,37 @@ fn a_limit_on_the_size_of_files_is_told_and_leaves_nothing() {
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
 
+/// Under any limit on memory a picture is refused before it is rendered, or it is there at the end.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_on_memory_is_told_before_anything_is_lost() {
+    let folder = Folder::new();
+    for typed in ["", "--format exr --layers normal", "--keep-state", "--error-map map.png"] {
+        let mut exits = Vec::new();
+        for megabytes in (40..340).step_by(20) {
+            let program = env!("CARGO_BIN_EXE_slo-rt");
+            let options = "-q -s scene.txt --size 1000x750 --samples 1 --threads 1 --overwrite";
+            let line = format!(
+                "ulimit -c 0; ulimit -v {}; exec {program} {options} {typed}",
+                megabytes * 1000
+            );
+            let mut shell = Command::new("sh");
+            let run = shell.arg("-c").arg(line).current_dir(folder.path()).output().unwrap();
+            let run = Run::of(run);
+            let is_refused = run.said.contains("error: the picture needs ")
+                && run.said.contains("of the limit on the address space");
+            assert!(
+                run.exit == 0 || (run.exit == 1 && is_refused),
+                "{typed} with {megabytes} MB: {} {}",
+                run.exit,
+                run.said
+            );
+            exits.push(run.exit);
+        }
+        assert!(exits.contains(&0) && exits.contains(&1), "{typed}: {exits:?}");
+    }
+}
+
 #[test]
 fn a_clock_that_goes_backwards() {
     let (expected, folder) = (expected(), folder());
@@ -318,6 +349,19 @@ fn waiting_for_a_disk_ends_with_a_signal() {
         let names: Vec<_> = fs::read_dir(&disk.0).unwrap().flatten().collect();
         assert_eq!(names.len(), 1, "{typed}: {names:?}");
     }
+}
+
+/// The system's program that tells the room on a disk may hang with a file server: nobody asks it.
+#[test]
+fn a_program_that_hangs_stops_nothing() {
+    let folder = Folder::new();
+    folder.write("bin/df", "#!/bin/sh\nexec sleep 1000\n");
+    let df = folder.path().join("bin/df");
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    fs::set_permissions(df, mode).unwrap();
+    let mut command = folder.command("-q -s scene.txt");
+    let run = Run::of(command.env("PATH", folder.path().join("bin")).output().unwrap());
+    assert_eq!((run.exit, &*run.printed), (0, "ball_00000.png\n"), "{}", run.said);
 }
 
 #[test]

@@ -22,6 +22,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use crate::cli::interrupt;
 pub(super) use left::Left;
 use note::Note;
 pub(in crate::cli) use note::Worker;
@@ -71,6 +72,8 @@ impl Claims {
         let beating = Arc::clone(&pulse);
         let thread = std::thread::Builder::new().name("claims".into());
         let thread = thread.spawn(move || beating.run())?;
+        let held = Arc::clone(&pulse);
+        interrupt::before_the_end(move || held.held().iter().for_each(|held| let_go(held)));
         Ok(Self { pulse, thread: Some(thread) })
     }
 
@@ -177,9 +180,14 @@ impl Claim {
 impl Drop for Claim {
     fn drop(&mut self) {
         self.pulse.let_go(&self.held);
-        if is_at(&self.held.path, &self.held.token) {
-            let _ = fs::remove_file(&self.held.path);
-        }
+        let_go(&self.held);
+    }
+}
+
+/// Removes a claim of this process, if it still is one.
+fn let_go(held: &Held) {
+    if is_at(&held.path, &held.token) {
+        let _ = fs::remove_file(&held.path);
     }
 }
 

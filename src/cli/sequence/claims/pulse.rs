@@ -100,6 +100,11 @@ impl Pulse {
         state.held.push(Arc::clone(held));
     }
 
+    /// All claims of this process.
+    pub(super) fn held(&self) -> Vec<Arc<Held>> {
+        lock(&self.state).held.clone()
+    }
+
     pub(super) fn let_go(&self, held: &Arc<Held>) {
         lock(&self.state).held.retain(|other| !Arc::ptr_eq(other, held));
     }
