@@ -3,15 +3,18 @@
 use std::ffi::OsString;
 use std::fs;
 use std::io;
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::patience;
 use super::terminal::Terminal;
 use crate::film::{Film, State, Subject, TooLarge};
 use crate::output::{
-    continues, has_same_samples, read_state, remove_leftovers, steps_of, with_steps, write_state,
+    continues, has_same_samples, made_by_others, read_state, remove_leftovers, steps_of,
+    with_steps, write_state,
 };
 use crate::render::Steps;
 
@@ -143,10 +146,15 @@ impl Checkpoint {
         due && !self.busy.swap(true, Ordering::AcqRel)
     }
 
-    /// Writes what is known at this moment; that it can't be written is a warning, said once.
-    pub(super) fn keep(&self, film: Film, steps: Steps) {
+    /// Writes what is known at this moment; that it can't be written, or that there was no memory for it,
+    /// is a warning, said once.
+    pub(super) fn keep(&self, film: Option<Film>, steps: Steps) {
         let start = Instant::now();
-        if let Err(error) = self.save(film, steps, false)
+        let saved = match film {
+            Some(mut film) => self.save(&mut film, steps, false),
+            None => Err(io::ErrorKind::OutOfMemory.into()),
+        };
+        if let Err(error) = saved
             && !self.failed.swap(true, Ordering::Relaxed)
         {
             let path = self.unfinished.display();
@@ -161,21 +169,33 @@ impl Checkpoint {
     ///
     /// # Errors
     /// What the system says.
-    pub(super) fn save(&self, film: Film, steps: Steps, is_complete: bool) -> io::Result<()> {
-        self.write(&self.unfinished, film, steps, is_complete)
+    pub(super) fn save(&self, film: &mut Film, steps: Steps, is_complete: bool) -> io::Result<()> {
+        self.with_state(film, steps, is_complete, |state| write_state(&self.unfinished, state))
+    }
+
+    /// The same as soon as it works.
+    ///
+    /// # Errors
+    /// As [`patience::write`].
+    pub(super) fn save_patiently(&self, film: &mut Film, steps: Steps) -> io::Result<()> {
+        self.with_state(film, steps, true, |state| self.write_patiently(&self.unfinished, state))
     }
 
     /// Keeps what is known of a finished picture, unless what is kept already has more samples of
     /// it, which is said.
     ///
     /// # Errors
-    /// What the system says.
-    pub(super) fn keep_finished(&self, film: Film, steps: Steps) -> io::Result<()> {
+    /// As [`patience::write`].
+    pub(super) fn keep_finished(&self, film: &mut Film, steps: Steps) -> io::Result<()> {
         let path = self.kept.display();
+        if let Some(why) = made_by_others(&self.kept) {
+            let message = format!("slo-rt did not make the file that is there ({why})");
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
+        }
         if let Ok(State { subject, film: there, .. }) = read_state(&self.kept) {
             let is_same = subject.same_place(&self.subject)
                 && has_same_samples(&subject.recipe, &self.subject.recipe);
-            if is_same && samples(&there) > samples(&film) {
+            if is_same && samples(&there) > samples(film) {
                 let more = "has more samples than this picture, and stays as it is";
                 self.terminal.warn(format_args!("`{path}` {more}"));
                 return Ok(());
@@ -185,7 +205,7 @@ impl Checkpoint {
                 self.terminal.warn(format_args!("`{path}` {other}"));
             }
         }
-        self.write(&self.kept, film, steps, true)
+        self.with_state(film, steps, true, |state| self.write_patiently(&self.kept, state))
     }
 
     /// Where what is known of an unfinished frame lies.
@@ -198,9 +218,23 @@ impl Checkpoint {
         &self.kept
     }
 
-    fn write(&self, path: &Path, film: Film, steps: Steps, is_complete: bool) -> io::Result<()> {
+    fn write_patiently(&self, path: &Path, state: &State) -> io::Result<()> {
+        patience::write(path, self.terminal, || write_state(path, state))
+    }
+
+    /// What `write` makes of a state that takes the film in, and gives it back: there may not be memory for two.
+    fn with_state(
+        &self,
+        film: &mut Film,
+        steps: Steps,
+        is_complete: bool,
+        write: impl FnOnce(&State) -> io::Result<()>,
+    ) -> io::Result<()> {
         let subject = Subject { recipe: self.recipe(steps), ..self.subject.clone() };
-        write_state(path, &State { subject, film, is_complete })
+        let state = State { subject, film: mem::take(film), is_complete };
+        let written = write(&state);
+        *film = state.film;
+        written
     }
 
     /// The recipe of a film that is to be taken to `steps`, where the clock decides about them.
@@ -234,9 +268,13 @@ impl Checkpoint {
 /// recipe.
 pub(super) fn unfinished(path: &Path, subject: &Subject, is_timed: bool) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!(".slo-rt-{name}.{}.state", &recipe_hash(subject, is_timed)[..8]))
+}
+
+/// A hash of what a picture is rendered from, in hexadecimal.
+pub(super) fn recipe_hash(subject: &Subject, is_timed: bool) -> String {
     let recipe = recipe(subject, is_timed, Steps::default());
-    let hash = blake3::hash(recipe.as_bytes()).to_hex();
-    path.with_file_name(format!(".slo-rt-{name}.{}.state", &hash[..8]))
+    blake3::hash(recipe.as_bytes()).to_hex()[..16].to_owned()
 }
 
 /// What a file of a state holds for a run.

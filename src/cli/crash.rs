@@ -1,9 +1,12 @@
-//! A panic is a bug of ours: it becomes a message that helps to report it.
+//! A panic is a bug of ours: it becomes a message that helps to report it. An abort, which is what a lack of memory
+//! ends in, becomes an exit code.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::sync::Mutex;
+#[cfg(unix)]
+use std::sync::{Arc, atomic::AtomicBool};
 
 use super::Exit;
 use super::terminal::say;
@@ -11,8 +14,21 @@ use super::terminal::say;
 /// What the first panic said, and where.
 static FIRST: Mutex<Option<String>> = Mutex::new(None);
 
+/// Makes an abort an end with an exit code: where memory is short the language offers nothing else, and
+/// has said so by then.
+#[cfg(unix)]
+fn end_aborts() {
+    let always = Arc::new(AtomicBool::new(true));
+    let abort = signal_hook::consts::SIGABRT;
+    let _ = signal_hook::flag::register_conditional_shutdown(abort, Exit::Failed as i32, always);
+}
+
+#[cfg(not(unix))]
+fn end_aborts() {}
+
 /// Runs `body`; should it panic, on whatever thread, says so with the version and `args`.
 pub(super) fn reported(args: &[OsString], body: impl FnOnce() -> Exit) -> Exit {
+    end_aborts();
     panic::set_hook(Box::new(remember));
     let exit = panic::catch_unwind(AssertUnwindSafe(body));
     let _ = panic::take_hook();

@@ -1,8 +1,9 @@
 //! Ctrl-C, and the signals that ask a program to end.
 
 use std::process;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, OnceLock};
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::Exit;
@@ -12,8 +13,25 @@ use super::terminal::say;
 static REQUESTED: OnceLock<Instant> = OnceLock::new();
 /// How long work may go on from there to an end that can be kept.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// A [`Guard`] is there: work is under way that looks at [`requested`].
-static GUARDED: AtomicBool = AtomicBool::new(false);
+/// How long what can't be asked to stop may go on to its end.
+const BUILDING_MAY_TAKE: Duration = Duration::from_secs(1);
+
+/// What the program does, which decides about what a signal does.
+static PHASE: AtomicU8 = AtomicU8::new(FREE);
+/// Something that a signal ends at once.
+const FREE: u8 = 0;
+/// It reads the scene, and looks at what is there.
+const READING: u8 = 1;
+/// Work is under way that looks at [`requested`].
+const WORKING: u8 = 2;
+/// What is needed for a frame is built.
+const BUILDING: u8 = 3;
+/// It ends by a signal.
+const ENDING: u8 = 4;
+
+type Last = Box<dyn FnOnce() + Send>;
+/// What is to be done before such an end.
+static LAST: Mutex<Option<Last>> = Mutex::new(None);
 
 /// Listens to SIGINT, SIGTERM, SIGHUP and SIGUSR1 from now on: to be called before there is another
 /// thread.
@@ -61,10 +79,40 @@ pub(super) fn listen() {
 
 fn stop() {
     let again = REQUESTED.set(Instant::now()).is_err();
-    if again || !GUARDED.load(Ordering::SeqCst) {
-        say("slo-rt: interrupted");
-        process::exit(Exit::Interrupted as i32);
+    match PHASE.load(Ordering::SeqCst) {
+        _ if again => end(Exit::Interrupted, "interrupted"),
+        FREE => end(Exit::Interrupted, "interrupted"),
+        READING => end(Exit::Stopped, "interrupted before the first frame"),
+        _ => drop(std::thread::Builder::new().name("stop".into()).spawn(see_to_it)),
     }
+}
+
+fn end(exit: Exit, why: &str) -> ! {
+    let last = LAST.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).take();
+    if let Some(last) = last.filter(|_| exit == Exit::Stopped) {
+        last();
+    }
+    say(format_args!("slo-rt: {why}"));
+    process::exit(exit as i32);
+}
+
+/// Work that can't be asked to stop is given up if nothing of it can be kept anyway; that other work
+/// takes its time is said.
+fn see_to_it() {
+    sleep(BUILDING_MAY_TAKE);
+    if PHASE.compare_exchange(BUILDING, ENDING, Ordering::SeqCst, Ordering::SeqCst).is_ok() {
+        end(
+            Exit::Stopped,
+            "interrupted while a frame was prepared; the same command goes on from there",
+        );
+    }
+    sleep(BUILDING_MAY_TAKE);
+    say("slo-rt: stopping takes a while; a second signal ends the program at once");
+}
+
+/// Has `last` done before the program ends by a signal without going on to the end of what it does.
+pub(super) fn before_the_end(last: impl FnOnce() + Send + 'static) {
+    *LAST.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(Box::new(last));
 }
 
 /// Whether to stop as soon as possible.
@@ -77,19 +125,38 @@ pub(super) fn was_long_ago() -> bool {
     REQUESTED.get().is_some_and(|since| since.elapsed() > PATIENCE)
 }
 
-/// While it lives, the first signal only makes [`requested`] true; a second one, or one outside
-/// of it, ends the program at once.
+/// While it lives the program reads, and the first signal ends it at once with [`Exit::Stopped`]; once
+/// [`begin_work`](Self::begin_work) was called, the first signal only makes [`requested`] true. A second one,
+/// or one outside of it, ends the program at once.
 pub(super) struct Guard(());
 
 impl Guard {
     pub(super) fn new() -> Self {
-        GUARDED.store(true, Ordering::SeqCst);
+        PHASE.store(READING, Ordering::SeqCst);
         Self(())
+    }
+
+    /// From now on there is something to lose: work is under way that looks at [`requested`].
+    pub(super) fn begin_work() {
+        PHASE.store(WORKING, Ordering::SeqCst);
     }
 }
 
 impl Drop for Guard {
     fn drop(&mut self) {
-        GUARDED.store(false, Ordering::SeqCst);
+        PHASE.store(FREE, Ordering::SeqCst);
     }
+}
+
+/// Does what can't be asked to stop and is of no use to another run: a signal ends the program in
+/// the middle of it, if it takes long.
+pub(super) fn while_building<T>(build: impl FnOnce() -> T) -> T {
+    let go = |from, to| PHASE.compare_exchange(from, to, Ordering::SeqCst, Ordering::SeqCst);
+    let is_guarded = go(WORKING, BUILDING).is_ok();
+    let built = build();
+    while is_guarded && go(BUILDING, WORKING).is_err() {
+        // The program ends: what comes next is not to be begun.
+        sleep(PATIENCE);
+    }
+    built
 }

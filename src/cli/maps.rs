@@ -30,6 +30,11 @@ impl Maps {
         samples.map(|path| (SAMPLES, path)).chain(error.map(|path| (ERROR, path)))
     }
 
+    /// Whether none is asked for.
+    pub(super) fn is_empty(&self) -> bool {
+        self.all().next().is_none()
+    }
+
     /// Whether the names are ones of maps, of `several` frames or of one.
     ///
     /// # Errors

@@ -10,6 +10,7 @@ mod denoise;
 mod interrupt;
 mod load;
 mod maps;
+mod memory;
 mod merge;
 mod new_folders;
 mod options;
@@ -54,7 +55,7 @@ pub enum Exit {
     BadInput = 65,
     /// An input file is missing or can't be read.
     NoInput = 66,
-    /// The output can't be created; found before rendering starts.
+    /// The output can't be created, or a file that slo-rt did not make has its name.
     CantCreate = 73,
     /// Writing failed.
     CantWrite = 74,

@@ -11,6 +11,7 @@ use super::args::{
 use super::maps::Maps;
 use super::problem::Problem;
 use super::progress::ProgressForm;
+use super::room::Beside;
 use super::sequence::{Frames, Order};
 use super::terminal::{Terminal, Verbosity};
 use crate::accel::{Accelerator, Isa};
@@ -94,7 +95,8 @@ pub(super) struct Job {
 /// Samples of a block at most, where only its noise was asked for.
 const MOST_FOR_NOISE: u32 = 4096;
 
-/// What becomes of a picture that is there, whole and with the same recipe.
+/// What becomes of a picture that is there, whole and with the same recipe. A file that slo-rt did not
+/// make is only replaced with [`Existing::Overwrite`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Existing {
     /// It stays in a sequence, and is overwritten where one frame was asked for.
@@ -151,6 +153,16 @@ impl Job {
     /// Whether the clock decides how far a frame is taken.
     pub(super) fn is_timed(&self) -> bool {
         self.time.is_some() || self.total_time.is_some()
+    }
+
+    /// What is written beside pictures.
+    pub(super) fn beside(&self) -> Beside {
+        Beside { maps: !self.maps.is_empty(), states: self.keep_state }
+    }
+
+    /// Whether files are replaced whatever they are.
+    pub(super) fn overwrites(&self) -> bool {
+        self.existing == Existing::Overwrite
     }
 
     /// Whether frames that are finished already are left alone.

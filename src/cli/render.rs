@@ -4,12 +4,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::checkpoint::Checkpoint;
+use super::checkpoint::{Checkpoint, recipe_hash};
+use super::memory::Reserve;
 use super::options::Job;
 use super::problem::Problem;
 use super::progress::{FrameProgress, Progress};
+use super::room::Needs;
 use super::summary::{Size, Times};
-use super::target::Target;
+use super::target::{Target, in_the_way};
 use super::terminal::{Terminal, counted};
 use super::{Exit, interrupt, load, patience};
 use crate::film::{Film, TooLarge};
@@ -80,8 +82,12 @@ impl Studio<'_> {
         let (progress, checkpoint) = (progress.frame(frame, expected), self.checkpoint(frame));
         let watch = Watch { progress, checkpoint, is_lost };
         let start = Instant::now();
-        let built = load::frame(self.job, self.scene, frame, before.take())?;
-        let (film, least) = watch.checkpoint.film().map_err(too_large)?;
+        let build = || load::frame(self.job, self.scene, frame, before.take());
+        let built = interrupt::while_building(build)?;
+        let needs = self.needs(frame);
+        let film = watch.checkpoint.film();
+        let (film, least) = film.map_err(|TooLarge { .. }| needs.too_large())?;
+        let end = self.reserve(&needs)?;
         let budget =
             limit.map(|Limit { time, step }| Budget { deadline: start + time, least, last: step });
         let building = start.elapsed();
@@ -99,6 +105,7 @@ impl Studio<'_> {
             return Err(stopped(frame, &checkpoint, exposed.film, steps));
         }
         let start = Instant::now();
+        end.release();
         let path = self.target.path(frame, rendering);
         let Exposed { film, statistics, .. } = exposed;
         let (outcome, beside) = self.put_in_place(frame, film, steps, &path, &checkpoint)?;
@@ -113,7 +120,7 @@ impl Studio<'_> {
     fn put_in_place(
         &self,
         frame: i64,
-        film: Film,
+        mut film: Film,
         steps: Option<Steps>,
         path: &Path,
         checkpoint: &Checkpoint,
@@ -122,16 +129,15 @@ impl Studio<'_> {
         let is_open = self.job.total_time.is_some();
         if is_open {
             // Before the picture, which is taken for finished where it is alone.
-            let (state, keep) =
-                (checkpoint.unfinished(), || checkpoint.save(film.clone(), reached, true));
-            patience::write(state, self.terminal, keep)
-                .map_err(|error| cant_write(state, &error))?;
+            checkpoint
+                .save_patiently(&mut film, reached)
+                .map_err(|error| cant_write(checkpoint.unfinished(), &error))?;
         }
-        let outcome = self.save(frame, &film, steps, path, checkpoint)?;
+        let outcome = self.save(frame, &mut film, steps, path, checkpoint)?;
         let maps = self.target.write_maps(frame, &film, self.terminal);
         let mut beside = maps.map_err(|(path, error)| cant_write(&path, &error));
         if self.job.keep_state && !is_open {
-            let kept = checkpoint.keep_finished(film, reached);
+            let kept = checkpoint.keep_finished(&mut film, reached);
             beside = beside.and(kept.map_err(|error| cant_write(checkpoint.kept(), &error)));
         }
         // Where the film could not be kept, what was known of it still is.
@@ -139,6 +145,21 @@ impl Studio<'_> {
             checkpoint.remove();
         }
         Ok((outcome, beside))
+    }
+
+    fn needs(&self, frame: i64) -> Needs {
+        let (subject, format) = (self.target.subject(frame), self.scene.camera.film.output);
+        Needs::of(&subject, format, 1, self.job.beside())
+    }
+
+    /// Makes sure that there is memory for the rest of a frame whose film is there; what its end needs, which
+    /// is to be released then.
+    fn reserve(&self, needs: &Needs) -> Result<Reserve, Problem> {
+        let too_large = || needs.too_large();
+        let work = Reserve::new(needs.work()).ok_or_else(too_large)?;
+        let end = Reserve::new(needs.end).ok_or_else(too_large)?;
+        work.release();
+        Ok(end)
     }
 
     /// Takes a film to the end of the plan or of the budget; with a budget, how far it came.
@@ -181,6 +202,11 @@ impl Studio<'_> {
         self.checkpoint(frame).remove();
     }
 
+    /// A hash of what a frame is rendered from.
+    pub(super) fn recipe_hash(&self, frame: i64) -> String {
+        recipe_hash(&self.target.subject(frame), self.job.is_timed())
+    }
+
     fn checkpoint(&self, frame: i64) -> Checkpoint {
         let (path, subject) = (self.target.plain_path(frame), self.target.subject(frame));
         let is_timed = self.job.is_timed();
@@ -200,15 +226,18 @@ impl Studio<'_> {
     fn save(
         &self,
         frame: i64,
-        film: &Film,
+        film: &mut Film,
         steps: Option<Steps>,
         path: &Path,
         checkpoint: &Checkpoint,
     ) -> Result<Outcome, Problem> {
         let write = || self.target.write(frame, film, steps, path);
         let written = patience::write(path, self.terminal, write).map_err(|error| {
-            let problem = cant_write(path, &error);
-            match checkpoint.save(film.clone(), steps.unwrap_or_default(), true) {
+            let problem = match error.kind() {
+                io::ErrorKind::AlreadyExists => in_the_way(path, &error),
+                _ => cant_write(path, &error),
+            };
+            match checkpoint.save(film, steps.unwrap_or_default(), true) {
                 Ok(()) => problem.with_help("its samples are kept: run the same command again"),
                 Err(_) => problem,
             }
@@ -253,13 +282,13 @@ impl Observer for Watch<'_> {
         self.checkpoint.is_due()
     }
 
-    fn keep(&self, film: Film, steps: Steps) {
+    fn keep(&self, film: Option<Film>, steps: Steps) {
         self.checkpoint.keep(film, steps);
     }
 }
 
-fn stopped(frame: i64, checkpoint: &Checkpoint, film: Film, steps: Steps) -> Problem {
-    match checkpoint.save(film, steps, false) {
+fn stopped(frame: i64, checkpoint: &Checkpoint, mut film: Film, steps: Steps) -> Problem {
+    match checkpoint.save(&mut film, steps, false) {
         Ok(()) => Problem::new(Exit::Stopped, format!("interrupted in frame {frame}"))
             .with_help("what is done of it is kept: the same command goes on from there"),
         Err(error) => {
@@ -270,20 +299,21 @@ fn stopped(frame: i64, checkpoint: &Checkpoint, film: Film, steps: Steps) -> Pro
 }
 
 fn cant_write(path: &Path, error: &io::Error) -> Problem {
-    Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
+    patience::problem(format_args!("write `{}`", path.display()), error)
 }
 
-/// The first frame makes the folder. One that vanishes later is waited for instead, since it may
-/// come back.
+/// The first frame makes the folder. One that vanishes later, or can't be used for a while, is waited
+/// for instead.
 pub(super) fn find_out_if_writable(path: &Path, is_first: bool) -> Result<(), Problem> {
-    let check = if is_first { check_writable(path) } else { check_free(path) };
+    let check = match is_first {
+        true => check_writable(path),
+        false => check_free(path).or_else(|error| match patience::may_pass(&error) {
+            true => Ok(()),
+            false => Err(error),
+        }),
+    };
     check.map_err(|error| {
         Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()))
             .with_help("`--outdir` names another folder")
     })
-}
-
-fn too_large(TooLarge { bytes }: TooLarge) -> Problem {
-    let message = format!("the picture needs {:.1} GB of memory", bytes as f64 / 1e9);
-    Problem::new(Exit::Failed, message).with_help("`--size` makes it smaller")
 }

@@ -1,6 +1,8 @@
 //! What a run makes of a frame: its picture, the picture of a region, or a part of one.
 
+use std::fmt::{self, Display};
 use std::io;
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -9,10 +11,10 @@ use super::args::{PartBy, Region};
 use super::options::Job;
 use super::problem::Problem;
 use super::terminal::Terminal;
-use crate::film::{Area, Film, State, Subject};
+use crate::film::{Area, Film, State, Subject, View};
 use crate::output::{
     Crop, Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state,
-    find_timed_picture, with_outcome, with_region, with_steps, write_state,
+    find_timed_picture, made_by_others, with_outcome, with_region, with_steps, write_state,
 };
 use crate::render::{Part, Plan, Steps};
 use crate::scene::{OutputFormat, SceneDescription};
@@ -133,28 +135,36 @@ impl<'a> Target<'a> {
     /// Writes what was asked for to `path`; `steps` are those that the clock decided about.
     ///
     /// # Errors
-    /// What the system says.
+    /// What the system says; a file of others is there by now (`AlreadyExists`).
     pub(super) fn write(
         &self,
         frame: i64,
-        film: &Film,
+        film: &mut Film,
         steps: Option<Steps>,
         path: &Path,
     ) -> io::Result<Written> {
+        if let Some(why) = made_by_others(path).filter(|_| !self.job.overwrites()) {
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, NotOurs { why }.to_string()));
+        }
         let outcome = Outcome::of(film, self.region, self.plan.display(), self.job.isa);
         if self.job.part.is_some() {
-            let state =
-                State { subject: self.subject(frame), film: film.clone(), is_complete: true };
-            return write_state(path, &state).map(|()| Written { not_finite: 0, outcome });
+            // There may not be memory for two of them.
+            let (subject, film_of) = (self.subject(frame), mem::take(film));
+            let state = State { subject, film: film_of, is_complete: true };
+            let written = write_state(path, &state);
+            *film = state.film;
+            return written.map(|()| Written { not_finite: 0, outcome });
         }
-        let image = film.image_of(self.region);
+        let image = View::new(film, self.region);
         let settings = &self.scene.camera.film;
         let (format, encoding) = (settings.output, settings.encoding);
         let recipe = with_outcome(&self.recipe(frame, steps.or(self.job.steps)), &outcome);
         let crop = Crop::of(self.region, self.whole);
         let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };
+        let layers: Vec<_> =
+            settings.layers.iter().map(|&layer| (layer, image.layer(layer))).collect();
         picture
-            .save_with(path, &film.layers_of(self.region, &settings.layers))
+            .save_with(path, &layers)
             .map(|()| Written { not_finite: picture.not_finite(), outcome })
     }
 
@@ -171,6 +181,28 @@ impl<'a> Target<'a> {
         let (place, display) = ((self.region, self.whole), self.plan.display());
         self.job.maps.write(frame, film, place, display, terminal)
     }
+}
+
+/// A file of others is where a picture is to be.
+struct NotOurs {
+    why: String,
+}
+
+impl Display for NotOurs {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "slo-rt did not make the file that is there ({})", self.why)
+    }
+}
+
+/// A frame that can't be rendered, since a file of others has its name.
+pub(super) fn not_ours(path: &Path, why: &str) -> Problem {
+    in_the_way(path, NotOurs { why: why.to_owned() })
+}
+
+/// A file is in the way of a picture, and stays.
+pub(super) fn in_the_way(path: &Path, what: impl Display) -> Problem {
+    Problem::new(Exit::CantCreate, format!("can't create `{}`: {what}", path.display()))
+        .with_help("it is left alone; move it away, or `--overwrite` replaces it")
 }
 
 /// A picture or a part that is in place.

@@ -11,6 +11,7 @@ mod fixed;
 mod merge;
 mod pixel;
 mod state;
+mod view;
 
 pub use area::{Area, BLOCK};
 pub use display::{Display, linear, luminance, srgb};
@@ -19,6 +20,7 @@ pub use fixed::Fixed;
 pub use merge::{MergeError, Merger};
 pub use pixel::{Pixel, Spread, base_end, split};
 pub use state::{State, Subject};
+pub use view::{Pixels, View};
 
 /// The pixels of a picture or of a region of it, row by row, the top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -148,7 +150,8 @@ impl Film {
 
     /// The same of an area inside this film's.
     pub fn image_of(&self, area: Area) -> Image {
-        let rgb = self.pixels_of(area).map(Pixel::mean).collect();
+        let mut rgb = Vec::with_capacity(area.len());
+        rgb.extend(self.pixels_of(area).map(Pixel::mean));
         Image { width: area.width(), height: area.height(), rgb }
     }
 
@@ -159,7 +162,8 @@ impl Film {
             let features = self.features.get(i).unwrap_or(&nothing);
             layer.mean(features, self.pixels[i].samples)
         };
-        let rgb = self.rows(area).flatten().map(mean).collect();
+        let mut rgb = Vec::with_capacity(area.len());
+        rgb.extend(self.rows(area).flatten().map(mean));
         Image { width: area.width(), height: area.height(), rgb }
     }
 
@@ -171,6 +175,16 @@ impl Film {
     /// The pixels of an area inside this film's, row by row.
     pub fn pixels_of(&self, area: Area) -> impl Iterator<Item = &Pixel> {
         self.rows(area).flat_map(|row| &self.pixels[row])
+    }
+
+    /// A copy, if there is memory for it.
+    pub fn try_clone(&self) -> Option<Self> {
+        Some(Self {
+            area: self.area,
+            pixels: copied(&self.pixels)?,
+            spreads: copied(&self.spreads)?,
+            features: copied(&self.features)?,
+        })
     }
 
     /// Camera samples of each pixel, row by row: where adaptive sampling went.
@@ -188,6 +202,13 @@ impl Default for Film {
             features: Vec::new(),
         }
     }
+}
+
+fn copied<T: Clone>(values: &[T]) -> Option<Vec<T>> {
+    let mut copy = Vec::new();
+    copy.try_reserve_exact(values.len()).ok()?;
+    copy.extend_from_slice(values);
+    Some(copy)
 }
 
 /// A default value for every pixel of an area.

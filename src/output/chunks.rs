@@ -12,7 +12,14 @@ const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 ///
 /// # Errors
 /// `InvalidData` with what is damaged; what the system says of reading.
-pub(super) fn check(mut file: impl BufRead) -> io::Result<()> {
+pub(super) fn check(file: impl BufRead) -> io::Result<()> {
+    scan(file).map(|_| ())
+}
+
+/// The same; whether the file has the form that we give to files: programs that keep the recipe of a
+/// picture that they change write other chunks, or cut the pixels into other pieces.
+pub(super) fn scan(mut file: impl BufRead) -> io::Result<bool> {
+    let mut form = Form::default();
     let mut signature = [0; 8];
     read(&mut file, &mut signature, "its first chunk")?;
     if signature != SIGNATURE {
@@ -32,10 +39,47 @@ pub(super) fn check(mut file: impl BufRead) -> io::Result<()> {
         if checksum.finalize() != u32::from_be_bytes(expected) {
             return Err(damaged(format!("the checksum of {name} is wrong")));
         }
+        form.add(kind, u32::from_be_bytes(length));
         if kind == *b"IEND" {
             let more = !file.fill_buf()?.is_empty();
-            return if more { Err(damaged("there are bytes after its end")) } else { Ok(()) };
+            let ended = Err(damaged("there are bytes after its end"));
+            return if more { ended } else { Ok(form.is_ours()) };
         }
+    }
+}
+
+/// The chunks of a file: which, and how long those of pixels are.
+#[derive(Default)]
+struct Form {
+    /// Kinds, those of neighbours with the same one once.
+    kinds: Vec<[u8; 4]>,
+    /// Of the last chunk of pixels, and of the one before.
+    last: [u32; 2],
+    /// Any but the last two chunks of pixels has another length than ours have.
+    is_odd: bool,
+}
+
+impl Form {
+    /// Bytes of pixels in a chunk; the last two may have less.
+    const PIECE: u32 = 4096;
+    const SHORT: [[u8; 4]; 4] = [*b"IHDR", *b"tEXt", *b"IDAT", *b"IEND"];
+    const LONG: [[u8; 4]; 5] = [*b"IHDR", *b"sRGB", *b"tEXt", *b"IDAT", *b"IEND"];
+
+    fn add(&mut self, kind: [u8; 4], length: u32) {
+        if kind == *b"IDAT" {
+            let [last, before] = self.last;
+            self.is_odd |= length > Self::PIECE || (before != 0 && before != Self::PIECE);
+            self.last = [length, last];
+        }
+        if (kind != *b"IDAT" || self.kinds.last() != Some(&kind)) && self.kinds.len() < 8 {
+            self.kinds.push(kind);
+        }
+    }
+
+    fn is_ours(&self) -> bool {
+        // The end of the pixels comes in a chunk of its own.
+        let is_cut = self.last.iter().all(|&length| length > 0) && !self.is_odd;
+        is_cut && (self.kinds == Self::SHORT || self.kinds == Self::LONG)
     }
 }
 
@@ -111,6 +155,25 @@ mod tests {
             }
             for length in 0..whole.len() {
                 assert!(told(&whole[..length]).contains("it ends before"), "cut off at {length}");
+            }
+        }
+    }
+
+    #[test]
+    fn our_form_is_known_at_any_size() {
+        use super::super::Picture;
+        let noise = |i: u32| (i.wrapping_mul(2_654_435_761) >> 7) as f32 / 3e7;
+        for (width, height) in [(1, 1), (5, 3), (4000, 1), (1, 4000), (300, 300), (8000, 3)] {
+            let rgb = (0..width * height).map(|i| [noise(3 * i), noise(i), 0.5]).collect();
+            let image = crate::film::Image { width, height, rgb };
+            for format in [OutputFormat::Png8, OutputFormat::Png16] {
+                for encoding in [Encoding::Raw, Encoding::Srgb] {
+                    let mut out = io::Cursor::new(Vec::new());
+                    Picture { image: &image, format, encoding, recipe: "{}", crop: None }
+                        .write(&mut out)
+                        .unwrap();
+                    assert!(scan(&out.into_inner()[..]).unwrap(), "{width}x{height} {format:?}");
+                }
             }
         }
     }

@@ -9,16 +9,17 @@ use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, 
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, IntegerBounds, LineOrder, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
+use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::WritableImage;
 
 use super::values::finite;
 use super::{Crop, KEYWORD, Picture, seal};
-use crate::film::{self, Area, Layer};
+use crate::film::{Area, Layer, Pixels};
 
 /// Writes `picture`, and `layers` of the same size.
 pub(super) fn write(
     picture: &Picture,
-    layers: &[(Layer, film::Image)],
+    layers: &[(Layer, impl Pixels)],
     mut out: impl Read + Write + Seek,
 ) -> io::Result<()> {
     write_unsealed(picture, layers, &mut out)?;
@@ -27,27 +28,30 @@ pub(super) fn write(
 
 fn write_unsealed(
     picture: &Picture,
-    layers: &[(Layer, film::Image)],
+    layers: &[(Layer, impl Pixels)],
     out: impl Write + Seek,
 ) -> io::Result<()> {
     let image = picture.image;
-    let width = image.width as usize;
-    if width == 0 || image.height == 0 {
+    let [width, height] = image.size();
+    if width == 0 || height == 0 {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "the picture has no pixels"));
     }
     if layers.is_empty() {
         let pixel = |Vec2(x, y): Vec2<usize>| {
-            let [r, g, b] = image.rgb[y * width + x].map(finite);
+            let [r, g, b] = image.at(x as u32, y as u32).map(finite);
             (r, g, b)
         };
         let colors = with_header(picture, SpecificChannels::rgb(pixel))?;
         return said(colors.write().non_parallel().to_unbuffered(out));
     }
     let colors = ["R", "G", "B"].map(str::to_owned);
-    let images = layers.iter().map(|(layer, image)| (channel_names(*layer), image));
+    let images = layers.iter().map(|(layer, image)| (channel_names(*layer), image as &dyn Pixels));
     let channels = std::iter::once((colors, image)).chain(images).flat_map(|(names, image)| {
         names.into_iter().enumerate().map(move |(c, name)| {
-            let values = image.rgb.iter().map(|pixel| finite(pixel[c])).collect();
+            let mut values = Vec::with_capacity(width as usize * height as usize);
+            for y in 0..height {
+                values.extend((0..width).map(|x| finite(image.at(x, y)[c])));
+            }
             AnyChannel::new(&*name, FlatSamples::F32(values))
         })
     });
@@ -69,10 +73,10 @@ fn with_header<'c, C: WritableChannels<'c> + 'c>(
     picture: &Picture,
     channels: C,
 ) -> io::Result<Image<exr::image::Layer<C>>> {
-    let image = picture.image;
-    let all = Area::whole(image.width, image.height);
+    let [width, height] = picture.image.size();
+    let all = Area::whole(width, height);
     let Crop { area, whole } = picture.crop.unwrap_or(Crop { area: all, whole: all });
-    let size = (image.width as usize, image.height as usize);
+    let size = (width as usize, height as usize);
     // Noise hardly compresses: more than run lengths costs a tenth of a quick frame's time and
     // saves a tenth of its size.
     let encoding = Encoding {
@@ -83,6 +87,28 @@ fn with_header<'c, C: WritableChannels<'c> + 'c>(
     let of_layer = of_layer(picture.recipe, area)?;
     let layer = exr::image::Layer::new(size, of_layer, encoding, channels);
     Ok(Image::new(of_image(whole), layer))
+}
+
+/// Whether a header says what ours say, as far as damage leaves it: other programs put more into it.
+pub(super) fn is_our_header(meta: &MetaData) -> bool {
+    let [header] = &meta.headers[..] else { return false };
+    let (mut own, mut shared) = (header.own_attributes.clone(), header.shared_attributes.clone());
+    // Recipe and seal; their names may be damaged.
+    let others = own.other.len() + shared.other.len();
+    own.other.clear();
+    shared.other.clear();
+    let plain = LayerAttributes::default();
+    own.layer_position = plain.layer_position;
+    own.screen_window_center = plain.screen_window_center;
+    own.screen_window_width = plain.screen_window_width;
+    let all = ImageAttributes::new(shared.display_window);
+    shared.pixel_aspect = all.pixel_aspect;
+    others <= 2
+        && own == plain
+        && shared == all
+        && header.compression == Compression::RLE
+        && header.blocks == BlockDescription::ScanLines
+        && header.line_order == LineOrder::Increasing
 }
 
 fn said(written: exr::error::UnitResult) -> io::Result<()> {

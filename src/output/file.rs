@@ -1,7 +1,7 @@
 //! Files that are whole or absent.
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use tempfile::{Builder, NamedTempFile};
@@ -37,7 +37,7 @@ pub fn check_free(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// What the system says; `path` is a folder, a device or a pipe.
-pub(super) fn open_regular(path: &Path) -> io::Result<File> {
+pub fn open_regular(path: &Path) -> io::Result<File> {
     match fs::metadata(path)? {
         there if there.is_file() => File::open(path),
         // Some systems open a folder, and fail where it is read.
@@ -66,6 +66,60 @@ pub fn write_atomically(
     temporary.persist(path).map_err(|error| error.error)?;
     sync_folder(folder(path));
     Ok(())
+}
+
+/// A writer that keeps what the system said first: encoders tend to hide it in errors of their own, and
+/// whether to wait depends on it.
+pub(super) struct Candid<W> {
+    out: W,
+    error: Option<io::Error>,
+}
+
+impl<W> Candid<W> {
+    pub(super) fn new(out: W) -> Self {
+        Self { out, error: None }
+    }
+
+    /// The system's error if there was one, otherwise what the encoder makes of it.
+    pub(super) fn said<T>(self, result: io::Result<T>) -> io::Result<T> {
+        result.map_err(|error| self.error.unwrap_or(error))
+    }
+
+    fn note<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        result.map_err(|error| {
+            let kind = error.kind();
+            if kind != io::ErrorKind::Interrupted {
+                self.error.get_or_insert(error);
+            }
+            kind.into()
+        })
+    }
+}
+
+impl<W: Write> Write for Candid<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.out.write(bytes);
+        self.note(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.out.flush();
+        self.note(flushed)
+    }
+}
+
+impl<W: Read> Read for Candid<W> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let read = self.out.read(bytes);
+        self.note(read)
+    }
+}
+
+impl<W: Seek> Seek for Candid<W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let sought = self.out.seek(to);
+        self.note(sought)
+    }
 }
 
 /// Removes what writers of `path` left that were killed. One that is still at it fails, as if the
@@ -113,8 +167,6 @@ fn sync_folder(folder: &Path) {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
-
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {

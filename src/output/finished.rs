@@ -3,7 +3,8 @@
 use std::io;
 use std::path::Path;
 
-use super::recipe::{RecipeError, read_checked, read_recipe, steps_of, with_steps};
+use super::origin::{RESAVED, made_by_others, unless_ours};
+use super::recipe::{RecipeError, Wholeness, read_checked, read_recipe, steps_of, with_steps};
 use super::{read_state, without_outcome};
 use crate::film::Subject;
 
@@ -14,26 +15,27 @@ pub enum Found {
     Finished,
     /// Nothing.
     Missing,
-    /// A picture that was cut off or changed, or no picture.
+    /// A picture that was cut off or changed, or a file that holds nothing.
     Damaged,
+    /// The work of others, or a picture that they have changed: why it is taken for that.
+    Foreign(String),
     /// A picture of another recipe: the first line that differs, as it is there.
     Stale(String),
 }
 
 /// Looks for the picture with `recipe` at `path`. Reads all of it, and checks the checksums of its file.
 pub fn find_picture(path: &Path, recipe: &str) -> Found {
-    let (found, is_whole) = match read_checked(path) {
-        Ok((found, is_whole)) => (without_outcome(&found), is_whole),
+    let found = match read_checked(path) {
+        Ok((_, Wholeness::Resaved)) => return Found::Foreign(RESAVED.into()),
+        Ok((found, Wholeness::Whole)) => without_outcome(&found),
         Err(RecipeError::Io(error)) if error.kind() == io::ErrorKind::NotFound => {
             return Found::Missing;
         }
-        Err(RecipeError::NoRecipe) => return Found::Stale("no recipe of slo-rt".into()),
-        Err(_) => return Found::Damaged,
+        Err(error) => return unless_ours(path, &error).map_or(Found::Damaged, Found::Foreign),
     };
-    match (found == recipe, is_whole) {
-        (true, true) => Found::Finished,
-        (true, false) => Found::Damaged,
-        (false, _) => Found::Stale(first_difference(&found, recipe)),
+    match found == recipe {
+        true => Found::Finished,
+        false => Found::Stale(first_difference(&found, recipe)),
     }
 }
 
@@ -55,7 +57,7 @@ pub fn find_timed_picture(path: &Path, recipe: &str) -> Found {
 pub fn find_state(path: &Path, subject: &Subject) -> Found {
     match read_state(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Found::Missing,
-        Err(_) => Found::Damaged,
+        Err(_) => made_by_others(path).map_or(Found::Damaged, Found::Foreign),
         Ok(state) if !state.is_complete => Found::Damaged,
         Ok(state) if state.subject == *subject => Found::Finished,
         Ok(state) => Found::Stale(first_difference(&state.subject.recipe, &subject.recipe)),

@@ -19,7 +19,8 @@ const ERRORS: [f32; 2] = [1.0 / 1024.0, 1.0 / 8.0];
 /// # Errors
 /// Another extension; anything but an earlier map or sheet is there; what the system says.
 pub fn write_sample_map(path: &Path, film: &Film, area: Area, whole: Area) -> io::Result<()> {
-    let counts: Vec<f32> = film.pixels_of(area).map(|pixel| pixel.samples as f32).collect();
+    let mut counts = Vec::with_capacity(area.len());
+    counts.extend(film.pixels_of(area).map(|pixel| pixel.samples as f32));
     let least = counts.iter().copied().fold(f32::INFINITY, f32::min).max(1.0);
     let most = counts.iter().copied().fold(1.0, f32::max);
     write(path, area, whole, &counts, [least, most])

@@ -13,6 +13,7 @@ mod file;
 mod finished;
 mod map;
 mod name;
+mod origin;
 mod outcome;
 mod png;
 mod read;
@@ -27,15 +28,19 @@ mod values;
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
+use file::Candid;
+
 pub use claim::ReadError;
 pub use companion::{check_companion, is_companion, map_format, write_sheet};
 pub use continuation::{continues, has_same_samples};
 pub use crop::Crop;
-pub use file::{check_free, check_writable, remove_leftovers, write_atomically};
+pub use file::{check_free, check_writable, open_regular, remove_leftovers, write_atomically};
 pub use finished::{Found, find_picture, find_state, find_timed_picture};
 pub use map::{write_difference_map, write_error_map, write_sample_map};
 pub use name::{Info, check_prefix, file_name};
+pub use origin::made_by_others;
 pub use outcome::{Outcome, is_denoised, with_denoiser, with_outcome, without_outcome};
+pub use png::PNG_ROWS_AT_A_TIME;
 pub use read::{Raster, Values, claimed_pixels};
 pub use read_exr::read_layers;
 pub use recipe::{
@@ -45,14 +50,16 @@ pub use recipe::{
 pub use restore::{RestoreError, restore};
 pub use state_file::{read_state, read_subject, write_state};
 
-use crate::film::{Image, Layer};
+use crate::film::{Image, Layer, Pixels};
 use crate::scene::{Encoding, OutputFormat};
+
+const NO_LAYERS: &[(Layer, Image)] = &[];
 
 /// An image with all that decides its file's bytes.
 #[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
     /// Linear radiance.
-    pub image: &'a Image,
+    pub image: &'a dyn Pixels,
     /// File format.
     pub format: OutputFormat,
     /// Transfer curve of PNG values; EXR is linear whatever it is.
@@ -69,14 +76,14 @@ impl Picture<'_> {
     /// # Errors
     /// What the system says of creating, writing or renaming; a picture without pixels.
     pub fn save(&self, path: &Path) -> io::Result<()> {
-        self.save_with(path, &[])
+        self.save_with(path, NO_LAYERS)
     }
 
     /// The same, with layers of the same size beside the colours; a PNG holds none.
     ///
     /// # Errors
     /// As [`save`](Self::save).
-    pub fn save_with(&self, path: &Path, layers: &[(Layer, Image)]) -> io::Result<()> {
+    pub fn save_with(&self, path: &Path, layers: &[(Layer, impl Pixels)]) -> io::Result<()> {
         write_atomically(path, |file| self.write_with(file, layers))
     }
 
@@ -85,7 +92,7 @@ impl Picture<'_> {
     /// # Errors
     /// Those of `out`; a picture without pixels.
     pub fn write(&self, out: impl Read + Write + Seek) -> io::Result<()> {
-        self.write_with(out, &[])
+        self.write_with(out, NO_LAYERS)
     }
 
     /// The same, with layers of the same size beside the colours; a PNG holds none.
@@ -95,17 +102,21 @@ impl Picture<'_> {
     pub fn write_with(
         &self,
         out: impl Read + Write + Seek,
-        layers: &[(Layer, Image)],
+        layers: &[(Layer, impl Pixels)],
     ) -> io::Result<()> {
-        match self.format {
-            OutputFormat::Png8 | OutputFormat::Png16 => png::write(self, out),
-            OutputFormat::Exr => exr::write(self, layers, out),
-        }
+        let mut out = Candid::new(out);
+        let written = match self.format {
+            OutputFormat::Png8 | OutputFormat::Png16 => png::write(self, &mut out),
+            OutputFormat::Exr => exr::write(self, layers, &mut out),
+        };
+        out.said(written)
     }
 
     /// Pixels with a channel that is not a finite number; such a channel is written as 0.
     pub fn not_finite(&self) -> usize {
-        self.image.rgb.iter().filter(|rgb| !rgb.iter().all(|c| c.is_finite())).count()
+        let [width, height] = self.image.size();
+        let is_odd = |x: u32, y: u32| !self.image.at(x, y).iter().all(|c| c.is_finite());
+        (0..height).map(|y| (0..width).filter(|&x| is_odd(x, y)).count()).sum()
     }
 }
 
@@ -135,6 +146,62 @@ mod tests {
         for format in [OutputFormat::Png8, OutputFormat::Png16, OutputFormat::Exr] {
             let once = bytes(format, Encoding::Srgb, &image);
             assert_eq!(once, bytes(format, Encoding::Srgb, &image.clone()), "{format:?}");
+        }
+    }
+
+    /// A disk that is full after so many bytes.
+    #[derive(Debug)]
+    struct SmallDisk {
+        file: io::Cursor<Vec<u8>>,
+        size: usize,
+        /// As the system numbers errors.
+        error: i32,
+    }
+
+    impl Write for SmallDisk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let left = self.size.saturating_sub(self.file.position() as usize);
+            match left.min(bytes.len()) {
+                0 if !bytes.is_empty() => Err(io::Error::from_raw_os_error(self.error)),
+                most => self.file.write(&bytes[..most]),
+            }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Read for SmallDisk {
+        fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+            self.file.read(bytes)
+        }
+    }
+
+    impl Seek for SmallDisk {
+        fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+            self.file.seek(to)
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_the_system_says_comes_through_every_encoder() {
+        // EIO, ENOSPC, ESTALE, EDQUOT.
+        const ERRORS: [i32; 4] = [5, 28, 116, 122];
+        let noisy = |i: u32| [0, 1, 2].map(|c| (i.wrapping_mul(2_654_435_761) >> c) as f32 / 4e9);
+        let image = Image { width: 90, height: 80, rgb: (0..90 * 80).map(noisy).collect() };
+        for format in [OutputFormat::Png8, OutputFormat::Png16, OutputFormat::Exr] {
+            let whole = bytes(format, Encoding::Raw, &image).len();
+            let encoding = Encoding::Raw;
+            let picture = Picture { image: &image, format, encoding, recipe: "{}", crop: None };
+            for size in [0, 1, 100, 1000, whole / 3, whole / 2, whole - 60] {
+                for error in ERRORS {
+                    let mut disk = SmallDisk { file: io::Cursor::default(), size, error };
+                    let said = picture.write(&mut disk).unwrap_err();
+                    assert_eq!(said.raw_os_error(), Some(error), "{format:?} of {size}: {said}");
+                }
+            }
         }
     }
 

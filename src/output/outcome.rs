@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::accel::Isa;
-use crate::film::{Area, Display, Film, Pixel};
+use crate::film::{Area, Display, Film};
 
 /// How clean a picture is, and what it took.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,14 +18,15 @@ pub struct Outcome {
 impl Outcome {
     /// Of an area of a film.
     pub fn of(film: &Film, area: Area, display: Display, isa: Isa) -> Self {
-        let pixels: Vec<&Pixel> = film.pixels_of(area).collect();
-        let count = pixels.len().max(1) as f64;
-        let samples: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        let count = area.len().max(1) as f64;
+        let samples: u64 = film.pixels_of(area).map(|pixel| u64::from(pixel.samples)).sum();
         // Rows in parallel, added in order: the bits do not depend on the threads.
-        let rows = pixels.par_chunks(area.width().max(1) as usize);
-        let row =
-            |row: &[&Pixel]| display.squared_errors(isa, row.iter().copied()).iter().sum::<f64>();
-        let squares: f64 = rows.map(row).collect::<Vec<_>>().into_iter().sum();
+        let row = |y: u32| {
+            let row = film.pixels_of(Area { y0: y, y1: y + 1, ..area });
+            display.squared_errors(isa, row).iter().sum::<f64>()
+        };
+        let rows: Vec<f64> = (area.y0..area.y1).into_par_iter().map(row).collect();
+        let squares: f64 = rows.into_iter().sum();
         let error = (squares / count).sqrt();
         Self { samples: samples as f64 / count, error: Some(error).filter(|e| e.is_finite()) }
     }

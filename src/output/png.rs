@@ -14,7 +14,7 @@ use crate::scene::texture::png_reason;
 use crate::scene::{Encoding, OutputFormat};
 
 /// Rows that are encoded in parallel before they are written in order.
-const ROWS_AT_A_TIME: usize = 256;
+pub const PNG_ROWS_AT_A_TIME: u32 = 256;
 
 /// Writes `picture` row by row.
 pub(super) fn write(picture: &Picture, out: impl Write + Seek) -> io::Result<()> {
@@ -38,9 +38,10 @@ fn encode(picture: &Picture, out: impl Write) -> Result<(), EncodingError> {
     let mut buffered = io::BufWriter::new(out);
     let mut writer = header(picture, &mut buffered)?.write_header()?;
     let mut stream = writer.stream_writer()?;
-    let width = picture.image.width.max(1) as usize;
-    for block in picture.image.rgb.chunks(width * ROWS_AT_A_TIME) {
-        let rows: Vec<_> = block.par_chunks(width).map(|row| row_bytes(row, picture)).collect();
+    let [_, height] = picture.image.size();
+    for first in (0..height).step_by(PNG_ROWS_AT_A_TIME as usize) {
+        let block = first..height.min(first + PNG_ROWS_AT_A_TIME);
+        let rows: Vec<_> = block.into_par_iter().map(|y| row_bytes(picture, y)).collect();
         rows.iter().try_for_each(|row| stream.write_all(row))?;
     }
     stream.finish()?;
@@ -49,7 +50,8 @@ fn encode(picture: &Picture, out: impl Write) -> Result<(), EncodingError> {
 }
 
 fn header<'a, W: Write>(picture: &Picture, out: W) -> Result<Encoder<'a, W>, EncodingError> {
-    let mut encoder = Encoder::new(out, picture.image.width, picture.image.height);
+    let [width, height] = picture.image.size();
+    let mut encoder = Encoder::new(out, width, height);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(match picture.format {
         OutputFormat::Png16 => BitDepth::Sixteen,
@@ -63,14 +65,16 @@ fn header<'a, W: Write>(picture: &Picture, out: W) -> Result<Encoder<'a, W>, Enc
 }
 
 /// The bytes of a row, big-endian as PNG wants it.
-fn row_bytes(row: &[[f32; 3]], picture: &Picture) -> Vec<u8> {
-    let values = row.as_flattened().iter();
+fn row_bytes(picture: &Picture, y: u32) -> Vec<u8> {
+    let [width, _] = picture.image.size();
+    let values = (0..width).flat_map(|x| picture.image.at(x, y));
+    let mut bytes = Vec::with_capacity(width as usize * 6);
     match picture.format {
-        OutputFormat::Png16 => {
-            values.flat_map(|&c| quantised(c, picture.encoding, u16::MAX).to_be_bytes()).collect()
-        }
-        _ => values.map(|&c| quantised(c, picture.encoding, 255) as u8).collect(),
+        OutputFormat::Png16 => bytes
+            .extend(values.flat_map(|c| quantised(c, picture.encoding, u16::MAX).to_be_bytes())),
+        _ => bytes.extend(values.map(|c| quantised(c, picture.encoding, 255) as u8)),
     }
+    bytes
 }
 
 #[cfg(test)]

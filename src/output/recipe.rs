@@ -262,22 +262,30 @@ pub fn read_recipe(path: &Path) -> Result<String, RecipeError> {
     read_checked(path).map(|(recipe, _)| recipe)
 }
 
-/// The recipe, and whether the file has the checksums that it was written with: an EXR file of another
-/// program may have kept the recipe alone.
-pub(super) fn read_checked(path: &Path) -> Result<(String, bool), RecipeError> {
+/// Whether a file with a recipe is the one that was written with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wholeness {
+    /// It is.
+    Whole,
+    /// Another program has read it, kept the recipe and written a file of its own.
+    Resaved,
+}
+
+/// The recipe, and what became of its file.
+pub(super) fn read_checked(path: &Path) -> Result<(String, Wholeness), RecipeError> {
     let mut file = open_regular(path).map_err(RecipeError::Io)?;
     let mut magic = Vec::new();
     Read::take(&mut file, 4).read_to_end(&mut magic).map_err(RecipeError::Io)?;
     file.rewind().map_err(RecipeError::Io)?;
     match magic[..] {
-        [0x89, b'P', b'N', b'G'] => Ok((from_png(BufReader::with_capacity(1 << 17, file))?, true)),
+        [0x89, b'P', b'N', b'G'] => from_png(BufReader::with_capacity(1 << 17, file)),
         [0x76, 0x2f, 0x31, 0x01] => from_exr(BufReader::new(file)),
         _ => Err(RecipeError::NotAPicture("its first bytes are of another kind of file".into())),
     }
 }
 
-fn from_png(mut file: BufReader<File>) -> Result<String, RecipeError> {
-    chunks::check(&mut file).map_err(|error| match error.kind() {
+fn from_png(mut file: BufReader<File>) -> Result<(String, Wholeness), RecipeError> {
+    let is_ours = chunks::scan(&mut file).map_err(|error| match error.kind() {
         io::ErrorKind::InvalidData => RecipeError::Damaged(error.to_string()),
         _ => RecipeError::Io(error),
     })?;
@@ -287,24 +295,31 @@ fn from_png(mut file: BufReader<File>) -> Result<String, RecipeError> {
         .map_err(|error| RecipeError::NotAPicture(super::png::reason(&error)))?;
     let mut texts = reader.info().uncompressed_latin1_text.iter();
     let recipe = texts.find(|chunk| chunk.keyword == KEYWORD).ok_or(RecipeError::NoRecipe)?;
-    Ok(recipe.text.clone())
+    let wholeness = if is_ours { Wholeness::Whole } else { Wholeness::Resaved };
+    Ok((recipe.text.clone(), wholeness))
 }
 
-fn from_exr(mut file: BufReader<File>) -> Result<(String, bool), RecipeError> {
+fn from_exr(mut file: BufReader<File>) -> Result<(String, Wholeness), RecipeError> {
     let seal = seal::look(&mut file).map_err(RecipeError::Io)?;
-    if seal == Seal::Broken {
-        return Err(RecipeError::Damaged("it is damaged: its checksum is wrong".into()));
-    }
     file.rewind().map_err(RecipeError::Io)?;
-    let meta = MetaData::read_from_buffered(file, false)
-        .map_err(|error| RecipeError::NotAPicture(error.to_string()))?;
+    let meta = MetaData::read_from_buffered(file, false);
+    let damaged = || RecipeError::Damaged("it is damaged: its checksum is wrong".into());
+    let meta = meta.map_err(|error| match seal {
+        Seal::Broken => damaged(),
+        _ => RecipeError::NotAPicture(error.to_string()),
+    })?;
+    let wholeness = match seal {
+        Seal::Whole => Wholeness::Whole,
+        Seal::Broken if super::exr::is_our_header(&meta) => return Err(damaged()),
+        Seal::Broken | Seal::None => Wholeness::Resaved,
+    };
     let attributes = meta.headers.iter().flat_map(|header| {
         header.own_attributes.other.iter().chain(&header.shared_attributes.other)
     });
     for (name, value) in attributes {
         match value {
             AttributeValue::Text(text) if name.eq(KEYWORD) => {
-                return Ok((text.to_string(), seal == Seal::Whole));
+                return Ok((text.to_string(), wholeness));
             }
             _ => {}
         }

@@ -43,8 +43,8 @@ pub trait Observer: Sync {
         false
     }
     /// All that is known of the picture at this moment, and how far it is at least to be taken from
-    /// there, where it is exposed step by step.
-    fn keep(&self, film: Film, steps: Steps) {
+    /// there, where it is exposed step by step. `None`: there is no memory for a copy.
+    fn keep(&self, film: Option<Film>, steps: Steps) {
         drop((film, steps));
     }
 }
@@ -165,7 +165,7 @@ impl<'a> Run<'a> {
     /// Gives the observer a copy of the film where it wants one: the others go on meanwhile.
     fn show_film(&self) {
         if self.observer.wants_film() {
-            let film = lock(&self.result).0.clone();
+            let film = lock(&self.result).0.try_clone();
             let packed = self.steps.load(Ordering::SeqCst);
             let steps = Steps { done: (packed >> 32) as u32, tiles: packed as u32 };
             self.observer.keep(film, steps);

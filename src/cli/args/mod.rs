@@ -63,7 +63,7 @@ Exit codes:
     2  the command line is wrong, or the scene has no such frame
    65  the scene, a mesh or a texture has errors
    66  an input file is missing or can't be read
-   73  the picture can't be created (found before rendering starts)
+   73  the picture can't be created, or a file that slo-rt did not make has its name
    74  the picture can't be written
    75  stopped by Ctrl-C or a signal; the same command goes on from there
   130  ended at once, by a second Ctrl-C

@@ -10,10 +10,12 @@ mod schedule;
 mod shared;
 mod total;
 
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::io;
-use std::path::Path;
-use std::time::Instant;
+use std::mem;
+use std::path::{Path, PathBuf};
+use std::time::{Instant, SystemTime};
 
 use super::interrupt::Guard;
 use super::options::Job;
@@ -22,12 +24,14 @@ use super::progress::Progress;
 use super::render::{Done, Studio};
 use super::room::Needs;
 use super::summary::Summary;
-use super::target::Target;
+use super::target::{Target, not_ours};
 use super::terminal::{Terminal, counted, print};
 use super::{Exit, interrupt, load};
 use crate::accel::Accelerator;
 use crate::frame::FrameScene;
+use crate::output::Found;
 use crate::scene::SceneDescription;
+use claims::Left;
 pub(super) use frames::{Frames, shown};
 pub(super) use order::Order;
 use plan::{State, Step};
@@ -63,9 +67,9 @@ fn render(
         let subject = target.subject(first.frame);
         let format = scene.camera.film.output;
         let frames = to_render(&steps);
-        let needs = Needs::of(&subject, format, frames);
+        let needs = Needs::of(&subject, format, frames, job.beside());
         let needs = if job.total_time.is_some() { needs.with_states(frames) } else { needs };
-        needs.check(&job.outdir, terminal);
+        needs.check(&job.outdir, terminal)?;
         warn_of_structure(scene.settings.accelerator, terminal);
     }
     let pictures = steps.iter().filter(|step| step.is_to_render());
@@ -73,6 +77,7 @@ fn render(
     let studio = Studio { job, scene, target, terminal };
     let mut run = Run {
         studio,
+        frames: steps.len(),
         is_sequence: steps.len() > 1,
         progress: Progress::new(
             job.progress,
@@ -85,34 +90,70 @@ fn render(
         found: 0,
         before: None,
         failures: Vec::new(),
+        placed: Vec::new(),
         late: None,
         unprinted: None,
     };
+    let claimed: Vec<_> =
+        steps.iter().map(|step| run.studio.target.plain_path(step.frame)).collect();
+    let left = Left::look(&job.outdir, claimed.iter().map(|path| &**path));
+    Guard::begin_work();
     let start = Instant::now();
     let result = match (job.share, job.total_time) {
         (Some(lease), _) => run.share(steps, lease),
         (None, Some(span)) => run.rounds(steps, span, begin),
         (None, None) => steps.iter().try_for_each(|step| run.step(step)),
     };
+    let result = result.map(|()| run.look_once_more());
     let time = start.elapsed();
     run.progress.ended(run.summary.frames, run.found, run.failures.len(), time);
     result?;
-    run.end()
+    run.end()?;
+    left.sweep();
+    Ok(())
 }
 
 fn to_render(steps: &[Step]) -> usize {
     steps.iter().filter(|step| step.is_to_render()).count()
 }
 
+/// A picture that was in place.
+struct Placed {
+    frame: i64,
+    path: PathBuf,
+    stamp: Option<Stamp>,
+}
+
+/// What tells a file from another one under its name, without reading either.
+#[derive(PartialEq, Eq)]
+struct Stamp(u64, SystemTime);
+
+impl Placed {
+    fn new(frame: i64, path: &Path) -> Self {
+        Self { frame, path: path.to_owned(), stamp: Stamp::of(path) }
+    }
+}
+
+impl Stamp {
+    fn of(path: &Path) -> Option<Self> {
+        let there = path.metadata().ok()?;
+        Some(Self(there.len(), there.modified().ok()?))
+    }
+}
+
 /// A run under way.
 struct Run<'a> {
     studio: Studio<'a>,
+    /// All that were asked for.
+    frames: usize,
     is_sequence: bool,
     progress: Progress,
     summary: Summary,
     /// Frames that were there already.
     found: usize,
     failures: Vec<(i64, Problem)>,
+    /// Pictures that are in place.
+    placed: Vec<Placed>,
     /// Why the run took longer than its time.
     late: Option<String>,
     /// Why a path could not be printed.
@@ -127,24 +168,27 @@ impl Run<'_> {
         match &step.state {
             State::Finished => self.keep(step.frame, &step.path, false),
             State::None(error) => self.fail(step.frame, load::no_segment(error), false),
+            State::Foreign(why) => self.fail(step.frame, not_ours(&step.path, why), false),
             State::ToRender(_) if self.is_there_now(step) => {}
             State::ToRender(_) => drop(self.render(step.frame, &step.path, &|| false)?),
         }
         Ok(())
     }
 
-    /// Whether another process has finished the frame since.
+    /// Whether another process has finished the frame since, or somebody has put another file in its place.
     fn is_there_now(&mut self, step: &Step) -> bool {
         let (path, state) = plan::look_again(self.studio.job, &self.studio.target, step.frame);
-        let is_there = matches!(state, State::Finished);
-        if is_there {
-            self.keep(step.frame, &path, true);
+        match state {
+            State::Finished => self.keep(step.frame, &path, true),
+            State::Foreign(why) => self.fail(step.frame, not_ours(&path, &why), true),
+            State::ToRender(_) | State::None(_) => return false,
         }
-        is_there
+        true
     }
 
     fn keep(&mut self, frame: i64, path: &Path, counted: bool) {
         self.found += 1;
+        self.placed.push(Placed::new(frame, path));
         self.progress.found(frame, path, counted);
         if !self.is_sequence {
             self.note(format_args!("`{}` is there already", path.display()));
@@ -175,6 +219,7 @@ impl Run<'_> {
     /// A picture is in place, for good.
     fn finish(&mut self, frame: i64, mut done: Done) {
         self.print(&done.path);
+        self.placed.push(Placed::new(frame, &done.path));
         match done.missing.take() {
             Some(problem) => self.fail(frame, problem, true),
             None => {
@@ -200,8 +245,30 @@ impl Run<'_> {
         self.unprinted = self.unprinted.take().or(printed.err());
     }
 
+    fn warn(&self, text: impl Display) {
+        self.progress.suspended(|| self.studio.terminal.warn(text));
+    }
+
     fn note(&self, text: impl Display) {
         self.progress.suspended(|| self.studio.terminal.note(text));
+    }
+
+    /// Whether all pictures are still in place: others may have replaced or removed some since.
+    fn look_once_more(&mut self) {
+        for Placed { frame, path, stamp } in mem::take(&mut self.placed) {
+            if stamp.is_some() && Stamp::of(&path) == stamp {
+                continue;
+            }
+            let why = match self.studio.target.look(frame, &path) {
+                Found::Finished => continue,
+                Found::Missing => "it is not there any more".into(),
+                Found::Damaged => "it was damaged since".into(),
+                Found::Stale(what) => format!("another run has replaced it: {what}"),
+                Found::Foreign(what) => format!("another program has replaced it: {what}"),
+            };
+            let message = format!("`{}` was in place, but {why}", path.display());
+            self.fail(frame, Problem::new(Exit::Failed, message), false);
+        }
     }
 
     /// Says how the run went; an error where frames failed.
@@ -221,9 +288,11 @@ impl Run<'_> {
         match self.failures.len() {
             0 => self.unprinted.map_or(Ok(()), |error| Err(cant_print(&error))),
             1 if !self.is_sequence => Err(self.failures.remove(0).1),
-            failed => {
-                let frames: Vec<i64> = self.failures.iter().map(|failure| failure.0).collect();
-                let all = self.summary.frames + self.found + failed;
+            _ => {
+                let frames: BTreeSet<i64> = self.failures.iter().map(|failure| failure.0).collect();
+                let frames: Vec<i64> = frames.into_iter().collect();
+                let all = self.frames;
+                let failed = frames.len();
                 let message =
                     format!("{failed} of {} failed: {}", counted(all, "frame"), shown(&frames));
                 Err(Problem::new(exit(&self.failures, failed == all), message))

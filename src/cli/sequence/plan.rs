@@ -29,6 +29,8 @@ pub(super) enum State {
     Finished,
     /// To be rendered, since this is what was found.
     ToRender(Found),
+    /// Not to be rendered: a file of others is there, and why it is taken for that.
+    Foreign(String),
     /// The scene has no such frame.
     None(NoSegment),
 }
@@ -61,6 +63,7 @@ fn look(job: &Job, target: &Target, frame: i64, path: &Path) -> State {
             State::ToRender(Found::Stale("the time was not over".into()))
         }
         Found::Finished if job.skips_finished() => State::Finished,
+        Found::Foreign(why) if !job.overwrites() => State::Foreign(why),
         found => State::ToRender(found),
     }
 }
@@ -104,7 +107,8 @@ impl Step {
         match &self.state {
             State::Finished => "finished".into(),
             State::None(_) => "no such frame".into(),
-            State::ToRender(Found::Finished) => "to be overwritten".into(),
+            State::Foreign(why) => format!("foreign ({why})"),
+            State::ToRender(Found::Finished | Found::Foreign(_)) => "to be overwritten".into(),
             State::ToRender(Found::Missing) => "missing".into(),
             State::ToRender(Found::Damaged) => "damaged".into(),
             State::ToRender(Found::Stale(difference)) => format!("stale ({difference})"),

@@ -30,6 +30,9 @@ struct Theirs {
 
 impl Run<'_> {
     /// Does all steps that no other process does, and returns when all are done by whomever.
+    ///
+    /// # Errors
+    /// Another process renders such a frame from another scene or with other settings.
     pub(super) fn share(&mut self, steps: Vec<Step>, lease: Duration) -> Result<(), Problem> {
         let claims = Claims::new(lease).map_err(|error| {
             Problem::new(Exit::Failed, format!("can't start a thread: {error}"))
@@ -45,7 +48,8 @@ impl Run<'_> {
             }
             if !rendered {
                 self.tell_waiting(&theirs, &mut told);
-                wait(&theirs, claims.pause())?;
+                let frames: Vec<i64> = theirs.iter().map(|theirs| theirs.step.frame).collect();
+                wait_for(&frames, claims.pause())?;
             }
         }
     }
@@ -80,20 +84,66 @@ impl Run<'_> {
 
     /// Renders a frame that is to be rendered, where it is nobody's.
     fn look(&mut self, step: &Step, claims: &Claims) -> Result<Look, Problem> {
-        if let State::None(_) = step.state {
+        if let State::None(_) | State::Foreign(_) = step.state {
             return self.step(step).map(|()| Look::Settled);
         }
         // One that died as it let go of a finished frame has left its claim.
         if !claims.is_taken(&self.claimed(step)) && self.keep_if_there(step) {
             return Ok(Look::Settled);
         }
-        match self.claim(step, claims) {
+        let claimed = self.claim_ours(step, claims)?;
+        match claimed {
             Err(problem) => {
                 self.fail(step.frame, problem, true);
                 Ok(Look::Settled)
             }
-            Ok(Taken::Theirs(worker)) => Ok(Look::Theirs(worker)),
-            Ok(Taken::Mine(claim)) => self.go_on(step, claim),
+            Ok(None) => Ok(Look::Settled),
+            Ok(Some(Taken::Mine(claim))) => self.go_on(step, claim),
+            Ok(Some(Taken::Theirs(worker))) => Ok(Look::Theirs(worker)),
+            Ok(Some(Taken::Other { worker, .. })) => Ok(Look::Theirs(Some(worker))),
+        }
+    }
+
+    /// Claims a frame. If a process has it that renders another scene, waits until that is known to be dead.
+    /// `None`: the frame is there.
+    ///
+    /// # Errors
+    /// That process is alive: two versions of a scene can't share a folder.
+    fn claim_ours(
+        &mut self,
+        step: &Step,
+        claims: &Claims,
+    ) -> Result<Result<Option<Taken>, Problem>, Problem> {
+        let mut other: Option<Worker> = None;
+        loop {
+            let taken = match self.claim(step, claims) {
+                Ok(taken) => taken,
+                Err(problem) if problem.exit == Exit::Stopped => return Err(problem),
+                Err(problem) => return Ok(Err(problem)),
+            };
+            let (worker, is_alive) = match (taken, &other) {
+                (Taken::Other { worker, is_alive }, _) => (worker, is_alive),
+                (Taken::Mine(claim), Some(worker)) if claim.dead.is_none() => {
+                    // It has let go of the frame: unless it was one of ours meanwhile, it goes on to others.
+                    match self.keep_if_there(step) {
+                        true => return Ok(Ok(None)),
+                        false => (worker.clone(), true),
+                    }
+                }
+                (taken, _) => return Ok(Ok(Some(taken))),
+            };
+            if is_alive {
+                return Err(two_versions(step.frame, &worker));
+            }
+            if other.is_none() {
+                let frame = step.frame;
+                self.warn(format_args!(
+                    "{worker} has claimed frame {frame} for another scene or other settings; \
+                     waiting to see whether it is alive"
+                ));
+                other = Some(worker);
+            }
+            wait_for(&[step.frame], claims.pause())?;
         }
     }
 
@@ -133,10 +183,10 @@ impl Run<'_> {
     fn claim(&self, step: &Step, claims: &Claims) -> Result<Taken, Problem> {
         find_out_if_writable(&step.path, self.before.is_none())?;
         let path = self.claimed(step);
-        patience::write(&path, self.studio.terminal, || claims.take(&path)).map_err(|error| {
-            let path = path.display();
-            Problem::new(Exit::CantWrite, format!("can't claim `{path}`: {error}"))
-        })
+        let recipe = self.studio.recipe_hash(step.frame);
+        let take = || claims.take(&path, &recipe);
+        patience::write(&path, self.studio.terminal, take)
+            .map_err(|error| patience::problem(format_args!("claim `{}`", path.display()), &error))
     }
 
     /// Says for what frames the run waits, where these are others than last time.
@@ -154,12 +204,21 @@ impl Run<'_> {
     }
 }
 
-fn wait(theirs: &[Theirs], pause: Duration) -> Result<(), Problem> {
+fn wait_for(frames: &[i64], pause: Duration) -> Result<(), Problem> {
     if interrupt::requested() {
-        let frames: Vec<i64> = theirs.iter().map(|theirs| theirs.step.frame).collect();
-        let message = format!("interrupted; others still render {}", shown(&frames));
+        let message = format!("interrupted; others still render {}", shown(frames));
         return Err(Problem::new(Exit::Stopped, message));
     }
     sleep(pause);
     Ok(())
+}
+
+fn two_versions(frame: i64, worker: &Worker) -> Problem {
+    let message = format!(
+        "{worker} renders frame {frame} from another scene or with other settings; \
+         two versions can't share a folder"
+    );
+    Problem::new(Exit::Failed, message).with_help(
+        "`--outdir` or `--prefix` gives this run pictures of its own; or stop the other one first",
+    )
 }

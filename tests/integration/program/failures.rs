@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
-use super::{Folder, Run, SCENE};
+use super::{Folder, Run, SCENE, noisy_scene};
 
 /// Four frames of a fifth of a second.
 fn folder() -> Folder {
@@ -139,6 +139,37 @@ fn a_limit_on_the_size_of_files_is_told_and_leaves_nothing() {
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
 
+/// Under any limit on memory a picture is refused before it is rendered, or it is there at the end.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_on_memory_is_told_before_anything_is_lost() {
+    let folder = Folder::new();
+    for typed in ["", "--format exr --layers normal", "--keep-state", "--error-map map.png"] {
+        let mut exits = Vec::new();
+        for megabytes in (40..340).step_by(20) {
+            let program = env!("CARGO_BIN_EXE_slo-rt");
+            let options = "-q -s scene.txt --size 1000x750 --samples 1 --threads 1 --overwrite";
+            let line = format!(
+                "ulimit -c 0; ulimit -v {}; exec {program} {options} {typed}",
+                megabytes * 1000
+            );
+            let mut shell = Command::new("sh");
+            let run = shell.arg("-c").arg(line).current_dir(folder.path()).output().unwrap();
+            let run = Run::of(run);
+            let is_refused = run.said.contains("error: the picture needs ")
+                && run.said.contains("of the limit on the address space");
+            assert!(
+                run.exit == 0 || (run.exit == 1 && is_refused),
+                "{typed} with {megabytes} MB: {} {}",
+                run.exit,
+                run.said
+            );
+            exits.push(run.exit);
+        }
+        assert!(exits.contains(&0) && exits.contains(&1), "{typed}: {exits:?}");
+    }
+}
+
 #[test]
 fn a_clock_that_goes_backwards() {
     let (expected, folder) = (expected(), folder());
@@ -177,6 +208,13 @@ fn a_folder_that_can_only_be_read() {
     fs::set_permissions(&out, fs::Permissions::from_mode(0o755)).unwrap();
 }
 
+fn wait_for_file(path: &Path) {
+    let deadline = Instant::now() + Duration::from_secs(100);
+    while !path.exists() && Instant::now() < deadline {
+        sleep(Duration::from_millis(20));
+    }
+}
+
 /// A file system of a few kilobytes, gone with the value.
 struct SmallDisk(std::path::PathBuf);
 
@@ -208,11 +246,7 @@ fn a_full_disk_is_waited_for() {
     fs::write(disk.0.join("ballast"), vec![0; 14 * 4096]).unwrap();
     let mut command = folder.command(&format!("-s scene.txt -f 0-3 -od {}", disk.0.display()));
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let second = disk.0.join(&expected[1].0);
-    let deadline = Instant::now() + Duration::from_secs(100);
-    while !second.exists() && Instant::now() < deadline {
-        sleep(Duration::from_millis(50));
-    }
+    wait_for_file(&disk.0.join(&expected[1].0));
     sleep(Duration::from_secs(2));
     assert!(child.try_wait().unwrap().is_none(), "it waits");
     for (name, bytes) in &expected {
@@ -229,16 +263,114 @@ fn a_full_disk_is_waited_for() {
     }
 }
 
+/// Room runs out inside each picture: no encoder hides why it can't go on.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_fills_up_inside_a_picture_is_waited_for() {
+    for format in ["png", "png16", "exr"] {
+        let folder = Folder::with_scene(&noisy_scene([200, 150]));
+        let typed = format!("-q -s scene.txt -f 0-1 --checkpoint 0 --format {format}");
+        let names: Vec<String> = folder.printed(&typed).lines().map(str::to_owned).collect();
+        let Some(disk) = SmallDisk::mount(folder.path().join("small"), "size=2m") else {
+            eprintln!("SKIPPED: this user may not mount a file system");
+            return;
+        };
+        // Three pages are left.
+        assert!(names.iter().all(|name| folder.read(name).len() > 4 * 4096));
+        fs::write(disk.0.join("ballast"), vec![0; (2 << 20) - 3 * 4096]).unwrap();
+        let mut command = folder.command(&format!("{typed} -od {}", disk.0.display()));
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        sleep(Duration::from_secs(3));
+        assert!(child.try_wait().unwrap().is_none(), "{format}: it waits");
+        assert!(names.iter().all(|name| !disk.0.join(name).exists()), "{format}");
+        fs::remove_file(disk.0.join("ballast")).unwrap();
+        let run = Run::of(child.wait_with_output().unwrap());
+        assert_eq!(run.exit, 0, "{format}: {}", run.said);
+        assert!(run.said.contains("waiting until it works, nothing is lost"), "{}", run.said);
+        for name in &names {
+            assert!(fs::read(disk.0.join(name)).unwrap() == folder.read(name), "{format}: {name}");
+        }
+    }
+}
+
+/// A disk that is mounted again to be read only, for a while: permissions, which do not stop root.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_can_only_be_read_for_a_while_is_waited_for() {
+    let (expected, folder) = (expected(), folder());
+    let Some(disk) = SmallDisk::mount(folder.path().join("small"), "size=2m") else {
+        eprintln!("SKIPPED: this user may not mount a file system");
+        return;
+    };
+    let again = |how: &str| {
+        let mut mount = Command::new("mount");
+        mount.args(["-o", &format!("remount,{how}")]).arg(&disk.0).stderr(Stdio::null());
+        mount.status().unwrap().success()
+    };
+    for share in ["", "--share=2"] {
+        let typed = format!("{FRAMES} -od {} {share}", disk.0.display());
+        let mut command = folder.command(&typed);
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        wait_for_file(&disk.0.join(&expected[0].0));
+        // Busy while a file is open to be written.
+        while !again("ro") {
+            sleep(Duration::from_millis(5));
+        }
+        sleep(Duration::from_millis(1500));
+        assert!(again("rw"));
+        let run = Run::of(child.wait_with_output().unwrap());
+        assert_eq!(run.exit, 0, "{share}: {}", run.said);
+        for (name, bytes) in &expected {
+            assert!(fs::read(disk.0.join(name)).unwrap() == *bytes, "{name}");
+            fs::remove_file(disk.0.join(name)).unwrap();
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn waiting_for_a_disk_ends_with_a_signal() {
+    let (expected, folder) = (expected(), folder());
+    let Some(disk) = SmallDisk::mount(folder.path().join("small"), "size=64k") else {
+        eprintln!("SKIPPED: this user may not mount a file system");
+        return;
+    };
+    assert!(expected.iter().all(|(_, bytes)| bytes.len() > 1));
+    fs::write(disk.0.join("ballast"), vec![0; 16 * 4096]).unwrap();
+    for typed in ["-s scene.txt -f 0", "-s scene.txt -f 0-3", "-s scene.txt -f 0-3 --share=60"] {
+        let mut command = folder.command(&format!("{typed} -od {}", disk.0.display()));
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        sleep(Duration::from_secs(4));
+        let kill = Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+        assert!(kill.success());
+        let run = Run::of(child.wait_with_output().unwrap());
+        assert_eq!((run.exit, &*run.printed), (75, ""), "{typed}: {}", run.said);
+        assert!(run.said.contains("interrupted while waiting to "), "{typed}: {}", run.said);
+        let names: Vec<_> = fs::read_dir(&disk.0).unwrap().flatten().collect();
+        assert_eq!(names.len(), 1, "{typed}: {names:?}");
+    }
+}
+
+/// The system's program that tells the room on a disk may hang with a file server: nobody asks it.
+#[test]
+fn a_program_that_hangs_stops_nothing() {
+    let folder = Folder::new();
+    folder.write("bin/df", "#!/bin/sh\nexec sleep 1000\n");
+    let df = folder.path().join("bin/df");
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    fs::set_permissions(df, mode).unwrap();
+    let mut command = folder.command("-q -s scene.txt");
+    let run = Run::of(command.env("PATH", folder.path().join("bin")).output().unwrap());
+    assert_eq!((run.exit, &*run.printed), (0, "ball_00000.png\n"), "{}", run.said);
+}
+
 #[test]
 fn a_folder_that_vanishes_is_waited_for() {
     let (expected, folder) = (expected(), folder());
     let mut command = folder.command("-s scene.txt -f 0-3 -od out --checkpoint 0");
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let out = folder.path().join("out");
-    let deadline = Instant::now() + Duration::from_secs(100);
-    while !out.join(&expected[0].0).exists() && Instant::now() < deadline {
-        sleep(Duration::from_millis(20));
-    }
+    wait_for_file(&out.join(&expected[0].0));
     fs::rename(&out, folder.path().join("elsewhere")).unwrap();
     sleep(Duration::from_millis(1500));
     if !out.exists() && child.try_wait().unwrap().is_none() {

@@ -7,6 +7,8 @@ mod documentation;
 mod exit_codes;
 #[cfg(unix)]
 mod failures;
+#[cfg(unix)]
+mod foreign;
 mod frames;
 mod huge;
 mod layers;

@@ -175,3 +175,98 @@ fn pictures_with_their_time_in_the_name_are_shared_too() {
     }
     assert_eq!(folder.names().len(), 6, "{:?}", folder.names());
 }
+
+/// Two versions of a scene on one folder: neither says that all is there where it is not.
+#[test]
+fn two_versions_of_a_scene_do_not_share_a_folder() {
+    for (orders, lease) in [(["forward", "forward"], 60), (["forward", "reverse"], 2)] {
+        let folder = folder();
+        let other = String::from_utf8(folder.read("scene.txt")).unwrap();
+        folder.write("other.txt", other.replace(".7 .6 .5", ".5 .6 .7"));
+        let start = |scene: &str, order| {
+            let typed = format!("-s {scene} -f 0-11 --share={lease} --order {order}");
+            let mut command = folder.command(&typed);
+            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        };
+        let children = [start("scene.txt", orders[0]), start("other.txt", orders[1])];
+        let runs = children.map(|child| Run::of(child.wait_with_output().unwrap()));
+        let finished = ["scene.txt", "other.txt"].map(|scene| {
+            let plan = folder.printed(&format!("-q -s {scene} -f 0-11 --dry-run"));
+            plan.lines().filter(|line| line.ends_with("finished")).count()
+        });
+        assert!(runs.iter().any(|run| run.exit != 0), "{finished:?}");
+        for (run, finished) in runs.iter().zip(finished) {
+            assert_eq!(run.exit == 0, finished == 12, "{finished}: {}", run.said);
+            assert!([0, 1].contains(&run.exit), "{}", run.said);
+        }
+        let said = runs.iter().find(|run| run.exit != 0).unwrap();
+        assert!(said.said.contains("another scene or with other settings"), "{}", said.said);
+        assert!(!has(folder.path(), ".claim"));
+    }
+}
+
+/// One that died with another version of the scene is in nobody's way.
+#[test]
+fn a_dead_claim_of_another_version_is_waited_for_and_taken_over() {
+    let folder = folder();
+    let claim = "0123456789abcdef 2000 1 4711 anna 00000000000000ff\n";
+    folder.write(".slo-rt-ball_00000.png.claim", claim);
+    let run = folder.run("-s scene.txt -f 0-1 --share=1");
+    assert_eq!(run.exit, 0, "{}", run.said);
+    for said in ["has claimed frame 0 for another scene", "frame 0 is taken over"] {
+        assert!(run.said.contains(said), "no `{said}` in {}", run.said);
+    }
+    check_all(&folder, "0-1");
+}
+
+/// Who waits decides how long: a day of the dead one's makes nobody wait for a day.
+#[test]
+fn the_seconds_of_the_dead_do_not_count() {
+    let folder = folder();
+    folder.write(".slo-rt-ball_00001.png.claim", "0123456789abcdef 86400000 1 4711 anna\n");
+    let start = Instant::now();
+    folder.printed("-q -s scene.txt -f 0-1 --share=2");
+    assert!(start.elapsed() < Duration::from_secs(600));
+    check_all(&folder, "0-1");
+}
+
+#[test]
+fn what_is_no_file_in_the_place_of_a_claim_fails_that_frame_only() {
+    let folder = folder();
+    let at = |frame: u32| folder.path().join(format!(".slo-rt-ball_0000{frame}.png.claim"));
+    assert!(Command::new("mkfifo").arg(at(0)).status().unwrap().success());
+    fs::create_dir(at(1)).unwrap();
+    std::os::unix::fs::symlink("nowhere", at(2)).unwrap();
+    let run = folder.run("-s scene.txt -f 0-3 --share -q");
+    assert_eq!((run.exit, &*run.printed), (1, "ball_00003.png\n"), "{}", run.said);
+    assert!(run.said.contains("3 of 4 frames failed: 0-2"), "{}", run.said);
+}
+
+#[test]
+fn pictures_that_vanish_during_the_run_are_told() {
+    for share in ["", "--share"] {
+        let folder = folder();
+        let mut command = folder.command(&format!("-s scene.txt -f 0-7 -q {share}"));
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        wait_for(|| folder.path().join("ball_00001.png").exists());
+        folder.write("ball_00000.png", "notes");
+        fs::remove_file(folder.path().join("ball_00001.png")).unwrap();
+        let run = Run::of(child.wait_with_output().unwrap());
+        assert_eq!(run.exit, 1, "{}", run.said);
+        for said in ["not there any more", "another program has replaced", "frames failed: 0-1"] {
+            assert!(run.said.contains(said), "no `{said}` in {}", run.said);
+        }
+        assert_eq!(folder.read("ball_00000.png"), b"notes");
+    }
+}
+
+#[test]
+fn claims_that_killed_runs_left_are_removed_when_all_is_there() {
+    let folder = folder();
+    for name in ["claim", "claim.0123456789abcdef"] {
+        let name = format!(".slo-rt-ball_00001.png.{name}");
+        folder.write(&name, "0123456789abcdef 1000 1 4711 anna\n");
+    }
+    folder.printed("-q -s scene.txt -f 0-7");
+    check_all(&folder, "0-7");
+}

@@ -283,3 +283,24 @@ fn a_picture_gets_more_samples() {
     assert_eq!(rays("--samples 32"), 32 * pixels, "fewer samples begin anew");
     assert!(folder.path().join("ball_00000.state").exists(), "what was kept stays");
 }
+
+/// A scene that comes through a pipe, or from a file server that hangs, is not waited for.
+#[test]
+fn a_signal_while_the_scene_is_read_ends_at_once() {
+    let folder = Folder::new();
+    for typed in ["-s /dev/stdin", "-s /dev/stdin -f 0-3 --share=5"] {
+        let mut command = folder.command(typed);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let kept = child.stdin.take();
+        sleep(Duration::from_millis(700));
+        assert!(child.try_wait().unwrap().is_none(), "it waits");
+        let start = Instant::now();
+        signal(&child, "-TERM");
+        let run = Run::of(child.wait_with_output().unwrap());
+        drop(kept);
+        assert_eq!((run.exit, &*run.printed), (75, ""), "{typed}: {}", run.said);
+        assert!(run.said.contains("interrupted before the first frame"), "{}", run.said);
+        assert!(start.elapsed() < Duration::from_secs(30), "it ends at once");
+    }
+}

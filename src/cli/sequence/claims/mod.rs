@@ -1,14 +1,15 @@
 //! Which of several processes on one folder renders which frame.
 //!
 //! A claim is a file beside the picture: whoever makes it first renders the frame. Its owner changes
-//! it all the time. Where it has not changed for as long as its owner promised, by the clock of
-//! whoever watches it, the owner is dead, and another process takes the frame over: clocks of two
-//! machines are never compared. No lock of the system is needed, so that it works wherever making
+//! it all the time. If it has not changed for as long as whoever watches it waits, by the watcher's own
+//! clock, the owner is dead, and another process takes the frame over: clocks of two machines are never
+//! compared. A claim tells what the frame is rendered from: two versions of a scene do not share a folder. No lock of the system is needed, so that it works wherever making
 //! a file that is not there yet, and renaming, are atomic: on local disks, NFS and SMB.
 //!
 //! What counts at any moment is whose token stands in the claim. Should two processes render one
 //! frame after all, both make the same picture.
 
+mod left;
 mod note;
 mod pulse;
 #[cfg(test)]
@@ -21,9 +22,11 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use crate::cli::interrupt;
+pub(super) use left::Left;
 use note::Note;
 pub(in crate::cli) use note::Worker;
-use pulse::{Held, Pulse};
+use pulse::{Held, Pulse, Sign};
 
 /// Promises that a process can keep, and one that somebody would wait for.
 pub(in crate::cli) const SHORTEST_LEASE: Duration = Duration::from_secs(1);
@@ -51,10 +54,16 @@ pub(in crate::cli) enum Taken {
     Mine(Claim),
     /// Another process renders it; `None`: it has just ended.
     Theirs(Option<Worker>),
+    /// Another process renders it from another scene or with other settings.
+    Other {
+        worker: Worker,
+        /// It gives signs of life.
+        is_alive: bool,
+    },
 }
 
 impl Claims {
-    /// For a process that gives signs of life, and is taken for dead where there is none for `lease`.
+    /// For a process that gives signs of life, and takes others for dead after `lease` without any.
     ///
     /// # Errors
     /// What the system says: no thread can be started.
@@ -63,6 +72,8 @@ impl Claims {
         let beating = Arc::clone(&pulse);
         let thread = std::thread::Builder::new().name("claims".into());
         let thread = thread.spawn(move || beating.run())?;
+        let held = Arc::clone(&pulse);
+        interrupt::before_the_end(move || held.held().iter().for_each(|held| let_go(held)));
         Ok(Self { pulse, thread: Some(thread) })
     }
 
@@ -76,22 +87,29 @@ impl Claims {
         path_of(picture).exists()
     }
 
-    /// Takes the frame of `picture`, whose folder is there, where nobody alive has it.
+    /// Takes the frame of `picture`, whose folder is there, where nobody alive has it; `recipe` is a hash of
+    /// what it is rendered from.
     ///
     /// # Errors
     /// What the system says.
-    pub(super) fn take(&self, picture: &Path) -> io::Result<Taken> {
+    pub(super) fn take(&self, picture: &Path, recipe: &str) -> io::Result<Taken> {
         let path = path_of(picture);
-        match self.make(&path) {
+        match self.make(&path, recipe) {
             Ok(made) => return Ok(Taken::Mine(self.hold(path, made, None))),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
         }
-        let Some((dead, is_dead)) = self.pulse.look(&path)? else { return Ok(Taken::Theirs(None)) };
-        let made = if is_dead { self.take_over(&path, &dead)? } else { None };
+        let Some((note, sign)) = self.pulse.look(&path)? else { return Ok(Taken::Theirs(None)) };
+        let made = match sign {
+            Sign::Dead => self.take_over(&path, &note, recipe)?,
+            Sign::Alive | Sign::Unknown => None,
+        };
+        let is_other = note.is_of_other(recipe);
+        let worker = note.worker;
         Ok(match made {
-            Some(made) => Taken::Mine(self.hold(path, made, Some(dead.worker))),
-            None => Taken::Theirs(Some(dead.worker)),
+            Some(made) => Taken::Mine(self.hold(path, made, Some(worker))),
+            None if is_other => Taken::Other { worker, is_alive: sign == Sign::Alive },
+            None => Taken::Theirs(Some(worker)),
         })
     }
 
@@ -101,13 +119,18 @@ impl Claims {
     /// It is made under a name that tells the dead one's token, which one process can do, and then
     /// renamed, so that the frame is never without a claim. Who makes that name after the renaming
     /// finds another token in the dead one's place.
-    fn take_over(&self, path: &Path, dead: &Note) -> io::Result<Option<(File, Note)>> {
+    fn take_over(
+        &self,
+        path: &Path,
+        dead: &Note,
+        recipe: &str,
+    ) -> io::Result<Option<(File, Note)>> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let heir = path.with_file_name(format!("{name}.{}", dead.token));
-        let made = match self.make(&heir) {
+        let made = match self.make(&heir, recipe) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
                 // An heir may have died, too, in the moment before its renaming.
-                if self.pulse.look(&heir)?.is_some_and(|(_, is_dead)| is_dead) {
+                if self.pulse.look(&heir)?.is_some_and(|(_, sign)| sign == Sign::Dead) {
                     let _ = fs::remove_file(&heir);
                 }
                 return Ok(None);
@@ -118,15 +141,16 @@ impl Claims {
             let renamed = fs::rename(&heir, path);
             renamed.inspect_err(|_| drop(fs::remove_file(&heir)))?;
         } else {
-            fs::remove_file(&heir)?;
+            // Whoever found that nobody needs it may have been faster.
+            let _ = fs::remove_file(&heir);
         }
         Ok(is_at(path, &made.1.token).then_some(made))
     }
 
     /// Makes a claim at a path where there is nothing.
-    fn make(&self, path: &Path) -> io::Result<(File, Note)> {
+    fn make(&self, path: &Path, recipe: &str) -> io::Result<(File, Note)> {
         let mut file = File::create_new(path)?;
-        let note = Note::new(self.pulse.lease);
+        let note = Note::new(self.pulse.lease, recipe);
         note.write(&mut file).inspect_err(|_| drop(fs::remove_file(path)))?;
         Ok((file, note))
     }
@@ -156,9 +180,14 @@ impl Claim {
 impl Drop for Claim {
     fn drop(&mut self) {
         self.pulse.let_go(&self.held);
-        if is_at(&self.held.path, &self.held.token) {
-            let _ = fs::remove_file(&self.held.path);
-        }
+        let_go(&self.held);
+    }
+}
+
+/// Removes a claim of this process, if it still is one.
+fn let_go(held: &Held) {
+    if is_at(&held.path, &held.token) {
+        let _ = fs::remove_file(&held.path);
     }
 }
 

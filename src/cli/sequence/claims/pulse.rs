@@ -8,15 +8,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-use super::note::Note;
-
-/// So many beats may be missed in a row.
-const BEATS_OF_A_LEASE: u32 = 12;
+use super::note::{Note, period};
 
 /// All claims that a process holds or has seen.
 #[derive(Debug)]
 pub(super) struct Pulse {
-    /// What this process promises.
+    /// How long this process waits for signs of life of others.
     pub(super) lease: Duration,
     state: Mutex<State>,
     ended: Condvar,
@@ -46,6 +43,20 @@ struct Sight {
     note: Note,
     at: Instant,
     still: Duration,
+    /// It was seen to change.
+    is_alive: bool,
+}
+
+/// What a look at another process's claim tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sign {
+    /// It has changed since it was first seen.
+    Alive,
+    /// Too early to tell.
+    Unknown,
+    /// It has not changed for as long as this process waits, nor for several times as long as its owner
+    /// lets pass between two signs of life.
+    Dead,
 }
 
 impl Pulse {
@@ -55,7 +66,7 @@ impl Pulse {
 
     /// Between two beats, and between two looks at others.
     pub(super) fn pause(&self) -> Duration {
-        self.lease / BEATS_OF_A_LEASE
+        period(self.lease)
     }
 
     /// Beats and looks until [`end`](Self::end).
@@ -89,19 +100,28 @@ impl Pulse {
         state.held.push(Arc::clone(held));
     }
 
+    /// All claims of this process.
+    pub(super) fn held(&self) -> Vec<Arc<Held>> {
+        lock(&self.state).held.clone()
+    }
+
     pub(super) fn let_go(&self, held: &Arc<Held>) {
         lock(&self.state).held.retain(|other| !Arc::ptr_eq(other, held));
     }
 
-    /// Looks at another's claim: what stands in it, and whether its owner is dead. `None`: it is gone.
+    /// Looks at another's claim: what stands in it, and whether its owner is alive. `None`: it is gone.
     /// From now on it is watched.
     ///
     /// # Errors
-    /// What the system says.
-    pub(super) fn look(&self, path: &Path) -> io::Result<Option<(Note, bool)>> {
+    /// What the system says; something that is no file is there.
+    pub(super) fn look(&self, path: &Path) -> io::Result<Option<(Note, Sign)>> {
         let note = match Note::read(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 lock(&self.state).seen.remove(path);
+                if path.symlink_metadata().is_ok_and(|there| there.is_symlink()) {
+                    let message = "a link is there that leads nowhere, no file";
+                    return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+                }
                 return Ok(None);
             }
             note => note?,
@@ -112,19 +132,29 @@ impl Pulse {
             .seen
             .entry(path.to_owned())
             .and_modify(|sight| sight.look(&note, now, most))
-            .or_insert_with(|| Sight { note: note.clone(), at: now, still: Duration::ZERO });
-        let is_dead = sight.still >= note.lease;
-        Ok(Some((note, is_dead)))
+            .or_insert_with(|| Sight::new(note.clone(), now));
+        let sign = match sight.is_alive {
+            _ if sight.still >= self.lease.max(note.least_silence()) => Sign::Dead,
+            true => Sign::Alive,
+            false => Sign::Unknown,
+        };
+        Ok(Some((note, sign)))
     }
 }
 
 impl Sight {
+    fn new(note: Note, at: Instant) -> Self {
+        Self { note, at, still: Duration::ZERO, is_alive: false }
+    }
+
     /// Looks again. A pause counts as `most` at most: who was away himself, or waited for a server
     /// that was away, has not seen the others do nothing.
     fn look(&mut self, note: &Note, now: Instant, most: Duration) {
         if self.note == *note {
             self.still += now.saturating_duration_since(self.at).min(most);
         } else {
+            // Another claim in this place has shown no sign of life yet.
+            self.is_alive = self.note.token == note.token;
             (self.note, self.still) = (note.clone(), Duration::ZERO);
         }
         self.at = now;
@@ -167,9 +197,9 @@ mod tests {
     #[test]
     fn only_time_that_was_watched_counts() {
         let seconds = Duration::from_secs;
-        let mut note = Note::new(seconds(60));
+        let mut note = Note::new(seconds(60), "");
         let start = Instant::now();
-        let mut sight = Sight { note: note.clone(), at: start, still: Duration::ZERO };
+        let mut sight = Sight::new(note.clone(), start);
         let mut look = |note: &Note, after: u64| {
             sight.look(note, start + seconds(after), seconds(10));
             sight.still
@@ -180,5 +210,44 @@ mod tests {
         note.beats += 1;
         assert_eq!(look(&note, 1005), seconds(0), "it lives");
         assert_eq!(look(&note, 1000), seconds(0), "time goes on only");
+    }
+
+    #[test]
+    fn who_waits_decides_how_long_but_respects_the_owners_period() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("claim");
+        let seconds = Duration::from_secs;
+        let dead_after = |owner: u64, watcher: u64| {
+            let pulse = Pulse::new(seconds(watcher));
+            let note = Note::new(seconds(owner), "");
+            note.write(&mut File::create(&path).unwrap()).unwrap();
+            assert_eq!(pulse.look(&path).unwrap().unwrap().1, Sign::Unknown);
+            let since = |still| {
+                lock(&pulse.state).seen.get_mut(&path).unwrap().still = seconds(still);
+                pulse.look(&path).unwrap().unwrap().1 == Sign::Dead
+            };
+            (1..100_000).find(|&still| since(still)).unwrap()
+        };
+        assert_eq!(dead_after(60, 60), 60);
+        assert_eq!(dead_after(86_400, 60), 60, "a day of the dead one's is nobody's day");
+        assert_eq!(dead_after(2, 60), 60);
+        assert_eq!(dead_after(86_400, 2), 15, "three signs of life, one every five seconds");
+        assert_eq!(dead_after(2, 2), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_an_error_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        assert!(std::process::Command::new("mkfifo").arg(at("pipe")).status().unwrap().success());
+        std::fs::create_dir(at("folder")).unwrap();
+        std::os::unix::fs::symlink("/dev/null", at("device")).unwrap();
+        std::os::unix::fs::symlink("nowhere", at("link")).unwrap();
+        let pulse = Pulse::new(Duration::from_secs(60));
+        for name in ["pipe", "folder", "device", "link"] {
+            assert!(pulse.look(&at(name)).is_err(), "{name}");
+        }
+        assert!(pulse.look(&at("nothing")).unwrap().is_none());
     }
 }

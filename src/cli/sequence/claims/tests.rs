@@ -5,6 +5,8 @@ use std::time::{Instant, SystemTime};
 use super::*;
 
 const PICTURE: &str = "ball_00001.png";
+/// What it is rendered from.
+const RECIPE: &str = "0123456789abcdef";
 
 /// Long enough for a thread that a busy machine keeps waiting.
 const LEASE: Duration = Duration::from_secs(5);
@@ -19,9 +21,9 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 fn taken(claims: &Claims, picture: &Path) -> Option<Claim> {
-    match claims.take(picture).unwrap() {
+    match claims.take(picture, RECIPE).unwrap() {
         Taken::Mine(claim) => Some(claim),
-        Taken::Theirs(_) => None,
+        Taken::Theirs(_) | Taken::Other { .. } => None,
     }
 }
 
@@ -39,7 +41,7 @@ fn wait(claims: &Claims, picture: &Path, most: Duration) -> Option<Claim> {
 
 /// A claim whose owner is dead, as `kill -9` leaves it.
 fn abandoned(picture: &Path) -> Note {
-    let note = Note::new(SHORTEST_LEASE);
+    let note = Note::new(SHORTEST_LEASE, RECIPE);
     note.write(&mut File::create_new(path_of(picture)).unwrap()).unwrap();
     note
 }
@@ -96,9 +98,9 @@ fn an_heir_that_died_before_its_renaming_is_in_nobodys_way() {
     let picture = folder.path().join(PICTURE);
     let dead = abandoned(&picture);
     let heir = format!("{}.{}", path_of(&picture).display(), dead.token);
-    Note::new(SHORTEST_LEASE).write(&mut File::create_new(heir).unwrap()).unwrap();
-    let claims = claims();
-    drop(wait(&claims, &picture, 10 * SHORTEST_LEASE).unwrap());
+    Note::new(SHORTEST_LEASE, RECIPE).write(&mut File::create_new(heir).unwrap()).unwrap();
+    let claims = Claims::new(SHORTEST_LEASE).unwrap();
+    drop(wait(&claims, &picture, 10 * LEASE).unwrap());
     assert!(names(folder.path()).is_empty());
 }
 
@@ -108,11 +110,13 @@ fn a_claim_without_words_is_taken_over_too() {
     let picture = folder.path().join(PICTURE);
     let claims = claims();
     File::create_new(path_of(&picture)).unwrap();
-    let Taken::Theirs(Some(worker)) = claims.take(&picture).unwrap() else { panic!("it is taken") };
+    let Taken::Theirs(Some(worker)) = claims.take(&picture, RECIPE).unwrap() else {
+        panic!("it is taken")
+    };
     assert_eq!(worker.to_string(), "process 0 on another machine");
-    let (note, is_dead) = claims.pulse.look(&path_of(&picture)).unwrap().unwrap();
-    assert!(!is_dead);
-    drop(claims.take_over(&path_of(&picture), &note).unwrap().unwrap());
+    let (note, sign) = claims.pulse.look(&path_of(&picture)).unwrap().unwrap();
+    assert_eq!(sign, Sign::Unknown);
+    drop(claims.take_over(&path_of(&picture), &note, RECIPE).unwrap().unwrap());
     assert_eq!(names(folder.path()), [".slo-rt-ball_00001.png.claim"]);
 }
 
@@ -123,12 +127,11 @@ fn who_was_taken_for_dead_hears_of_it_and_touches_nothing() {
     let (one, other) = (claims(), claims());
     let claim = taken(&one, &picture).unwrap();
     let note = Note::read(&path_of(&picture)).unwrap();
-    assert!(
-        other.take_over(&path_of(&picture), &Note { beats: 9, ..note.clone() }).unwrap().is_none()
-    );
+    let changed = Note { beats: 9, ..note.clone() };
+    assert!(other.take_over(&path_of(&picture), &changed, RECIPE).unwrap().is_none());
     let heir = loop {
         let note = Note::read(&path_of(&picture)).unwrap();
-        if let Some(heir) = other.take_over(&path_of(&picture), &note).unwrap() {
+        if let Some(heir) = other.take_over(&path_of(&picture), &note, RECIPE).unwrap() {
             break heir;
         }
     };
@@ -139,4 +142,58 @@ fn who_was_taken_for_dead_hears_of_it_and_touches_nothing() {
     }
     drop(claim);
     assert_eq!(Note::read(&path_of(&picture)).unwrap(), heir.1);
+}
+
+#[test]
+fn a_claim_of_another_version_is_told_from_ours() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join(PICTURE);
+    let (one, other) = (claims(), claims());
+    let claim = taken(&one, &picture).unwrap();
+    let start = Instant::now();
+    loop {
+        let Taken::Other { worker, is_alive } = other.take(&picture, "fedcba").unwrap() else {
+            panic!("it is another version's")
+        };
+        assert_eq!(worker, Note::read(&path_of(&picture)).unwrap().worker);
+        if is_alive {
+            break;
+        }
+        assert!(start.elapsed() < 10 * LEASE);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    drop(claim);
+    // A dead one of another version is in nobody's way for long.
+    abandoned(&picture);
+    let start = Instant::now();
+    let claim = loop {
+        match other.take(&picture, "fedcba").unwrap() {
+            Taken::Mine(claim) => break claim,
+            Taken::Other { is_alive, .. } => assert!(!is_alive),
+            Taken::Theirs(_) => panic!("it is another version's"),
+        }
+        assert!(start.elapsed() < 10 * LEASE);
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    assert!(claim.dead.is_some());
+}
+
+#[test]
+fn claims_that_nobody_holds_are_swept_and_no_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let dead = abandoned(&at(PICTURE));
+    let heir = format!(".slo-rt-{PICTURE}.claim.{}", dead.token);
+    dead.write(&mut File::create_new(at(&heir)).unwrap()).unwrap();
+    let claims = Claims::new(SHORTEST_LEASE).unwrap();
+    let live = taken(&claims, &at("ball_00002.png")).unwrap();
+    abandoned(&at("ball_00003.png"));
+    let pictures = [at(PICTURE), at("ball_00002.png")];
+    let left = Left::look(folder.path(), pictures.iter().map(|path| &**path));
+    std::thread::sleep(2 * SHORTEST_LEASE);
+    left.sweep();
+    let mut names = names(folder.path());
+    names.sort();
+    assert_eq!(names, [".slo-rt-ball_00002.png.claim", ".slo-rt-ball_00003.png.claim"]);
+    assert!(!live.is_lost());
 }
