@@ -161,7 +161,7 @@ mod tests {
             ("height", 0.0),
             ("imageSamples", 65_536.0),
             ("imageMinSamples", 1000.0),
-            ("dofSamples", 65_535.0),
+            ("dofSamples", 65_536.0),
             ("softShadowSamples", 0.0),
             ("diffuseReflectionSamples", 1e9),
             ("diffuseRefractionSamples", 4_294_967_295.0),

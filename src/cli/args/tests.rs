@@ -237,6 +237,9 @@ fn no_refusal_is_a_programmers() {
             let joined = format!("{option}={value}");
             let args = ["slo-rt"].into_iter().chain(typed.iter().copied()).chain([&*joined]);
             let Err(error) = Args::try_parse_from(args) else { continue };
+            if error.kind() == clap::error::ErrorKind::MissingRequiredArgument {
+                continue;
+            }
             let said = error.to_string();
             refused += 1;
             for raw in ["digit found", "parse", "number too", "cannot be", "float", "ParseInt"] {
