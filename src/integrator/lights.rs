@@ -51,7 +51,7 @@ impl Wave {
             LightSampling::One => {
                 let count = rays_to(frame, &frame.lights[0], depth);
                 for i in 0..count {
-                    self.ask_any_light(frame, [i, count], &query);
+                    self.ask_any_light(frame, [i, count], &query, gives_up)?;
                     self.relieve(frame, depth, gives_up)?;
                 }
             }
@@ -101,12 +101,20 @@ impl Wave {
         );
     }
 
-    /// Ray `i` of `count` from every point, each to a light at random, rather to a bright one.
-    fn ask_any_light(&mut self, frame: &FrameScene, place: [u32; 2], query: &Query) {
+    /// Ray `i` of `count` from every point, each to a light at random, rather to a bright one. `None`
+    /// if told to give up.
+    fn ask_any_light(
+        &mut self,
+        frame: &FrameScene,
+        place: [u32; 2],
+        query: &Query,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
         self.draw::<3>(frame, query.depth, Purpose::AnyLight, place);
-        self.choice.choose(frame, &self.points, &self.set.numbers[2]);
+        self.choice.choose(frame, &self.points, &self.set.numbers[2], gives_up)?;
         let choose = |choice: &LightChoice, i: usize| choice.of(&frame.lights, i);
         self.ask(frame, &choose, tries(frame, &frame.lights[0], query.depth), query);
+        Some(())
     }
 
     /// A ray from every point to the light that `choose` gives it, unless that light could add

@@ -427,17 +427,20 @@ mod tests {
 
     #[test]
     fn giving_up_is_asked_about_between_lights() {
-        let (frame, mut wave) = (frame("", 500), Wave::default());
-        let asked = Cell::new(0);
-        let gives_up = || {
-            asked.set(asked.get() + 1);
-            asked.get() == 10
-        };
-        assert!(wave.trace(&frame, &work(), false, &gives_up).is_none());
-        assert!(wave.counts.shadow_rays < 20 * BATCH as u64);
-        assert!(wave.shadows.iter().all(|queue| queue.len() == 0));
-        // The same memory serves on.
-        let traced = wave.trace(&frame, &work()[..64], false, &|| false).unwrap();
-        assert_eq!(traced.sums.len(), 64);
+        for settings in ["", "lightSamplingType SAMPLE_ONE_AT_TIME"] {
+            let (frame, mut wave) = (frame(settings, 500), Wave::default());
+            let asked = Cell::new(0);
+            let gives_up = || {
+                asked.set(asked.get() + 1);
+                asked.get() >= 10
+            };
+            assert!(wave.trace(&frame, &work(), false, &gives_up).is_none());
+            assert_eq!(asked.get(), 10, "{settings}");
+            assert!(wave.counts.shadow_rays < 20 * BATCH as u64, "{settings}");
+            assert!(wave.shadows.iter().all(|queue| queue.len() == 0));
+            // The same memory serves on.
+            let traced = wave.trace(&frame, &work()[..64], false, &|| false).unwrap();
+            assert_eq!(traced.sums.len(), 64);
+        }
     }
 }

@@ -8,6 +8,14 @@ from .scene_text import Element
 
 BLACK = (0.0, 0.0, 0.0)
 
+# Values that say nothing while another one is 0.
+NEEDS = {
+    "shininess": "specular",
+    "diffuse_reflection": "reflectance",
+    "diffuse_refraction": "refraction",
+    "refraction_index": "refraction",
+}
+
 
 @dataclass
 class Phong:
@@ -29,12 +37,19 @@ class Phong:
         return any(self.ambient) or any(self.diffuse)
 
     def element(self, name):
-        """Its text; what has its default is left out."""
+        """Its text; what has its default, or no effect, is left out."""
         default = Phong()
         body = [
-            (k, v) for k, v in vars(self).items() if tuple_of(v) != tuple_of(getattr(default, k))
+            (k, v)
+            for k, v in vars(self).items()
+            if tuple_of(v) != tuple_of(getattr(default, k)) and self._counts(k)
         ]
         return Element("phong_info", name, body)
+
+    def _counts(self, name):
+        """Whether a value has an effect, which some have only beside another one."""
+        needs = NEEDS.get(name)
+        return needs is None or any(tuple_of(getattr(self, needs)))
 
 
 def blend(parts):
