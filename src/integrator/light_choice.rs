@@ -41,21 +41,34 @@ impl Default for LightChoice {
 
 impl LightChoice {
     /// Chooses for all points, by a random number each: in the order of the lights, so that where
-    /// numbers are stratified the choices are.
-    pub(super) fn choose(&mut self, frame: &FrameScene, points: &Points, u: &Column<f32>) {
+    /// numbers are stratified the choices are. False, without a choice, if told to give up.
+    pub(super) fn choose(
+        &mut self,
+        frame: &FrameScene,
+        points: &Points,
+        u: &Column<f32>,
+        gives_up: &dyn Fn() -> bool,
+    ) -> bool {
         let expect = Expect { points, through: frame.receives_through(), alike: !frame.clever };
         self.total = [0.0; BATCH];
         for light in &frame.lights {
+            if gives_up() {
+                return false;
+            }
             frame.isa.run(AddUp { expect, light, total: &mut self.total });
         }
         self.below = [0.0; BATCH];
         self.kept = [0.0; BATCH];
         self.light = [0; BATCH];
         for (number, light) in (0..).zip(&frame.lights) {
+            if gives_up() {
+                return false;
+            }
             frame.isa.run(Pass { expect, light, number, u, to: self });
         }
         let (len, count) = (points.surfaces.len, frame.lights.len() as f32);
         frame.isa.run(Finish { len, count, u, to: self });
+        true
     }
 
     /// The light of point `i`, and what it counts over what it counts where all are equally likely.

@@ -19,8 +19,15 @@ use crate::shading::{Light, lobe};
 
 impl Wave {
     /// Rays from all points to the lights that the settings let them ask; `glossy` where points
-    /// have lobes that send rays on.
-    pub(super) fn ask_lights(&mut self, frame: &FrameScene, glossy: bool, depth: u32) {
+    /// have lobes that send rays on. There may be so many lights that a batch takes seconds: it ends early if
+    /// told to give up.
+    pub(super) fn ask_lights(
+        &mut self,
+        frame: &FrameScene,
+        glossy: bool,
+        depth: u32,
+        gives_up: &dyn Fn() -> bool,
+    ) {
         let query = Query {
             glossy: glossy && frame.combines(),
             rays: [Purpose::Reflection, Purpose::Refraction]
@@ -31,6 +38,9 @@ impl Wave {
         match frame.settings.light_sampling {
             LightSampling::All => {
                 for (number, light) in frame.lights.iter().enumerate() {
+                    if gives_up() {
+                        return;
+                    }
                     let count = rays_to(frame, light, depth);
                     for i in 0..count {
                         self.ask_light(frame, light, number as u32, [i, count], &query);
@@ -41,7 +51,10 @@ impl Wave {
             LightSampling::One => {
                 let count = rays_to(frame, &frame.lights[0], depth);
                 for i in 0..count {
-                    self.ask_any_light(frame, [i, count], &query);
+                    if gives_up() {
+                        return;
+                    }
+                    self.ask_any_light(frame, [i, count], &query, gives_up);
                 }
             }
         }
@@ -72,9 +85,17 @@ impl Wave {
     }
 
     /// Ray `i` of `count` from every point, each to a light at random, rather to a bright one.
-    fn ask_any_light(&mut self, frame: &FrameScene, place: [u32; 2], query: &Query) {
+    fn ask_any_light(
+        &mut self,
+        frame: &FrameScene,
+        place: [u32; 2],
+        query: &Query,
+        gives_up: &dyn Fn() -> bool,
+    ) {
         self.draw::<3>(frame, query.depth, Purpose::AnyLight, place);
-        self.choice.choose(frame, &self.points, &self.set.numbers[2]);
+        if !self.choice.choose(frame, &self.points, &self.set.numbers[2], gives_up) {
+            return;
+        }
         let choose = |choice: &LightChoice, i: usize| choice.of(&frame.lights, i);
         self.ask(frame, &choose, tries(frame, &frame.lights[0], query.depth), query);
     }

@@ -56,7 +56,7 @@ pub struct Wave {
 
 impl Wave {
     /// Traces camera samples to the end; `with_features`: notes what is seen of surfaces too. `None` if
-    /// it was told to give up, which it asks about between batches.
+    /// it was told to give up, which it asks about between batches, and between lights.
     pub fn trace(
         &mut self,
         frame: &FrameScene,
@@ -80,7 +80,7 @@ impl Wave {
                 break;
             }
             self.counts.camera_rays += self.batch.rays.len() as u64;
-            self.trace_batch(frame, 0);
+            self.trace_batch(frame, 0, gives_up);
             self.work_off(frame, BATCH, gives_up)?;
         }
         self.work_off(frame, 1, gives_up)?;
@@ -116,7 +116,7 @@ impl Wave {
             } else if let Some(depth) = deepest.or_else(shallowest) {
                 self.bounces[depth].take_batch(&mut self.batch);
                 self.counts.bounce_rays += self.batch.rays.len() as u64;
-                self.trace_batch(frame, depth as u32);
+                self.trace_batch(frame, depth as u32, gives_up);
             } else if let Some(kind) = shadows(least) {
                 self.trace_shadows(frame, kind);
             } else {
@@ -129,8 +129,9 @@ impl Wave {
         self.shadows[kind as usize].len()
     }
 
-    /// Traces the batch, adds what its rays bring, and queues the rays that its hits send out.
-    fn trace_batch(&mut self, frame: &FrameScene, depth: u32) {
+    /// Traces the batch, adds what its rays bring, and queues the rays that its hits send out; not all of
+    /// them if told to give up.
+    fn trace_batch(&mut self, frame: &FrameScene, depth: u32, gives_up: &dyn Fn() -> bool) {
         let Self { batch, found, scratch, camera_habit, bounces, .. } = self;
         let habit = match depth {
             0 => camera_habit,
@@ -152,7 +153,7 @@ impl Wave {
             features.add(frame, batch, &looks.0, points);
         }
         let glossy = self.find_lobes(frame, depth);
-        self.ask_lights(frame, glossy, depth);
+        self.ask_lights(frame, glossy, depth, gives_up);
         if glossy {
             self.bounce(frame, depth);
         }

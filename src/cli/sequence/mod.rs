@@ -278,7 +278,8 @@ impl Run<'_> {
             self.summary.tell(self.studio.scene, terminal);
         }
         if self.is_sequence && self.found > 0 {
-            terminal.note(format_args!("{} frames were there already", self.found));
+            let frames = if self.found == 1 { "frame was" } else { "frames were" };
+            terminal.note(format_args!("{} {frames} there already", self.found));
         }
         if let Some(why) = self.late {
             terminal.note(why);
