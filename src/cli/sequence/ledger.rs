@@ -3,14 +3,14 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
 
 use super::super::options::Job;
 use super::schedule::Known;
-use crate::output::{Recipe, write_atomically};
+use crate::output::{Recipe, open_regular, write_atomically};
 use crate::scene::SceneDescription;
 
 /// A file in the output folder.
@@ -32,7 +32,7 @@ impl Ledger {
 
     /// What is known, by the frame's number; nothing where the file is of something else, or broken.
     pub(super) fn read(&self) -> BTreeMap<i64, Known> {
-        let text = fs::read_to_string(&self.path).unwrap_or_default();
+        let text = open_regular(&self.path).and_then(io::read_to_string).unwrap_or_default();
         let value: Value = serde_json::from_str(&text).unwrap_or_default();
         let frames = value["frames"].as_object().filter(|_| value["of"] == *self.of);
         let known = |(frame, numbers): (&String, &Value)| {
@@ -77,5 +77,14 @@ mod tests {
         assert!(ledger.read().is_empty());
         ledger.remove();
         assert!(!ledger.path.exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_in_its_place_keeps_nobody_waiting() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ledger");
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        assert!(Ledger { path, of: "this".into() }.read().is_empty());
     }
 }

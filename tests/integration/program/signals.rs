@@ -99,6 +99,33 @@ fn rays_that_branch_without_end_stop() {
     assert!(start.elapsed() < Duration::from_secs(30), "it stops soon");
 }
 
+/// A batch of hits that asks so many lights takes longer than anybody waits for an end.
+#[test]
+fn rays_to_a_hundred_thousand_lights_stop() {
+    let lights: String = (0..100_000)
+        .map(|i| {
+            let (x, y) = (i % 300 - 150, i / 300 - 150);
+            format!("light_point l{i} {{ color {{ 1 1 1 }} position {{ {x} {y} 9 }} }}\n")
+        })
+        .collect();
+    let settings = "imageSamples 60000 lightSamplingType SAMPLE_ONE_AT_TIME";
+    let text = SCENE.replace("imageSamples 2", settings) + &lights;
+    let folder = Folder::with_scene(&text.replace("width 16 height 9", "width 64 height 64"));
+    let mut child = start(&folder, "-s scene.txt --threads 1 -q --progress json");
+    let deadline = Instant::now() + Duration::from_secs(120);
+    let mut said = String::new();
+    let mut lines = std::io::BufReader::new(child.stderr.take().unwrap());
+    while !said.contains("started") {
+        assert!(std::io::BufRead::read_line(&mut lines, &mut said).unwrap() > 0, "{said}");
+        assert!(Instant::now() < deadline, "{said}");
+    }
+    sleep(Duration::from_secs(2));
+    let start = Instant::now();
+    signal(&child, "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    assert!(start.elapsed() < Duration::from_secs(30), "it stops soon");
+}
+
 #[test]
 fn an_interrupted_rendering_keeps_what_is_done() {
     check("-INT");
