@@ -1,6 +1,8 @@
 //! Files under the names of pictures that slo-rt did not make: they are left alone.
 
 use std::fs;
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
 
 use super::{Folder, SCENE};
 
@@ -76,14 +78,15 @@ fn what_holds_nothing_is_replaced() {
 
 #[test]
 fn a_file_that_comes_while_the_frame_is_rendered_stays() {
-    let text = SCENE.replace("imageSamples 2", "imageSamples 400");
+    let text = SCENE.replace("imageSamples 2", "imageSamples 2000");
     let folder = Folder::with_scene(&text.replace("width 16 height 9", "width 200 height 100"));
     let mut command = folder.command("-s scene.txt -q --progress json");
-    let child = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(700));
+    let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.contains("\"started\"")));
     folder.write("ball_00000.png", NOTES);
-    let run = super::Run::of(child.wait_with_output().unwrap());
-    assert_eq!(run.exit, 73, "{}", run.said);
+    let said: Vec<String> = lines.collect();
+    assert_eq!(child.wait().unwrap().code(), Some(73), "{said:?}");
     assert!(folder.read("ball_00000.png") == NOTES);
     fs::remove_file(folder.path().join("ball_00000.png")).unwrap();
     folder.printed("-s scene.txt -q");
