@@ -7,9 +7,9 @@ use exr::compression::Compression;
 use exr::image::write::channels::WritableChannels;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, SpecificChannels};
 use exr::math::Vec2;
+use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, IntegerBounds, LineOrder, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
-use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::WritableImage;
 
 use super::values::finite;
@@ -89,26 +89,33 @@ fn with_header<'c, C: WritableChannels<'c> + 'c>(
     Ok(Image::new(of_image(whole), layer))
 }
 
-/// Whether a header says what ours say, as far as damage leaves it: other programs put more into it.
-pub(super) fn is_our_header(meta: &MetaData) -> bool {
-    let [header] = &meta.headers[..] else { return false };
-    let (mut own, mut shared) = (header.own_attributes.clone(), header.shared_attributes.clone());
-    // Recipe and seal; their names may be damaged.
-    let others = own.other.len() + shared.other.len();
-    own.other.clear();
-    shared.other.clear();
-    let plain = LayerAttributes::default();
-    own.layer_position = plain.layer_position;
-    own.screen_window_center = plain.screen_window_center;
-    own.screen_window_width = plain.screen_window_width;
-    let all = ImageAttributes::new(shared.display_window);
-    shared.pixel_aspect = all.pixel_aspect;
-    others <= 2
-        && own == plain
-        && shared == all
-        && header.compression == Compression::RLE
-        && header.blocks == BlockDescription::ScanLines
-        && header.line_order == LineOrder::Increasing
+/// Attributes of our files, in their order.
+const NAMES: [&str; 12] = [
+    "chunkCount",
+    "channels",
+    "compression",
+    "lineOrder",
+    "displayWindow",
+    "pixelAspectRatio",
+    "screenWindowCenter",
+    "screenWindowWidth",
+    "dataWindow",
+    "type",
+    KEYWORD,
+    seal::KEYWORD,
+];
+
+/// Whether the header of a file is one of ours that may be damaged: other programs write more attributes,
+/// or in another order, or none of ours, and compress in another way. Damage makes one or two unknown.
+pub(super) fn is_our_header(file: impl Read + Seek, meta: &MetaData) -> io::Result<bool> {
+    let Some(names) = seal::names(file)? else { return Ok(true) };
+    let place = |name: &Vec<u8>| NAMES.iter().position(|ours| ours.as_bytes() == name);
+    let known: Vec<usize> = names.iter().filter_map(place).collect();
+    let compression = meta.headers.first().map(|header| header.compression);
+    Ok(names.len() <= NAMES.len()
+        && names.len() - known.len() <= 2
+        && known.is_sorted()
+        && compression == Some(Compression::RLE))
 }
 
 fn said(written: exr::error::UnitResult) -> io::Result<()> {
@@ -147,6 +154,15 @@ mod tests {
     use super::*;
     use crate::scene::OutputFormat;
     use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read};
+
+    #[test]
+    fn our_header_is_known() {
+        let file = bytes(OutputFormat::Exr, crate::scene::Encoding::Raw, &sample_image());
+        let names = seal::names(io::Cursor::new(&file)).unwrap().unwrap();
+        assert_eq!(names, NAMES.map(|name| name.as_bytes().to_owned()));
+        let meta = MetaData::read_from_buffered(&file[..], false).unwrap();
+        assert!(is_our_header(io::Cursor::new(&file), &meta).unwrap());
+    }
 
     #[test]
     fn floats_come_back_unclamped() {

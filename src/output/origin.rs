@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read};
 use std::path::Path;
 
-use super::KEYWORD;
 use super::file::open_regular;
 use super::recipe::{RecipeError, Wholeness, read_checked};
+use super::{KEYWORD, seal};
 
 /// Marks of our files stand in so many bytes from the start.
 const START: u64 = 1 << 16;
@@ -35,7 +35,10 @@ pub(super) const RESAVED: &str = "another program has saved it since";
 /// The same for a file whose recipe can't be read.
 pub(super) fn unless_ours(path: &Path, error: &RecipeError) -> Option<String> {
     match error {
-        RecipeError::NoRecipe => Some("no recipe of slo-rt".into()),
+        RecipeError::NoRecipe => match is_damaged_exr(path) {
+            Ok(true) => None,
+            _ => Some("no recipe of slo-rt".into()),
+        },
         RecipeError::Io(error) => match error.kind() {
             ErrorKind::PermissionDenied => Some(error.to_string()),
             _ => None,
@@ -47,13 +50,23 @@ pub(super) fn unless_ours(path: &Path, error: &RecipeError) -> Option<String> {
     }
 }
 
+/// Whether damage hides the recipe in the header of an EXR file of ours.
+fn is_damaged_exr(path: &Path) -> io::Result<bool> {
+    let mut start = Vec::new();
+    open_regular(path)?.take(START).read_to_end(&mut start)?;
+    Ok(start.starts_with(EXR) && has_marks(&start))
+}
+
+fn has_marks(start: &[u8]) -> bool {
+    MARKS.iter().any(|mark| holds(start, mark.as_bytes()))
+}
+
 /// Whether a file that is no whole picture holds something, and nothing that tells that it was ours.
 fn is_others(path: &Path) -> io::Result<bool> {
     let mut file = open_regular(path)?;
     let mut start = Vec::new();
     Read::by_ref(&mut file).take(START).read_to_end(&mut start)?;
-    let is_ours = !OTHER_KINDS.iter().any(|kind| start.starts_with(kind))
-        && MARKS.iter().any(|mark| holds(&start, mark.as_bytes()));
+    let is_ours = !OTHER_KINDS.iter().any(|kind| start.starts_with(kind)) && has_marks(&start);
     Ok(!is_ours && !is_cut_off_at_once(&start) && !is_blank(&start, file)?)
 }
 
@@ -66,29 +79,9 @@ fn is_cut_off_at_once(start: &[u8]) -> bool {
     match start {
         _ if is_beginning(PNG) || is_beginning(EXR) || is_beginning(STATE) => true,
         _ if start.starts_with(PNG) => !holds(start, b"IDAT"),
-        _ if start.starts_with(EXR) => ends_in_header(start),
+        _ if start.starts_with(EXR) => seal::ends_in_header(start),
         _ => start.starts_with(STATE),
     }
-}
-
-/// Whether an EXR file ends before its header does: attributes of name, type, length and value, and an
-/// empty name.
-fn ends_in_header(start: &[u8]) -> bool {
-    let behind_text = |from: usize| {
-        let length = start.get(from..)?.iter().position(|&byte| byte == 0)?;
-        Some(from + length + 1)
-    };
-    let mut at = 8;
-    while let Some(name) = behind_text(at) {
-        if name == at + 1 {
-            return false;
-        }
-        let length =
-            behind_text(name).and_then(|kind| Some((kind, *start.get(kind..)?.first_chunk()?)));
-        let Some((kind, length)) = length else { return true };
-        at = kind.saturating_add(4).saturating_add(u32::from_le_bytes(length) as usize);
-    }
-    true
 }
 
 /// Whether all bytes are zero: what a file system may leave of a file where power was lost.
@@ -223,12 +216,6 @@ mod tests {
             image.layer_data[0].encoding.compression = exr::compression::Compression::ZIP16;
         };
         assert_eq!(told(other), resaved);
-        let other = |image: &mut exr::prelude::FlatImage| {
-            let seal = exr::meta::attribute::Text::from(super::super::seal::KEYWORD);
-            image.attributes.other.remove(&seal);
-            image.layer_data[0].attributes.other.remove(&seal);
-        };
-        assert_eq!(told(other), resaved, "without a seal");
         let other = |image: &mut exr::prelude::FlatImage| {
             image.layer_data[0].attributes.other.clear();
         };

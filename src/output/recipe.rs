@@ -302,29 +302,26 @@ fn from_png(mut file: BufReader<File>) -> Result<(String, Wholeness), RecipeErro
 fn from_exr(mut file: BufReader<File>) -> Result<(String, Wholeness), RecipeError> {
     let seal = seal::look(&mut file).map_err(RecipeError::Io)?;
     file.rewind().map_err(RecipeError::Io)?;
-    let meta = MetaData::read_from_buffered(file, false);
+    let meta = MetaData::read_from_buffered(&mut file, false);
     let damaged = || RecipeError::Damaged("it is damaged: its checksum is wrong".into());
     let meta = meta.map_err(|error| match seal {
         Seal::Broken => damaged(),
         _ => RecipeError::NotAPicture(error.to_string()),
     })?;
-    let wholeness = match seal {
-        Seal::Whole => Wholeness::Whole,
-        Seal::Broken if super::exr::is_our_header(&meta) => return Err(damaged()),
-        Seal::Broken | Seal::None => Wholeness::Resaved,
-    };
     let attributes = meta.headers.iter().flat_map(|header| {
         header.own_attributes.other.iter().chain(&header.shared_attributes.other)
     });
-    for (name, value) in attributes {
-        match value {
-            AttributeValue::Text(text) if name.eq(KEYWORD) => {
-                return Ok((text.to_string(), wholeness));
-            }
-            _ => {}
-        }
+    let recipe = attributes.into_iter().find_map(|(name, value)| match value {
+        AttributeValue::Text(text) if name.eq(KEYWORD) => Some(text.to_string()),
+        _ => None,
+    });
+    let is_ours = super::exr::is_our_header(&mut file, &meta).map_err(RecipeError::Io)?;
+    match (seal, recipe) {
+        (Seal::Whole, Some(recipe)) => Ok((recipe, Wholeness::Whole)),
+        (Seal::Broken, _) | (Seal::None, Some(_)) if is_ours => Err(damaged()),
+        (_, Some(recipe)) => Ok((recipe, Wholeness::Resaved)),
+        (_, None) => Err(RecipeError::NoRecipe),
     }
-    Err(RecipeError::NoRecipe)
 }
 
 #[cfg(test)]

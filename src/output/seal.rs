@@ -66,23 +66,60 @@ fn hash(mut file: impl Read + Seek) -> io::Result<Option<Hashed>> {
     Ok(Some(Hashed { at, found, hash: hasher.finalize() }))
 }
 
-/// Where the value of the attribute begins in the first bytes of an EXR file: behind magic number
-/// and version come attributes of name, type, length and value.
+/// The names of a file's attributes, in their order; `None` if its header is broken.
+pub(super) fn names(mut file: impl Read + Seek) -> io::Result<Option<Vec<Vec<u8>>>> {
+    file.rewind()?;
+    let mut start = Vec::with_capacity(PIECE);
+    Read::take(&mut file, PIECE as u64).read_to_end(&mut start)?;
+    let mut attributes = Attributes::of(&start);
+    let names = attributes.by_ref().map(|(name, _)| name.to_owned()).collect();
+    Ok(Some(names).filter(|_| attributes.is_whole))
+}
+
+/// Whether so little of a file is there that its header does not end.
+pub(super) fn ends_in_header(start: &[u8]) -> bool {
+    let mut attributes = Attributes::of(start);
+    attributes.by_ref().for_each(drop);
+    !attributes.is_whole
+}
+
+/// Where the value of our attribute begins in the first bytes of an EXR file.
 fn place(start: &[u8]) -> Option<usize> {
-    let text = |from: usize| {
-        let length = start.get(from..)?.iter().position(|&byte| byte == 0)?;
-        Some((&start[from..from + length], from + length + 1))
-    };
-    let mut at = 8;
-    loop {
-        let (name, behind) = text(at)?;
-        let (_, behind) = text(behind).filter(|_| !name.is_empty())?;
-        let length = u32::from_le_bytes(*start.get(behind..)?.first_chunk()?) as usize;
-        at = behind + 4;
-        if name == KEYWORD.as_bytes() {
-            return Some(at).filter(|_| length == BLANK.len() && start.len() >= at + length);
-        }
-        at = at.checked_add(length)?;
+    let (_, value) = Attributes::of(start).find(|(name, _)| *name == KEYWORD.as_bytes())?;
+    Some(value.start).filter(|_| value.len() == BLANK.len() && start.len() >= value.end)
+}
+
+/// Names and places of the values of attributes: behind magic number and version come attributes of
+/// name, type, length and value, and an empty name.
+struct Attributes<'a> {
+    start: &'a [u8],
+    at: usize,
+    /// The empty name was met.
+    is_whole: bool,
+}
+
+impl<'a> Attributes<'a> {
+    fn of(start: &'a [u8]) -> Self {
+        Self { start, at: 8, is_whole: false }
+    }
+
+    fn text(&self, from: usize) -> Option<(&'a [u8], usize)> {
+        let length = self.start.get(from..)?.iter().position(|&byte| byte == 0)?;
+        Some((&self.start[from..from + length], from + length + 1))
+    }
+}
+
+impl<'a> Iterator for Attributes<'a> {
+    type Item = (&'a [u8], std::ops::Range<usize>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let (name, behind) = self.text(self.at)?;
+        self.is_whole |= name.is_empty();
+        let (_, behind) = self.text(behind).filter(|_| !name.is_empty())?;
+        let length = u32::from_le_bytes(*self.start.get(behind..)?.first_chunk()?) as usize;
+        let value = behind + 4;
+        self.at = value.checked_add(length)?;
+        Some((name, value..self.at))
     }
 }
 
