@@ -182,14 +182,22 @@ impl Checkpoint {
     }
 
     /// Keeps what is known of a finished picture, unless what is kept already has more samples of
-    /// it, which is said.
+    /// it, which is said. A file of others is replaced only if that is `forced`.
     ///
     /// # Errors
     /// As [`patience::write`].
-    pub(super) fn keep_finished(&self, film: &mut Film, steps: Steps) -> io::Result<()> {
+    pub(super) fn keep_finished(
+        &self,
+        film: &mut Film,
+        steps: Steps,
+        forced: bool,
+    ) -> io::Result<()> {
         let path = self.kept.display();
-        if let Some(why) = made_by_others(&self.kept) {
-            let message = format!("slo-rt did not make the file that is there ({why})");
+        if let Some(why) = made_by_others(&self.kept).filter(|_| !forced) {
+            let message = format!(
+                "slo-rt did not make the file that is there ({why}); move it away, or \
+                 `--overwrite` replaces it"
+            );
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
         }
         if let Ok(State { subject, film: there, .. }) = read_state(&self.kept) {

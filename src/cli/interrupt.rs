@@ -81,7 +81,7 @@ fn stop() {
     let again = REQUESTED.set(Instant::now()).is_err();
     match PHASE.load(Ordering::SeqCst) {
         _ if again => end(Exit::Interrupted, "interrupted"),
-        FREE => end(Exit::Interrupted, "interrupted"),
+        FREE => end(Exit::Stopped, "interrupted"),
         READING => end(Exit::Stopped, "interrupted before the first frame"),
         _ => drop(std::thread::Builder::new().name("stop".into()).spawn(see_to_it)),
     }

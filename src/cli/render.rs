@@ -137,7 +137,8 @@ impl Studio<'_> {
         let maps = self.target.write_maps(frame, &film, self.terminal);
         let mut beside = maps.map_err(|(path, error)| cant_write(&path, &error));
         if self.job.keep_state && !is_open {
-            let kept = checkpoint.keep_finished(&mut film, reached);
+            let forced = self.job.overwrites();
+            let kept = checkpoint.keep_finished(&mut film, reached, forced);
             beside = beside.and(kept.map_err(|error| cant_write(checkpoint.kept(), &error)));
         }
         // Where the film could not be kept, what was known of it still is.

@@ -96,7 +96,11 @@ fn open(path: &Path) -> io::Result<File> {
 
 fn unreadable(path: &Path, error: &io::Error) -> Problem {
     let shown = path.display();
-    let problem = Problem::new(Exit::NoInput, format!("can't read the scene `{shown}`: {error}"));
+    let exit = match error.kind() {
+        io::ErrorKind::OutOfMemory => Exit::Failed,
+        _ => Exit::NoInput,
+    };
+    let problem = Problem::new(exit, format!("can't read the scene `{shown}`: {error}"));
     match error.kind() {
         io::ErrorKind::NotFound => similar(path).into_iter().fold(problem, |problem, name| {
             problem.with_help(format!("there is `{}`", name.display()))

@@ -40,7 +40,8 @@ pub(super) fn unless_ours(path: &Path, error: &RecipeError) -> Option<String> {
             _ => Some("no recipe of slo-rt".into()),
         },
         RecipeError::Io(error) => match error.kind() {
-            ErrorKind::PermissionDenied => Some(error.to_string()),
+            ErrorKind::IsADirectory => Some("a folder".into()),
+            ErrorKind::PermissionDenied | ErrorKind::InvalidInput => Some(error.to_string()),
             _ => None,
         },
         RecipeError::NotAPicture(_) | RecipeError::Damaged(_) => match is_others(path) {

@@ -48,7 +48,8 @@ impl<'a> Parser<'a, '_> {
     /// that begin nothing in the element or at the top of a scene, in the line and in front of `{`.
     pub(super) fn take_name(&mut self, keyword: Word<'_>, first: Word<'a>) -> Word<'a> {
         let words = self.words_ahead(first);
-        let Some(last) = words.last() else { return first };
+        let is_unclosed = first.text.starts_with('"') && !first.text[1..].ends_with('"');
+        let Some(last) = words.last().filter(|_| !is_unclosed) else { return first };
         let is_name = |word: &Word<'_>| {
             self.grammar.follows(Some(keyword.text), word.text).is_none()
                 && self.grammar.follows(None, word.text).is_none()
@@ -67,7 +68,11 @@ impl<'a> Parser<'a, '_> {
             _ => {
                 let name = one_line(whole.text);
                 let help = format!("write `{} \"{name}\" {{ ... }}`", keyword.text);
-                let error = Diagnostic::error("a name that holds white space stands in quotes");
+                let error = Diagnostic::error(if name.contains(' ') {
+                    "a name that holds white space stands in quotes"
+                } else {
+                    "a name in quotes holds no quotes"
+                });
                 self.diagnostics.push(error.at(whole.span, "").help(help));
                 whole
             }

@@ -193,6 +193,8 @@ fn quotes_that_are_wrong() {
     check("sphere a { material \"b }", "sphere:a{material=!}", &[unclosed]);
     check("sphere a { material \" }", "sphere:a{material=!}", &[unclosed]);
     check("sphere a { material \"\" }", "sphere:a{material=!}", &[empty]);
+    check("sphere \"a b { radius 1 }", "sphere:\"a{radius=1}", &[unclosed]);
+    check("sphere \"a\"b\" { }", "sphere:a\"b{}", &["a name in quotes holds no quotes"]);
     check("sphere \"\" { radius 1 }", "sphere:\"\"{radius=1}", &[empty]);
 }
 

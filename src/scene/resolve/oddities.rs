@@ -119,7 +119,8 @@ pub(super) fn check_key_times(
         .at(at.keyword.span, format!("key frames from {} to {}", first.time, last.time))
         .help(format!("scene time goes from {start} to {end}: the object does not move"));
     let in_seconds = last.time / camera.fps;
-    if end < first.time && in_seconds <= end {
+    let are_frames = key_frames.iter().all(|key_frame| key_frame.time.fract() == 0.0);
+    if are_frames && end < first.time && in_seconds <= end {
         warning = warning.help(format!(
             "scene time is in seconds, from {start} to {end}: frame {} is at time {in_seconds:.3}",
             last.time

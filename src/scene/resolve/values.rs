@@ -226,10 +226,9 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
             match entry {
                 Entry::Number(number) => numbers.push(number.value),
                 Entry::Item(item) => {
-                    let message = format!("expected a number, found `{}`", item.keyword.text);
                     let owner = format!("`{}` takes {}", keyword.text, numbers_in_words(N));
                     self.diagnostics.push(
-                        Diagnostic::error(message)
+                        not_a_number(item.keyword.text)
                             .at(item.keyword.span, "not a number")
                             .also(keyword.span, owner),
                     );
@@ -256,7 +255,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
             Err(e) if looks_like_number(word.text) => {
                 Diagnostic { help: e.help, ..Diagnostic::error(e.message) }
             }
-            Err(_) => Diagnostic::error(format!("expected a number, found `{}`", word.text)),
+            Err(_) => not_a_number(word.text),
         };
         self.diagnostics.push(diagnostic.at(word.span, ""));
         None
@@ -276,6 +275,17 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
             Diagnostic::error(message).at(span, "too large for the arithmetic of the renderer"),
         );
         None
+    }
+}
+
+/// The error about a word in the place of a number.
+fn not_a_number(word: &str) -> Diagnostic {
+    let error = Diagnostic::error(format!("expected a number, found `{word}`"));
+    match word.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
+        Some(number) if parse_number(number).is_ok() => {
+            error.help(format!("a number has no quotes, write `{number}`"))
+        }
+        _ => error,
     }
 }
 

@@ -111,4 +111,16 @@ fn parts_and_kept_states_replace_nothing_of_others() {
         run.said
     );
     assert!(folder.read("ball_00001.state") == NOTES);
+    folder.printed("-s scene.txt -q -f 1 --keep-state --overwrite");
+    assert!(folder.read("ball_00001.state") != NOTES);
+}
+
+#[test]
+fn a_folder_under_a_frames_name_is_foreign() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path().join("ball_00001.png")).unwrap();
+    let planned = folder.run("-s scene.txt -q -f 0-1 --dry-run").printed;
+    assert!(planned.contains("1\tball_00001.png\tforeign (a folder)\n"), "{planned}");
+    let run = folder.run("-s scene.txt -q -f 0-1");
+    assert_eq!((run.exit, &*run.printed), (1, "ball_00000.png\n"), "{}", run.said);
 }
