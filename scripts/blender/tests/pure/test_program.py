@@ -191,8 +191,11 @@ class PhongTest(unittest.TestCase):
                     self.assertLessEqual(total, 1.05)
                     self.assertGreaterEqual(total, 0.95)
 
-    def test_text_leaves_defaults_out(self):
-        element = phong_of_surface(Surface(specular_level=0.0)).element("p")
-        self.assertEqual(
-            {key for key, _ in element.body}, {"diffuse", "shininess", "diffuse_reflection"}
-        )
+    def test_text_leaves_out_what_has_no_effect(self):
+        def keys(**sockets):
+            return {key for key, _ in phong_of_surface(Surface(**sockets)).element("p").body}
+
+        self.assertEqual(keys(specular_level=0.0), {"diffuse"})
+        shiny = {"diffuse", "specular", "shininess", "reflectance", "diffuse_reflection"}
+        self.assertEqual(keys(), shiny)
+        self.assertIn("refraction_index", keys(transmission=0.5))
