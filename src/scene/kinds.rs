@@ -17,6 +17,8 @@ const AS_TEXT: &str = "save it as UTF-8";
 const AS_MESH: &str = "export it as .obj or .ply";
 const AS_IMAGE: &str = "save it as PNG or JPEG";
 
+const AS_WHAT_IT_IS: &str = "textures are images, meshes are .slo, .obj or .ply files";
+
 /// Kinds by the bytes that their files begin with.
 const MAGIC: [(&[u8], &str, &str); 59] = [
     (
@@ -39,12 +41,8 @@ const MAGIC: [(&[u8], &str, &str); 59] = [
     (b"BZh", "a bzip2 file", UNPACK),
     (b"7z\xbc\xaf\x27\x1c", "a 7z archive", UNPACK),
     (b"Rar!\x1a\x07", "a RAR archive", UNPACK),
-    (
-        b"\x89PNG\r\n\x1a\n",
-        "a PNG image",
-        "textures are images, meshes are .slo, .obj or .ply files",
-    ),
-    (b"\xff\xd8\xff", "a JPEG image", "textures are images, meshes are .slo, .obj or .ply files"),
+    (b"\x89PNG\r\n\x1a\n", "a PNG image", AS_WHAT_IT_IS),
+    (b"\xff\xd8\xff", "a JPEG image", AS_WHAT_IT_IS),
     (b"GIF8", "a GIF image", AS_IMAGE),
     (b"II*\0", "a TIFF image", AS_IMAGE),
     (b"MM\0*", "a TIFF image", AS_IMAGE),

@@ -91,7 +91,9 @@ fn segment(fields: &mut Fields<'_, '_, '_>) -> Option<CamSegment> {
     ends.into_iter().for_each(|fov| warn_of_wide_view(fields, fov));
     let (dof, lens_radius) = lens(fields);
     let blur_duration = fields.number("blurDuration", Bound::NotNegative);
-    oddities::check_shutter(fields, blur_duration, video);
+    if let (Some(Found { value, span }), Some(video)) = (blur_duration, video) {
+        oddities::check_shutter(fields, value, span, video);
+    }
     Some(CamSegment {
         name: fields.element.name.text.to_owned(),
         video: video?,

@@ -1,8 +1,6 @@
-//! What is allowed, and yet surely a mistake: warnings about values that fit the language and no
-//! purpose.
+//! Warnings about scenes that the language allows and that nobody means.
 
 use super::fields::{Fields, Value};
-use super::values::Found;
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::scene::{CamSegment, Camera, KeyFrame, Material, SceneDescription};
 
@@ -79,28 +77,27 @@ fn looks_like_bytes(color: [f32; 3]) -> bool {
     (DIMMEST_BYTE..=255.0).contains(&largest) && color.iter().all(|c| c.fract() == 0.0)
 }
 
-/// Warns of a shutter that is open for longer than its segment takes.
+/// Warns of a shutter that is open for `blur` seconds if its segment takes less.
 pub(super) fn check_shutter(
     fields: &mut Fields<'_, '_, '_>,
-    blur: Option<Found<f64>>,
-    video: Option<[f64; 2]>,
+    blur: f64,
+    span: Span,
+    [start, end]: [f64; 2],
 ) {
-    let (Some(blur), Some([start, end])) = (blur, video) else { return };
-    if blur.value <= end - start {
+    if blur <= end - start {
         return;
     }
     let message = format!(
-        "the shutter is open for {} s, longer than {} takes ({} s)",
-        blur.value,
+        "the shutter is open for {blur} s, longer than {} takes ({} s)",
         fields.element.title(),
         end - start
     );
     let help = "`blurDuration` is in seconds: a shutter of 180 degrees is open for half a frame, \
                 0.02 at 25 frames per second";
-    fields.diagnostics.push(Diagnostic::warning(message).at(blur.span, "").help(help));
+    fields.diagnostics.push(Diagnostic::warning(message).at(span, "").help(help));
 }
 
-/// Warns of key frames that all lie before or behind what the camera sees of scene time.
+/// Warns if all key frames of an object lie before the scene time that the camera sees, or after it.
 pub(super) fn check_key_times(
     fields: &mut Fields<'_, '_, '_>,
     key_frames: &[KeyFrame],
