@@ -7,8 +7,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use slo_rt::scene::mesh::slo;
-use slo_rt::scene::{Mesh, mesh};
+use slo_scene::mesh::slo;
+use slo_scene::{Mesh, mesh};
 
 /// Quads of the grid; each is two triangles.
 const SIZE: [u32; 2] = [1000, 500];

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use slo_rt::accel::{
+use slo_accel::{
     Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Primitives, Rays, Scratch, Structure,
     Triangle,
 };

@@ -22,7 +22,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use glam::Vec3;
-use slo_rt::accel::{
+use slo_accel::{
     Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Primitives, Rays, Scratch, Structure,
     Triangle,
 };

@@ -1,0 +1,205 @@
+//! How radiance is seen: the transfer curve of the picture, and errors as the viewer sees them.
+
+use super::Pixel;
+use super::pixel::{Halves, base_end};
+use slo_accel::math::elementary::power;
+use slo_accel::{Isa, Lanewise};
+
+/// What a channel's radiance becomes on the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Display {
+    /// Linear from 0 to 1, clamped.
+    Raw,
+    /// sRGB from 0 to 1, clamped.
+    Srgb,
+    /// The sRGB curve, which goes on beyond 1: for pictures whose exposure is chosen later.
+    Unclamped,
+}
+
+impl Display {
+    /// Mean squares over the channels of the pixels' estimated errors as they are shown, in the
+    /// order of the pixels; infinite for less than two samples. What is clamped counts for nothing.
+    pub fn squared_errors<'a>(
+        self,
+        isa: Isa,
+        pixels: impl IntoIterator<Item = &'a Pixel>,
+    ) -> Vec<f64> {
+        let mut pixels = pixels.into_iter().peekable();
+        let mut errors = Vec::with_capacity(pixels.size_hint().0.next_multiple_of(GROUP));
+        let mut group = Group::EMPTY;
+        while pixels.peek().is_some() {
+            let count = group.fill(&mut pixels);
+            let begin = errors.len();
+            errors.resize(begin + GROUP, 0.0);
+            let to = &mut errors[begin..];
+            let group = &group;
+            match self {
+                Self::Raw => isa.run(Squares { group, shown: raw, to }),
+                Self::Srgb => isa.run(Squares { group, shown: clamped, to }),
+                Self::Unclamped => isa.run(Squares { group, shown: unclamped, to }),
+            }
+            errors.truncate(begin + count);
+        }
+        errors
+    }
+}
+
+#[inline(always)]
+fn raw(radiance: f32) -> f32 {
+    radiance.clamp(0.0, 1.0)
+}
+
+#[inline(always)]
+fn clamped(radiance: f32) -> f32 {
+    srgb(radiance.clamp(0.0, 1.0))
+}
+
+#[inline(always)]
+fn unclamped(radiance: f32) -> f32 {
+    srgb(radiance.max(0.0))
+}
+
+/// Pixels whose errors are estimated together.
+const GROUP: usize = 64;
+
+/// Sums of a group of pixels, in columns.
+struct Group {
+    sum: [[f64; GROUP]; 3],
+    base: [[f64; GROUP]; 3],
+    /// Samples in `sum`, and in `base`.
+    all: [f64; GROUP],
+    first: [f64; GROUP],
+}
+
+impl Group {
+    const EMPTY: Self = Self {
+        sum: [[0.0; GROUP]; 3],
+        base: [[0.0; GROUP]; 3],
+        all: [0.0; GROUP],
+        first: [0.0; GROUP],
+    };
+
+    /// Takes the next pixels, as many as there are places; how many.
+    fn fill<'a>(&mut self, pixels: impl Iterator<Item = &'a Pixel>) -> usize {
+        let mut count = 0;
+        for pixel in pixels.take(GROUP) {
+            for c in 0..3 {
+                self.sum[c][count] = pixel.sum[c].to_f64();
+                self.base[c][count] = pixel.base[c].to_f64();
+            }
+            self.all[count] = f64::from(pixel.samples);
+            self.first[count] = f64::from(base_end(pixel.samples));
+            count += 1;
+        }
+        count
+    }
+}
+
+/// Squared errors of a group.
+struct Squares<'a, F> {
+    group: &'a Group,
+    shown: F,
+    to: &'a mut [f64],
+}
+
+impl<F: Fn(f32) -> f32> Lanewise for Squares<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { group, shown, to } = self;
+        let Ok(to): Result<&mut [f64; GROUP], _> = to.try_into() else { return };
+        // One kind of number to a loop, so that each becomes vector code.
+        let (mut low, mut high) = ([[0.0f32; GROUP]; 3], [[0.0f32; GROUP]; 3]);
+        for i in 0..GROUP {
+            let halves = Halves::new(group.first[i], group.all[i]);
+            for c in 0..3 {
+                let (sum, base) = (group.sum[c][i], group.base[c][i]);
+                let (mean, error) = (halves.mean(sum), halves.error(base, sum));
+                (low[c][i], high[c][i]) = (mean - error, mean + error);
+            }
+        }
+        for ends in low.iter_mut().chain(&mut high) {
+            for end in ends {
+                *end = shown(*end);
+            }
+        }
+        for (i, to) in to.iter_mut().enumerate() {
+            let half = |c: usize| f64::from(high[c][i] - low[c][i]) / 2.0;
+            *to = (half(0) * half(0) + half(1) * half(1) + half(2) * half(2)) / 3.0;
+        }
+        for (to, &all) in to.iter_mut().zip(&group.all) {
+            *to = if all < 2.0 { f64::INFINITY } else { *to };
+        }
+    }
+}
+
+/// Linear light -> sRGB; `[0, 1]` to `[0, 1]`, and the same curve beyond.
+///
+/// Source: IEC 61966-2-1:1999, 5.3.
+#[inline(always)]
+pub fn srgb(linear: f32) -> f32 {
+    let curved = 1.055 * power(linear, 1.0 / 2.4) - 0.055;
+    if linear <= 0.003_130_8 { 12.92 * linear } else { curved }
+}
+
+/// Luminance of linear light with the primaries of sRGB.
+///
+/// Source: ITU-R BT.709-6, 3.
+pub fn luminance([r, g, b]: [f32; 3]) -> f64 {
+    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+}
+
+/// sRGB -> linear light; the inverse of [`srgb`].
+pub fn linear(srgb: f32) -> f32 {
+    if srgb <= 0.040_45 { srgb / 12.92 } else { libm::powf((srgb + 0.055) / 1.055, 2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Fixed;
+    use super::*;
+
+    fn pixel(first: f32, second: f32) -> Pixel {
+        let mut pixel = Pixel::default();
+        for value in [first, second] {
+            pixel.add([Fixed::new(value).unwrap(); 3], 1);
+        }
+        pixel
+    }
+
+    #[test]
+    fn errors_count_as_they_are_seen() {
+        let error = |display: Display, first, second| {
+            display.squared_errors(Isa::Portable, [&pixel(first, second)])[0].sqrt() as f32
+        };
+        // The mean is 0.5, its error 0.25.
+        assert!((error(Display::Raw, 0.25, 0.75) - 0.25).abs() < 1e-6);
+        assert_eq!(error(Display::Raw, 3.0, 5.0), 0.0, "both are white");
+        assert_eq!(error(Display::Srgb, 3.0, 5.0), 0.0);
+        assert!(error(Display::Unclamped, 3.0, 5.0) > 0.1);
+        assert!(error(Display::Srgb, 0.01, 0.03) > 2.0 * error(Display::Srgb, 0.51, 0.53));
+        assert_eq!(error(Display::Srgb, 0.5, 0.5), 0.0);
+        let unexposed = Display::Raw.squared_errors(Isa::Portable, [&Pixel::default()]);
+        assert_eq!(unexposed, [f64::INFINITY]);
+    }
+
+    #[test]
+    fn many_errors_are_those_of_each_on_every_instruction_set() {
+        let pixels: Vec<Pixel> = (0..GROUP as u32 * 2 + 7)
+            .map(|i| {
+                let mut pixel = pixel(0.013 * i as f32, 0.02 * (i % 9) as f32);
+                (0..i % 5).for_each(|k| pixel.add([Fixed::new(0.1 * k as f32).unwrap(); 3], 1));
+                pixel
+            })
+            .collect();
+        for display in [Display::Raw, Display::Srgb, Display::Unclamped] {
+            let one = |pixel| display.squared_errors(Isa::Portable, [pixel])[0];
+            let each: Vec<f64> = pixels.iter().map(one).collect();
+            for isa in Isa::available() {
+                assert_eq!(display.squared_errors(isa, &pixels), each, "{display:?} {isa}");
+            }
+            assert!(display.squared_errors(Isa::Portable, std::iter::empty()).is_empty());
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! SceneDescription and a frame number -> FrameScene.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use super::looks::Looks;
+use super::rigid::Rigid;
+use super::sampled_camera::SampledCamera;
+use super::sampled_motion::{ObjectBox, SampledMotion};
+use super::tessellate::{CurvedShape, Geometry, geometry, light_rectangle};
+use super::world::{Instance, World};
+use super::{FrameObject, FrameScene, Look};
+use crate::camera::{Camera, DegenerateView};
+use crate::sampling::Sampler;
+use crate::shading::{Light, Material, MaterialTable};
+use slo_accel::{Accelerator, BuildOptions, Curved, Isa, Primitives, Structure};
+use slo_scene::animation::{Clock, DRigid, KeyFrameError, KeyFrames, NoSegment, Shutter};
+use slo_scene::{CamSegment, LightShape, Object, SceneDescription, Settings};
+
+/// Units that a camera moves along an axis before the origin of render space follows it. Within
+/// half of it, where the camera is, an f32 resolves 2^-14 units or better. What is still is built anew
+/// when the origin moves, so it must not do so in every frame.
+const ORIGIN_STEP: f64 = 1024.0;
+
+/// Why a frame of a scene can't be made.
+#[derive(Clone, Debug)]
+pub enum FrameError {
+    /// The frame's time lies in no camera segment.
+    NoSegment(NoSegment),
+    /// The camera sees nothing from where it is in this frame.
+    View {
+        /// Name of the camera segment.
+        segment: String,
+        /// What is wrong.
+        reason: DegenerateView,
+    },
+    /// An object's key frames are no path.
+    Path {
+        /// Name of the object.
+        object: String,
+        /// What is wrong.
+        reason: KeyFrameError,
+    },
+}
+
+impl fmt::Display for FrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSegment(error) => error.fmt(f),
+            Self::View { segment, reason } => {
+                write!(f, "the camera of segment `{segment}` can't see in this frame: ")?;
+                f.write_str(match reason {
+                    DegenerateView::NoDirection => "its position and its target are the same point",
+                    DegenerateView::SkyAlongView => {
+                        "its sky is zero or parallel to its direction of view"
+                    }
+                })
+            }
+            Self::Path { object, reason: KeyFrameError::NoOrientation(key) } => {
+                write!(f, "key frame {} of `{object}`: up is parallel to right", key + 1)
+            }
+            Self::Path { object, reason: KeyFrameError::OutOfOrder(key) } => {
+                write!(f, "key frame {} of `{object}` is earlier than the one before it", key + 1)
+            }
+        }
+    }
+}
+
+impl std::error::Error for FrameError {}
+
+impl FrameScene {
+    /// Builds what frame `number` needs, on the threads of the current rayon pool.
+    ///
+    /// # Errors
+    /// The frame's time lies in no camera segment, or the camera can't see.
+    pub fn build(scene: &SceneDescription, number: i64, isa: Isa) -> Result<Self, FrameError> {
+        Self::build_after(scene, number, isa, None)
+    }
+
+    /// The same, with the structures of another frame of the same scene where they are those of
+    /// this one too: of objects that move in both, and of all that is still, if it lies the same.
+    ///
+    /// # Errors
+    /// Those of [`build`](Self::build).
+    pub fn build_after(
+        scene: &SceneDescription,
+        number: i64,
+        isa: Isa,
+        before: Option<Self>,
+    ) -> Result<Self, FrameError> {
+        let shutter = Clock::new(&scene.camera).shutter(number).map_err(FrameError::NoSegment)?;
+        let segment = &scene.camera.segments[shutter.segment];
+        let film = &scene.camera.film;
+        let per_ms = scene.settings.transform_samples_per_ms;
+        let path = SampledCamera::new(segment, &shutter, film, per_ms);
+        let origin = origin(segment, &path);
+        let camera = Camera::new(path.views(), origin, film.width, film.height)
+            .map_err(|reason| FrameError::View { segment: segment.name.clone(), reason })?;
+
+        let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin };
+        let before = before.map(Before::from);
+        let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
+        let mut parts = Parts { before: moving, ..Parts::default() };
+        for object in &scene.objects {
+            parts.add(object, scene, &seen, isa)?;
+        }
+        for (number, light) in scene.lights.iter().enumerate() {
+            if let LightShape::Rectangle { vertices } = light.shape {
+                let look = Look::Light(number as u32);
+                parts.add_still(look, light_rectangle(vertices), &DRigid::IDENTITY, &seen);
+            }
+        }
+        let still = match before {
+            Some(before) if before.places == parts.places => before.still,
+            // What lay elsewhere is gone before there is something new.
+            other => {
+                drop(other);
+                Arc::new(structure(parts.still, &scene.settings, isa))
+            }
+        };
+        let looks = Looks::new(
+            parts.looks.into_iter(),
+            parts.instances.iter().map(|instance| instance.object),
+        );
+        let materials: Vec<_> = scene.materials.iter().map(Material::from).collect();
+        Ok(Self {
+            camera,
+            world: World::new(still, parts.instances, isa),
+            material_table: MaterialTable::new(&materials),
+            materials,
+            lights: scene.lights.iter().map(|light| Light::new(light, origin)).collect(),
+            sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
+            settings: scene.settings.clone(),
+            isa,
+            clever: true,
+            textures: scene.textures.clone(),
+            objects: parts.objects,
+            looks,
+            still_places: parts.places,
+            still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
+        })
+    }
+}
+
+/// The structures of another frame.
+struct Before {
+    still: Arc<Structure>,
+    places: Vec<(u32, DRigid)>,
+    /// By the index of the object.
+    moving: Vec<(u32, Arc<Structure>)>,
+}
+
+impl From<FrameScene> for Before {
+    fn from(frame: FrameScene) -> Self {
+        let World { still, instances, .. } = frame.world;
+        let moving = instances.into_iter().map(|i| (i.object, i.structure)).collect();
+        Self { still, places: frame.still_places, moving }
+    }
+}
+
+/// How a shutter sees objects.
+struct Seen<'a> {
+    shutter: &'a Shutter,
+    camera: &'a SampledCamera,
+    /// Sampled transforms per millisecond, at least.
+    per_ms: f64,
+    /// Origin of render space.
+    origin: DVec3,
+}
+
+/// What a frame is put together from, object by object.
+#[derive(Default)]
+struct Parts {
+    objects: Vec<FrameObject>,
+    /// What each object shows.
+    looks: Vec<Look>,
+    still: Primitives,
+    /// Where each still object lies.
+    places: Vec<(u32, DRigid)>,
+    /// Structures of moving objects that are there already.
+    before: Vec<(u32, Arc<Structure>)>,
+    /// For each still triangle and each still curved surface its object.
+    triangle_objects: Vec<u32>,
+    curved_objects: Vec<u32>,
+    instances: Vec<Instance>,
+}
+
+impl Parts {
+    fn add(
+        &mut self,
+        object: &Object,
+        scene: &SceneDescription,
+        seen: &Seen<'_>,
+        isa: Isa,
+    ) -> Result<(), FrameError> {
+        let path = KeyFrames::new(&object.key_frames)
+            .map_err(|reason| FrameError::Path { object: object.name.clone(), reason })?;
+        let look = Look::Material(object.material.0);
+        let geometry = geometry(&object.shape);
+        if !path.moves(seen.shutter.scene_interval()) {
+            let place = path.pose(seen.shutter.scene_time(0.0));
+            self.add_still(look, geometry, &place, seen);
+            return Ok(());
+        }
+        let bounds = object_box(&geometry);
+        let motion = SampledMotion::new(&path, seen.shutter, &bounds, seen.camera, seen.per_ms);
+        let center = (bounds.min + bounds.max) * 0.5;
+        let number = self.objects.len() as u32;
+        let there = self.before.iter().find(|(object, _)| *object == number);
+        let structure = there.map(|(_, structure)| structure.clone()).unwrap_or_else(|| {
+            let place = DRigid { translation: -center, ..DRigid::IDENTITY };
+            let mut local = Primitives::default();
+            add_primitives(&mut local, &geometry, &place);
+            Arc::new(structure(local, &scene.settings, isa))
+        });
+        let poses = motion.poses().iter().map(|pose| {
+            let pose = DRigid { rotation: pose.rotation, translation: pose.point(center) };
+            Rigid::relative(&pose, seen.origin)
+        });
+        self.instances.push(Instance {
+            structure,
+            center: center.as_vec3(),
+            poses: poses.collect(),
+            object: number,
+        });
+        self.looks.push(look);
+        self.objects.push(FrameObject {
+            normals: vertex_normals(&geometry, &DRigid::IDENTITY),
+            geometry,
+            place: Rigid::IDENTITY,
+            first_triangle: 0,
+        });
+        Ok(())
+    }
+
+    fn add_still(&mut self, look: Look, geometry: Geometry, place: &DRigid, seen: &Seen<'_>) {
+        let number = self.objects.len() as u32;
+        let first_triangle = self.still.triangles.len() as u32;
+        let placed = DRigid { translation: place.translation - seen.origin, ..*place };
+        self.places.push((number, placed));
+        add_primitives(&mut self.still, &geometry, &placed);
+        self.triangle_objects.resize(self.still.triangles.len(), number);
+        self.curved_objects.resize(self.still.curved.len(), number);
+        let normals = vertex_normals(&geometry, place);
+        let place = Rigid::relative(&place, seen.origin);
+        self.looks.push(look);
+        self.objects.push(FrameObject { geometry, place, first_triangle, normals });
+    }
+}
+
+/// The structure that the settings ask for.
+fn structure(primitives: Primitives, settings: &Settings, isa: Isa) -> Structure {
+    let options = BuildOptions { isa, spatial_splits: settings.spatial_splits };
+    Structure::build(accelerator(settings.accelerator), primitives, options)
+}
+
+/// The structure that a scene names.
+fn accelerator(name: slo_scene::Accelerator) -> Accelerator {
+    match name {
+        slo_scene::Accelerator::KdTree => Accelerator::KdTree,
+        slo_scene::Accelerator::Bvh => Accelerator::Bvh,
+        slo_scene::Accelerator::Cwbvh => Accelerator::Cwbvh,
+        slo_scene::Accelerator::None => Accelerator::None,
+    }
+}
+
+/// Adds the primitives of a geometry, placed.
+fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DRigid) {
+    let point = |p: DVec3| place.point(p).as_vec3();
+    match geometry {
+        Geometry::Mesh(mesh, _) => {
+            let positions: Vec<Vec3> = mesh.positions.iter().map(|&p| point(p)).collect();
+            let triangle = |face: &[u32; 3]| face.map(|i| positions[i as usize]);
+            primitives.triangles.extend(mesh.faces.iter().map(triangle));
+        }
+        Geometry::Curved(shape) => primitives.curved.push(match *shape {
+            CurvedShape::Sphere { center, radius } => {
+                Curved::Sphere { center: point(center), radius: radius as f32 }
+            }
+            CurvedShape::Cylinder { base, top, radius } => {
+                Curved::Cylinder { base: point(base), top: point(top), radius: radius as f32 }
+            }
+            CurvedShape::Cone { base, apex, radius } => {
+                Curved::Cone { base: point(base), apex: point(apex), radius: radius as f32 }
+            }
+        }),
+    }
+}
+
+/// The normals of a smooth mesh's vertices, turned; none of what is not smooth.
+fn vertex_normals(geometry: &Geometry, place: &DRigid) -> Vec<Vec3> {
+    let rotation = place.rotation.as_mat3();
+    match geometry {
+        Geometry::Mesh(mesh, true) => {
+            mesh.normals.iter().map(|&n| rotation * Vec3::from(n)).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// The box of a geometry in object space.
+fn object_box(geometry: &Geometry) -> ObjectBox {
+    let of = |points: &mut dyn Iterator<Item = DVec3>| {
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for p in points {
+            (min, max) = (min.min(p), max.max(p));
+        }
+        ObjectBox { min, max }
+    };
+    let balls = |centers: &[DVec3], radius: f64| {
+        of(&mut centers.iter().flat_map(|&c| [c - DVec3::splat(radius), c + DVec3::splat(radius)]))
+    };
+    match *geometry {
+        Geometry::Mesh(ref mesh, _) => of(&mut mesh.positions.iter().copied()),
+        Geometry::Curved(CurvedShape::Sphere { center, radius }) => balls(&[center], radius),
+        Geometry::Curved(
+            CurvedShape::Cylinder { base, top, radius }
+            | CurvedShape::Cone { base, apex: top, radius },
+        ) => balls(&[base, top], radius),
+    }
+}
+
+/// Where the origin of render space lies in scene space: near the camera, where digits count; at the
+/// start of its path, and whole steps away from there once it is far.
+fn origin(segment: &CamSegment, path: &SampledCamera) -> DVec3 {
+    let start = segment.positions[0];
+    let steps = (path.views()[0].position - start) / ORIGIN_STEP;
+    start + steps.round() * ORIGIN_STEP
+}

@@ -1,0 +1,124 @@
+//! What hits show, for whole batches: each look is one word.
+
+use super::FrameScene;
+use super::world::{STILL, WorldHits};
+use slo_accel::math::columns::Column;
+use slo_accel::{Lanewise, NO_HIT};
+
+/// What a surface shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// Index of a material.
+    Material(u32),
+    /// The surface of the light of that index, from both sides.
+    Light(u32),
+    /// There is no surface.
+    Nothing,
+}
+
+impl Look {
+    /// Words below it are materials, those above are lights.
+    const LIGHTS: u32 = 1 << 31;
+
+    fn word(self) -> u32 {
+        match self {
+            Self::Material(index) => index,
+            Self::Light(index) => Self::LIGHTS | index,
+            Self::Nothing => u32::MAX,
+        }
+    }
+
+    pub(crate) fn of_word(word: u32) -> Self {
+        match word {
+            u32::MAX => Self::Nothing,
+            Self::LIGHTS.. => Self::Light(word & !Self::LIGHTS),
+            _ => Self::Material(word),
+        }
+    }
+
+    /// Whether a word says a material, and which is its own index then.
+    #[inline(always)]
+    pub(crate) fn is_material(word: u32) -> bool {
+        word < Self::LIGHTS
+    }
+}
+
+/// Looks of all objects.
+#[derive(Debug)]
+pub(super) struct Looks {
+    /// By the index of the object; nothing at the end.
+    words: Vec<u32>,
+    /// Index of the object of each instance.
+    of_instances: Vec<u32>,
+}
+
+impl Looks {
+    pub(super) fn new(
+        objects: impl Iterator<Item = Look>,
+        of_instances: impl Iterator<Item = u32>,
+    ) -> Self {
+        let words = objects.chain([Look::Nothing]).map(Look::word).collect();
+        Self { words, of_instances: of_instances.collect() }
+    }
+
+    /// Of the object of an index.
+    pub(super) fn of(&self, object: u32) -> Look {
+        Look::of_word(self.words[object as usize])
+    }
+}
+
+impl FrameScene {
+    /// The looks of what the rays of a batch hit, as words.
+    pub(crate) fn find_looks(&self, found: &WorldHits, to: &mut Column<u32>) {
+        self.isa.run(FindLooks { frame: self, found, to });
+    }
+}
+
+struct FindLooks<'a> {
+    frame: &'a FrameScene,
+    found: &'a WorldHits,
+    to: &'a mut Column<u32>,
+}
+
+impl Lanewise for FindLooks<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { frame, found, to } = self;
+        let Looks { words, of_instances } = &frame.looks;
+        let primitives = &found.hits.primitive[..];
+        // Objects first.
+        if let Some(last) = frame.still_objects.len().checked_sub(1) {
+            for (to, &primitive) in to.iter_mut().zip(primitives) {
+                *to = frame.still_objects[(primitive as usize).min(last)];
+            }
+        }
+        if let Some(last) = of_instances.len().checked_sub(1) {
+            for (to, &instance) in to.iter_mut().zip(&found.instance) {
+                let moving = of_instances[(instance as usize).min(last)];
+                *to = if instance == STILL { *to } else { moving };
+            }
+        }
+        let last = words.len() - 1;
+        for (to, &primitive) in to.iter_mut().zip(primitives) {
+            let word = words[(*to as usize).min(last)];
+            *to = if primitive == NO_HIT { u32::MAX } else { word };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_say_looks() {
+        for look in [Look::Material(0), Look::Material(7), Look::Light(0), Look::Light(9)] {
+            assert_eq!(Look::of_word(look.word()), look);
+            assert_eq!(Look::is_material(look.word()), matches!(look, Look::Material(_)));
+        }
+        assert_eq!(Look::of_word(Look::Nothing.word()), Look::Nothing);
+        assert!(!Look::is_material(Look::Nothing.word()));
+    }
+}

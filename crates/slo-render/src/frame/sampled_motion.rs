@@ -1,0 +1,303 @@
+//! The poses of an object sampled over one shutter, dense enough that no step between neighbours shows.
+
+use glam::DVec3;
+
+use slo_scene::animation::{DRigid, KeyFrames, Shutter};
+
+use super::sampled::{MAX_SAMPLES, least_count, time_of};
+use super::sampled_camera::SampledCamera;
+
+/// Most pixels that a corner of an object's box moves between neighbouring samples.
+const MAX_STEP_PX: f64 = 0.5;
+
+/// An object whose box holds the camera counts as seen from this part of the box's diagonal away,
+/// since its distance says nothing then.
+const NEAREST_IN_DIAGONALS: f64 = 1.0 / 16.0;
+
+/// Intervals in which the speed of a path is looked at, between two keys.
+const PROBES_PER_PIECE: usize = 32;
+
+/// An axis-aligned box in object space, about an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ObjectBox {
+    /// Lower corner.
+    pub(super) min: DVec3,
+    /// Upper corner.
+    pub(super) max: DVec3,
+}
+
+/// The poses of an object at evenly spaced shutter times.
+#[derive(Clone, Debug)]
+pub(super) struct SampledMotion {
+    poses: Vec<DRigid>,
+}
+
+impl SampledMotion {
+    /// Samples the path of an object over a shutter: at least two samples, at least
+    /// `samples_per_ms` for every millisecond of video time that the shutter is open, and enough that
+    /// no point of the object's box moves more than half a pixel between neighbours, wherever in the
+    /// picture it is and were it seen in a mirror. Never more than [`MAX_SAMPLES`].
+    ///
+    /// Leaps of the path ([`KeyFrames::jumps`]) don't count as steps. A box that holds the camera
+    /// counts as seen from a sixteenth of its diagonal away.
+    pub(super) fn new(
+        path: &KeyFrames,
+        shutter: &Shutter,
+        object: &ObjectBox,
+        camera: &SampledCamera,
+        samples_per_ms: f64,
+    ) -> Self {
+        let watch = Watch::new(path, shutter, object, camera);
+        let mut count = least_count(shutter, samples_per_ms).max(watch.estimate());
+        loop {
+            let poses: Vec<DRigid> =
+                (0..count).map(|k| path.pose(shutter.scene_time(time_of(k, count)))).collect();
+            let step = watch.largest_step_px(&poses);
+            if count == MAX_SAMPLES || step <= MAX_STEP_PX {
+                return Self { poses };
+            }
+            count = raised(count, (step / MAX_STEP_PX).max(1.25));
+        }
+    }
+
+    /// The sampled poses, object space to scene space: number `k` of `n` is at shutter time
+    /// `k / (n - 1)`.
+    pub(super) fn poses(&self) -> &[DRigid] {
+        &self.poses
+    }
+}
+
+impl ObjectBox {
+    /// The eight corners.
+    pub(super) fn corners(&self) -> [DVec3; 8] {
+        let ends = [self.min, self.max];
+        std::array::from_fn(|i| DVec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z))
+    }
+
+    /// Distance of a point of object space from the box; 0 inside.
+    fn distance(&self, p: DVec3) -> f64 {
+        (p - p.clamp(self.min, self.max)).length()
+    }
+}
+
+/// What turns motion into pixels.
+struct Watch<'a> {
+    path: &'a KeyFrames,
+    shutter: &'a Shutter,
+    object: &'a ObjectBox,
+    corners: [DVec3; 8],
+    camera: &'a SampledCamera,
+    /// Shutter times at which the path leaps.
+    jumps: Vec<f64>,
+}
+
+impl<'a> Watch<'a> {
+    fn new(
+        path: &'a KeyFrames,
+        shutter: &'a Shutter,
+        object: &'a ObjectBox,
+        camera: &'a SampledCamera,
+    ) -> Self {
+        let jumps = path.jumps(shutter.scene_interval());
+        let jumps = jumps.iter().filter_map(|jump| shutter.shutter_time_of(jump.time)).collect();
+        Self { path, shutter, object, corners: object.corners(), camera, jumps }
+    }
+
+    /// Samples that the highest speed of the path asks for, looked at in every piece of it.
+    fn estimate(&self) -> usize {
+        let mut borders = vec![0.0, 1.0];
+        let inside = self.path.key_times_within(self.shutter.scene_interval());
+        borders.extend(inside.filter_map(|time| self.shutter.shutter_time_of(time)));
+        borders.sort_by(f64::total_cmp);
+        let speed = borders.windows(2).map(|w| self.largest_speed(w[0], w[1])).fold(0.0, f64::max);
+        raised(1, speed / MAX_STEP_PX)
+    }
+
+    /// Pixels per shutter, at most, between two shutter times; 0 where all of the motion there is
+    /// no step too large.
+    fn largest_speed(&self, from: f64, to: f64) -> f64 {
+        let width = (to - from) / PROBES_PER_PIECE as f64;
+        let pose = |s: f64| self.path.pose(self.shutter.scene_time(s));
+        let mut before = pose(from);
+        let (mut speed, mut length) = (0.0_f64, 0.0);
+        for i in 1..=PROBES_PER_PIECE {
+            let s = from + i as f64 * width;
+            let after = pose(s);
+            if width > 0.0 && !self.leaps_between(s - width, s) {
+                let step = self.step_px(&before, &after, s);
+                speed = speed.max(step / width);
+                length += step;
+            }
+            before = after;
+        }
+        if length > MAX_STEP_PX { speed } else { 0.0 }
+    }
+
+    /// Pixels that a corner moves between neighbouring poses, at most.
+    fn largest_step_px(&self, poses: &[DRigid]) -> f64 {
+        let time = |k| time_of(k, poses.len());
+        (1..poses.len())
+            .filter(|&k| !self.leaps_between(time(k - 1), time(k)))
+            .map(|k| self.step_px(&poses[k - 1], &poses[k], time(k)))
+            .fold(0.0, f64::max)
+    }
+
+    fn leaps_between(&self, from: f64, to: f64) -> bool {
+        let rounding = 1e-9;
+        self.jumps.iter().any(|&jump| from - rounding <= jump && jump <= to + rounding)
+    }
+
+    /// Pixels between two poses as the camera sees them at a shutter time; infinite where that
+    /// can't be told.
+    fn step_px(&self, a: &DRigid, b: &DRigid, time: f64) -> f64 {
+        let moved = |corner: &DVec3| (b.point(*corner) - a.point(*corner)).length();
+        let step = self.corners.iter().map(moved).fold(0.0, f64::max);
+        if step == 0.0 {
+            return 0.0;
+        }
+        let camera = self.camera.at(time);
+        let seen_from = b.rotation.transpose() * (camera.position - b.translation);
+        let nearest = (self.object.max - self.object.min).length() * NEAREST_IN_DIAGONALS;
+        let distance = self.object.distance(seen_from);
+        let distance = if distance > 0.0 { distance } else { nearest };
+        let px = step / distance * self.camera.px_per_radian(&camera);
+        if px.is_finite() { px } else { f64::INFINITY }
+    }
+}
+
+/// `intervals` times `factor`, rounded up, as a number of samples.
+fn raised(count: usize, factor: f64) -> usize {
+    let intervals = (count.max(2) - 1) as f64 * factor;
+    (intervals.ceil() as usize).saturating_add(1).clamp(2, MAX_SAMPLES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sampled_camera::tests::{seen, shutter_and_camera};
+    use super::*;
+    use slo_scene::{KeyFrame, Placement};
+
+    const UNIT_BOX: ObjectBox = ObjectBox { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) };
+
+    fn key(time: f64, pivot: DVec3, right: DVec3) -> KeyFrame {
+        let key = Placement { pivot: Some(pivot), up: None, right: Some(right) };
+        KeyFrame { time, key, ..KeyFrame::default() }
+    }
+
+    fn slide(from: DVec3, to: DVec3) -> KeyFrames {
+        KeyFrames::new(&[key(0.0, from, DVec3::X), key(1.0, to, DVec3::X)]).unwrap()
+    }
+
+    #[test]
+    fn a_slide_gets_a_sample_for_every_half_pixel() {
+        // 2 units at a distance of at least 9.5 (the box's front): a pixel is 9.5 x 2 x 0.5 / 100
+        // there, so the slide is 21.05 pixels, and 1.5 times that in the corner of the picture
+        let (shutter, camera) = shutter_and_camera(|_| ());
+        let path = slide(DVec3::NEG_X, DVec3::X);
+        let count = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.0).poses().len();
+        assert!((64..=70).contains(&count), "{count}");
+    }
+
+    #[test]
+    fn the_samples_asked_for_are_a_lower_bound_in_video_time() {
+        // a shutter of 1 s runs through 1 s of scene time or through 1000 s: video time counts
+        for scene_end in [1.0, 1000.0] {
+            let (shutter, camera) = shutter_and_camera(|s| s.scene = [0.0, scene_end]);
+            let path = slide(DVec3::ZERO, DVec3::X * 1e-3);
+            let count = |per_ms| {
+                SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, per_ms).poses().len()
+            };
+            assert_eq!(count(0.0), 2);
+            assert_eq!(count(0.25), 250);
+            assert_eq!(count(2.0), 2000);
+            assert_eq!(count(1e9), MAX_SAMPLES);
+        }
+    }
+
+    /// The largest step on the picture of a corner between neighbouring samples.
+    fn largest_step(motion: &SampledMotion, object: &ObjectBox, camera: &SampledCamera) -> f64 {
+        let n = motion.poses().len();
+        let mut largest = 0.0_f64;
+        for k in 1..n {
+            let camera = camera.at(time_of(k, n));
+            for corner in object.corners() {
+                let [a, b] =
+                    [k - 1, k].map(|k| seen(&camera, motion.poses()[k].point(corner), 100.0));
+                largest = largest.max((a[0] - b[0]).hypot(a[1] - b[1]));
+            }
+        }
+        largest
+    }
+
+    #[test]
+    fn no_corner_moves_more_than_half_a_pixel() {
+        let far = DVec3::new(3.0, 4.0, 1.0);
+        let bent = KeyFrame {
+            nex: Placement { pivot: Some(DVec3::new(9.0, -5.0, 3.0)), ..Placement::default() },
+            ..key(0.0, -far, DVec3::X)
+        };
+        let paths = [
+            vec![key(0.0, -far, DVec3::X), key(1.0, far, DVec3::X)],
+            vec![key(0.0, -far, DVec3::X), key(1.0, far, DVec3::new(-1.0, 0.2, 0.0))],
+            vec![bent, key(1.0, far, DVec3::Y)],
+            vec![key(0.2, far, DVec3::X), key(0.5, -far, DVec3::Y), key(0.9, far, DVec3::NEG_X)],
+        ];
+        let (shutter, camera) = shutter_and_camera(|s| s.targets = vec![DVec3::ZERO, far]);
+        for keys in paths {
+            let path = KeyFrames::new(&keys).unwrap();
+            let motion = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.0);
+            let step = largest_step(&motion, &UNIT_BOX, &camera);
+            assert!(step <= 0.5 && step > 0.05, "{step} with {}", motion.poses().len());
+        }
+    }
+
+    #[test]
+    fn a_whole_turn_is_not_mistaken_for_rest() {
+        // 16 quarter turns within the shutter: any few samples see the same pose again
+        let right = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
+        let keys: Vec<_> =
+            (0..=16).map(|i| key(i as f64 / 16.0, DVec3::ZERO, right[i % 4])).collect();
+        let path = KeyFrames::new(&keys).unwrap();
+        let (shutter, camera) = shutter_and_camera(|_| ());
+        let motion = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.0);
+        let step = largest_step(&motion, &UNIT_BOX, &camera);
+        assert!(step <= 0.5 && motion.poses().len() > 16 * 10, "{step}");
+    }
+
+    #[test]
+    fn boxes_about_and_behind_the_camera_are_sampled_within_the_cap() {
+        let (shutter, camera) = shutter_and_camera(|_| ());
+        let path = slide(DVec3::NEG_X, DVec3::X);
+        let count = |min, max| {
+            SampledMotion::new(&path, &shutter, &ObjectBox { min, max }, &camera, 0.0).poses().len()
+        };
+        // behind: as far as the one in front of the camera
+        let behind = count(DVec3::new(-0.5, -20.5, -0.5), DVec3::new(0.5, -19.5, 0.5));
+        assert!((64..=70).contains(&behind), "{behind}");
+        // about: 2 units seen from 2000 sqrt(3) / 16 away, some 1.4 pixels
+        assert_eq!(count(DVec3::splat(-1000.0), DVec3::splat(1000.0)), 4);
+        // flat, with the camera on it: 10 sqrt(2) / 16 away; and without any extent
+        assert_eq!(count(DVec3::new(-5.0, -10.0, -5.0), DVec3::new(5.0, -10.0, 5.0)), 680);
+        let at_camera = DVec3::new(0.0, -10.0, 0.0);
+        assert_eq!(count(at_camera, at_camera), MAX_SAMPLES);
+    }
+
+    #[test]
+    fn a_leap_costs_no_samples() {
+        let (shutter, camera) = shutter_and_camera(|_| ());
+        let still = DVec3::ZERO;
+        let paths = [
+            // a cut, inside the shutter and at its ends
+            vec![key(0.3, still, DVec3::X), key(0.3, DVec3::X * 3.0, DVec3::X)],
+            vec![key(1.0, still, DVec3::X), key(1.0, DVec3::X * 3.0, DVec3::X)],
+            vec![key(0.0, still, DVec3::X), key(0.0, DVec3::X * 3.0, DVec3::X)],
+            // half a turn in one piece: right runs through zero
+            vec![key(0.0, still, DVec3::X), key(0.7, still, DVec3::NEG_X)],
+        ];
+        for keys in paths {
+            let path = KeyFrames::new(&keys).unwrap();
+            let motion = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.1);
+            assert_eq!(motion.poses().len(), 100);
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! What is fetched from tables for each hit, one hit at a time: memory is random there.
+
+use std::ops::Range;
+
+use glam::{DVec3, Mat3, Vec3};
+
+use super::Surfaces;
+use crate::frame::tessellate::Geometry;
+use crate::frame::world::{Instance, STILL, WorldHits};
+use crate::frame::{FrameObject, FrameScene, Look};
+use crate::shading::texture::sample_bilinear;
+use slo_accel::curved::Part;
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
+use slo_accel::{Curved, Lanewise, NO_HIT, Rays, Structure, Triangle};
+use slo_scene::Mesh;
+
+/// What the points of hits are computed from.
+#[derive(Debug)]
+pub(super) struct Gathered {
+    /// Corners of the triangles, in the space of their structure.
+    pub(super) corners: [Vec3s; 3],
+    /// Normals of their corners in that space; 0 where the triangle itself is what is seen.
+    pub(super) normals: [Vec3s; 3],
+    /// Weights of their second and third corners.
+    pub(super) u: Column<f32>,
+    pub(super) v: Column<f32>,
+    /// Hits whose primitive is curved.
+    curved: Vec<u16>,
+    /// Hits on what moves.
+    moving: Vec<u16>,
+}
+
+impl Default for Gathered {
+    fn default() -> Self {
+        Self {
+            corners: Default::default(),
+            normals: Default::default(),
+            u: [0.0; BATCH],
+            v: [0.0; BATCH],
+            curved: Vec::new(),
+            moving: Vec::new(),
+        }
+    }
+}
+
+/// One hit, as the structures tell it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hit {
+    /// Number of the ray in its batch.
+    ray: usize,
+    /// Distance.
+    t: f32,
+    /// As [`Hits`](slo_accel::Hits) tells them.
+    uv: [f32; 2],
+    /// Primitive id in its structure.
+    primitive: u32,
+    /// Instance number or [`STILL`].
+    instance: u32,
+}
+
+impl Hit {
+    #[inline(always)]
+    fn new(found: &WorldHits, ray: usize) -> Self {
+        let hits = &found.hits;
+        Self {
+            ray,
+            t: hits.t[ray],
+            uv: [hits.u[ray], hits.v[ray]],
+            primitive: hits.primitive[ray],
+            instance: found.instance[ray],
+        }
+    }
+
+    /// 0 where a ray hits the same primitive.
+    #[inline(always)]
+    fn differs(&self, found: &WorldHits, ray: usize) -> u32 {
+        (self.primitive ^ found.hits.primitive[ray]) | (self.instance ^ found.instance[ray])
+    }
+}
+
+/// Hits that are looked at together: neighbours often see the same triangle.
+const GROUP: usize = 16;
+
+/// A triangle that was seen last.
+struct Corners {
+    /// Its primitive and its instance.
+    of: (u32, u32),
+    corners: Triangle,
+    normals: [Vec3; 3],
+}
+
+impl Default for Corners {
+    /// Stands where a hit has no triangle.
+    fn default() -> Self {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        Self { of: (NO_HIT, STILL), corners, normals: [Vec3::ZERO; 3] }
+    }
+}
+
+impl Gathered {
+    #[inline(always)]
+    fn set(&mut self, i: usize, from: &Corners) {
+        for k in 0..3 {
+            self.corners[k].set(i, from.corners[k]);
+            self.normals[k].set(i, from.normals[k]);
+        }
+    }
+
+    /// Sets all of the group of hits that begins at `start`.
+    #[inline(always)]
+    fn fill(&mut self, start: usize, from: &Corners) {
+        for k in 0..3 {
+            self.corners[k].fill::<GROUP>(start, from.corners[k]);
+            self.normals[k].fill::<GROUP>(start, from.normals[k]);
+        }
+    }
+}
+
+impl FrameScene {
+    /// Fetches corners and normals, and notes what needs more than those.
+    pub(super) fn gather(
+        &self,
+        found: &WorldHits,
+        len: usize,
+        rays: &Column<u32>,
+        to: &mut Gathered,
+    ) {
+        to.curved.clear();
+        to.moving.clear();
+        let mut last = Corners::default();
+        for (group, rays) in rays[..len].chunks(GROUP).enumerate() {
+            let start = group * GROUP;
+            let (first, u_v) = (Hit::new(found, rays[0] as usize), |ray| Hit::new(found, ray).uv);
+            let differs = rays.iter().fold(0, |all, &ray| all | first.differs(found, ray as usize));
+            if differs == 0 {
+                self.find_corners(&first, start..start + rays.len(), &mut last, to);
+                to.fill(start, &last);
+            }
+            for (i, &ray) in (start..).zip(rays) {
+                [to.u[i], to.v[i]] = u_v(ray as usize);
+                if differs != 0 {
+                    let hit = Hit::new(found, ray as usize);
+                    self.find_corners(&hit, i..i + 1, &mut last, to);
+                    to.set(i, &last);
+                }
+            }
+        }
+    }
+
+    /// Corners and normals of the triangle that some hits lie on, if `last` is not that; notes which
+    /// of the hits need more.
+    #[inline(always)]
+    fn find_corners(&self, hit: &Hit, hits: Range<usize>, last: &mut Corners, to: &mut Gathered) {
+        let numbers = hits.start as u16..hits.end as u16;
+        let (structure, object) = if hit.instance == STILL {
+            (&self.world.still, self.still_objects[hit.primitive as usize])
+        } else {
+            let instance = &self.world.instances[hit.instance as usize];
+            to.moving.extend(numbers.clone());
+            (&instance.structure, instance.object)
+        };
+        if (hit.primitive as usize) >= structure.triangle_count() {
+            to.curved.extend(numbers);
+        } else if (hit.primitive, hit.instance) != last.of {
+            *last = Corners {
+                of: (hit.primitive, hit.instance),
+                corners: structure.triangle(hit.primitive),
+                normals: self.objects[object as usize].corner_normals(hit.primitive),
+            };
+        }
+    }
+
+    /// Points and normals of curved surfaces, in the space of their structure.
+    pub(super) fn place_curved(
+        &self,
+        rays: &Rays,
+        time: &Column<f32>,
+        found: &WorldHits,
+        gathered: &Gathered,
+        to: &mut Surfaces,
+    ) {
+        for &i in &gathered.curved {
+            let i = usize::from(i);
+            let hit = Hit::new(found, to.ray[i] as usize);
+            let (origin, direction) = (rays.origin(hit.ray), rays.direction(hit.ray));
+            let local = if hit.instance == STILL {
+                on_curved(&self.world.still, &hit, origin, direction)
+            } else {
+                let instance = &self.world.instances[hit.instance as usize];
+                let pose = instance.pose(time[hit.ray]);
+                let (origin, direction) =
+                    (pose.inverse_point(origin), pose.inverse_vector(direction));
+                on_curved(&instance.structure, &hit, origin, direction)
+            };
+            to.point.set(i, local.point);
+            to.n_geo.set(i, local.normal);
+            to.n_shade.set(i, Vec3::ZERO);
+            to.magnitude.set(i, local.magnitude);
+        }
+    }
+
+    /// Carries what moves from the space of its structure to render space, each hit by its time.
+    pub(super) fn place_moving(
+        &self,
+        time: &Column<f32>,
+        found: &WorldHits,
+        gathered: &Gathered,
+        to: &mut Surfaces,
+    ) {
+        for &i in &gathered.moving {
+            let i = usize::from(i);
+            let ray = to.ray[i] as usize;
+            let pose = self.world.instances[found.instance[ray] as usize].pose(time[ray]);
+            to.point.set(i, pose.point(to.point.get(i)));
+            to.n_geo.set(i, pose.vector(to.n_geo.get(i)).normalize());
+            to.n_shade.set(i, pose.vector(to.n_shade.get(i)));
+            let magnitude = abs_product(&pose.rotation, to.magnitude.get(i));
+            to.magnitude.set(i, magnitude + pose.translation.abs());
+        }
+    }
+
+    /// Colours of images; `to.point` is still in the space of the structures.
+    pub(super) fn look_up_images(&self, found: &WorldHits, to: &mut Surfaces) {
+        self.isa.run(Images { frame: self, found, to });
+    }
+
+    /// Texture coordinates of a hit, whose point is given in the space of its structure.
+    fn uv(&self, hit: &Hit, point: Vec3) -> [f32; 2] {
+        let (object, object_point, place) = if hit.instance == STILL {
+            let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
+            (object, None, object.place)
+        } else {
+            let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
+            let object = &self.objects[object as usize];
+            (object, Some(point + center), object.place)
+        };
+        match object.geometry {
+            Geometry::Mesh(ref mesh, _) => {
+                interpolated_uv(mesh, hit.primitive - object.first_triangle, hit.uv)
+            }
+            Geometry::Curved(ref shape) => {
+                let point = object_point.unwrap_or_else(|| place.inverse_point(point));
+                shape.uv_at(point, Part::from_u(hit.uv[0]))
+            }
+        }
+    }
+
+    fn object_of(&self, primitive: u32, instance: u32) -> u32 {
+        if instance == STILL {
+            self.still_objects[primitive as usize]
+        } else {
+            self.world.instances[instance as usize].object
+        }
+    }
+
+    /// The share of light that passes a primitive on its way to another one, where shadows are
+    /// transparent; `None` where it blocks.
+    ///
+    /// A closed object lets `refraction` through in all: the square root at each of its surfaces.
+    pub(crate) fn light_passed(&self, primitive: u32, instance: u32) -> Option<f32> {
+        let number = self.object_of(primitive, instance);
+        let Look::Material(material) = self.looks.of(number) else { return None };
+        let refraction = self.materials[material as usize].refraction;
+        let geometry = &self.objects[number as usize].geometry;
+        let open = matches!(geometry, Geometry::Mesh(mesh, _) if mesh.faces.len() <= 2);
+        (refraction > 0.0).then(|| if open { refraction } else { refraction.sqrt() })
+    }
+}
+
+/// Fetches colours of images.
+struct Images<'a> {
+    frame: &'a FrameScene,
+    found: &'a WorldHits,
+    to: &'a mut Surfaces,
+}
+
+impl Lanewise for Images<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { frame, found, to } = self;
+        if frame.textures.is_empty() {
+            let Vec3s { x, y, z } = &mut to.tint;
+            [x, y, z].into_iter().for_each(|column| column[lanes(to.len)].fill(1.0));
+            return;
+        }
+        for i in 0..to.len.min(BATCH) {
+            let material = frame.materials.get(to.material[i] as usize);
+            let Some(texture) = material.and_then(|material| material.texture) else {
+                to.tint.set(i, Vec3::ONE);
+                continue;
+            };
+            let hit = Hit::new(found, to.ray[i] as usize);
+            let [u, v] = frame.uv(&hit, to.point.get(i));
+            let image = &frame.textures[texture.texture.0 as usize];
+            let color = sample_bilinear(image, u * texture.scale[0], v * texture.scale[1]);
+            to.tint.set(i, color.into());
+        }
+    }
+}
+
+impl FrameObject {
+    /// Normals at the corners of the triangle of an id; 0 where none are interpolated.
+    #[inline]
+    fn corner_normals(&self, primitive: u32) -> [Vec3; 3] {
+        match self.geometry {
+            Geometry::Mesh(ref mesh, _) if !self.normals.is_empty() => {
+                let face = mesh.faces[(primitive - self.first_triangle) as usize];
+                face.map(|vertex| self.normals[vertex as usize])
+            }
+            _ => [Vec3::ZERO; 3],
+        }
+    }
+}
+
+/// A point of a primitive, in one space.
+struct Local {
+    point: Vec3,
+    /// Unit, outward.
+    normal: Vec3,
+    /// Largest coordinates that the point was computed from.
+    magnitude: Vec3,
+}
+
+fn on_curved(structure: &Structure, hit: &Hit, origin: Vec3, direction: Vec3) -> Local {
+    let curved: &Curved = &structure.curved()[hit.primitive as usize - structure.triangle_count()];
+    let part = Part::from_u(hit.uv[0]);
+    let along = origin.as_dvec3() + f64::from(hit.t) * direction.as_dvec3();
+    let normal = curved.normal_at(along.as_vec3(), part);
+    // The error of t grows with the distance; the surface itself does not.
+    let point: DVec3 = along - normal.as_dvec3() * curved.signed_distance(along, part);
+    let bounds = curved.bounds();
+    Local {
+        point: point.as_vec3(),
+        normal: curved.normal_at(point.as_vec3(), part),
+        magnitude: bounds.min.abs().max(bounds.max.abs()),
+    }
+}
+
+/// |m| v, by components.
+fn abs_product(m: &Mat3, v: Vec3) -> Vec3 {
+    m.x_axis.abs() * v.x + m.y_axis.abs() * v.y + m.z_axis.abs() * v.z
+}
+
+/// Texture coordinates of a point of a face; 0 for a mesh that has none.
+fn interpolated_uv(mesh: &Mesh, face: u32, [u, v]: [f32; 2]) -> [f32; 2] {
+    let Some(corners) = mesh.face_uvs.get(face as usize) else { return [0.0; 2] };
+    let [a, b, c] = corners.map(|i| mesh.uvs[i as usize]);
+    [0, 1].map(|k| a[k] * (1.0 - u - v) + b[k] * u + c[k] * v)
+}

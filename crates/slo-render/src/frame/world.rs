@@ -1,0 +1,195 @@
+//! The two-level structure: one tree over all that is still, one over the boxes of what moves, and
+//! a tree of its own for each moving object.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::rigid::Rigid;
+use slo_accel::math::Bounds;
+use slo_accel::math::rounding::gamma;
+use slo_accel::{
+    BoxScratch, BoxTree, Coherence, Hits, Isa, LANES, NO_HIT, Rays, Scratch, Structure,
+};
+
+/// Instance number of a hit on something still.
+pub(crate) const STILL: u32 = u32::MAX;
+
+/// Everything that rays can hit during one shutter. Render space.
+#[derive(Debug)]
+pub(crate) struct World {
+    pub(super) still: Arc<Structure>,
+    pub(super) instances: Vec<Instance>,
+    boxes: BoxTree,
+    isa: Isa,
+}
+
+/// An object that moves within the shutter.
+#[derive(Debug)]
+pub(crate) struct Instance {
+    /// Its primitives, in object space moved by `-center`.
+    pub(super) structure: Arc<Structure>,
+    /// Middle of the object in object space: counted from there, coordinates keep their digits.
+    pub(super) center: Vec3,
+    /// `render_from_structure`, evenly spaced over the shutter; a ray takes the nearest one.
+    pub(super) poses: Vec<Rigid>,
+    /// Index of the object.
+    pub(super) object: u32,
+}
+
+impl Instance {
+    /// `render_from_structure` at a time of the shutter in `[0, 1]`.
+    ///
+    /// Source: thesis 5.3, by rounding.
+    #[inline]
+    pub(super) fn pose(&self, time: f32) -> &Rigid {
+        let last = self.poses.len() - 1;
+        &self.poses[((time * last as f32 + 0.5) as usize).min(last)]
+    }
+
+    /// The box over all poses.
+    fn bounds(&self) -> Bounds {
+        let corners = self.structure.bounds().corners();
+        let at = |pose: &Rigid| Bounds::of_points(corners.map(|c| pose.point(c)));
+        let bounds = self.poses.iter().map(at).fold(Bounds::EMPTY, Bounds::union);
+        // A ray is moved to object space by its own rounded operations.
+        let size = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let margin = Vec3::splat(size * gamma(16));
+        Bounds { min: bounds.min - margin, max: bounds.max + margin }
+    }
+}
+
+/// The first hits of a batch, and on which instance they lie.
+#[derive(Debug, Default)]
+pub(crate) struct WorldHits {
+    /// Primitive ids are those of the structure that was hit.
+    pub(crate) hits: Hits,
+    /// Instance number, [`STILL`] for the still structure.
+    pub(crate) instance: Vec<u32>,
+}
+
+/// Working memory of one thread.
+#[derive(Debug, Default)]
+pub(crate) struct WorldScratch {
+    accel: Scratch,
+    /// How far each ray counts.
+    reach: Vec<f32>,
+    boxes: BoxScratch,
+    /// For each instance the rays that enter its box.
+    entering: Vec<Vec<u32>>,
+    local: Rays,
+    local_hits: Hits,
+    local_blocked: Vec<bool>,
+}
+
+impl World {
+    pub(super) fn new(still: Arc<Structure>, instances: Vec<Instance>, isa: Isa) -> Self {
+        let boxes: Vec<_> = instances.iter().map(Instance::bounds).collect();
+        Self { still, instances, boxes: BoxTree::new(&boxes), isa }
+    }
+
+    /// The first hit of every ray at its own time in `[0, 1]`; comes back with how alike the rays
+    /// turned out to be for what is still.
+    pub(crate) fn intersect(
+        &self,
+        rays: &Rays,
+        time: &[f32],
+        coherence: Coherence,
+        found: &mut WorldHits,
+        scratch: &mut WorldScratch,
+    ) -> Coherence {
+        let coherence = self.still.intersect(rays, coherence, &mut found.hits, &mut scratch.accel);
+        found.instance.clear();
+        found.instance.resize(rays.len(), STILL);
+        if self.instances.is_empty() {
+            return coherence;
+        }
+        let reach = |t: f32, i: usize| t.min(rays.t_max[i]);
+        scratch.reach.clear();
+        scratch.reach.extend((0..rays.len()).map(|i| reach(found.hits.t[i], i)));
+        self.gather(rays, scratch);
+        for (number, instance) in self.instances.iter().enumerate() {
+            let entering = &scratch.entering[number];
+            if entering.is_empty() {
+                continue;
+            }
+            let local = &mut scratch.local;
+            local.set_len(0);
+            for &i in entering {
+                let t_max = reach(found.hits.t[i as usize], i as usize);
+                push_local(local, rays, instance.pose(time[i as usize]), i as usize, t_max);
+            }
+            let hits = &mut scratch.local_hits;
+            instance.structure.intersect(local, coherence, hits, &mut scratch.accel);
+            for (j, &i) in entering.iter().enumerate() {
+                let i = i as usize;
+                if hits.primitive[j] != NO_HIT {
+                    found.hits.t[i] = hits.t[j];
+                    found.hits.u[i] = hits.u[j];
+                    found.hits.v[i] = hits.v[j];
+                    found.hits.primitive[i] = hits.primitive[j];
+                    found.instance[i] = number as u32;
+                }
+            }
+        }
+        coherence
+    }
+
+    /// Whether anything lies on each ray at its own time; comes back with how alike the rays turned
+    /// out to be for what is still.
+    pub(crate) fn occluded(
+        &self,
+        rays: &Rays,
+        time: &[f32],
+        coherence: Coherence,
+        blocked: &mut Vec<bool>,
+        scratch: &mut WorldScratch,
+    ) -> Coherence {
+        let coherence = self.still.occluded(rays, coherence, blocked, &mut scratch.accel);
+        if self.instances.is_empty() {
+            return coherence;
+        }
+        let reach = |i: usize| if blocked[i] { -1.0 } else { rays.t_max[i] };
+        scratch.reach.clear();
+        scratch.reach.extend((0..rays.len()).map(reach));
+        self.gather(rays, scratch);
+        for (number, instance) in self.instances.iter().enumerate() {
+            let entering = &mut scratch.entering[number];
+            entering.retain(|&i| !blocked[i as usize]);
+            if entering.is_empty() {
+                continue;
+            }
+            let local = &mut scratch.local;
+            local.set_len(0);
+            for &i in &*entering {
+                let i = i as usize;
+                push_local(local, rays, instance.pose(time[i]), i, rays.t_max[i]);
+            }
+            let found = &mut scratch.local_blocked;
+            instance.structure.occluded(local, coherence, found, &mut scratch.accel);
+            for (&i, &hit) in entering.iter().zip(&*found) {
+                blocked[i as usize] |= hit;
+            }
+        }
+        coherence
+    }
+
+    /// Lists for each instance the rays that enter its box within their reach, in order.
+    fn gather(&self, rays: &Rays, scratch: &mut WorldScratch) {
+        let WorldScratch { reach, boxes, entering, .. } = scratch;
+        entering.resize_with(self.instances.len(), Vec::new);
+        reach.resize(rays.len().next_multiple_of(LANES), -1.0);
+        self.boxes.gather(self.isa, rays, reach, entering, boxes);
+    }
+
+    /// Bytes of all structures and poses.
+    pub(super) fn memory(&self) -> usize {
+        let of = |i: &Instance| i.structure.memory() + i.poses.len() * size_of::<Rigid>();
+        self.still.memory() + self.instances.iter().map(of).sum::<usize>()
+    }
+}
+
+fn push_local(local: &mut Rays, rays: &Rays, pose: &Rigid, i: usize, t_max: f32) {
+    let origin = pose.inverse_point(rays.origin(i));
+    local.push(origin, pose.inverse_vector(rays.direction(i)), t_max);
+}

@@ -1,0 +1,158 @@
+//! The camera rays of a batch.
+
+use std::ops::Range;
+
+use super::Work;
+use super::queue::Batch;
+use crate::camera::Camera;
+use crate::frame::FrameScene;
+use crate::sampling::PixelSeed;
+use crate::sampling::batch::{CameraNames, CameraSamples};
+use slo_accel::Lanewise;
+use slo_accel::math::columns::{BATCH, Column, Vec3s};
+
+/// What is left of some work, and the working memory of making its camera rays.
+#[derive(Debug)]
+pub(super) struct CameraRays {
+    samples: CameraSamples,
+    /// Words of the seeds of the pixels.
+    seed: Column<u32>,
+    x: Column<u32>,
+    y: Column<u32>,
+    origin: Vec3s,
+    direction: Vec3s,
+}
+
+impl Default for CameraRays {
+    fn default() -> Self {
+        Self {
+            samples: CameraSamples::default(),
+            seed: [0; BATCH],
+            x: [0; BATCH],
+            y: [0; BATCH],
+            origin: Vec3s::default(),
+            direction: Vec3s::default(),
+        }
+    }
+}
+
+/// How far the camera rays of some work are made.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    /// Entry of the work.
+    work: usize,
+    /// Samples of it that are made already.
+    samples: u32,
+}
+
+impl CameraRays {
+    /// Fills a batch with the next camera rays of the work, `most` or fewer; none are left when it
+    /// comes out empty.
+    pub(super) fn fill(
+        &mut self,
+        frame: &FrameScene,
+        work: &[Work],
+        seeds: &[PixelSeed],
+        place: &mut Place,
+        most: usize,
+        batch: &mut Batch,
+    ) {
+        let most = most.min(BATCH);
+        let list = List { work, seeds, place, most, rays: self, batch };
+        let (len, end) = frame.isa.run(list);
+        let lens = frame.camera.has_lens();
+        let names = CameraNames { seed: &self.seed, index: &batch.labels.index, end, lens, len };
+        self.samples.take(&frame.sampler, frame.isa, &names);
+        frame.isa.run(Expose { camera: &frame.camera, rays: self, len });
+        self.put(len, batch);
+    }
+
+    fn put(&self, len: usize, batch: &mut Batch) {
+        batch.rays.set_len(len);
+        for (to, from) in batch.rays.origin.iter_mut().zip(self.origin.columns()) {
+            to[..len].copy_from_slice(&from[..len]);
+        }
+        for (to, from) in batch.rays.direction.iter_mut().zip(self.direction.columns()) {
+            to[..len].copy_from_slice(&from[..len]);
+        }
+        batch.rays.t_max[..len].fill(f32::INFINITY);
+        batch.labels.time.copy_from_slice(self.samples.time());
+        batch.density[..len].fill(0.0);
+        batch.labels.path[..len].fill(0);
+        for weight in [&mut batch.weight.x, &mut batch.weight.y, &mut batch.weight.z] {
+            weight[..len].fill(1.0);
+        }
+    }
+}
+
+/// Lists the next samples of some work, up to `most`: how many, and one more than the highest
+/// number.
+struct List<'a> {
+    work: &'a [Work],
+    seeds: &'a [PixelSeed],
+    place: &'a mut Place,
+    most: usize,
+    rays: &'a mut CameraRays,
+    batch: &'a mut Batch,
+}
+
+impl Lanewise for List<'_> {
+    type Output = (usize, u32);
+
+    #[inline(always)]
+    fn run(self) -> (usize, u32) {
+        let Self { work, seeds, place, most, rays, batch } = self;
+        let (mut len, mut end) = (0, 0);
+        while let Some(w) = work.get(place.work).filter(|_| len < most) {
+            let count = (w.count - place.samples).min((most - len) as u32);
+            let first = w.first + place.samples;
+            let lanes = len..len + count as usize;
+            put(&mut rays.x, lanes.clone(), |_| w.x);
+            put(&mut rays.y, lanes.clone(), |_| w.y);
+            put(&mut rays.seed, lanes.clone(), |_| seeds[place.work].word());
+            put(&mut batch.labels.slot, lanes.clone(), |_| place.work as u32);
+            put(&mut batch.labels.index, lanes, |i| first.wrapping_add(i));
+            len += count as usize;
+            end = end.max(first.saturating_add(count));
+            place.samples += count;
+            if place.samples == w.count {
+                *place = Place { work: place.work + 1, samples: 0 };
+            }
+        }
+        (len, end)
+    }
+}
+
+/// Puts numbers into some entries of a column, counted from the first of them; behind them may be
+/// others, too, since most pixels of adaptive pictures take fewer samples than a register holds.
+#[inline(always)]
+fn put(column: &mut Column<u32>, lanes: Range<usize>, of: impl Fn(u32) -> u32) {
+    const REGISTER: usize = 16;
+    match column[lanes.start..].first_chunk_mut::<REGISTER>() {
+        Some(entries) if lanes.len() <= REGISTER => {
+            *entries = std::array::from_fn(|i| of(i as u32));
+        }
+        _ => {
+            for (i, entry) in (0..).zip(&mut column[lanes]) {
+                *entry = of(i);
+            }
+        }
+    }
+}
+
+struct Expose<'a> {
+    camera: &'a Camera,
+    rays: &'a mut CameraRays,
+    len: usize,
+}
+
+impl Lanewise for Expose<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { camera, rays, len } = self;
+        let CameraRays { samples, x, y, origin, direction, .. } = rays;
+        camera.rays([x, y], samples, [origin, direction], len);
+    }
+}

@@ -1,0 +1,175 @@
+//! The hits of one batch that are to be shaded, with everything that shading reads.
+
+use super::chosen::Chosen;
+use super::queue::{Batch, Labels};
+use crate::frame::{FrameScene, Surfaces};
+use crate::sampling::batch::SetNames;
+use crate::sampling::{PixelSeed, Purpose};
+use crate::shading::MaterialTable;
+use slo_accel::Lanewise;
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up, look_up_each};
+use slo_scene::Settings;
+
+/// Hits in columns; `surfaces.len` of them.
+#[derive(Debug)]
+pub(super) struct Points {
+    pub(super) surfaces: Surfaces,
+    /// Unit directions of the rays that came here.
+    pub(super) direction: Vec3s,
+    /// What light that leaves toward where the ray came from is worth.
+    pub(super) weight: Vec3s,
+    pub(super) labels: Labels,
+    /// k_a of the material, tinted and weighted: what comes from everywhere.
+    pub(super) ambient: Vec3s,
+    /// Words of the seeds of the pixels.
+    pub(super) seed: Column<u32>,
+    /// k_d of the material, tinted and weighted.
+    pub(super) diffuse: Vec3s,
+    /// k_s of the material, weighted.
+    pub(super) specular: Vec3s,
+    pub(super) shininess: Column<f32>,
+    /// Whether any point has a highlight.
+    pub(super) shines: bool,
+}
+
+impl Default for Points {
+    fn default() -> Self {
+        Self {
+            surfaces: Surfaces::default(),
+            direction: Vec3s::default(),
+            weight: Vec3s::default(),
+            labels: Labels::default(),
+            ambient: Vec3s::default(),
+            seed: [0; BATCH],
+            diffuse: Vec3s::default(),
+            specular: Vec3s::default(),
+            shininess: [0.0; BATCH],
+            shines: false,
+        }
+    }
+}
+
+impl Points {
+    /// Fills in what goes with the surfaces: from the batch, whose chosen rays hit them, and from
+    /// tables.
+    pub(super) fn gather(
+        &mut self,
+        frame: &FrameScene,
+        batch: &Batch,
+        chosen: &Chosen,
+        seeds: &[PixelSeed],
+    ) {
+        self.take(batch, chosen);
+        frame.isa.run(FromTables { table: &frame.material_table, seeds, to: self });
+        frame.isa.run(Weighted(self));
+        let some = |column: &Column<f32>| column[..self.surfaces.len].iter().any(|k| *k != 0.0);
+        self.shines = frame.material_table.shines && self.specular.columns().into_iter().any(some);
+    }
+
+    /// Fetches what goes with the rays.
+    fn take(&mut self, batch: &Batch, chosen: &Chosen) {
+        let len = chosen.len();
+        let Self { direction, weight, labels, .. } = self;
+        let [x, y, z] = batch.rays.direction.each_ref().map(|column| &column[..]);
+        let Vec3s { x: weight_x, y: weight_y, z: weight_z } = &batch.weight;
+        for (from, to) in [
+            (x, &mut direction.x),
+            (y, &mut direction.y),
+            (z, &mut direction.z),
+            (weight_x, &mut weight.x),
+            (weight_y, &mut weight.y),
+            (weight_z, &mut weight.z),
+            (&batch.labels.time, &mut labels.time),
+        ] {
+            chosen.copy(from, &mut to[..len]);
+        }
+        for (from, to) in [
+            (&batch.labels.slot, &mut labels.slot),
+            (&batch.labels.path, &mut labels.path),
+            (&batch.labels.index, &mut labels.index),
+        ] {
+            chosen.copy(from, &mut to[..len]);
+        }
+    }
+
+    /// Which random numbers ray `i` of `count` takes that is sent from every point, `depth` bounces
+    /// behind the camera.
+    pub(super) fn names(
+        &self,
+        settings: &Settings,
+        depth: u32,
+        purpose: Purpose,
+        [i, count]: [u32; 2],
+    ) -> SetNames<'_> {
+        let split_before =
+            settings.diffuse_reflection_samples.max(settings.diffuse_refraction_samples) > 1;
+        SetNames {
+            seed: &self.seed,
+            path: &self.labels.path,
+            index: &self.labels.index,
+            depth,
+            split: count > 1 || (depth > 0 && split_before),
+            purpose: purpose.into(),
+            place: [i, count],
+            len: self.surfaces.len,
+        }
+    }
+}
+
+/// Fetches what goes with the pixels and the materials.
+struct FromTables<'a> {
+    table: &'a MaterialTable,
+    seeds: &'a [PixelSeed],
+    to: &'a mut Points,
+}
+
+impl<'a> Lanewise for FromTables<'a> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { table, seeds, to } = self;
+        let len = to.surfaces.len;
+        look_up(seeds, &to.labels.slot, len, PixelSeed::word, &mut to.seed);
+        let Points { surfaces, ambient, diffuse, specular, shininess, .. } = to;
+        let colors = |[x, y, z]: &'a [Vec<f32>; 3]| [&x[..], &y[..], &z[..]];
+        let ([ax, ay, az], [dx, dy, dz]) = (colors(&table.ambient), colors(&table.diffuse));
+        let [sx, sy, sz] = colors(&table.specular);
+        look_up_each(
+            [ax, ay, az, dx, dy, dz, sx, sy, sz, &table.shininess],
+            &surfaces.material,
+            len,
+            [
+                &mut ambient.x,
+                &mut ambient.y,
+                &mut ambient.z,
+                &mut diffuse.x,
+                &mut diffuse.y,
+                &mut diffuse.z,
+                &mut specular.x,
+                &mut specular.y,
+                &mut specular.z,
+                shininess,
+            ],
+        );
+    }
+}
+
+/// Multiplies materials with weights and tints.
+struct Weighted<'a>(&'a mut Points);
+
+impl Lanewise for Weighted<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let points = self.0;
+        for i in lanes(points.surfaces.len) {
+            let weight = points.weight.get(i);
+            let tint = points.surfaces.tint.get(i);
+            points.ambient.set(i, weight * points.ambient.get(i) * tint);
+            points.diffuse.set(i, points.diffuse.get(i) * tint * weight);
+            points.specular.set(i, points.specular.get(i) * weight);
+        }
+    }
+}

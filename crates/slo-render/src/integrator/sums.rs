@@ -1,0 +1,107 @@
+//! Contributions become exact sums: rounded once, then added as integers.
+
+use super::SampleSum;
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
+use slo_accel::{Isa, Lanewise};
+use slo_picture::film::Fixed;
+
+/// Exact sums, one for each slot, and the working memory of adding to them.
+#[derive(Debug)]
+pub(super) struct Sums {
+    sums: Vec<SampleSum>,
+    rounded: [Column<Fixed>; 3],
+}
+
+impl Default for Sums {
+    fn default() -> Self {
+        Self { sums: Vec::new(), rounded: [[Fixed::ZERO; BATCH]; 3] }
+    }
+}
+
+impl Sums {
+    /// `len` sums of nothing.
+    pub(super) fn reset(&mut self, len: usize) {
+        self.sums.clear();
+        self.sums.resize(len, SampleSum::default());
+    }
+
+    pub(super) fn get(&self) -> &[SampleSum] {
+        &self.sums
+    }
+
+    /// Adds the sums from `len` on to the first ones, and leaves those.
+    pub(super) fn fold(&mut self, len: usize) {
+        let len = len.min(self.sums.len());
+        let (first, rest) = self.sums.split_at_mut(len);
+        for (to, more) in first.iter_mut().zip(rest) {
+            to.iter_mut().zip(more).for_each(|(to, more)| *to += *more);
+        }
+        self.sums.truncate(len);
+    }
+
+    /// Adds the first `len` radiances, each to its slot; comes back with how many numbers were left
+    /// out, because they were not finite or beyond the film's range.
+    pub(super) fn add(
+        &mut self,
+        isa: Isa,
+        radiance: &Vec3s,
+        slot: &Column<u32>,
+        len: usize,
+    ) -> u64 {
+        let refused = isa.run(Round { radiance, len, to: &mut self.rounded });
+        let Self { sums, rounded: [red, green, blue] } = self;
+        // Neighbours mostly share a slot: their sum stays in registers.
+        let mut at = 0;
+        let mut sum = SampleSum::default();
+        for i in 0..len.min(BATCH) {
+            let slot = slot[i] as usize;
+            if slot != at {
+                put(sums, at, std::mem::take(&mut sum));
+                at = slot;
+            }
+            sum = [sum[0] + red[i], sum[1] + green[i], sum[2] + blue[i]];
+        }
+        put(sums, at, sum);
+        refused
+    }
+}
+
+#[inline(always)]
+fn put(sums: &mut [SampleSum], slot: usize, sum: SampleSum) {
+    if let Some(to) = sums.get_mut(slot) {
+        to.iter_mut().zip(sum).for_each(|(to, sum)| *to += sum);
+    }
+}
+
+/// Rounds radiances; what can't be summed becomes 0 and is counted.
+struct Round<'a> {
+    radiance: &'a Vec3s,
+    len: usize,
+    to: &'a mut [Column<Fixed>; 3],
+}
+
+impl Lanewise for Round<'_> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        let len = self.len;
+        let mut refused = 0;
+        for (from, to) in self.radiance.columns().into_iter().zip(self.to) {
+            refused += round(from, len, to);
+        }
+        refused
+    }
+}
+
+#[inline(always)]
+fn round(from: &Column<f32>, len: usize, to: &mut Column<Fixed>) -> u64 {
+    for i in lanes(len) {
+        to[i] = Fixed::or_zero(from[i]);
+    }
+    let mut refused = 0;
+    for x in &from[..len.min(BATCH)] {
+        refused += u32::from(!Fixed::holds(*x));
+    }
+    u64::from(refused)
+}

@@ -1,0 +1,134 @@
+//! As clean as a span of time allows.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard};
+use std::time::Instant;
+
+use super::clock::Clock;
+use super::tile::TileRenderer;
+use super::{Exposed, Observer, Plan, Run, lock};
+use crate::frame::FrameScene;
+use slo_picture::film::{Area, Film, Steps, tiles_in_order};
+
+/// When a picture that gets better step by step is good enough.
+#[derive(Clone, Copy, Debug)]
+pub struct Budget {
+    /// When time is over.
+    pub deadline: Instant,
+    /// What is reached however long it takes: all that the film knows already.
+    pub least: Steps,
+    /// The step that is not passed even if there is time, unless by `least`.
+    pub last: u32,
+}
+
+/// Exposes the film of a whole picture, step by step, as far as `budget` allows, and to the first
+/// step in any case. It says how far it came: a plan [`in_steps`](Plan::in_steps) of that gives the
+/// same film without a clock.
+///
+/// Where the observer stops it, tiles may be between two steps; the film goes on to what is
+/// returned then, or to more.
+pub fn render_until(
+    frame: &FrameScene,
+    plan: &Plan,
+    film: Film,
+    observer: &dyn Observer,
+    budget: Budget,
+) -> (Exposed, Steps) {
+    let Budget { deadline, least, last } = budget;
+    let last = last.max(least.done + u32::from(least.tiles > 0)).min(Steps::LAST);
+    let tiles = tiles_in_order(frame.camera.width(), frame.camera.height());
+    let run = Run::new(frame, film, observer);
+    let clock = Clock::new(deadline, tiles.len(), plan.most());
+    let memory: Vec<_> =
+        (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
+    let mut reached = Steps::default();
+    for step in least.done.min(last)..=last {
+        let pass = Pass {
+            run: &run,
+            clock: &clock,
+            tiles: &tiles,
+            plan: plan.at_step(step),
+            step,
+            must: must(least, step, tiles.len()),
+            next: AtomicUsize::new(0),
+            is_over: AtomicBool::new(false),
+            is_stopped: AtomicBool::new(false),
+        };
+        rayon::broadcast(|thread| pass.work(&mut lock(&memory[thread.index()])));
+        let handed = pass.next.into_inner().min(tiles.len());
+        if step > 0 {
+            reached = Steps { done: step - 1, tiles: handed as u32 };
+        }
+        if pass.is_stopped.into_inner() {
+            return (run.exposed(false), reached);
+        }
+        if handed < tiles.len() {
+            break;
+        }
+        reached = Steps { done: step, tiles: 0 };
+    }
+    (run.exposed(true), reached)
+}
+
+/// How many tiles have to take a step.
+fn must(least: Steps, step: u32, tiles: usize) -> usize {
+    match step {
+        0 => tiles,
+        _ if step <= least.done => tiles,
+        _ if step == least.done + 1 => least.tiles as usize,
+        _ => 0,
+    }
+}
+
+/// One step for all tiles.
+struct Pass<'a> {
+    run: &'a Run<'a>,
+    clock: &'a Clock,
+    tiles: &'a [Area],
+    plan: Plan,
+    step: u32,
+    must: usize,
+    /// Tiles that were handed out.
+    next: AtomicUsize,
+    /// No more tiles are handed out.
+    is_over: AtomicBool,
+    is_stopped: AtomicBool,
+}
+
+impl Pass<'_> {
+    /// Takes tiles, as long as there is time for another one.
+    fn work(&self, renderer: &mut MutexGuard<'_, TileRenderer>) {
+        while !self.is_over.load(Ordering::Relaxed) {
+            let next = self.next.load(Ordering::Relaxed);
+            if next >= self.must && !self.clock.allows(next) {
+                self.is_over.store(true, Ordering::Relaxed);
+                return;
+            }
+            let i = self.next.fetch_add(1, Ordering::Relaxed);
+            let Some(&tile) = self.tiles.get(i) else { return };
+            self.run.note_step(Steps { done: self.step.saturating_sub(1), tiles: i as u32 + 1 });
+            let start = Instant::now();
+            if self.run.expose(renderer, tile, &self.plan).is_err() {
+                self.is_stopped.store(true, Ordering::Relaxed);
+                self.is_over.store(true, Ordering::Relaxed);
+                return;
+            }
+            self.clock.add(i, start.elapsed(), renderer.samples());
+            self.run.observer.advanced(self.clock.share());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_reached_before_is_reached_again() {
+        let least = Steps { done: 3, tiles: 7 };
+        let musts: Vec<usize> = (0..7).map(|step| must(least, step, 12)).collect();
+        assert_eq!(musts, [12, 12, 12, 12, 7, 0, 0]);
+        assert_eq!(must(Steps::default(), 0, 12), 12, "there is a picture in any case");
+        assert_eq!(must(Steps::default(), 1, 12), 0);
+    }
+}

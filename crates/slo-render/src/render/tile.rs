@@ -1,0 +1,227 @@
+//! One tile: its pixels take samples in steps, until each has enough.
+
+use std::ops::Range;
+
+use super::Plan;
+use crate::frame::FrameScene;
+use crate::integrator::{SampleSum, Statistics, Traced, Wave, Work};
+use slo_accel::Isa;
+use slo_picture::film::{Area, BLOCK, Film, base_end, split};
+
+/// Camera samples traced in one go, at most: their sums stay in the second-level cache, and enough
+/// of them are there to fill the batches of deep bounces.
+const SAMPLES_AT_ONCE: u32 = 16 * 1024;
+
+/// Camera samples of a step, about: what is lost at most where a run is killed, and how long a
+/// thread takes to hear that it should stop.
+const SAMPLES_OF_A_STEP: u32 = 128 * 1024;
+
+/// Working memory of one thread.
+#[derive(Debug, Default)]
+pub(super) struct TileRenderer {
+    wave: Wave,
+    /// What is known of the tile.
+    film: Film,
+    /// The pixels in the order of their tracing: block by block, and in them patches of 4 x 4, so
+    /// that neighbours in a batch are neighbours in the picture.
+    order: Vec<u32>,
+    /// Ranges of `order` that decide together and are not known to be done, each with its quarters,
+    /// counted from its start.
+    groups: Vec<(Range<usize>, Vec<Range<usize>>)>,
+    steps: Vec<Step>,
+    work: Vec<Work>,
+    /// For each entry of `work` its pixel.
+    pixels: Vec<u32>,
+    /// Samples in `work`.
+    queued: u32,
+    /// Samples per pixel that were there at the beginning.
+    before: f64,
+    statistics: Statistics,
+}
+
+/// Samples that a pixel is to take: `from..to`, counted within its share.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    pixel: u32,
+    from: u32,
+    to: u32,
+}
+
+impl TileRenderer {
+    /// Begins with a tile of which `film` may know something; how much of it is done.
+    pub(super) fn begin(&mut self, isa: Isa, film: &Film, tile: Area, plan: &Plan) -> f64 {
+        film.copy_to(tile, &mut self.film);
+        self.clear_work();
+        self.arrange(plan);
+        self.before = self.mean_samples();
+        match plan.uniform() {
+            Some(all) => self.before / f64::from(all.max(1)),
+            None if self.plan_step(isa, plan) => 0.0,
+            None => 1.0,
+        }
+    }
+
+    /// Samples per pixel of the tile at its beginning, and now.
+    pub(super) fn samples(&self) -> [f64; 2] {
+        [self.before, self.mean_samples()]
+    }
+
+    fn mean_samples(&self) -> f64 {
+        let pixels = self.film.pixels();
+        let all: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        all as f64 / pixels.len().max(1) as f64
+    }
+
+    /// Plans the next step. False where the tile is done.
+    pub(super) fn plan_step(&mut self, isa: Isa, plan: &Plan) -> bool {
+        let Self { film, order, groups, steps, .. } = self;
+        steps.clear();
+        // What is done stays done: only its own samples decide.
+        groups.retain(|(group, quarters)| {
+            let group = &order[group.clone()];
+            let next = plan.next(isa, film, group, quarters);
+            if let Some(to) = next {
+                let from = |i: u32| film.pixels()[i as usize].samples;
+                let step = |&pixel: &u32| Step { pixel, from: from(pixel), to };
+                steps.extend(group.iter().map(step).filter(|step| step.from < to));
+            }
+            next.is_some()
+        });
+        let each = (SAMPLES_OF_A_STEP / self.steps.len().max(1) as u32).max(1);
+        for step in &mut self.steps {
+            step.to = step.to.min(step.from.saturating_add(each));
+        }
+        !self.steps.is_empty()
+    }
+
+    /// Takes the samples of the planned step: the tile as it is then, what was traced, and the
+    /// number of samples. `None` if told to give up, after which the renderer has to begin again.
+    pub(super) fn take_step(
+        &mut self,
+        frame: &FrameScene,
+        plan: &Plan,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<(&Film, Statistics, u64)> {
+        self.statistics = Statistics::default();
+        let steps = std::mem::take(&mut self.steps);
+        let mut taken = 0;
+        for step in &steps {
+            taken += u64::from(step.to - step.from);
+            self.add_work(frame, plan, *step, gives_up)?;
+        }
+        self.trace(frame, plan, gives_up)?;
+        self.steps = steps;
+        Some((&self.film, self.statistics, taken))
+    }
+
+    /// Queues a pixel's samples by ranges of which one sum each is enough.
+    fn add_work(
+        &mut self,
+        frame: &FrameScene,
+        plan: &Plan,
+        Step { pixel, from, to }: Step,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
+        let mut add = |range| self.add_range(frame, plan, pixel, range, gives_up);
+        if plan.needs_spreads() {
+            (from..to).try_for_each(|i| add(i..i + 1))
+        } else if let Some(share) = plan.samples() {
+            let (from, to) = (share.start + from, share.start + to);
+            let middle = base_end(plan.most()).clamp(from, to);
+            add(from..middle)?;
+            add(middle..to)
+        } else {
+            split(from, to).try_for_each(add)
+        }
+    }
+
+    /// Queues one range, and traces what is queued when it is enough.
+    fn add_range(
+        &mut self,
+        frame: &FrameScene,
+        plan: &Plan,
+        pixel: u32,
+        mut range: Range<u32>,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
+        let area = self.film.area();
+        while !range.is_empty() {
+            let count = (range.end - range.start).min(SAMPLES_AT_ONCE);
+            let (x, y) = (area.x0 + pixel % area.width(), area.y0 + pixel / area.width());
+            self.work.push(Work { x, y, first: range.start, count });
+            self.pixels.push(pixel);
+            range.start += count;
+            self.queued += count;
+            if self.queued >= SAMPLES_AT_ONCE {
+                self.trace(frame, plan, gives_up)?;
+            }
+        }
+        Some(())
+    }
+
+    /// Traces what is queued and adds it to the film.
+    fn trace(
+        &mut self,
+        frame: &FrameScene,
+        plan: &Plan,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<()> {
+        let with_features = !self.film.features().is_empty();
+        let Traced { sums, features, statistics } =
+            self.wave.trace(frame, &self.work, with_features, gives_up)?;
+        self.statistics += statistics;
+        for ((work, &pixel), &sum) in self.work.iter().zip(&self.pixels).zip(sums) {
+            add(&mut self.film, plan, pixel, work, sum);
+        }
+        for (&pixel, &more) in self.pixels.iter().zip(features) {
+            if let Some(sum) = self.film.features_mut(pixel as usize) {
+                *sum += more;
+            }
+        }
+        self.clear_work();
+        Some(())
+    }
+
+    fn clear_work(&mut self) {
+        self.work.clear();
+        self.pixels.clear();
+        self.queued = 0;
+    }
+
+    fn arrange(&mut self, plan: &Plan) {
+        let tile = self.film.area();
+        self.order.clear();
+        self.groups.clear();
+        for block in tile.cells(BLOCK) {
+            let start = self.order.len();
+            let mut quarters = Vec::new();
+            for patch in block.cells(BLOCK / 2) {
+                let before = self.order.len() - start;
+                self.order.extend(indices(patch, tile));
+                quarters.push(before..self.order.len() - start);
+            }
+            if plan.group_side() == BLOCK {
+                self.groups.push((start..self.order.len(), quarters));
+            } else {
+                self.groups.extend((start..self.order.len()).map(|i| (i..i + 1, Vec::new())));
+            }
+        }
+    }
+}
+
+/// Adds the sum of some samples to a pixel.
+fn add(film: &mut Film, plan: &Plan, pixel: u32, work: &Work, sum: SampleSum) {
+    let (pixel, spread) = film.at_mut(pixel as usize);
+    match plan.samples() {
+        Some(_) if work.first < base_end(plan.most()) => pixel.add_base(sum, work.count),
+        Some(_) => pixel.add_later(sum, work.count),
+        None => pixel.add(sum, work.count),
+    }
+    spread.into_iter().for_each(|spread| spread.add(sum));
+}
+
+/// The indices in a tile of the pixels of an area in it, row by row.
+fn indices(area: Area, tile: Area) -> impl Iterator<Item = u32> {
+    let row = move |y| (area.x0..area.x1).map(move |x| (y - tile.y0) * tile.width() + x - tile.x0);
+    (area.y0..area.y1).flat_map(row)
+}

@@ -1,0 +1,153 @@
+//! Whatever makes a picture less noisy leaves it what it is: means over many seeds agree with those
+//! of the plainest estimator, and spread less.
+
+use slo_accel::Isa;
+use slo_render::frame::FrameScene;
+
+use crate::support::{describe, expose_frame, material};
+
+/// Settings and camera.
+fn seen(settings: &str, seed: u32) -> String {
+    format!(
+        "settings s {{ imageSamples 4 recursion 3 generatorType PSEUDO seed {seed} {settings} }}
+         Camera c {{
+             fps 4
+             Film f {{ width 32 height 24 prefix t output PNG_IMAGE }}
+             CamSegment seg {{
+                 videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1 fovStart .4
+                 addPosition {{ 0 -9 3 }} addTarget {{ 0 0 .5 }}
+             }}
+         }}"
+    )
+}
+
+/// A lamp over a rough floor, half behind a pane of rough glass; `settings` besides.
+fn scene(settings: &str, seed: u32) -> String {
+    let materials = material(
+        "brushed",
+        "reflectance .8 diffuse_reflection .15 diffuse { .1 .1 .1 }",
+    ) + &material(
+        "frosted",
+        "refraction .8 refraction_index 1.4 diffuse_refraction .2 reflectance .1 diffuse_reflection .2",
+    );
+    format!(
+        "{}
+         {materials}
+         plane floor {{ material brushed normal {{ 0 0 1 }} position {{ 0 0 -.5 }} }}
+         box pane {{ material frosted vertex0 {{ -3 -3 -.4 }} vertex1 {{ -.5 -3 -.4 }} vertex2 {{ -.5 -2.8 -.4 }} height 4 }}
+         light_rectangle lamp {{ color {{ 3 2 1 }} vertex0 {{ -2 3 3 }} vertex1 {{ 1 3 3 }} vertex2 {{ 1 4 3.5 }} }}
+         light_rectangle low {{ color {{ 1 1 2 }} vertex0 {{ 2 2 0 }} vertex1 {{ 3 2 0 }} vertex2 {{ 3 2 1 }} }}",
+        seen(settings, seed)
+    )
+}
+
+/// A dark ball and a dark floor, seen in a dim mirror: every ray to a light counts little.
+fn dark_scene(settings: &str, seed: u32) -> String {
+    let materials = material("mirror", "reflectance .12 diffuse { 0 0 0 }")
+        + &material("dark", "diffuse { .03 .02 .012 } specular { .01 .01 .01 } shininess 9");
+    format!(
+        "{}
+         {materials}
+         plane wall {{ material mirror normal {{ 0 -1 0 }} position {{ 0 2 0 }} }}
+         rectangle ground {{ material dark vertex0 {{ -9 -40 -1 }} vertex1 {{ 9 -40 -1 }} vertex2 {{ 9 -9.5 -1 }} }}
+         sphere ball {{ material dark center {{ 0 -14 1 }} radius 2 }}
+         light_rectangle lamp {{ color {{ 1 .9 .8 }} vertex0 {{ -2 -9 9 }} vertex1 {{ 1 -9 9 }} vertex2 {{ 1 -12 9 }} }}
+         light_point dim {{ color {{ .2 .1 .3 }} position {{ 6 -10 5 }} }}",
+        seen(settings, seed)
+    )
+}
+
+/// Means of the left and the right half of a picture, by channel.
+fn halves(scene: &str, plain: bool) -> [f64; 6] {
+    let description = describe(scene);
+    let frame = FrameScene::build(&description, 0, Isa::best()).expect("the frame can be built");
+    let frame = if plain { frame.plain() } else { frame };
+    let image = expose_frame(&description, &frame).image();
+    let mut sums = [0.0; 6];
+    for (i, pixel) in image.rgb.iter().enumerate() {
+        let half = usize::from(i % 32 >= 16);
+        (0..3).for_each(|c| sums[3 * half + c] += f64::from(pixel[c]) / 384.0);
+    }
+    sums
+}
+
+/// Mean and variance of the mean over seeds.
+fn moments(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0);
+    (mean, variance / n)
+}
+
+/// For each half and channel how many standard deviations apart the two ways are, and how much
+/// smaller the variance of the second is; of a scene by its seed.
+fn compare(scene: impl Fn(u32) -> String, bias: f64) -> [(f64, f64); 6] {
+    let take = |plain| -> Vec<[f64; 6]> {
+        let first = if plain { 0 } else { SEEDS };
+        (first..first + SEEDS).map(|seed| halves(&scene(seed), plain)).collect()
+    };
+    let (plain, clever) = (take(true), take(false));
+    std::array::from_fn(|k| {
+        let of = |all: &[[f64; 6]]| moments(&all.iter().map(|sums| sums[k]).collect::<Vec<_>>());
+        let ((a, va), (b, vb)) = (of(&plain), of(&clever));
+        ((a - b * bias).abs() / (va + vb).sqrt(), va / vb)
+    })
+}
+
+const SEEDS: u32 = 48;
+
+/// Beyond what one of all the comparisons here reaches by chance in a thousand runs of the suite.
+const APART: f64 = 4.8;
+
+#[test]
+fn lamps_in_rough_surfaces_are_as_bright_and_less_noisy() {
+    for settings in [
+        "",
+        "lightSamplingType SAMPLE_ONE_AT_TIME softShadowSamples 2",
+        "softShadowSamples 3 diffuseReflectionSamples 2 diffuseRefractionSamples 3",
+        "shadow TRANSPARENT",
+    ] {
+        let compared = compare(|seed| scene(settings, seed), 1.0);
+        assert!(compared.iter().all(|(apart, _)| *apart < APART), "{settings}: {compared:?}");
+        // Through transparent shadows nothing is combined.
+        if settings.is_empty() {
+            let less = compared.iter().map(|(_, less)| less).sum::<f64>() / 6.0;
+            assert!(less > 1.2, "{compared:?}");
+        }
+    }
+}
+
+#[test]
+fn one_light_of_many_is_one_that_matters() {
+    // Most are dim, below the floor, or behind what is seen of it.
+    let many: String = (0..12)
+        .map(|i| {
+            let (bright, z) = (0.05 * f64::from(i % 4), f64::from(i % 3) * 4.0 - 3.0);
+            format!(
+                "light_point l{i} {{ color {{ {bright} .1 {bright} }} position {{ {i} 3 {z} }} }}\n"
+            )
+        })
+        .collect();
+    let settings = format!("lightSamplingType SAMPLE_ONE_AT_TIME }} {many} #");
+    let compared = compare(|seed| scene(&settings, seed), 1.0);
+    assert!(compared.iter().all(|(apart, _)| *apart < APART), "{compared:?}");
+    let less = compared.iter().map(|(_, less)| less).sum::<f64>() / 6.0;
+    assert!(less > 1.5, "{compared:?}");
+}
+
+#[test]
+fn weak_rays_to_lights_bring_as_much_at_a_chance() {
+    for settings in ["", "lightSamplingType SAMPLE_ONE_AT_TIME", "shadow TRANSPARENT"] {
+        let compared = compare(|seed| dark_scene(settings, seed), 1.0);
+        assert!(compared.iter().all(|(apart, _)| *apart < APART), "{settings}: {compared:?}");
+        // They do play: fewer rays have more variance.
+        let more = compared.iter().map(|(_, less)| 1.0 / less).sum::<f64>() / 6.0;
+        assert!(!settings.is_empty() || more > 1.2, "{compared:?}");
+    }
+}
+
+#[test]
+fn a_bias_of_two_per_cent_is_found_out() {
+    let compared = compare(|seed| scene("", seed), 1.02);
+    assert!(compared.iter().any(|(apart, _)| *apart > APART), "{compared:?}");
+}

@@ -1,0 +1,465 @@
+//! The integral of one pixel, sample by sample and ray by ray, from docs/rendering.md.
+
+use glam::{DVec2, DVec3};
+
+use slo_render::sampling::{Hit as Vertex, Key, PixelSeed, Purpose, Sampler};
+use slo_scene::{
+    KeyFrame, Light, LightSampling, LightShape, Material, SceneDescription, ShadowMode,
+};
+
+use super::motion::{Shutter, camera_ray};
+use super::points::{lobe, next_path};
+use super::solid::{Meeting, Ray, Solid, light_solids, solids};
+
+/// What a ray leaves is met again at 0, up to the rounding of f64; nothing in the scenes is as near
+/// to anything else as this.
+const NEAR: f64 = 1e-7;
+
+/// A scene, ready to be looked at in the plainest way.
+pub(super) struct Oracle<'a> {
+    scene: &'a SceneDescription,
+    shutter: Shutter,
+    sampler: Sampler,
+    things: Vec<Thing<'a>>,
+}
+
+struct Thing<'a> {
+    solids: Vec<Solid>,
+    keys: &'a [KeyFrame],
+    look: Look,
+    /// It has no inside.
+    open: bool,
+}
+
+#[derive(Clone, Copy)]
+enum Look {
+    Material(usize),
+    Light(usize),
+}
+
+/// Which ray of a pixel this is.
+#[derive(Clone, Copy)]
+struct Branch {
+    seed: PixelSeed,
+    path: u32,
+    index: u32,
+    depth: u32,
+    /// Rays of the lobe per solid angle, where rays to lamps look for the same light; 0: none do.
+    density: f64,
+    /// What its radiance counts in the picture.
+    weight: f64,
+}
+
+/// Rays that count less are left out at random.
+const LEAST_WEIGHT: f64 = 1.0 / 256.0;
+
+/// A light that is asked for all.
+struct Choice {
+    number: usize,
+    chance: f64,
+    /// What is left of the number that chose it.
+    rest: f64,
+}
+
+/// One of `tries` rays to a light.
+struct Ask {
+    number: usize,
+    u: [f32; 2],
+    tries: f64,
+    /// What it counts more, being asked for others too.
+    times: f64,
+    /// In `[0, 1)`; decides whether a weak one is sent.
+    survival: f64,
+}
+
+/// What there is to shade.
+struct Hit<'a> {
+    point: DVec3,
+    /// Toward where the ray came from.
+    eye: DVec3,
+    time: f64,
+    n_geo: DVec3,
+    n_shade: DVec3,
+    from_outside: bool,
+    material: &'a Material,
+    tint: DVec3,
+}
+
+fn color(rgb: [f32; 3]) -> DVec3 {
+    DVec3::from_array(rgb.map(f64::from))
+}
+
+impl<'a> Oracle<'a> {
+    pub(super) fn new(scene: &'a SceneDescription, frame: i64) -> Self {
+        let objects = scene.objects.iter().map(|object| {
+            let (solids, open) = solids(&object.shape);
+            let look = Look::Material(object.material.0 as usize);
+            Thing { solids, keys: &object.key_frames, look, open }
+        });
+        let lights = scene.lights.iter().enumerate().map(|(i, light)| Thing {
+            solids: light_solids(&light.shape),
+            keys: &[],
+            look: Look::Light(i),
+            open: true,
+        });
+        Self {
+            scene,
+            shutter: Shutter::new(scene, frame),
+            sampler: Sampler::new(scene.settings.generator, scene.settings.seed, frame),
+            things: objects.chain(lights).collect(),
+        }
+    }
+
+    /// The colour of the pixel in column `x` and row `y`.
+    pub(super) fn pixel(&self, x: u32, y: u32) -> DVec3 {
+        let settings = &self.scene.settings;
+        let samples = settings.image_samples * settings.dof_samples;
+        let seed = self.sampler.pixel(x, y);
+        let radiance = |index| {
+            let sample = self.sampler.camera(seed, index);
+            let ray = camera_ray(self.scene, &self.shutter, [x, y], &sample);
+            self.radiance(
+                &ray,
+                Branch { seed, path: 0, index, depth: 0, density: 0.0, weight: 1.0 },
+            )
+        };
+        (0..samples).map(radiance).sum::<DVec3>() / f64::from(samples)
+    }
+
+    fn radiance(&self, ray: &Ray, branch: Branch) -> DVec3 {
+        let Some((thing, meeting)) = self.nearest(ray, None) else {
+            return color(self.scene.settings.background);
+        };
+        match thing.look {
+            Look::Light(light) => {
+                let way = ray.direction * meeting.t;
+                color(self.scene.lights[light].color) * self.lobe_share(light, way, branch)
+            }
+            Look::Material(material) => {
+                let hit = self.hit(ray, &self.scene.materials[material], &meeting);
+                let ambient = color(hit.material.ambient) * hit.tint;
+                let lobes = self.lobes(&hit, branch.depth);
+                let bounces = lobes.iter().map(|lobe| self.glossy(&hit, branch, lobe));
+                ambient + self.lights(&hit, branch, &lobes) + bounces.sum::<DVec3>()
+            }
+        }
+    }
+
+    /// The first thing on a ray, `but` that light's rectangle.
+    fn nearest(&self, ray: &Ray, but: Option<usize>) -> Option<(&Thing<'a>, Meeting)> {
+        let counts =
+            |thing: &&Thing<'_>| !matches!((thing.look, but), (Look::Light(a), Some(b)) if a == b);
+        let meet = |thing| self.meet(thing, ray).map(|meeting| (thing, meeting));
+        let by_t = |a: &(&Thing<'a>, Meeting), b: &(&Thing<'a>, Meeting)| a.1.t.total_cmp(&b.1.t);
+        self.things.iter().filter(counts).filter_map(meet).min_by(by_t)
+    }
+
+    fn meet(&self, thing: &Thing<'a>, ray: &Ray) -> Option<Meeting> {
+        let pose = self.shutter.pose(thing.keys, ray.time);
+        let local = pose.inverse(ray);
+        let meetings = thing.solids.iter().filter_map(|solid| solid.meet(&local, NEAR));
+        let meeting = meetings.min_by(|a, b| a.t.total_cmp(&b.t))?;
+        Some(Meeting {
+            outward: pose.rotation * meeting.outward,
+            smooth: meeting.smooth.map(|n| pose.rotation * n),
+            ..meeting
+        })
+    }
+
+    fn hit(&self, ray: &Ray, material: &'a Material, meeting: &Meeting) -> Hit<'a> {
+        let toward = |n: DVec3, side: DVec3| if n.dot(side) < 0.0 { -n } else { n };
+        let eye = -ray.direction;
+        let n_geo = toward(meeting.outward, eye);
+        Hit {
+            point: ray.at(meeting.t),
+            eye,
+            time: ray.time,
+            n_geo,
+            n_shade: meeting.smooth.map_or(n_geo, |n| toward(n.normalize(), n_geo)),
+            from_outside: meeting.outward.dot(eye) > 0.0,
+            material,
+            tint: self.tint(material, meeting.uv),
+        }
+    }
+
+    /// The image at uv: it repeats, v grows upward, and between the centres of texels it is linear.
+    fn tint(&self, material: &Material, uv: DVec2) -> DVec3 {
+        let Some(used) = material.texture else { return DVec3::ONE };
+        let image = &self.scene.textures[used.texture.0 as usize];
+        let size = DVec2::new(f64::from(image.width()), f64::from(image.height()));
+        let scale = DVec2::from_array(used.scale.map(f64::from));
+        let at = uv * scale * size - 0.5;
+        let texel = |x: f64, y: f64| {
+            let column = x.rem_euclid(size.x) as u32;
+            color(image.texel(column, image.height() - 1 - y.rem_euclid(size.y) as u32))
+        };
+        let (low, part) = (at.floor(), at - at.floor());
+        let row = |y| texel(low.x, y) * (1.0 - part.x) + texel(low.x + 1.0, y) * part.x;
+        row(low.y) * (1.0 - part.y) + row(low.y + 1.0) * part.y
+    }
+
+    /// How many rays a hit sends to a light, and in the mean.
+    fn tries(&self, number: usize, depth: u32) -> (u32, f64) {
+        let settings = &self.scene.settings;
+        let one = settings.light_sampling == LightSampling::One;
+        let area = matches!(self.scene.lights[number].shape, LightShape::Rectangle { .. });
+        let many = depth == 0 && (one || area);
+        let count = if many { settings.soft_shadow_samples } else { 1 };
+        let among = if one { self.scene.lights.len() } else { 1 };
+        (count, f64::from(count) / among as f64)
+    }
+
+    /// The set that `count` rays for a purpose take their numbers from.
+    fn key(&self, branch: Branch, purpose: Purpose, count: u32) -> Key {
+        let settings = &self.scene.settings;
+        let glossy = settings.diffuse_reflection_samples.max(settings.diffuse_refraction_samples);
+        let split = count > 1 || (branch.depth > 0 && glossy > 1);
+        branch.seed.key(Vertex { path: branch.path, depth: branch.depth, split }, purpose)
+    }
+
+    fn lights(&self, hit: &Hit<'_>, branch: Branch, lobes: &[Glossy]) -> DVec3 {
+        let lights = &self.scene.lights;
+        if self.scene.settings.light_sampling == LightSampling::One {
+            let (count, tries) = self.tries(0, branch.depth);
+            let key = self.key(branch, Purpose::AnyLight, count);
+            let one = |i| {
+                let [u, v, choice] = self.sampler.point3(key, branch.index * count + i);
+                let Choice { number, chance, rest } = self.choose(hit, f64::from(choice));
+                if chance == 0.0 {
+                    return DVec3::ZERO;
+                }
+                let times = 1.0 / (chance * lights.len() as f64);
+                let ask = Ask { number, u: [u, v], tries, times, survival: rest };
+                self.light(hit, branch, &ask, lobes)
+            };
+            return (0..count).map(one).sum();
+        }
+        let all = |number: usize| {
+            let (count, tries) = self.tries(number, branch.depth);
+            let key = self.key(branch, Purpose::Light(number as u32), count);
+            let sample = |i| {
+                let [u, v, w] = self.sampler.point3(key, branch.index * count + i);
+                let survival = f64::from(w);
+                let ask = Ask { number, u: [u, v], tries, times: 1.0, survival };
+                self.light(hit, branch, &ask, lobes)
+            };
+            (0..count).map(sample).sum::<DVec3>()
+        };
+        (0..lights.len()).map(all).sum()
+    }
+
+    /// A light by a number in `[0, 1)`: by what each is expected to bring.
+    fn choose(&self, hit: &Hit<'_>, u: f64) -> Choice {
+        let expected: Vec<_> = self.scene.lights.iter().map(|l| self.expected(l, hit)).collect();
+        let total: f64 = expected.iter().sum();
+        let mut below = 0.0;
+        for (number, &expected) in expected.iter().enumerate() {
+            if u * total < below + expected {
+                let rest = (u * total - below) / expected;
+                return Choice { number, chance: expected / total, rest };
+            }
+            below += expected;
+        }
+        Choice { number: 0, chance: 0.0, rest: 0.0 }
+    }
+
+    /// About how bright a light makes a hit.
+    fn expected(&self, light: &Light, hit: &Hit<'_>) -> f64 {
+        let (corner, sides) = match light.shape {
+            LightShape::Point { position } => (position, [DVec3::ZERO; 2]),
+            LightShape::Rectangle { vertices: [a, b, c] } => (a, [b - a, c - b]),
+        };
+        let middle = corner + (sides[0] + sides[1]) / 2.0 - hit.point;
+        let reach = sides.map(|side| side.dot(hit.n_geo).abs() / 2.0).iter().sum::<f64>();
+        let rough = |m: &Material| m.refraction > 0.0 && m.diffuse_refraction > 0.0;
+        let through = self.combines() && self.scene.materials.iter().any(rough);
+        if !through && middle.dot(hit.n_geo) + reach <= 0.0 {
+            return 0.0;
+        }
+        let luminance = color(light.color).dot(DVec3::new(0.2126, 0.7152, 0.0722));
+        luminance * (0.1 + middle.normalize().dot(hit.n_shade).max(0.0))
+    }
+
+    /// One of `tries` estimates of what arrives from a light and is sent to the eye: (2.15), and
+    /// its part of what glossy lobes receive.
+    fn light(&self, hit: &Hit<'_>, branch: Branch, ask: &Ask, lobes: &[Glossy]) -> DVec3 {
+        let &Ask { number, u, tries, times, survival } = ask;
+        let light = &self.scene.lights[number];
+        let target = match light.shape {
+            LightShape::Point { position } => position,
+            LightShape::Rectangle { vertices: [a, b, c] } => {
+                a + (b - a) * f64::from(u[0]) + (c - b) * f64::from(u[1])
+            }
+        };
+        let way = target - hit.point;
+        let l = way.normalize();
+        let by_light = tries * density_of_light(light, way);
+        let glossy = |lobe: &Glossy| {
+            let density = lobe.density(l);
+            let combined = self.combines() && density > 0.0 && by_light < f64::INFINITY;
+            let rays = f64::from(lobe.samples);
+            if combined { lobe.weight * density / (by_light + rays * density) } else { 0.0 }
+        };
+        let lobes = DVec3::splat(lobes.iter().map(glossy).sum());
+        let color = color(light.color);
+        let sent = (phong(hit, l) / tries + lobes) * color * times;
+        if sent == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let least = LEAST_WEIGHT * color.max_element().min(1.0);
+        let chance = match branch.depth {
+            0 => 1.0,
+            _ => (branch.weight * sent.max_element() / least).min(1.0),
+        };
+        if chance < 1.0 && survival >= chance {
+            return DVec3::ZERO;
+        }
+        let ray = Ray { origin: hit.point, direction: l, time: hit.time };
+        sent * self.passed(ray, way.length(), number) / chance
+    }
+
+    /// Rays to lamps look for what lobes receive too, where they end at the same things.
+    fn combines(&self) -> bool {
+        self.scene.settings.shadow == ShadowMode::Opaque
+    }
+
+    /// What a ray of a lobe counts that finds a lamp.
+    fn lobe_share(&self, light: usize, way: DVec3, branch: Branch) -> f64 {
+        if branch.density == 0.0 || !self.combines() {
+            return 1.0;
+        }
+        let (_, tries) = self.tries(light, branch.depth - 1);
+        let by_light = tries * density_of_light(&self.scene.lights[light], way);
+        branch.density / (branch.density + by_light)
+    }
+
+    /// The share of light that comes through between a hit and a point of a light.
+    fn passed(&self, ray: Ray, distance: f64, light: usize) -> f64 {
+        let Some((thing, meeting)) = self.nearest(&ray, Some(light)) else { return 1.0 };
+        if meeting.t >= distance {
+            return 1.0;
+        }
+        let Look::Material(material) = thing.look else { return 0.0 };
+        let refraction = f64::from(self.scene.materials[material].refraction);
+        if self.scene.settings.shadow == ShadowMode::Opaque || refraction == 0.0 {
+            return 0.0;
+        }
+        let share = if thing.open { refraction } else { refraction.sqrt() };
+        let behind = Ray { origin: ray.at(meeting.t), ..ray };
+        share * self.passed(behind, distance - meeting.t, light)
+    }
+
+    /// What a hit reflects and refracts.
+    fn lobes(&self, hit: &Hit<'_>, depth: u32) -> Vec<Glossy> {
+        let settings = &self.scene.settings;
+        if depth == settings.recursion {
+            return Vec::new();
+        }
+        let material = hit.material;
+        let [k_r, k_t] = [material.reflectance, material.refraction].map(f64::from);
+        let refracted = refracted(hit).filter(|_| k_t > 0.0);
+        let samples =
+            |spread: f32, samples: u32| if depth == 0 && spread > 0.0 { samples } else { 1 };
+        let spread = material.diffuse_reflection;
+        let mirror = Glossy {
+            axis: -hit.eye + 2.0 * hit.eye.dot(hit.n_shade) * hit.n_shade,
+            side: hit.n_geo,
+            spread,
+            weight: if refracted.is_none() { k_r + k_t } else { k_r },
+            samples: samples(spread, settings.diffuse_reflection_samples),
+            purpose: Purpose::Reflection,
+        };
+        let spread = material.diffuse_refraction;
+        let clear = refracted.map(|axis| Glossy {
+            axis,
+            side: -hit.n_geo,
+            spread,
+            weight: k_t,
+            samples: samples(spread, settings.diffuse_refraction_samples),
+            purpose: Purpose::Refraction,
+        });
+        [Some(mirror), clear].into_iter().flatten().filter(|lobe| lobe.weight > 0.0).collect()
+    }
+
+    /// What comes from about a direction, weighted.
+    fn glossy(&self, hit: &Hit<'_>, branch: Branch, glossy: &Glossy) -> DVec3 {
+        let count = glossy.samples;
+        let key = self.key(branch, glossy.purpose, count);
+        let sample = |i| {
+            let index = branch.index * count + i;
+            let [u, v, chosen] = self.sampler.point3(key, index).map(f64::from);
+            let weight = branch.weight * glossy.weight / f64::from(count);
+            let chance = (weight / LEAST_WEIGHT).min(1.0);
+            if chance < 1.0 && chosen >= chance {
+                return DVec3::ZERO;
+            }
+            let w = lobe(glossy.axis, f64::from(glossy.spread), [u, v]);
+            let below = w.dot(glossy.side).min(0.0);
+            let direction = w - 2.0 * below * glossy.side;
+            let ray = Ray { origin: hit.point, direction, time: hit.time };
+            let path = next_path(branch.path, glossy.purpose);
+            let density = f64::from(count) * glossy.density(direction);
+            let depth = branch.depth + 1;
+            let weight = weight / chance;
+            self.radiance(&ray, Branch { path, index, depth, density, weight, ..branch }) / chance
+        };
+        (0..count).map(sample).sum::<DVec3>() * (glossy.weight / f64::from(count))
+    }
+}
+
+/// The local light: (2.15).
+fn phong(hit: &Hit<'_>, l: DVec3) -> DVec3 {
+    let cos = hit.n_shade.dot(l);
+    if cos <= 0.0 || hit.n_geo.dot(l) <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let material = hit.material;
+    let mirrored = 2.0 * cos * hit.n_shade - l;
+    let highlight = libm::pow(hit.eye.dot(mirrored).max(0.0), f64::from(material.shininess));
+    color(material.diffuse) * hit.tint * cos + color(material.specular) * highlight
+}
+
+/// Density by solid angle of the point of a light that is `way` from a hit, uniform by area.
+fn density_of_light(light: &Light, way: DVec3) -> f64 {
+    let LightShape::Rectangle { vertices: [a, b, c] } = light.shape else { return f64::INFINITY };
+    // Twice the area of the triangle: the rectangle, along its normal.
+    let normal = (b - a).cross(c - b);
+    way.length_squared() * way.length() / way.dot(normal).abs()
+}
+
+/// A direction and a lobe about it.
+struct Glossy {
+    axis: DVec3,
+    /// Unit normal of the side that rays stay on.
+    side: DVec3,
+    spread: f32,
+    /// What arrives is multiplied with it.
+    weight: f64,
+    samples: u32,
+    purpose: Purpose,
+}
+
+impl Glossy {
+    /// Density by solid angle of its rays: of the lobe, and of what is mirrored to its side.
+    fn density(&self, w: DVec3) -> f64 {
+        let below = w.dot(self.side);
+        if self.spread == 0.0 || below <= 0.0 {
+            return 0.0;
+        }
+        let n = 1.0 / f64::from(self.spread * self.spread);
+        let power = |w: DVec3| libm::pow(self.axis.dot(w).max(0.0), n);
+        let sum = power(w) + power(w - 2.0 * below * self.side);
+        sum * (n + 1.0) / std::f64::consts::TAU
+    }
+}
+
+/// Snell's law, (2.13) and (2.14); `None` under total internal reflection.
+fn refracted(hit: &Hit<'_>) -> Option<DVec3> {
+    let index = f64::from(hit.material.refraction_index);
+    let eta = if hit.from_outside { 1.0 / index } else { index };
+    // An interpolated normal that looks away from the ray can't bend it.
+    let n = if hit.n_shade.dot(hit.eye) > 0.0 { hit.n_shade } else { hit.n_geo };
+    let cos = n.dot(hit.eye);
+    let square = 1.0 - eta * eta * (1.0 - cos * cos);
+    (square >= 0.0).then(|| n * (eta * cos - square.sqrt()) - hit.eye * eta)
+}

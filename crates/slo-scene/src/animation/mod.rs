@@ -1,0 +1,27 @@
+//! Bézier curves, key frames, the clock (frame -> shutter -> scene time).
+//!
+//! Three times meet here, and only here:
+//!
+//! - *video time*: seconds of the finished video; frame `N` opens its shutter at `N / fps`;
+//! - *scene time*: what key frames count in; a camera segment maps video time to it linearly;
+//! - *shutter time*: `[0, 1]` over one shutter; what a ray carries.
+
+mod bezier;
+mod camera_path;
+mod clock;
+mod key_frames;
+mod orientation;
+mod piece;
+mod rigid;
+
+pub use bezier::{bezier, cubic};
+pub use camera_path::{View, axes, between, view_at};
+pub use clock::{Clock, NoSegment, SegmentFrames, Shutter};
+pub use key_frames::{Jump, KeyFrameError, KeyFrames};
+pub use orientation::have_orientation;
+pub use rigid::DRigid;
+
+/// `a` at 0 and `b` at 1, exactly; also exactly `a` all the way where both are equal.
+pub fn mix(a: f64, b: f64, u: f64) -> f64 {
+    if u == 1.0 { b } else { a + (b - a) * u }
+}

@@ -1,0 +1,344 @@
+//! The attributes of one element, held against what the element takes.
+
+use std::fmt::Display;
+
+use super::ELEMENTS;
+use super::schema::{Attribute, Kind, Schema, owners};
+use crate::diagnostics::{Diagnostic, Diagnostics, Span};
+use crate::format::syntax::{Block, Entry, Form, Item, Number, Word};
+use crate::names::{closest, invisible};
+
+/// An element, or a block of an element, as it was written.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Element<'t, 'a> {
+    pub(super) schema: &'static Schema,
+    pub(super) keyword: Word<'a>,
+    /// Empty where the block has or needs no name.
+    pub(super) name: Word<'a>,
+    pub(super) block: &'t Block<'a>,
+    /// Whether braces are wrong in the block or about it, so that what belongs here may stand
+    /// elsewhere and the other way round.
+    pub(super) damaged: bool,
+}
+
+impl Element<'_, '_> {
+    /// As messages call it: "sphere `ball`".
+    pub(super) fn title(&self) -> String {
+        match self.name.text {
+            "" => format!("`{}`", self.keyword.text),
+            name => format!("{} `{name}`", self.keyword.text),
+        }
+    }
+
+    /// Keyword and name.
+    pub(super) fn head(&self) -> Span {
+        if self.name.text.is_empty() {
+            self.keyword.span
+        } else {
+            self.keyword.span.to(self.name.span)
+        }
+    }
+}
+
+/// What stands behind an attribute, in the form that it takes.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Value<'t, 'a> {
+    Word(Word<'a>),
+    Block(&'t Block<'a>),
+    Element(Word<'a>, &'t Block<'a>),
+    /// Something else, which was reported.
+    Broken,
+}
+
+/// An attribute that was written.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Field<'t, 'a> {
+    pub(super) attribute: &'static Attribute,
+    pub(super) keyword: Word<'a>,
+    pub(super) value: Value<'t, 'a>,
+}
+
+/// The attributes of one element.
+pub(super) struct Fields<'t, 'a, 'd> {
+    pub(super) element: Element<'t, 'a>,
+    pub(super) diagnostics: &'d mut Diagnostics,
+    /// `Scaling`.
+    pub(super) scale: f64,
+    found: Vec<Field<'t, 'a>>,
+    /// Attributes that this element does not take, and that resemble none that it does.
+    strangers: usize,
+}
+
+impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
+    /// Reads the block of an element; reports what does not belong there, what is there twice, what
+    /// has another form than it should, and what is missing.
+    pub(super) fn read(
+        element: Element<'t, 'a>,
+        scale: f64,
+        diagnostics: &'d mut Diagnostics,
+    ) -> Self {
+        let mut fields = Self { element, diagnostics, scale, found: Vec::new(), strangers: 0 };
+        let mut entries = element.block.entries.iter().peekable();
+        while let Some(entry) = entries.next() {
+            let mut numbers = Vec::new();
+            while let Some(Entry::Number(number)) = entries.peek() {
+                numbers.push(number);
+                entries.next();
+            }
+            fields.entry(entry, &numbers);
+        }
+        fields.report_missing();
+        fields
+    }
+
+    /// An element without attributes: nothing is read yet.
+    pub(super) fn bare(element: Element<'t, 'a>, diagnostics: &'d mut Diagnostics) -> Self {
+        Self { element, diagnostics, scale: 1.0, found: Vec::new(), strangers: 0 }
+    }
+
+    /// The first attribute of that name.
+    pub(super) fn get(&self, name: &str) -> Option<Field<'t, 'a>> {
+        self.found.iter().find(|f| f.attribute.name == name).copied()
+    }
+
+    /// All attributes of that name.
+    pub(super) fn all(&self, name: &str) -> Vec<Field<'t, 'a>> {
+        self.found.iter().filter(|f| f.attribute.name == name).copied().collect()
+    }
+
+    /// An entry and the numbers that follow it, which are one too many or lack their braces.
+    fn entry(&mut self, entry: &'t Entry<'a>, numbers: &[&Number<'a>]) {
+        match entry {
+            Entry::Number(first) => self.stray_numbers(first, numbers),
+            Entry::Item(item) => {
+                let is_whole = self.item(item, numbers);
+                if let (true, [first, rest @ ..]) = (is_whole, numbers) {
+                    self.stray_numbers(first, rest);
+                }
+            }
+        }
+    }
+
+    fn stray_numbers(&mut self, first: &Number<'_>, rest: &[&Number<'_>]) {
+        if first.value.is_none() {
+            return;
+        }
+        let span = first.word.span.to(rest.last().map_or(first.word.span, |n| n.word.span));
+        let found = if rest.is_empty() { "a number" } else { "numbers" };
+        let mut diagnostic =
+            Diagnostic::error(format!("expected an attribute, found {found}")).at(span, "");
+        diagnostic.help = Some(self.takes());
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// Whether the item is as it should be; if not, this was reported.
+    fn item(&mut self, item: &'t Item<'a>, numbers: &[&Number<'a>]) -> bool {
+        let keyword = item.keyword;
+        let Some(attribute) = self.element.schema.attribute(keyword.text) else {
+            self.unknown(item);
+            return false;
+        };
+        let value = self.value(attribute, item, numbers);
+        let first = self.get(attribute.name);
+        if let (Some(first), false) = (first, attribute.repeated) {
+            self.twice(keyword, first.keyword);
+        } else {
+            self.found.push(Field { attribute, keyword, value });
+        }
+        !matches!(value, Value::Broken)
+    }
+
+    fn twice(&mut self, again: Word<'_>, first: Word<'_>) {
+        let message = format!("`{}` is given twice in {}", again.text, self.element.title());
+        self.diagnostics.push(
+            Diagnostic::error(message).at(again.span, "again").also(first.span, "first here"),
+        );
+    }
+
+    fn unknown(&mut self, item: &Item<'a>) {
+        let (word, schema) = (item.keyword, self.element.schema);
+        let near = closest(word.text, schema.attributes.iter().map(|a| a.name));
+        let attribute = near.and_then(|name| schema.attribute(name));
+        let diagnostic = if let Some(attribute) = attribute {
+            let help = invisible(word.text);
+            // What was misspelt is not missing.
+            self.found.push(Field { attribute, keyword: word, value: Value::Broken });
+            let error = Diagnostic::error(format!(
+                "unknown attribute `{}` in `{}`, did you mean `{}`?",
+                word.text, schema.keyword, attribute.name
+            ));
+            Diagnostic { help, ..error.at(word.span, "") }
+        } else {
+            if self.element.damaged && !owners(word.text).is_empty() {
+                return;
+            }
+            self.strangers += 1;
+            self.misplaced(word, &item.form)
+        };
+        self.diagnostics.push(diagnostic);
+    }
+
+    fn misplaced(&self, word: Word<'_>, form: &Form<'_>) -> Diagnostic {
+        let keyword = self.element.schema.keyword;
+        if matches!(form, Form::Element(..)) && ELEMENTS.iter().any(|s| s.keyword == word.text) {
+            return Diagnostic::error(format!("`{}` can't stand in `{keyword}`", word.text))
+                .at(word.span, "this is an element of the scene")
+                .help(format!("write it outside of {}", self.element.title()));
+        }
+        let owners = owners(word.text);
+        let label = match owners.as_slice() {
+            [] => String::new(),
+            owners => format!("this is an attribute of {}", quoted_list(owners.iter().copied(), 3)),
+        };
+        Diagnostic::error(format!("unknown attribute `{}` in `{keyword}`", word.text))
+            .at(word.span, label)
+            .help(self.takes())
+    }
+
+    /// What may stand in this element, as help.
+    fn takes(&self) -> String {
+        let names = self.element.schema.attributes.iter().map(|a| a.name);
+        format!("`{}` takes {}", self.element.schema.keyword, quoted_list(names, usize::MAX))
+    }
+
+    /// The value of an attribute in the form that it takes.
+    fn value(
+        &mut self,
+        attribute: &Attribute,
+        item: &'t Item<'a>,
+        numbers: &[&Number<'a>],
+    ) -> Value<'t, 'a> {
+        match (attribute.kind, &item.form) {
+            (_, Form::Value(sign @ Word { text: "=" | ":", .. })) => {
+                self.sign(attribute, *sign);
+                Value::Broken
+            }
+            (_, Form::Broken) => Value::Broken,
+            (_, Form::Nothing) => {
+                let message = format!("`{}` has no value", item.keyword.text);
+                let error = Diagnostic::error(message).at(item.keyword.span, "");
+                self.diagnostics.push(error.help(format!("write {}", attribute.usage())));
+                Value::Broken
+            }
+            (Kind::Number | Kind::Choice | Kind::Word(_), Form::Value(word)) => Value::Word(*word),
+            (Kind::Vector(_) | Kind::Block, Form::Block(block)) => Value::Block(block),
+            (Kind::Element, Form::Element(name, block)) => Value::Element(*name, block),
+            (Kind::Element, Form::Block(block)) => {
+                self.diagnostics.push(nameless(item.keyword));
+                Value::Element(Word { text: "", span: item.keyword.span }, block)
+            }
+            (Kind::Vector(_) | Kind::Block, Form::Element(name, block)) => {
+                let message = format!("`{}` takes no name", item.keyword.text);
+                self.diagnostics.push(
+                    Diagnostic::error(message)
+                        .at(name.span, "expected `{`, found this")
+                        .help(format!("write {}", attribute.usage())),
+                );
+                Value::Block(block)
+            }
+            (_, form) => {
+                self.wrong_form(attribute, item.keyword, form, numbers);
+                Value::Broken
+            }
+        }
+    }
+
+    fn sign(&mut self, attribute: &Attribute, sign: Word<'_>) {
+        let (name, sign, span) = (attribute.name, sign.text, sign.span);
+        let message = format!("`{name}` is followed by its value, without `{sign}`");
+        let error = Diagnostic::error(message).at(span, "");
+        self.diagnostics.push(error.help(format!("write {}", attribute.usage())));
+    }
+
+    fn wrong_form(
+        &mut self,
+        attribute: &Attribute,
+        keyword: Word<'a>,
+        form: &Form<'a>,
+        numbers: &[&Number<'a>],
+    ) {
+        let (span, found) = match form {
+            Form::Value(word) => (word.span, "found this"),
+            Form::Block(block) => (block.open, "found `{`"),
+            Form::Element(name, _) => (name.span, "found this"),
+            Form::Nothing | Form::Broken => (keyword.span, "found nothing"),
+        };
+        let expected = match attribute.kind {
+            Kind::Number => "a number without braces",
+            Kind::Choice => "one word",
+            Kind::Word(_) => "one word without braces",
+            Kind::Vector(_) => "three numbers in braces",
+            Kind::Block => "a block in braces",
+            Kind::Element => "a name and a block in braces",
+        };
+        let help = rewritten(attribute.kind, keyword, form, numbers)
+            .unwrap_or_else(|| format!("write {}", attribute.usage()));
+        self.diagnostics.push(
+            Diagnostic::error(format!("`{}` takes {expected}", keyword.text))
+                .at(span, found)
+                .help(help),
+        );
+    }
+
+    fn report_missing(&mut self) {
+        if self.element.damaged {
+            return;
+        }
+        let attributes = self.element.schema.attributes.iter();
+        let missing: Vec<_> =
+            attributes.filter(|a| a.required && self.get(a.name).is_none()).collect();
+        // What is missing and what is not known are most probably the same.
+        if missing.len() <= self.strangers {
+            return;
+        }
+        let names: Vec<_> = missing.iter().map(|a| format!("`{}`", a.name)).collect();
+        let usages: Vec<_> = missing.iter().map(|a| a.usage()).collect();
+        self.diagnostics.push(
+            Diagnostic::error(format!(
+                "{} has no {}",
+                self.element.title(),
+                names.join(" and no ")
+            ))
+            .at(self.element.head(), format!("expected {} in this", usages.join(", "))),
+        );
+    }
+}
+
+/// The error about an element without a name.
+pub(super) fn nameless(keyword: Word<'_>) -> Diagnostic {
+    Diagnostic::error(format!("this `{}` has no name", keyword.text))
+        .at(keyword.span, "expected a name after this")
+        .help(format!("write `{} NAME {{ ... }}`", keyword.text))
+}
+
+/// What was most probably meant by a value in a wrong form.
+fn rewritten(
+    kind: Kind,
+    keyword: Word<'_>,
+    form: &Form<'_>,
+    numbers: &[&Number<'_>],
+) -> Option<String> {
+    let keyword = keyword.text;
+    match (kind, form, numbers) {
+        (Kind::Vector(_), Form::Value(x), [y, z]) => {
+            Some(format!("write `{keyword} {{ {} {} {} }}`", x.text, y.word.text, z.word.text))
+        }
+        (_, Form::Block(block), _) => match block.entries.as_slice() {
+            [Entry::Number(Number { word, .. })]
+            | [Entry::Item(Item { keyword: word, form: Form::Nothing })] => {
+                Some(format!("write `{keyword} {}`", word.text))
+            }
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// "`a`, `b` and 3 others"
+pub(super) fn quoted_list<S: Display>(names: impl Iterator<Item = S>, most: usize) -> String {
+    let names: Vec<_> = names.map(|n| format!("`{n}`")).collect();
+    match names.len() {
+        n if n > most => format!("{} and {} others", names[..most].join(", "), n - most),
+        _ => names.join(", "),
+    }
+}

@@ -1,0 +1,175 @@
+//! `addKframe`: where an object is when.
+
+use glam::DVec3;
+
+use super::fields::{Element, Field, Fields, Value};
+use super::schema::{ADD_KFRAME, KEY, NEX, PRE, Schema};
+use super::values::Bound;
+use crate::animation::{KeyFrames, have_orientation};
+use crate::diagnostics::{Diagnostic, Span};
+use crate::format::syntax::Word;
+use crate::{KeyFrame, Placement};
+
+/// A key frame with its places in the text.
+struct Written {
+    key_frame: KeyFrame,
+    time: Span,
+    keyword: Span,
+}
+
+/// The key frames of an object, in order of time.
+pub(super) fn key_frames(fields: &mut Fields<'_, '_, '_>) -> Vec<KeyFrame> {
+    let blocks = fields.all("addKframe");
+    let mut written: Vec<_> = blocks.into_iter().filter_map(|b| key_frame(fields, b)).collect();
+    sort(&mut written, fields);
+    check_orientations(&written, fields);
+    written.into_iter().map(|w| w.key_frame).collect()
+}
+
+fn key_frame(fields: &mut Fields<'_, '_, '_>, field: Field<'_, '_>) -> Option<Written> {
+    let mut fields = open(fields, field, &ADD_KFRAME)?;
+    let time = fields.number("time", Bound::Any);
+    let [pre, key, nex] = [("pre", &PRE), ("key", &KEY), ("nex", &NEX)]
+        .map(|(name, schema)| placement(&mut fields, name, schema));
+    let time = time?;
+    let key_frame = KeyFrame { time: time.value, pre, key, nex };
+    Some(Written { key_frame, time: time.span, keyword: field.keyword.span })
+}
+
+fn placement(fields: &mut Fields<'_, '_, '_>, name: &str, schema: &'static Schema) -> Placement {
+    let field = fields.get(name);
+    let Some(mut fields) = field.and_then(|field| open(fields, field, schema)) else {
+        return Placement::default();
+    };
+    Placement {
+        pivot: fields.point("pivot").map(|f| f.value),
+        up: fields.direction("up").map(|f| f.value),
+        right: fields.direction("right").map(|f| f.value),
+    }
+}
+
+/// The attributes of a block in this one.
+fn open<'t, 'a, 'f>(
+    fields: &'f mut Fields<'_, '_, '_>,
+    field: Field<'t, 'a>,
+    schema: &'static Schema,
+) -> Option<Fields<'t, 'a, 'f>> {
+    let Value::Block(block) = field.value else { return None };
+    let name = Word { text: "", span: field.keyword.span };
+    let damaged = fields.element.damaged || block.damaged;
+    let element = Element { schema, keyword: field.keyword, name, block, damaged };
+    Some(Fields::read(element, fields.scale, fields.diagnostics))
+}
+
+fn sort(written: &mut [Written], fields: &mut Fields<'_, '_, '_>) {
+    let disorder = written.windows(2).find(|pair| pair[1].key_frame.time < pair[0].key_frame.time);
+    if let Some([before, after]) = disorder {
+        let message = format!("key frames of {} are not in order of time", fields.element.title());
+        fields.diagnostics.push(
+            Diagnostic::warning(message)
+                .at(after.time, "earlier than the key frame before it")
+                .also(before.time, "")
+                .help("they are sorted"),
+        );
+    }
+    written.sort_by(|a, b| a.key_frame.time.total_cmp(&b.key_frame.time));
+    for pair in written.windows(2).filter(|p| p[0].key_frame.time == p[1].key_frame.time) {
+        let (first, again) = (pair[0].time.min(pair[1].time), pair[0].time.max(pair[1].time));
+        let message = format!("{} has two key frames at one time", fields.element.title());
+        fields
+            .diagnostics
+            .push(Diagnostic::error(message).at(again, "the same time").also(first, "first here"));
+    }
+}
+
+/// Up and right of a control point, with everything filled in.
+#[derive(Clone, Copy)]
+struct Orientation {
+    up: DVec3,
+    right: DVec3,
+}
+
+impl Orientation {
+    fn is_flat(self) -> bool {
+        !have_orientation(self.right, self.up)
+    }
+
+    fn third_toward(self, other: Self) -> Self {
+        let third = |a: DVec3, b: DVec3| a + (b - a) / 3.0;
+        Self { up: third(self.up, other.up), right: third(self.right, other.right) }
+    }
+
+    /// With what a handle says instead.
+    fn with(self, handle: Placement) -> Self {
+        Self { up: handle.up.unwrap_or(self.up), right: handle.right.unwrap_or(self.right) }
+    }
+}
+
+/// Reports key frames without an orientation, and warns where it is lost between two.
+fn check_orientations(written: &[Written], fields: &mut Fields<'_, '_, '_>) {
+    let mut last = Orientation { up: DVec3::Z, right: DVec3::X };
+    let complete = |one: &Written| {
+        last = last.with(one.key_frame.key);
+        last
+    };
+    let keys: Vec<_> = written.iter().map(complete).collect();
+    let flat: Vec<_> =
+        (0..keys.len()).filter_map(|i| Some((i, flat_part(written, &keys, i)?))).collect();
+    for (i, part) in &flat {
+        report_flat(fields, &written[*i], part);
+    }
+    if flat.is_empty() {
+        warn_of_collapse(fields, written);
+    }
+}
+
+/// The control point of a key frame whose up and right are parallel.
+fn flat_part(written: &[Written], keys: &[Orientation], i: usize) -> Option<&'static str> {
+    if keys[i].is_flat() {
+        return Some("key");
+    }
+    let neighbour = |at: Option<usize>| at.and_then(|at| keys.get(at)).unwrap_or(&keys[i]);
+    let key_frame = &written[i].key_frame;
+    let handles = [
+        ("pre", key_frame.pre, neighbour(i.checked_sub(1))),
+        ("nex", key_frame.nex, neighbour(Some(i + 1))),
+    ];
+    handles.into_iter().find_map(|(name, handle, toward)| {
+        let is_given = handle.up.is_some() || handle.right.is_some();
+        (is_given && keys[i].third_toward(*toward).with(handle).is_flat()).then_some(name)
+    })
+}
+
+fn report_flat(fields: &mut Fields<'_, '_, '_>, written: &Written, which: &str) {
+    let time = written.key_frame.time;
+    let message = format!(
+        "up is parallel to right in `{which}` of the key frame at time {time} of {}",
+        fields.element.title()
+    );
+    fields.diagnostics.push(
+        Diagnostic::error(message)
+            .at(written.keyword, "together they must span a plane")
+            .help("what a key frame leaves out is as in the one before it; at first up is z and right is x"),
+    );
+}
+
+/// Warns where up and right become parallel on the way between two keys.
+fn warn_of_collapse(fields: &mut Fields<'_, '_, '_>, written: &[Written]) {
+    let key_frames: Vec<_> = written.iter().map(|w| w.key_frame).collect();
+    let Ok(path) = KeyFrames::new(&key_frames) else { return };
+    let jumps = path.jumps([f64::NEG_INFINITY, f64::INFINITY]);
+    for jump in jumps.iter().filter(|jump| jump.collapse) {
+        let (from, to) = (&written[jump.key], &written[jump.key + 1]);
+        let message =
+            format!("{} loses its orientation between key frames", fields.element.title());
+        fields.diagnostics.push(
+            Diagnostic::warning(message)
+                .at(
+                    to.keyword,
+                    format!("on the way here, at time {:.3}, up and right are parallel", jump.time),
+                )
+                .also(from.keyword, "from here")
+                .help("put a key frame between them: a turn takes at least one per 90 degrees"),
+        );
+    }
+}

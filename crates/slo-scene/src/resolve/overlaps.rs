@@ -1,0 +1,344 @@
+//! Surfaces that overlap in one plane: which of them a ray meets first is left to rounding, so that
+//! both come out in specks.
+
+use std::collections::HashMap;
+
+use glam::{DVec2, DVec3};
+
+use crate::animation::KeyFrames;
+use crate::diagnostics::{Diagnostic, Diagnostics, Span};
+use crate::{Camera, Light, LightShape, Object, Shape};
+
+/// Flat faces that are looked at; scenes of more are not checked.
+const MOST_FACES: usize = 100_000;
+
+/// Faces of a mesh up to which it is looked at: one of more has hardly flat faces that lie on others,
+/// and takes long.
+const MOST_MESH_FACES: usize = 1000;
+
+/// Pairs of faces of about one plane that are held against each other.
+const MOST_PAIRS: usize = 10_000_000;
+
+/// Pairs of elements that are reported.
+const MOST_REPORTED: usize = 5;
+
+/// Distance between two planes that rounding may bridge, as a part of how far they are from the
+/// camera: 8 units in the last place of an f32.
+const TOLERANCE: f64 = 8.0 / (1 << 24) as f64;
+
+/// Least part of the smaller face that two faces must share.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// Cells for components of normals, over a range of 2.
+const NORMAL_CELLS: f64 = 512.0;
+
+/// Corners that stand for the rim of a disc.
+const DISC_CORNERS: usize = 12;
+
+/// Warns of still objects and lights that overlap in one plane where the camera may see both.
+pub(super) fn check(
+    objects: &[(Object, Span)],
+    lights: &[(Light, Span)],
+    camera: &Camera,
+    diagnostics: &mut Diagnostics,
+) {
+    let Some(faces) = faces(objects, lights) else { return };
+    let eyes: Vec<DVec3> = camera.segments.iter().flat_map(|s| s.positions.clone()).collect();
+    let span_of = |owner: usize| match objects.get(owner) {
+        Some((object, span)) => (object.name.as_str(), *span),
+        None => {
+            let (light, span) = &lights[owner - objects.len()];
+            (light.name.as_str(), *span)
+        }
+    };
+    let mut pairs: Vec<[usize; 2]> = overlaps(&faces, &eyes);
+    pairs.sort_unstable();
+    for (i, [first, again]) in pairs.iter().enumerate().take(MOST_REPORTED) {
+        let ((a, a_span), (b, b_span)) = (span_of(*first), span_of(*again));
+        let mut warning = Diagnostic::warning(format!("`{a}` and `{b}` overlap in one plane"))
+            .at(b_span, "which of the two is seen is left to rounding")
+            .also(a_span, "this lies in the same plane")
+            .help("move one of them a little, so that it lies in front of the other");
+        if i + 1 == MOST_REPORTED && pairs.len() > MOST_REPORTED {
+            let others = pairs.len() - MOST_REPORTED;
+            warning = warning.help(format!("so do {others} more pairs of objects"));
+        }
+        diagnostics.push(warning);
+    }
+}
+
+/// A flat, convex piece of a surface.
+struct Face {
+    /// Number of the object, or of the light behind all objects.
+    owner: usize,
+    /// What it shows: faces that look the same may overlap.
+    look: Look,
+    corners: Vec<DVec3>,
+    /// A ball about all corners.
+    center: DVec3,
+    radius: f64,
+    /// Unit; outward if only this side can be seen.
+    normal: DVec3,
+    two_sided: bool,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Look {
+    Material(u32),
+    Light(usize),
+}
+
+/// All flat faces of what does not move; `None` if there are too many.
+fn faces(objects: &[(Object, Span)], lights: &[(Light, Span)]) -> Option<Vec<Face>> {
+    let mut faces = Vec::new();
+    for (owner, (object, _)) in objects.iter().enumerate() {
+        if object.key_frames.len() > 1 {
+            continue;
+        }
+        let Ok(path) = KeyFrames::new(&object.key_frames) else { continue };
+        let place = path.pose(0.0);
+        let two_sided = !matches!(
+            object.shape,
+            Shape::Box { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } | Shape::Mesh { .. }
+        );
+        let look = Look::Material(object.material.0);
+        for_flat_parts(&object.shape, &mut |corners| {
+            let corners = corners.iter().map(|corner| place.point(*corner)).collect();
+            faces.extend(face(owner, look, corners, two_sided));
+            faces.len() <= MOST_FACES
+        });
+        if faces.len() > MOST_FACES {
+            return None;
+        }
+    }
+    for (number, (light, _)) in lights.iter().enumerate() {
+        if let LightShape::Rectangle { vertices } = light.shape {
+            let corners = parallelogram(vertices).to_vec();
+            faces.extend(face(objects.len() + number, Look::Light(number), corners, true));
+        }
+    }
+    (faces.len() <= MOST_FACES).then_some(faces)
+}
+
+fn face(owner: usize, look: Look, corners: Vec<DVec3>, two_sided: bool) -> Option<Face> {
+    let [a, b, c] = *corners.first_chunk::<3>()?;
+    let normal = (b - a).cross(c - a).try_normalize()?;
+    let center = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let radius = corners.iter().map(|corner| corner.distance(center)).fold(0.0, f64::max);
+    Some(Face { owner, look, corners, center, radius, normal, two_sided })
+}
+
+/// The flat parts of a shape in object space, counter-clockwise seen from outside, for as long as
+/// `put` wants more.
+fn for_flat_parts(shape: &Shape, put: &mut dyn FnMut(&[DVec3]) -> bool) {
+    match shape {
+        Shape::Plane { normal, position, side } => {
+            let normal = normal.normalize_or_zero();
+            let [x, y] = axes_about(normal).map(|axis| axis * (0.5 * side));
+            put(&[-x - y, x - y, x + y, y - x].map(|offset| *position + offset));
+        }
+        Shape::Triangle { vertices } => _ = put(vertices),
+        Shape::Rectangle { vertices } => _ = put(&parallelogram(*vertices)),
+        Shape::Box { vertices, height } => {
+            let [a, b, c, d] = parallelogram(*vertices);
+            let up = (c - b).cross(a - b).normalize_or_zero() * *height;
+            let sides = [[a, b], [b, c], [c, d], [d, a]];
+            // The base is counter-clockwise seen from above if the box rises.
+            let faces = sides.map(|[p, q]| [p, q, q + up, p + up]);
+            let caps = [[d, c, b, a], [a + up, b + up, c + up, d + up]];
+            for mut face in faces.into_iter().chain(caps) {
+                if *height < 0.0 {
+                    face.reverse();
+                }
+                if !put(&face) {
+                    return;
+                }
+            }
+        }
+        Shape::Cylinder { base, top, radius } => {
+            if put(&disc(*base, *base - *top, *radius)) {
+                put(&disc(*top, *top - *base, *radius));
+            }
+        }
+        Shape::Cone { base, apex, radius } => _ = put(&disc(*base, *base - *apex, *radius)),
+        Shape::Mesh { mesh, .. } if mesh.faces.len() > MOST_MESH_FACES => {}
+        Shape::Mesh { mesh, .. } => {
+            for face in &mesh.faces {
+                if !put(&face.map(|i| mesh.positions[i as usize])) {
+                    return;
+                }
+            }
+        }
+        Shape::Sphere { .. } => {}
+    }
+}
+
+fn parallelogram([a, b, c]: [DVec3; 3]) -> [DVec3; 4] {
+    [a, b, c, a + c - b]
+}
+
+/// Two unit vectors at right angles to a unit vector and to each other; the three are right-handed.
+fn axes_about(normal: DVec3) -> [DVec3; 2] {
+    let x = normal.any_orthonormal_vector();
+    [x, normal.cross(x)]
+}
+
+fn disc(center: DVec3, normal: DVec3, radius: f64) -> [DVec3; DISC_CORNERS] {
+    let [x, y] = axes_about(normal.normalize_or_zero());
+    std::array::from_fn(|i| {
+        let (sin, cos) = libm::sincos(i as f64 * std::f64::consts::TAU / DISC_CORNERS as f64);
+        center + (x * cos + y * sin) * radius
+    })
+}
+
+/// Pairs of elements, the first one first, of which two faces overlap.
+fn overlaps(faces: &[Face], eyes: &[DVec3]) -> Vec<[usize; 2]> {
+    let center = eyes.first().copied().unwrap_or_default();
+    let size = |face: &Face| {
+        let reach = face.corners.iter().map(|corner| (*corner - center).abs().max_element());
+        reach.fold(0.0, f64::max)
+    };
+    let largest = faces.iter().map(size).fold(0.0, f64::max);
+    let grid = Grid { center, margin: 2.0 * TOLERANCE * largest, cell: 1e-4 * largest };
+    let mut planes: HashMap<[i64; 4], Vec<usize>> = HashMap::new();
+    let mut found = Vec::new();
+    let mut left = MOST_PAIRS;
+    for (i, face) in faces.iter().enumerate() {
+        let plane = grid.plane(face);
+        let [low, high] = grid.cells_about(plane);
+        // Every choice of an end for each of the four coordinates; a bit that chooses between equal
+        // ends is 0.
+        let apart =
+            (0..4).fold(0, |bits, axis| bits | usize::from(low[axis] != high[axis]) << axis);
+        for choice in (0..16_usize).filter(|choice| choice & !apart == 0) {
+            let key = std::array::from_fn(|axis| [low, high][choice >> axis & 1][axis]);
+            for &j in planes.get(&key).into_iter().flatten() {
+                let Some(rest) = left.checked_sub(1) else { return found };
+                left = rest;
+                let other = &faces[j];
+                let pair = [face.owner.min(other.owner), face.owner.max(other.owner)];
+                let reach = face.radius + other.radius;
+                if face.look == other.look
+                    || pair[0] == pair[1]
+                    || face.center.distance_squared(other.center) > reach * reach
+                    || found.contains(&pair)
+                {
+                    continue;
+                }
+                let tolerance = TOLERANCE * size(face).max(size(other));
+                if are_coplanar(face, other, tolerance)
+                    && are_seen(face, other, eyes)
+                    && share_area(face, other)
+                {
+                    found.push(pair);
+                    if found.len() > 100 {
+                        return found;
+                    }
+                }
+            }
+        }
+        planes.entry(cell(plane)).or_default().push(i);
+    }
+    found
+}
+
+/// Cells of planes: by their normal, whatever its sign, and their distance from a point.
+struct Grid {
+    center: DVec3,
+    /// How far planes that are one may seem to be apart.
+    margin: f64,
+    cell: f64,
+}
+
+impl Grid {
+    /// The plane of a face, in units of cells.
+    fn plane(&self, face: &Face) -> [f64; 4] {
+        let n = face.normal;
+        let [ax, ay, az] = n.abs().to_array();
+        let leading = if ax >= ay.max(az) - 1e-3 {
+            n.x
+        } else if ay >= az - 1e-3 {
+            n.y
+        } else {
+            n.z
+        };
+        let n = n * leading.signum();
+        let distance = n.dot(face.corners[0] - self.center) / self.cell;
+        let [x, y, z] = (n * (0.5 * NORMAL_CELLS)).to_array();
+        [x, y, z, distance]
+    }
+
+    /// The first and the last cell, in each coordinate, of all planes that may be one with a plane.
+    fn cells_about(&self, plane: [f64; 4]) -> [[i64; 4]; 2] {
+        let margins = [1e-3, 1e-3, 1e-3, self.margin / self.cell + 1e-6];
+        [-1.0, 1.0].map(|sign| cell(std::array::from_fn(|i| plane[i] + sign * margins[i])))
+    }
+}
+
+fn cell(plane: [f64; 4]) -> [i64; 4] {
+    plane.map(|x| (x + 0.5).floor() as i64)
+}
+
+fn are_coplanar(a: &Face, b: &Face, tolerance: f64) -> bool {
+    let within = |plane: &Face, face: &Face| {
+        let distance = |corner: &DVec3| plane.normal.dot(*corner - plane.corners[0]).abs();
+        face.corners.iter().all(|corner| distance(corner) <= tolerance)
+    };
+    within(a, b) && within(b, a)
+}
+
+/// Whether both faces can be seen from one side that an eye is on.
+fn are_seen(a: &Face, b: &Face, eyes: &[DVec3]) -> bool {
+    let outward = match [a, b].map(|face| (!face.two_sided).then_some(face.normal)) {
+        [None, None] => return true,
+        [Some(normal), None] | [None, Some(normal)] => normal,
+        [Some(first), Some(second)] if first.dot(second) > 0.0 => first,
+        [Some(_), Some(_)] => return false,
+    };
+    eyes.iter().any(|eye| outward.dot(*eye - a.corners[0]) > 0.0)
+}
+
+fn share_area(a: &Face, b: &Face) -> bool {
+    let [x, y] = axes_about(a.normal);
+    let flat = |face: &Face| -> Vec<DVec2> {
+        let corner = |p: &DVec3| DVec2::new(x.dot(*p - a.corners[0]), y.dot(*p - a.corners[0]));
+        let mut corners: Vec<_> = face.corners.iter().map(corner).collect();
+        if area(&corners) < 0.0 {
+            corners.reverse();
+        }
+        corners
+    };
+    let (a, b) = (flat(a), flat(b));
+    let least = LEAST_SHARE * area(&a).min(area(&b));
+    area(&clipped(a, &b)) > least
+}
+
+/// Area of a polygon, positive if it is counter-clockwise.
+fn area(corners: &[DVec2]) -> f64 {
+    let Some(&first) = corners.first() else { return 0.0 };
+    let pairs = corners.windows(2);
+    pairs.map(|pair| 0.5 * (pair[0] - first).perp_dot(pair[1] - first)).sum()
+}
+
+/// The part of a polygon inside a convex, counter-clockwise one.
+///
+/// Source: I. Sutherland and G. Hodgman, "Reentrant Polygon Clipping" (1974).
+fn clipped(mut polygon: Vec<DVec2>, by: &[DVec2]) -> Vec<DVec2> {
+    for (i, &from) in by.iter().enumerate() {
+        let to = by[(i + 1) % by.len()];
+        let height = |p: DVec2| (to - from).perp_dot(p - from);
+        let mut inside = Vec::with_capacity(polygon.len() + 1);
+        for (k, &p) in polygon.iter().enumerate() {
+            let q = polygon[(k + 1) % polygon.len()];
+            let (hp, hq) = (height(p), height(q));
+            if hp >= 0.0 {
+                inside.push(p);
+            }
+            if (hp < 0.0) != (hq < 0.0) {
+                inside.push(p + (q - p) * (hp / (hp - hq)));
+            }
+        }
+        polygon = inside;
+    }
+    polygon
+}

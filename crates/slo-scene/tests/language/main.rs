@@ -1,0 +1,5 @@
+//! The scene language: what it says, how it reports mistakes, and that no text makes it fall over.
+
+mod fuzz;
+mod messages;
+mod mistakes;
