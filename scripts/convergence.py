@@ -1,32 +1,37 @@
 #!/usr/bin/env python3
-"""How fast the noise of each effect falls with the number of samples, by generator; or what adaptive sampling saves.
+"""Measures how fast the noise of each effect falls with the number of samples, or what adaptive sampling saves.
 
     python3 scripts/convergence.py [--program slo-rt] [--size 96x54] [--samples 4,16,64,256] [--reference 4096]
-                                   [--columns 4,16,64,256] [--plot FILE.svg]
+                                   [--columns 4,16,64,256] [--data FILE.csv]
     python3 scripts/convergence.py --noise 0.04,0.02,0.01 --size 320x180 --samples 4,8,16,32,64,128,256
 
 Renders shipped scenes of one effect each, compares them with a reference of another seed by the program's own
-`compare`, and prints a Markdown table of relative mean square errors. The last columns are the exponent of the error
-(root mean square) in the number of samples, -0.5 for independent ones; how many samples PSEUDO takes for the error
-that this generator has at the largest number; and FLIP, the difference as seen, at the second number. --columns says
-which of the numbers have a column; the exponent is fitted to all. --plot draws all of them: the root of the error, so
-that the exponents are the slopes.
+`compare`, and prints a Markdown table of relative mean square errors. The last three columns are
 
-With --noise the table is of pictures rendered by `--noise E` on one thread: how many samples a pixel they took, and
-what share that is of the samples, and of the processor time, that as many for every pixel would take for the same
-error; and the mean of the picture over the reference's. Needs Python 3.8 and nothing else.
+- the exponent of the error (root mean square) in the number of samples: -0.5 for independent samples,
+- how many times the largest number of samples PSEUDO needs for the error that this generator has there,
+- FLIP, the difference as seen, at the second number of samples.
+
+--columns selects the numbers of samples that have a column; the exponent is fitted to all. --data writes all
+measurements to a file, which convergence_plot.py draws.
+
+With --noise the table shows pictures rendered with `--noise E` on one thread: their samples per pixel; what uniform
+samples would need for the same error, and the share of that in samples and in processor time; and the mean of the
+picture relative to the reference.
+
+Needs Python 3.10 on Linux or macOS, and nothing else.
 """
 
 import argparse
+import csv
 import json
 import math
 import re
 import resource
+import statistics
 import subprocess
 import tempfile
 from pathlib import Path
-
-import convergence_plot
 
 ROOT = Path(__file__).resolve().parent.parent
 EFFECTS = {
@@ -37,7 +42,7 @@ EFFECTS = {
     "all at once": "default",
 }
 GENERATORS = ["PSEUDO", "ZERO_TWO", "QUASI"]
-# Samples at most where --noise says how many.
+# Most samples per pixel with --noise, which decides how many are taken.
 MOST = 4096
 
 
@@ -77,11 +82,8 @@ def numbers(text):
 
 
 def slope(counts, errors):
-    """Least squares exponent of the root of the errors."""
-    xs = [math.log(n) for n in counts]
-    ys = [0.5 * math.log(e) for e in errors]
-    mx, my = sum(xs) / len(xs), sum(ys) / len(ys)
-    return sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / sum((x - mx) ** 2 for x in xs)
+    """Returns the exponent of the root of the errors in the number of samples, by least squares."""
+    return statistics.linear_regression([math.log(n) for n in counts], [0.5 * math.log(e) for e in errors]).slope
 
 
 def at(error, errors, values):
@@ -101,19 +103,19 @@ def timed(options, *arguments):
 
 
 def generators(options, effect, scene, counts, reference, outdir):
-    """Prints the rows of an effect; by generator, the roots of the errors at all counts, and their exponent."""
-    lines, pseudo = {}, None
+    """Prints the rows of an effect; returns all that was measured, as rows of --data."""
+    measured, pseudo = [], None
     for generator in GENERATORS:
         found = [compare(options, render(options, scene, generator, n, 0, outdir), reference) for n in counts]
         errors = [figures["relative-mse"] for figures in found]
         exponent = slope(counts, errors)
-        lines[generator] = [math.sqrt(e) for e in errors], exponent
         shown = [counts.index(n) for n in options.columns]
         last = errors[shown[-1]]
         pseudo = pseudo or last
         figures = [*(f"{errors[i]:.2e}" for i in shown), f"{exponent:.2f}", f"{pseudo / last:.1f} x"]
         print(f"| {effect} | {generator} |", " | ".join(figures), f"| {found[shown[1]]['flip']:.4f} |", flush=True)
-    return lines
+        measured += [[effect, generator, n, row["relative-mse"], row["flip"]] for n, row in zip(counts, found)]
+    return measured
 
 
 def adaptive(options, effect, scene, counts, reference, outdir):
@@ -127,6 +129,7 @@ def adaptive(options, effect, scene, counts, reference, outdir):
         samples, time = (at(error, errors, values) for values in (counts, [spent for _, spent in uniform]))
         ratios = [f"{samples:.0f}", f"{taken / samples:.2f}", f"{spent / time:.2f}"] if samples else ["-"] * 3
         print(f"| {effect} | {noise} | {taken:.0f} | {error:.1e} |", " | ".join(ratios), f"| {found['mean-ratio']:.5f} |", flush=True)
+    return []
 
 
 def main():
@@ -134,18 +137,23 @@ def main():
     parser.add_argument("--program", default=str(ROOT / "target/release/slo-rt"))
     parser.add_argument("--size", default="96x54")
     parser.add_argument("--samples", type=numbers, default="4,16,64,256")
-    parser.add_argument("--columns", type=numbers, metavar="N,...", help="those of the samples that have a column (all)")
+    parser.add_argument("--columns", type=numbers, metavar="N,...", help="numbers of samples that have a column (all)")
     parser.add_argument("--reference", type=int, default=4096)
-    parser.add_argument("--plot", metavar="FILE.svg", help="draw the errors of the generators, too")
+    parser.add_argument("--data", metavar="FILE.csv", help="write all measurements of the generators, too")
     parser.add_argument("--noise", metavar="E,...", help="errors to stop at, instead of the generators")
     parser.add_argument("--only", default="", help="one effect, by a part of its name")
     options = parser.parse_args()
     counts = options.samples
     options.columns = options.columns or counts
     if not set(options.columns) <= set(counts):
-        parser.error("--columns has a number that --samples has not")
-    if options.plot and options.noise:
-        parser.error("--plot is of the generators, without --noise")
+        parser.error("--columns has a number that is missing in --samples")
+    if options.data and options.noise:
+        parser.error("--data writes the errors of the generators, which --noise does not measure")
+    try:
+        # Before anything is rendered, so that a wrong path does not cost the measurements.
+        file = open(options.data, "w", newline="", encoding="utf-8") if options.data else None
+    except OSError as error:
+        parser.error(f"--data: {error}")
     if options.noise:
         head = ["effect", "`--noise`", "samples a pixel", "relative-mse", "uniform takes", "samples over uniform's"]
         head += ["time over uniform's", "mean over the reference's"]
@@ -153,15 +161,16 @@ def main():
         head = ["effect", "generator", *map(str, options.columns), "exponent", "PSEUDO needs"]
         head.append(f"FLIP at {options.columns[1]}")
     print("|", " | ".join(head), "|\n|" + "---|" * len(head))
-    panels = {}
+    measured = [["effect", "generator", "samples", "relative-mse", "flip"]]
     for effect, scene in EFFECTS.items():
         if options.only in effect:
             with tempfile.TemporaryDirectory() as outdir:
                 reference = render(options, scene, "QUASI", options.reference, 1, outdir)
                 table = adaptive if options.noise else generators
-                panels[effect] = table(options, effect, scene, counts, reference, outdir)
-    if options.plot and panels:
-        convergence_plot.write(options.plot, counts, panels)
+                measured += table(options, effect, scene, counts, reference, outdir)
+    if file:
+        with file:
+            csv.writer(file, lineterminator="\n").writerows(measured)
 
 
 if __name__ == "__main__":

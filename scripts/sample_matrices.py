@@ -1,7 +1,11 @@
 #!/usr/bin/env python3
-"""Searches the matrices of src/sampling/matrices.rs and prints them. Needs numpy.
+# /// script
+# requires-python = ">=3.10"
+# dependencies = ["numpy"]
+# ///
+"""Searches the matrices of src/sampling/matrices.rs and prints them. Needs numpy, which `uv run` fetches.
 
-    python3 scripts/sample_matrices.py --seconds 600 >src/sampling/matrices.rs
+    uv run scripts/sample_matrices.py --seconds 600 >src/sampling/matrices.rs
 
 A path takes its random numbers from groups of dimensions: lens, time, pixel, and for each of the first hits a point
 and a choice. Two dimensions of a group are a (0,2)-sequence: the first has any matrix that is upper triangular with
@@ -20,7 +24,10 @@ import itertools
 import sys
 import time
 
-import numpy as np
+try:
+    import numpy as np
+except ModuleNotFoundError as error:
+    sys.exit(f"sample_matrices.py: {error}; start it by `uv run` or `pipx run`, or `pip install numpy`")
 
 LENS, TIME, PIXEL = "lens", "time", "pixel"
 POINTS, CHOICES = ("point 0", "point 1", "point 2"), ("choice 0", "choice 1", "choice 2")

@@ -2,7 +2,7 @@
 
 import math
 
-from mesh import Mesh, smoothstep
+from mesh import Mesh
 
 ARC_STEP = math.radians(19.0)
 CREASE = math.cos(math.radians(24.0))
@@ -155,7 +155,3 @@ def ring(mesh, row, segments, bend):
         else:
             ids.append(mesh.vertex((r * c, r * s, z), (tz * c, tz * s, -tr)))
     return ids
-
-
-def blend(lo, hi, x):
-    return smoothstep(lo, hi, x)

@@ -1,4 +1,7 @@
-"""An RGB PNG writer, of 8 or 16 bits a channel."""
+"""An RGB PNG writer, of 8 or 16 bits a channel.
+
+By hand, so that the models need nothing but Python, and because Pillow cannot write 16 bits of RGB.
+"""
 
 import os
 import struct

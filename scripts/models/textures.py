@@ -3,7 +3,7 @@
 import math
 
 import png
-from mesh import smoothstep
+from mesh import lerp, smoothstep
 
 
 def hashed(x, y, seed):
@@ -35,10 +35,6 @@ def fbm(u, v, nu, nv, seed, octaves):
     return total / weight
 
 
-def mix(a, b, t):
-    return tuple(x + (y - x) * t for x, y in zip(a, b))
-
-
 def wood(name, size, rings, light, dark, pores, seed, contrast=1.0):
     """A plank with the grain along v: year rings cut lengthwise, fibres and pores."""
 
@@ -55,8 +51,8 @@ def wood(name, size, rings, light, dark, pores, seed, contrast=1.0):
         k = contrast * (.50 * late * strength + .14 * fine * strength + .18 * fibre + .50 * broad)
         k += .10
         pore = smoothstep(.62, .95, noise(u, v, 240, 16, seed + 40)) * (.3 + .7 * late)
-        colour = mix(light, dark, min(max(k, 0.0), 1.0))
-        return mix(colour, (dark[0] * .55, dark[1] * .5, dark[2] * .45), pores * pore)
+        colour = lerp(light, dark, min(max(k, 0.0), 1.0))
+        return lerp(colour, (dark[0] * .55, dark[1] * .5, dark[2] * .45), pores * pore)
 
     png.write(name, size, size, pixel)
 
@@ -110,7 +106,7 @@ def leaf(size):
         cell = fbm(u, v, 40, 40, 3, 2)
         k = .62 + .30 * cell + .10 * (fbm(u, v, 4, 4, 6, 2) - .5)
         vein = max(rib, .55 * branch)
-        return mix((k * .72, k, k * .55), (.95, 1.0, .62), vein * .75)
+        return lerp((k * .72, k, k * .55), (.95, 1.0, .62), vein * .75)
 
     png.write("leaf", size, size, pixel)
 
@@ -124,7 +120,7 @@ def garden(width, height):
         bright = smoothstep(.42, .78, patch) * (.25 + .75 * smoothstep(.35, .8, v))
         gap = smoothstep(.66, .80, fbm(u, v, 14, 11, 81, 2)) * smoothstep(.35, .75, v)
         dark, green, pale = (.012, .030, .010), (.16, .30, .065), (.86, .92, .62)
-        colour = mix(mix(dark, green, bright), pale, .8 * gap)
+        colour = lerp(lerp(dark, green, bright), pale, .8 * gap)
         grain = (hashed(x, y, 27) + hashed(x, y, 28) - 1.0) / 255.0
         return tuple(c + grain for c in colour)
 
@@ -149,7 +145,7 @@ def glow(name, width, height, low, high, centre, reach):
     def pixel(x, y):
         u, v = (x + .5) / width, 1.0 - (y + .5) / height
         d = math.hypot((u - centre[0]) * width / height, v - centre[1]) / reach
-        return mix(low, high, math.exp(-d * d))
+        return lerp(low, high, math.exp(-d * d))
 
     png.write(name, width, height, pixel, 16)
 
@@ -163,9 +159,9 @@ def dusk(width, height):
         high = max(0.0, v - .5) * 180.0
         side = abs((u - .225 + .5) % 1.0 - .5) * 360.0
         near = math.exp(-(side / 38.0) ** 2)
-        colour = mix((.030, .058, .150), (.20, .17, .27), math.exp(-high / 22.0))
-        colour = mix(colour, (.66, .27, .12), math.exp(-high / 10.0) * (.30 + .70 * near))
-        return mix(colour, (1.0, .62, .27), math.exp(-(high / 7.0) ** 2) * near)
+        colour = lerp((.030, .058, .150), (.20, .17, .27), math.exp(-high / 22.0))
+        colour = lerp(colour, (.66, .27, .12), math.exp(-high / 10.0) * (.30 + .70 * near))
+        return lerp(colour, (1.0, .62, .27), math.exp(-(high / 7.0) ** 2) * near)
 
     png.write("dusk", width, height, pixel, 16)
 
@@ -177,7 +173,7 @@ def along(name, size, stops):
         v = 1.0 - (y + .5) / size
         for (a, low), (b, high) in zip(stops, stops[1:]):
             if v <= b:
-                return mix(low, high, smoothstep(a, b, v))
+                return lerp(low, high, smoothstep(a, b, v))
         return stops[-1][1]
 
     png.write(name, 4, size, pixel, 16)

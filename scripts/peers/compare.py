@@ -1,4 +1,8 @@
 #!/usr/bin/env python3
+# /// script
+# requires-python = ">=3.10"
+# dependencies = ["numpy", "openexr>=3.3", "pillow"]
+# ///
 """Processor time that slo-rt and other renderers need for a picture of a given noise, on one thread.
 
     python3 scripts/peers/compare.py [--only slo-rt cycles ...] [--stills S1 S2 S3 S4]
@@ -13,22 +17,26 @@ fall as 1 / samples from there.
 A reference is the mean of eight pictures; how they differ tells how noisy it still is, and that is subtracted.
 
 Each renderer is asked in a process of its own, by the Python that --python names (the one that runs this otherwise), so
-that all may be installed apart from each other. One that is not there is skipped. Needs Python 3.8 and numpy, and of
-the renderers `pip install mitsuba`, `bpy`, `pyluxcore`, or Debian's povray.
+that all may be installed apart from each other. One that is not there is skipped.
+
+Needs `pip install numpy openexr pillow`, which `uv run scripts/peers/compare.py` fetches by itself; and of the other
+renderers `pip install mitsuba`, `bpy`, `pyluxcore`, or Debian's povray, each with numpy beside it.
 """
 
 import argparse
 import json
 import math
 import os
-import struct
 import subprocess
 import sys
 import tempfile
-import zlib
 from pathlib import Path
 
-import numpy as np
+try:
+    import numpy as np
+    from PIL import Image
+except ModuleNotFoundError as error:
+    sys.exit(f"compare.py: {error}; start it by `uv run`, or `pip install numpy openexr pillow` in a virtual environment")
 
 import job
 import stills
@@ -149,16 +157,8 @@ def measure(renderer, still, options):
 def write_png(path, picture):
     linear = np.clip(picture, 0, 1)
     shown = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    rows = (shown * 255 + 0.5).astype(np.uint8)
-    height, width, _ = rows.shape
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    pixels = zlib.compress(b"".join(b"\0" + row.tobytes() for row in rows))
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", pixels) + chunk(b"IEND", b""))
+    Image.fromarray((shown * 255 + 0.5).astype(np.uint8)).save(path)
 
 
 def row(name, options):

@@ -4,15 +4,17 @@ Rendering alone is what the program tells of itself (`-v`), by the clock: on a c
 """
 
 import re
-import struct
 import subprocess
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 import job
 import stills
+
+try:
+    import OpenEXR
+except ImportError as error:
+    job.missing(f"{error}; `pip install OpenEXR` helps")
 
 
 def numbers(values):
@@ -60,41 +62,10 @@ sphere ball {{ center {numbers(center)} radius {radius} material red }}
     return text + "".join(object_text(still, name) for name in stills.MESHES)
 
 
-def unpacked(packed):
-    """Run lengths of OpenEXR, and its differences of bytes."""
-    plain, at = bytearray(), 0
-    while at < len(packed):
-        count = packed[at] - 256 if packed[at] > 127 else packed[at]
-        if count < 0:
-            plain += packed[at + 1:at + 1 - count]
-            at += 1 - count
-        else:
-            plain += packed[at + 1:at + 2] * (count + 1)
-            at += 2
-    steps = np.frombuffer(bytes(plain), dtype=np.uint8).astype(np.int64)
-    steps[1:] -= 128
-    halves = np.cumsum(steps).astype(np.uint8)
-    middle = (len(halves) + 1) // 2
-    whole = np.empty_like(halves)
-    whole[0::2], whole[1::2] = halves[:middle], halves[middle:]
-    return whole.tobytes()
-
-
 def read_exr(path):
-    """A picture as slo-rt writes it: channels B, G, R of 32 bits, a line at a time."""
-    data = Path(path).read_bytes()
-    at = 8
-    while data[at]:
-        at = data.index(b"\0", data.index(b"\0", at) + 1) + 1
-        at += 4 + struct.unpack_from("<i", data, at)[0]
-    offsets = struct.unpack_from(f"<{stills.HEIGHT}q", data, at + 1)
-    rows = np.empty((stills.HEIGHT, 3, stills.WIDTH), dtype=np.float32)
-    for offset in offsets:
-        row, size = struct.unpack_from("<ii", data, offset)
-        line = data[offset + 8:offset + 8 + size]
-        line = line if size == rows[0].nbytes else unpacked(line)
-        rows[row] = np.frombuffer(line, dtype="<f4").reshape(3, stills.WIDTH)
-    return rows[:, ::-1].transpose(0, 2, 1)
+    """Returns the colours [row, column, channel]."""
+    with OpenEXR.File(path) as file:
+        return file.channels()["RGB"].pixels
 
 
 class SloRt:
