@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::Plan;
 use crate::frame::FrameScene;
-use crate::integrator::{SampleSum, Statistics, Traced, Wave, Work};
+use crate::integrator::{SampleSum, Statistics, Traced, Tracer, Work};
 use slo_accel::Isa;
 use slo_picture::film::{Area, BLOCK, Film, base_end, split};
 
@@ -19,7 +19,7 @@ const SAMPLES_OF_A_STEP: u32 = 128 * 1024;
 /// Working memory of one thread.
 #[derive(Debug, Default)]
 pub(super) struct TileRenderer {
-    wave: Wave,
+    tracer: Tracer,
     /// What is known of the tile.
     film: Film,
     /// The pixels in the order of their tracing: block by block, and in them patches of 4 x 4, so
@@ -168,7 +168,7 @@ impl TileRenderer {
     ) -> Option<()> {
         let with_features = !self.film.features().is_empty();
         let Traced { sums, features, statistics } =
-            self.wave.trace(frame, &self.work, with_features, gives_up)?;
+            self.tracer.trace(frame, &self.work, with_features, gives_up)?;
         self.statistics += statistics;
         for ((work, &pixel), &sum) in self.work.iter().zip(&self.pixels).zip(sums) {
             add(&mut self.film, plan, pixel, work, sum);

@@ -1,26 +1,28 @@
-//! The hits of one batch that are to be shaded, with everything that shading reads.
+//! The hits of one batch that are shaded, with everything that shading reads.
 
-use super::chosen::Chosen;
-use super::queue::{Batch, Labels};
-use crate::frame::{FrameScene, Surfaces};
-use crate::sampling::batch::SetNames;
-use crate::sampling::{PixelSeed, Purpose};
-use crate::shading::MaterialTable;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up, look_up_each};
 use slo_scene::Settings;
 
+use super::hits::Hits;
+use crate::frame::{FrameScene, SurfaceScratch, Surfaces};
+use crate::integrator::batch::{Batch, Labels};
+use crate::integrator::chosen::Chosen;
+use crate::sampling::batch::SetNames;
+use crate::sampling::{PixelSeed, Purpose};
+use crate::shading::MaterialTable;
+
 /// Hits in columns; `surfaces.len` of them.
 #[derive(Debug)]
-pub(super) struct Points {
+pub(in crate::integrator) struct Points {
     pub(super) surfaces: Surfaces,
     /// Unit directions of the rays that came here.
     pub(super) direction: Vec3s,
-    /// What light that leaves toward where the ray came from is worth.
+    /// Weight of the radiance that leaves toward the ray's origin.
     pub(super) weight: Vec3s,
-    pub(super) labels: Labels,
-    /// k_a of the material, tinted and weighted: what comes from everywhere.
-    pub(super) ambient: Vec3s,
+    pub(in crate::integrator) labels: Labels,
+    /// k_a of the material, tinted and weighted: light from everywhere.
+    pub(in crate::integrator) ambient: Vec3s,
     /// Words of the seeds of the pixels.
     pub(super) seed: Column<u32>,
     /// k_d of the material, tinted and weighted.
@@ -30,6 +32,7 @@ pub(super) struct Points {
     pub(super) shininess: Column<f32>,
     /// Whether any point has a highlight.
     pub(super) shines: bool,
+    scratch: SurfaceScratch,
 }
 
 impl Default for Points {
@@ -45,24 +48,35 @@ impl Default for Points {
             specular: Vec3s::default(),
             shininess: [0.0; BATCH],
             shines: false,
+            scratch: SurfaceScratch::default(),
         }
     }
 }
 
 impl Points {
-    /// Fills in what goes with the surfaces: from the batch, whose chosen rays hit them, and from
-    /// tables.
-    pub(super) fn gather(
+    /// Number of points.
+    pub(in crate::integrator) fn len(&self) -> usize {
+        self.surfaces.len
+    }
+
+    /// Finds everything about the hits of a batch that are shaded; `seeds` are those of the slots.
+    pub(in crate::integrator) fn find(
         &mut self,
         frame: &FrameScene,
         batch: &Batch,
-        chosen: &Chosen,
+        hits: &Hits,
         seeds: &[PixelSeed],
     ) {
+        let (chosen, len) = (&hits.shaded, hits.shaded.len());
+        self.surfaces.len = len;
+        chosen.copy(&NUMBERS, &mut self.surfaces.ray[..len]);
+        chosen.copy(&hits.looks, &mut self.surfaces.material[..len]);
+        let (rays, time) = (&batch.rays, &batch.labels.time);
+        frame.find_surfaces(rays, time, &hits.found, &mut self.surfaces, &mut self.scratch);
         self.take(batch, chosen);
         frame.isa.run(FromTables { table: &frame.material_table, seeds, to: self });
         frame.isa.run(Weighted(self));
-        let some = |column: &Column<f32>| column[..self.surfaces.len].iter().any(|k| *k != 0.0);
+        let some = |column: &Column<f32>| column[..len].iter().any(|k| *k != 0.0);
         self.shines = frame.material_table.shines && self.specular.columns().into_iter().any(some);
     }
 
@@ -92,8 +106,8 @@ impl Points {
         }
     }
 
-    /// Which random numbers ray `i` of `count` takes that is sent from every point, `depth` bounces
-    /// behind the camera.
+    /// Names of the random numbers of ray `i` of `count` from every point, `depth` bounces behind the
+    /// camera.
     pub(super) fn names(
         &self,
         settings: &Settings,
@@ -115,6 +129,17 @@ impl Points {
         }
     }
 }
+
+/// Numbers of the rays of a batch.
+static NUMBERS: Column<u32> = {
+    let mut numbers = [0; BATCH];
+    let mut i = 0;
+    while i < BATCH {
+        numbers[i] = i as u32;
+        i += 1;
+    }
+    numbers
+};
 
 /// Fetches what goes with the pixels and the materials.
 struct FromTables<'a> {

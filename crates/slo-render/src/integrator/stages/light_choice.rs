@@ -1,26 +1,27 @@
-//! Which light each hit asks, where one is asked for all.
+//! Which light each hit asks if it asks one of many.
 
-use super::points::Points;
-use crate::frame::FrameScene;
-use crate::shading::Light;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, lanes};
 
-/// A light for each hit, chosen at random by what is expected of it there, in columns.
+use super::points::Points;
+use crate::integrator::work::Job;
+use crate::shading::Light;
+
+/// A light for each hit, chosen at random in proportion to the light expected from it, in columns.
 #[derive(Debug)]
 pub(super) struct LightChoice {
     light: Column<u32>,
-    /// What the chosen one counts, over what it counts where all are equally likely.
+    /// Weight of the chosen light, relative to a uniform choice.
     times: Column<f32>,
-    /// What is expected of all lights.
+    /// Light expected from all lights.
     total: Column<f32>,
-    /// What is expected of the lights up to this one.
+    /// Light expected from the lights up to this one.
     below: Column<f32>,
-    /// What is expected of the chosen one.
+    /// Light expected from the chosen one.
     kept: Column<f32>,
-    /// What is expected of those before the chosen one.
+    /// Light expected from the lights before the chosen one.
     before: Column<f32>,
-    /// What the choice left of its number: uniform again.
+    /// The random number rescaled after the choice: uniform again.
     rest: Column<f32>,
 }
 
@@ -40,30 +41,21 @@ impl Default for LightChoice {
 }
 
 impl LightChoice {
-    /// Chooses for all points, by a random number each: in the order of the lights, so that where
-    /// numbers are stratified the choices are. `None`, without a choice, if told to give up.
-    pub(super) fn choose(
-        &mut self,
-        frame: &FrameScene,
-        points: &Points,
-        u: &Column<f32>,
-        gives_up: &dyn Fn() -> bool,
-    ) -> Option<()> {
+    /// Chooses a light for each point by a random number, in the order of the lights: stratified
+    /// numbers make stratified choices. `None`, without a choice, if the work is to be given up.
+    pub(super) fn choose(&mut self, job: &Job<'_>, points: &Points, u: &Column<f32>) -> Option<()> {
+        let frame = job.frame;
         let expect = Expect { points, through: frame.receives_through(), alike: !frame.clever };
         self.total = [0.0; BATCH];
         for light in &frame.lights {
-            if gives_up() {
-                return None;
-            }
+            job.goes_on()?;
             frame.isa.run(AddUp { expect, light, total: &mut self.total });
         }
         self.below = [0.0; BATCH];
         self.kept = [0.0; BATCH];
         self.light = [0; BATCH];
         for (number, light) in (0..).zip(&frame.lights) {
-            if gives_up() {
-                return None;
-            }
+            job.goes_on()?;
             frame.isa.run(Pass { expect, light, number, u, to: self });
         }
         let (len, count) = (points.surfaces.len, frame.lights.len() as f32);
@@ -71,25 +63,25 @@ impl LightChoice {
         Some(())
     }
 
-    /// The light of point `i`, and what it counts over what it counts where all are equally likely.
+    /// The light of point `i`, and its weight relative to a uniform choice.
     #[inline(always)]
     pub(super) fn of(&self, lights: &[Light], i: usize) -> (Light, f32) {
         (lights[self.light[i] as usize], self.times[i])
     }
 
-    /// What the choices left of their numbers: uniform again, and as good as independent of them.
+    /// The random numbers rescaled after the choice: uniform again, and nearly independent of it.
     pub(super) fn rest(&self) -> &Column<f32> {
         &self.rest
     }
 }
 
-/// What is expected of lights, where.
+/// Estimates the light of lights at points.
 #[derive(Clone, Copy)]
 struct Expect<'a> {
     points: &'a Points,
     /// See [`Light::expected`].
     through: bool,
-    /// Whether it is the same of all.
+    /// Whether all lights count the same.
     alike: bool,
 }
 
@@ -123,7 +115,7 @@ impl Lanewise for AddUp<'_> {
     }
 }
 
-/// Passes on from the light before to this one, where the number is not below that one's end.
+/// Moves the choice to this light if the random number is not below the end of the one before.
 struct Pass<'a> {
     expect: Expect<'a>,
     light: &'a Light,

@@ -1,60 +1,54 @@
-//! What rays see of surfaces, whatever the light: for denoisers.
+//! Surface features for denoisers: what rays see of surfaces, whatever the light.
 //!
-//! Perfect mirrors and clear glass show what is behind them: rays of perfect lobes go on looking,
-//! each with its weight. Rough lobes end that. Where features are wanted every sample has two slots:
-//! one for what comes along the camera ray and rays of perfect lobes, and, behind those of all
-//! samples, one for what comes through a rough lobe. Their sums of light are added up in the end.
+//! Perfect mirrors and clear glass show what is behind them, so rays of perfect lobes collect features
+//! too, each with its weight. Rays behind a rough lobe do not. If features are collected, every sample has two
+//! slots: one for light along the camera ray and perfect lobes, and, behind those of all samples, one
+//! for light through a rough lobe. Their sums of light are added up in the end.
 
 use glam::Vec3;
 
-use super::bounces::Lobe;
-use super::points::Points;
-use super::queue::{Batch, Labels};
-use crate::frame::{FrameScene, Look};
-use crate::shading::Material;
-use slo_accel::math::columns::{BATCH, Column};
+use slo_accel::math::columns::BATCH;
 use slo_picture::film::{Features, Fixed};
 
-/// Exact sums, one for each slot that is not behind a rough lobe; none where nobody wants them.
+use super::hits::Hits;
+use super::points::Points;
+use crate::frame::{FrameScene, Look};
+use crate::integrator::batch::Batch;
+use crate::shading::Material;
+
+/// Exact sums, one for each slot that is not behind a rough lobe; none if features are not collected.
 #[derive(Debug, Default)]
-pub(super) struct FeatureSums(Vec<Features>);
+pub(in crate::integrator) struct FeatureSums(Vec<Features>);
 
 impl FeatureSums {
     /// `len` sums of nothing.
-    pub(super) fn reset(&mut self, len: usize) {
+    pub(in crate::integrator) fn reset(&mut self, len: usize) {
         self.0.clear();
         self.0.resize(len, Features::default());
     }
 
-    pub(super) fn get(&self) -> &[Features] {
+    pub(in crate::integrator) fn get(&self) -> &[Features] {
         &self.0
     }
 
-    /// Whether anybody wants them.
-    pub(super) fn are_wanted(&self) -> bool {
-        !self.0.is_empty()
+    /// The first slot of light through a rough lobe; `None` if features are not collected.
+    pub(in crate::integrator) fn first_behind(&self) -> Option<u32> {
+        Some(self.0.len() as u32).filter(|slots| *slots > 0)
     }
 
-    /// Gives rays of rough lobes the slot of what comes through one.
-    pub(super) fn leave(&self, lobe: &Lobe, len: usize, labels: &mut Labels) {
-        let first_behind = self.0.len() as u32;
-        for (slot, inverse) in labels.slot[..len].iter_mut().zip(&lobe.inverse.0) {
-            if *inverse > 0.0 && *slot < first_behind {
-                *slot += first_behind;
-            }
-        }
-    }
-
-    /// Adds what the rays of a batch see; `looks` are words of [`Look`].
-    pub(super) fn add(
+    /// Adds what the rays of a batch see.
+    pub(in crate::integrator) fn add(
         &mut self,
         frame: &FrameScene,
         batch: &Batch,
-        looks: &Column<u32>,
+        hits: &Hits,
         points: &Points,
     ) {
+        if self.0.is_empty() {
+            return;
+        }
         let background = Vec3::from(frame.settings.background);
-        for (i, &look) in looks.iter().enumerate().take(batch.rays.len()) {
+        for (i, &look) in hits.looks.iter().enumerate().take(batch.len()) {
             let color = match Look::of_word(look) {
                 Look::Nothing => background,
                 Look::Light(light) => frame.lights[light as usize].color,
@@ -81,7 +75,7 @@ impl FeatureSums {
     }
 }
 
-/// What a surface sends back of white light from everywhere, but for what perfect lobes bring.
+/// Share of white light from everywhere that a surface sends back, without perfect lobes.
 fn albedo(material: &Material, tint: Vec3) -> Vec3 {
     let rough = |share: f32, inverse: f32| if inverse > 0.0 { share } else { 0.0 };
     let spread = rough(material.reflectance, material.reflection_lobe)
@@ -89,7 +83,7 @@ fn albedo(material: &Material, tint: Vec3) -> Vec3 {
     ((material.ambient + material.diffuse) * tint + spread).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// The share of what a surface shows that is its own, and not that of perfect lobes.
+/// Share of a surface's look that is its own and not behind perfect lobes.
 fn own_share(material: &Material) -> f32 {
     let perfect = |share: f32, inverse: f32| if inverse > 0.0 { 0.0 } else { share };
     let passed_on = perfect(material.reflectance, material.reflection_lobe)

@@ -2,18 +2,19 @@
 
 use std::ops::Range;
 
-use super::Work;
-use super::queue::Batch;
-use crate::camera::Camera;
-use crate::frame::FrameScene;
-use crate::sampling::PixelSeed;
-use crate::sampling::batch::{CameraNames, CameraSamples};
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
-/// What is left of some work, and the working memory of making its camera rays.
+use crate::camera::Camera;
+use crate::integrator::batch::Batch;
+use crate::integrator::work::{Job, Work};
+use crate::sampling::PixelSeed;
+use crate::sampling::batch::{CameraNames, CameraSamples};
+
+/// How far the camera rays of some work are made, and the working memory of making them.
 #[derive(Debug)]
-pub(super) struct CameraRays {
+pub(in crate::integrator) struct CameraRays {
+    place: Place,
     samples: CameraSamples,
     /// Words of the seeds of the pixels.
     seed: Column<u32>,
@@ -26,6 +27,7 @@ pub(super) struct CameraRays {
 impl Default for CameraRays {
     fn default() -> Self {
         Self {
+            place: Place::default(),
             samples: CameraSamples::default(),
             seed: [0; BATCH],
             x: [0; BATCH],
@@ -38,7 +40,7 @@ impl Default for CameraRays {
 
 /// How far the camera rays of some work are made.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place {
+struct Place {
     /// Entry of the work.
     work: usize,
     /// Samples of it that are made already.
@@ -46,19 +48,22 @@ pub(super) struct Place {
 }
 
 impl CameraRays {
-    /// Fills a batch with the next camera rays of the work, `most` or fewer; none are left when it
-    /// comes out empty.
-    pub(super) fn fill(
+    /// Begins with the first sample of some work.
+    pub(in crate::integrator) fn restart(&mut self) {
+        self.place = Place::default();
+    }
+
+    /// Fills a batch with the next camera rays of the work, `most` or fewer; it comes out empty when
+    /// all are made.
+    pub(in crate::integrator) fn fill(
         &mut self,
-        frame: &FrameScene,
-        work: &[Work],
+        job: &Job<'_>,
         seeds: &[PixelSeed],
-        place: &mut Place,
         most: usize,
         batch: &mut Batch,
     ) {
-        let most = most.min(BATCH);
-        let list = List { work, seeds, place, most, rays: self, batch };
+        let (frame, most) = (job.frame, most.min(BATCH));
+        let list = List { work: job.work, seeds, most, rays: self, batch };
         let (len, end) = frame.isa.run(list);
         let lens = frame.camera.has_lens();
         let names = CameraNames { seed: &self.seed, index: &batch.labels.index, end, lens, len };
@@ -90,7 +95,6 @@ impl CameraRays {
 struct List<'a> {
     work: &'a [Work],
     seeds: &'a [PixelSeed],
-    place: &'a mut Place,
     most: usize,
     rays: &'a mut CameraRays,
     batch: &'a mut Batch,
@@ -101,15 +105,16 @@ impl Lanewise for List<'_> {
 
     #[inline(always)]
     fn run(self) -> (usize, u32) {
-        let Self { work, seeds, place, most, rays, batch } = self;
+        let Self { work, seeds, most, rays, batch } = self;
+        let CameraRays { place, seed, x, y, .. } = rays;
         let (mut len, mut end) = (0, 0);
         while let Some(w) = work.get(place.work).filter(|_| len < most) {
             let count = (w.count - place.samples).min((most - len) as u32);
             let first = w.first + place.samples;
             let lanes = len..len + count as usize;
-            put(&mut rays.x, lanes.clone(), |_| w.x);
-            put(&mut rays.y, lanes.clone(), |_| w.y);
-            put(&mut rays.seed, lanes.clone(), |_| seeds[place.work].word());
+            put(x, lanes.clone(), |_| w.x);
+            put(y, lanes.clone(), |_| w.y);
+            put(seed, lanes.clone(), |_| seeds[place.work].word());
             put(&mut batch.labels.slot, lanes.clone(), |_| place.work as u32);
             put(&mut batch.labels.index, lanes, |i| first.wrapping_add(i));
             len += count as usize;

@@ -1,0 +1,92 @@
+//! Weighted rays in columns.
+
+use slo_accel::Rays;
+use slo_accel::math::columns::{BATCH, Column, Vec3s};
+
+/// What goes with a ray besides its geometry.
+#[derive(Debug)]
+pub(super) struct Labels {
+    /// Time in the shutter, `[0, 1]`.
+    pub(super) time: Column<f32>,
+    /// Sum to which the ray's light is added.
+    pub(super) slot: Column<u32>,
+    /// Code of the branches that led here.
+    pub(super) path: Column<u32>,
+    /// Number of the ray among those of the same path in the pixel's samples.
+    pub(super) index: Column<u32>,
+}
+
+impl Default for Labels {
+    fn default() -> Self {
+        Self { time: [0.0; BATCH], slot: [0; BATCH], path: [0; BATCH], index: [0; BATCH] }
+    }
+}
+
+/// Rays of a queue, taken out to be traced.
+#[derive(Debug)]
+pub(super) struct Batch {
+    /// With room for [`BATCH`].
+    pub(super) rays: Rays,
+    /// Weight of the radiance that arrives along each ray; of rays to lights, the light that arrives
+    /// if nothing blocks it.
+    pub(super) weight: Vec3s,
+    /// See [`Sent::density`].
+    pub(super) density: Column<f32>,
+    pub(super) labels: Labels,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self {
+            rays: Rays::with_capacity(BATCH),
+            weight: Vec3s::default(),
+            density: [0.0; BATCH],
+            labels: Labels::default(),
+        }
+    }
+}
+
+impl Batch {
+    /// How many rays there are, [`BATCH`] at most.
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.rays.len().min(BATCH)
+    }
+}
+
+/// Rays that the hits of a batch send out: entry `i` is the ray of hit `i`.
+#[derive(Debug)]
+pub(super) struct Sent {
+    pub(super) origin: Vec3s,
+    /// Unit for bounces; from hit to light for rays to lights.
+    pub(super) direction: Vec3s,
+    pub(super) t_max: Column<f32>,
+    /// See [`Batch::weight`]; 0: no ray is sent.
+    pub(super) weight: Vec3s,
+    /// Density per solid angle of the rays of this lobe, times their number, if rays to lamps look for
+    /// the same light; 0 if none do.
+    pub(super) density: Column<f32>,
+}
+
+impl Default for Sent {
+    fn default() -> Self {
+        Self {
+            origin: Vec3s::default(),
+            direction: Vec3s::default(),
+            t_max: [0.0; BATCH],
+            weight: Vec3s::default(),
+            density: [0.0; BATCH],
+        }
+    }
+}
+
+impl Sent {
+    /// Whether ray `i` can be traced: coordinates beyond all bounds leave no direction.
+    #[inline(always)]
+    pub(super) fn is_ray(&self, i: usize) -> bool {
+        let (o, d) = (self.origin.get(i), self.direction.get(i));
+        let size = d.length_squared();
+        let sum = (o.x + o.y + o.z) + size;
+        sum.abs() < f32::INFINITY && size > 0.0
+    }
+}

@@ -1,0 +1,133 @@
+//! Distributed ray tracing: light straight from lamps, and what mirrors, gloss and glass show.
+//!
+//! A hit sends rays to lights, and rays of its reflected and refracted lobes until the recursion ends.
+
+use slo_picture::film::Features;
+
+use super::batch::Batch;
+use super::branching::most_camera_rays;
+use super::machine::{Connection, Integrator, Machine};
+use super::stages::camera_rays::CameraRays;
+use super::stages::direct_light::{DirectLight, questions};
+use super::stages::ended::Ended;
+use super::stages::features::FeatureSums;
+use super::stages::hits::Hits;
+use super::stages::lobes::Lobes;
+use super::stages::points::Points;
+use super::stages::scattering::{Scattering, bounces};
+use super::stages::visibility::Visibility;
+use super::work::Job;
+use crate::frame::WorldScratch;
+
+/// The stages, in the order in which a batch passes them.
+#[derive(Debug, Default)]
+pub(super) struct Distributed {
+    camera_rays: Box<CameraRays>,
+    /// The batch at hand.
+    batch: Box<Batch>,
+    hits: Box<Hits>,
+    ended: Box<Ended>,
+    points: Box<Points>,
+    features: FeatureSums,
+    lobes: Box<Lobes>,
+    direct_light: Box<DirectLight>,
+    visibility: Box<Visibility>,
+    scattering: Box<Scattering>,
+    /// Working memory of queries, which one stage at a time borrows.
+    scratch: WorldScratch,
+}
+
+impl Distributed {
+    /// Begins some work; features are collected for `features` slots.
+    pub(super) fn restart(&mut self, features: usize) {
+        self.camera_rays.restart();
+        self.features.reset(features);
+    }
+
+    /// Surface features of each slot.
+    pub(super) fn features(&self) -> &[Features] {
+        self.features.get()
+    }
+
+    /// Traces the batch, adds the light that its rays bring, and queues the rays that its hits send
+    /// out.
+    fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        let frame = job.frame;
+        let Self { batch, hits, ended, points, features, lobes, scratch, .. } = self;
+        hits.trace(frame, batch, machine.habit(depth), scratch);
+        ended.find(frame, batch, hits, depth);
+        machine.add(frame.isa, &ended.light, &ended.slot, ended.len);
+        points.find(frame, batch, hits, machine.seeds());
+        if frame.material_table.has_ambient {
+            machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
+        }
+        features.add(frame, batch, hits, points);
+        let scatters = depth < frame.settings.recursion && lobes.find(frame, points);
+        self.ask_lights(machine, job, scatters, depth)?;
+        if scatters {
+            self.scatter(machine, job, depth)?;
+        }
+        Some(())
+    }
+
+    /// Rays from all points to the lights that the settings let them ask.
+    fn ask_lights(
+        &mut self,
+        machine: &mut Machine,
+        job: &Job<'_>,
+        scatters: bool,
+        depth: u32,
+    ) -> Option<()> {
+        let kind = Connection::at(depth);
+        let glossy = scatters && job.frame.combines();
+        for question in questions(job.frame, depth) {
+            let Self { points, lobes, direct_light, .. } = self;
+            direct_light.ask(job, points, lobes, glossy, question, depth)?;
+            machine.connect(kind, &direct_light.sent, &points.labels, &direct_light.chosen);
+            machine.relieve(self, job, kind);
+            job.goes_on()?;
+        }
+        Some(())
+    }
+
+    /// Rays of the lobes of all points.
+    fn scatter(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        let Self { points, lobes, scattering, features, .. } = self;
+        for bounce in bounces(job.frame, lobes, points, depth) {
+            scattering.send(job.frame, points, lobes, bounce, depth, features.first_behind());
+            let Scattering { sent, labels, chosen, .. } = &**scattering;
+            machine.extend(depth + 1, sent, labels, chosen);
+            job.goes_on()?;
+        }
+        Some(())
+    }
+}
+
+impl Integrator for Distributed {
+    fn start_paths(&mut self, machine: &mut Machine, job: &Job<'_>) -> Option<bool> {
+        let most = most_camera_rays(&job.frame.settings);
+        self.camera_rays.fill(job, machine.seeds(), most, &mut self.batch);
+        if self.batch.len() == 0 {
+            return Some(false);
+        }
+        machine.count_camera_rays(&self.batch);
+        self.trace(machine, job, 0)?;
+        Some(true)
+    }
+
+    fn extend_paths(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        machine.take_paths(depth, &mut self.batch);
+        self.trace(machine, job, depth)
+    }
+
+    fn connect(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection) {
+        let Self { visibility, scratch, .. } = self;
+        machine.take_connections(kind, &mut visibility.batch);
+        visibility.trace(job.frame, machine.connection_habit(kind), scratch);
+        if let Some((sent, labels, chosen)) = visibility.beyond() {
+            machine.connect(kind, sent, labels, chosen);
+        }
+        let Batch { weight, labels, .. } = &visibility.batch;
+        machine.add(job.frame.isa, weight, &labels.slot, visibility.batch.len());
+    }
+}

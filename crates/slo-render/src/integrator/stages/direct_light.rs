@@ -1,0 +1,205 @@
+//! Rays from the hits of a batch to lights.
+
+use glam::Vec3;
+use slo_accel::Lanewise;
+use slo_accel::math::columns::{Column, lanes};
+use slo_scene::LightSampling;
+
+use super::light_choice::LightChoice;
+use super::lobes::{Lobe, Lobes};
+use super::points::Points;
+use crate::frame::FrameScene;
+use crate::integrator::batch::Sent;
+use crate::integrator::branching::{glossy_samples, mean_rays_to, rays_to};
+use crate::integrator::chosen::Chosen;
+use crate::integrator::roulette::{least_weight, roulette};
+use crate::integrator::work::Job;
+use crate::sampling::Purpose;
+use crate::sampling::batch::SetPoints;
+use crate::shading::phong::local_light;
+use crate::shading::{Light, lobe};
+
+/// One ray from every point to a light.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrator) struct Question {
+    /// The light's index; `None`: each point asks one at random.
+    light: Option<u32>,
+    /// Number of the ray, and how many there are.
+    place: [u32; 2],
+}
+
+/// The rays of all points to lights, by the settings.
+pub(in crate::integrator) fn questions(
+    frame: &FrameScene,
+    depth: u32,
+) -> impl Iterator<Item = Question> {
+    let (asked, all) = match frame.settings.light_sampling {
+        LightSampling::All => (frame.lights.len(), true),
+        LightSampling::One => (frame.lights.len().min(1), false),
+    };
+    (0..asked).flat_map(move |number| {
+        let count = rays_to(frame, &frame.lights[number], depth);
+        let light = all.then_some(number as u32);
+        (0..count).map(move |i| Question { light, place: [i, count] })
+    })
+}
+
+/// Rays of one question from all points.
+#[derive(Debug, Default)]
+pub(in crate::integrator) struct DirectLight {
+    set: SetPoints,
+    choice: LightChoice,
+    pub(in crate::integrator) sent: Sent,
+    /// Points that send a ray.
+    pub(in crate::integrator) chosen: Chosen,
+}
+
+impl DirectLight {
+    /// Makes the rays of one question, except those whose light could add nothing. If `glossy`, the light
+    /// that lobes receive from lamps is looked for too. `None` if the work is to be given up.
+    pub(in crate::integrator) fn ask(
+        &mut self,
+        job: &Job<'_>,
+        points: &Points,
+        lobes: &Lobes,
+        glossy: bool,
+        Question { light, place }: Question,
+        depth: u32,
+    ) -> Option<()> {
+        let frame = job.frame;
+        let Self { set, choice, sent, chosen } = self;
+        let purpose = light.map_or(Purpose::AnyLight, Purpose::Light);
+        let least = if depth > 0 { least_weight(frame) } else { 0.0 };
+        let names = points.names(&frame.settings, depth, purpose, place);
+        if light.is_some() && least == 0.0 {
+            set.take::<2>(&frame.sampler, frame.isa, &names);
+        } else {
+            set.take::<3>(&frame.sampler, frame.isa, &names);
+        }
+        // A copy, which no column can overlap.
+        let first = frame.lights[light.unwrap_or(0) as usize];
+        let tries = mean_rays_to(frame, &first, depth);
+        let rays = [Purpose::Reflection, Purpose::Refraction]
+            .map(|purpose| glossy_samples(&frame.settings, purpose, depth) as f32);
+        if light.is_some() {
+            let survival = &set.numbers[2];
+            let from = Asking { points, lobes, set, survival, tries, rays, least };
+            ask(frame, glossy, from, |_| (first, 1.0), sent);
+        } else {
+            choice.choose(job, points, &set.numbers[2])?;
+            let survival = choice.rest();
+            let from = Asking { points, lobes, set, survival, tries, rays, least };
+            ask(frame, glossy, from, |i| choice.of(&frame.lights, i), sent);
+        }
+        chosen.set(frame.isa, points.len(), |i| sent.weight.get(i) != Vec3::ZERO);
+        Some(())
+    }
+}
+
+/// What the rays of all points to lights have in common.
+#[derive(Clone, Copy)]
+struct Asking<'a> {
+    points: &'a Points,
+    lobes: &'a Lobes,
+    set: &'a SetPoints,
+    /// The random number that decides whether a weak ray is sent.
+    survival: &'a Column<f32>,
+    /// See [`mean_rays_to`].
+    tries: f32,
+    /// Number of rays of a glossy lobe: reflected, refracted.
+    rays: [f32; 2],
+    /// Rays of less weight are left to chance. None is at the first hit: where all is dark, its light
+    /// is all there is to see.
+    least: f32,
+}
+
+/// Makes a ray from every point `i` to the light `choose(i)`, with the weight of that choice.
+fn ask(
+    frame: &FrameScene,
+    glossy: bool,
+    from: Asking<'_>,
+    choose: impl Fn(usize) -> (Light, f32),
+    to: &mut Sent,
+) {
+    match (glossy, from.points.shines) {
+        (false, false) => frame.isa.run(Ask::<false, false, _> { from, choose, to }),
+        (false, true) => frame.isa.run(Ask::<true, false, _> { from, choose, to }),
+        (true, _) => frame.isa.run(Ask::<true, true, _> { from, choose, to }),
+    }
+}
+
+struct Ask<'a, const SHINES: bool, const GLOSSY: bool, C> {
+    from: Asking<'a>,
+    choose: C,
+    to: &'a mut Sent,
+}
+
+impl<const SHINES: bool, const GLOSSY: bool, C> Lanewise for Ask<'_, SHINES, GLOSSY, C>
+where
+    C: Fn(usize) -> (Light, f32),
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        ask_lanes::<SHINES, GLOSSY, C>(&self.from, &self.choose, self.to);
+    }
+}
+
+#[inline(always)]
+fn ask_lanes<const SHINES: bool, const GLOSSY: bool, C: Fn(usize) -> (Light, f32)>(
+    &Asking { points, lobes, set, survival, tries, rays, least }: &Asking<'_>,
+    choose: &C,
+    to: &mut Sent,
+) {
+    let surfaces = &points.surfaces;
+    let share = 1.0 / tries;
+    for i in lanes(surfaces.len) {
+        let (light, times) = choose(i);
+        let target = light.point([set.numbers[0][i], set.numbers[1][i]]);
+        let way = target - surfaces.point.get(i);
+        let distance = way.length();
+        let toward = way * (1.0 / distance);
+        let n_shade = surfaces.n_shade.get(i);
+        let reflected = local_light::<SHINES>(
+            [points.diffuse.get(i), points.specular.get(i)],
+            points.shininess[i],
+            n_shade,
+            toward,
+            -points.direction.get(i),
+        );
+        // Lit from behind the surface itself, whatever the interpolated normal says.
+        let front = toward.dot(surfaces.n_geo.get(i)) > 0.0;
+        let mut added = if front { reflected * share } else { Vec3::ZERO };
+        if GLOSSY {
+            let by_light = tries * light.density(way);
+            let reflected = lobes.reflected.share_of_light(i, toward, by_light, rays[0]);
+            let refracted = lobes.refracted.share_of_light(i, toward, by_light, rays[1]);
+            added += points.weight.get(i) * if front { reflected } else { refracted };
+        }
+        let origin = surfaces.leave(i, toward);
+        let (direction, t_max) = light.shadow_ray(origin, target);
+        to.origin.set(i, origin);
+        to.direction.set(i, direction);
+        to.t_max[i] = t_max;
+        // A dim light must not be left to chance more than a bright one.
+        let least = least * light.color.max_element().min(1.0);
+        let weight = roulette(added * light.color * times, least, survival[i]);
+        to.weight.set(i, if to.is_ray(i) { weight } else { Vec3::ZERO });
+    }
+}
+
+impl Lobe {
+    /// Share of one ray to a lamp in the light that the lobe of point `i` receives from it, if rays of
+    /// both kinds look for it: `by_light` rays to the lamp per solid angle, and `rays` of the
+    /// lobe.
+    ///
+    /// Source: E. Veach and L. Guibas, "Optimally Combining Sampling Techniques" (1995), the
+    /// balance heuristic.
+    #[inline(always)]
+    fn share_of_light(&self, i: usize, toward: Vec3, by_light: f32, rays: f32) -> f32 {
+        let density = lobe::density(self.axis.get(i), self.inverse.0[i], self.side.get(i), toward);
+        let share = self.weight.0[i] * density / (by_light + rays * density);
+        if density > 0.0 { share } else { 0.0 }
+    }
+}

@@ -1,0 +1,13 @@
+//! The stages of integrators: each turns columns into columns, with working memory of its own that
+//! others read at most.
+
+pub(super) mod camera_rays;
+pub(super) mod direct_light;
+pub(super) mod ended;
+pub(super) mod features;
+pub(super) mod hits;
+mod light_choice;
+pub(super) mod lobes;
+pub(super) mod points;
+pub(super) mod scattering;
+pub(super) mod visibility;

@@ -1,0 +1,139 @@
+//! Connections: rays that carry the light that they bring if nothing blocks them.
+
+use glam::Vec3;
+use slo_accel::math::columns::Vec3s;
+use slo_accel::{Coherence, Lanewise, NO_HIT};
+use slo_scene::ShadowMode;
+
+use crate::frame::{FrameScene, NO_MATERIAL, SurfaceScratch, Surfaces, WorldHits, WorldScratch};
+use crate::integrator::batch::{Batch, Labels, Sent};
+use crate::integrator::chosen::Chosen;
+use crate::integrator::queue::Habit;
+
+/// A batch of connections, and those that go on behind what lets light pass.
+#[derive(Debug, Default)]
+pub(in crate::integrator) struct Visibility {
+    /// Its weights become the light that arrives.
+    pub(in crate::integrator) batch: Batch,
+    blocked: Vec<bool>,
+    passing: Option<Box<Passing>>,
+}
+
+/// Connections that pass through transparent objects.
+#[derive(Debug, Default)]
+struct Passing {
+    found: WorldHits,
+    surfaces: Surfaces,
+    scratch: SurfaceScratch,
+    sent: Sent,
+    labels: Labels,
+    chosen: Chosen,
+}
+
+impl Visibility {
+    /// Finds what blocks the connections of the batch.
+    pub(in crate::integrator) fn trace(
+        &mut self,
+        frame: &FrameScene,
+        habit: &mut Habit,
+        scratch: &mut WorldScratch,
+    ) {
+        let expected = habit.expected();
+        let alike = match frame.settings.shadow {
+            ShadowMode::Opaque => {
+                self.passing = None;
+                self.trace_opaque(frame, expected, scratch)
+            }
+            ShadowMode::Transparent => {
+                let passing = self.passing.get_or_insert_default();
+                passing.trace(frame, &mut self.batch, expected, scratch)
+            }
+        };
+        habit.learn(expected, alike);
+    }
+
+    /// Connections that start again behind what they passed through: rays, labels, and which of them
+    /// there are.
+    pub(in crate::integrator) fn beyond(&self) -> Option<(&Sent, &Labels, &Chosen)> {
+        let passing = self.passing.as_ref()?;
+        Some((&passing.sent, &passing.labels, &passing.chosen))
+    }
+
+    /// Takes the light of blocked rays.
+    fn trace_opaque(
+        &mut self,
+        frame: &FrameScene,
+        expected: Coherence,
+        scratch: &mut WorldScratch,
+    ) -> Coherence {
+        let Self { batch, blocked, .. } = self;
+        let (rays, time) = (&batch.rays, &batch.labels.time);
+        let alike = frame.world.occluded(rays, time, expected, blocked, scratch);
+        frame.isa.run(Darken { blocked, light: &mut batch.weight });
+        alike
+    }
+}
+
+impl Passing {
+    /// Takes the light of rays that hit something. Those that meet a refractive object start again
+    /// behind it, weaker.
+    fn trace(
+        &mut self,
+        frame: &FrameScene,
+        batch: &mut Batch,
+        expected: Coherence,
+        scratch: &mut WorldScratch,
+    ) -> Coherence {
+        let Self { found, surfaces, sent, labels, chosen, .. } = self;
+        let (len, Batch { rays, weight, labels: Labels { time, slot, .. }, .. }) =
+            (batch.len(), batch);
+        let alike = frame.world.intersect(rays, time, expected, found, scratch);
+        surfaces.len = 0;
+        for i in 0..len {
+            let primitive = found.hits.primitive[i];
+            if primitive == NO_HIT {
+                continue;
+            }
+            let light = weight.get(i);
+            weight.set(i, Vec3::ZERO);
+            if let Some(passed) = frame.light_passed(primitive, found.instance[i]) {
+                sent.weight.set(surfaces.len, light * passed);
+                surfaces.push(i, NO_MATERIAL);
+            }
+        }
+        frame.find_surfaces(rays, time, found, surfaces, &mut self.scratch);
+        for i in 0..surfaces.len {
+            let ray = surfaces.ray[i] as usize;
+            let (origin, direction) = (rays.origin(ray), rays.direction(ray));
+            let from = surfaces.leave(i, direction);
+            // The rest of the way ends where it ended before.
+            sent.origin.set(i, from);
+            sent.direction.set(i, origin + direction * rays.t_max[ray] - from);
+            sent.t_max[i] = 1.0;
+            labels.time[i] = time[ray];
+            labels.slot[i] = slot[ray];
+        }
+        chosen.set(frame.isa, surfaces.len, |_| true);
+        alike
+    }
+}
+
+/// Makes the light of blocked rays 0.
+struct Darken<'a> {
+    blocked: &'a [bool],
+    light: &'a mut Vec3s,
+}
+
+impl Lanewise for Darken<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Vec3s { x, y, z } = self.light;
+        for column in [x, y, z] {
+            for (light, &blocked) in column.iter_mut().zip(self.blocked) {
+                *light = if blocked { 0.0 } else { *light };
+            }
+        }
+    }
+}

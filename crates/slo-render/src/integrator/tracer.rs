@@ -1,0 +1,110 @@
+//! The integrators of one thread.
+
+use slo_picture::film::Features;
+
+use super::distributed::Distributed;
+use super::machine::Machine;
+use super::work::{Job, Traced, Work};
+use crate::frame::FrameScene;
+
+/// Working memory of one thread: allocated once, used for tile after tile.
+#[derive(Debug, Default)]
+pub struct Tracer {
+    machine: Machine,
+    distributed: Distributed,
+}
+
+impl Tracer {
+    /// Traces camera samples to the end; `with_features` collects surface features too. `None` if
+    /// `gives_up`, which is asked between batches, said yes.
+    pub fn trace(
+        &mut self,
+        frame: &FrameScene,
+        work: &[Work],
+        with_features: bool,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<Traced<'_>> {
+        let job = Job { frame, work, gives_up };
+        let Self { machine, distributed } = self;
+        machine.begin(&job, if with_features { 2 } else { 1 });
+        distributed.restart(if with_features { work.len() } else { 0 });
+        machine.run(distributed, &job)?;
+        let features: &[Features] = distributed.features();
+        let (sums, statistics) = machine.finish(work.len());
+        Some(Traced { sums, features, statistics })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use slo_accel::Isa;
+    use slo_accel::math::columns::BATCH;
+    use slo_scene::{Files, load};
+
+    use super::*;
+
+    /// A floor under lights that are seen in it.
+    fn frame(settings: &str, lights: usize) -> FrameScene {
+        let light = "light_rectangle l { color { 1 1 1 }
+            vertex0 { 3 -6 6 } vertex1 { 5 -6 6 } vertex2 { 5 -4 6 } }";
+        let text = format!(
+            "settings s {{ imageSamples 1 {settings} }}
+             Camera c {{ fps 25 Film f {{ width 32 height 32 }}
+                 CamSegment a {{ videoStart 0 videoEnd 1 addPosition {{ 3 -6 3 }} addTarget {{ 0 0 0 }} fovStart .3 }} }}
+             {}
+             phong_info p {{ diffuse {{ .8 .1 .1 }} reflectance .5 diffuse_reflection .5 }}
+             material_phong p {{ phong_info p }}
+             plane floor {{ normal {{ 0 0 1 }} position {{ 0 0 0 }} material p }}",
+            light.repeat(lights)
+        );
+        let loaded = load("scene.txt", text.as_bytes(), &Files::built_in("", &[]));
+        let scene = loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
+        FrameScene::build(&scene, 0, Isa::best()).unwrap()
+    }
+
+    fn work() -> Vec<Work> {
+        (0..4096).map(|i| Work { x: i % 32, y: i / 32 % 32, first: i / 1024, count: 1 }).collect()
+    }
+
+    #[test]
+    fn queues_stay_bounded_however_many_rays_a_hit_sends() {
+        for settings in [
+            "softShadowSamples 300",
+            "softShadowSamples 300 shadow TRANSPARENT",
+            "diffuseReflectionSamples 4000",
+        ] {
+            let (frame, mut tracer) = (frame(settings, 1), Tracer::default());
+            let work = if settings.starts_with("diffuse") { &work()[..2048] } else { &work() };
+            let traced = tracer.trace(&frame, work, false, &|| false).unwrap();
+            let counts = traced.statistics;
+            assert!(counts.shadow_rays + counts.bounce_rays > 100_000, "{settings}: {counts:?}");
+            let (paths, connections) = tracer.machine.rooms();
+            assert!(paths.iter().all(|&room| room <= 1100 * BATCH), "{settings}: {paths:?}");
+            assert!(
+                connections.iter().all(|&room| room <= 64 * BATCH),
+                "{settings}: {connections:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn work_can_be_given_up_between_lights() {
+        for settings in ["", "lightSamplingType SAMPLE_ONE_AT_TIME"] {
+            let (frame, mut tracer) = (frame(settings, 500), Tracer::default());
+            let asked = Cell::new(0);
+            let gives_up = || {
+                asked.set(asked.get() + 1);
+                asked.get() >= 10
+            };
+            assert!(tracer.trace(&frame, &work(), false, &gives_up).is_none());
+            assert_eq!(asked.get(), 10, "{settings}");
+            assert!(tracer.machine.finish(0).1.shadow_rays < 20 * BATCH as u64, "{settings}");
+            assert_eq!(tracer.machine.rooms(), (vec![], vec![0, 0]));
+            // The same memory serves further work.
+            let traced = tracer.trace(&frame, &work()[..64], false, &|| false).unwrap();
+            assert_eq!(traced.sums.len(), 64);
+        }
+    }
+}

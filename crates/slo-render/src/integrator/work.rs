@@ -1,0 +1,71 @@
+//! What an integrator is asked for, and what it answers with.
+
+use slo_picture::film::{Features, Fixed};
+
+use crate::frame::FrameScene;
+
+/// Samples `first..first + count` of one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Work {
+    /// Column.
+    pub x: u32,
+    /// Row, from the top.
+    pub y: u32,
+    /// First sample.
+    pub first: u32,
+    /// Number of samples.
+    pub count: u32,
+}
+
+/// Sum of the radiances of camera samples.
+pub type SampleSum = [Fixed; 3];
+
+/// Result of tracing camera samples, for each entry of the work in its order.
+#[derive(Clone, Copy, Debug)]
+pub struct Traced<'a> {
+    /// Exact sums of light.
+    pub sums: &'a [SampleSum],
+    /// Exact sums of surface features; empty unless they were asked for.
+    pub features: &'a [Features],
+    /// Counts of what was traced.
+    pub statistics: Statistics,
+}
+
+/// Counts of what was traced, for the log; never part of a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Camera samples taken.
+    pub camera_rays: u64,
+    /// Rays toward lights.
+    pub shadow_rays: u64,
+    /// Reflected and refracted rays.
+    pub bounce_rays: u64,
+    /// Contributions that were not finite or out of the film's range, left out of the sums.
+    pub refused_contributions: u64,
+}
+
+impl std::ops::AddAssign for Statistics {
+    fn add_assign(&mut self, other: Self) {
+        self.camera_rays += other.camera_rays;
+        self.shadow_rays += other.shadow_rays;
+        self.bounce_rays += other.bounce_rays;
+        self.refused_contributions += other.refused_contributions;
+    }
+}
+
+/// What every stage may read.
+#[derive(Clone, Copy)]
+pub(super) struct Job<'a> {
+    pub(super) frame: &'a FrameScene,
+    pub(super) work: &'a [Work],
+    /// Whether to stop at once and lose the work.
+    pub(super) gives_up: &'a dyn Fn() -> bool,
+}
+
+impl Job<'_> {
+    /// `None` if the work is to be given up; asked between batches, and between the rays that a
+    /// batch sends out.
+    pub(super) fn goes_on(&self) -> Option<()> {
+        (!(self.gives_up)()).then_some(())
+    }
+}
