@@ -22,36 +22,43 @@ pub struct Area {
 
 impl Area {
     /// All of a picture.
+    #[inline]
     pub fn whole(width: u32, height: u32) -> Self {
         Self { x0: 0, y0: 0, x1: width, y1: height }
     }
 
     /// Columns.
+    #[inline]
     pub fn width(&self) -> u32 {
         self.x1 - self.x0
     }
 
     /// Rows.
+    #[inline]
     pub fn height(&self) -> u32 {
         self.y1 - self.y0
     }
 
     /// Pixels.
+    #[inline]
     pub fn len(&self) -> usize {
         self.width() as usize * self.height() as usize
     }
 
     /// Whether there is no pixel in it.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Whether all of `other` lies inside.
+    #[inline]
     pub fn holds(&self, other: &Self) -> bool {
         self.x0 <= other.x0 && self.y0 <= other.y0 && self.x1 >= other.x1 && self.y1 >= other.y1
     }
 
     /// What lies in both; empty where they do not meet.
+    #[inline]
     pub fn common(&self, other: &Self) -> Self {
         let (x0, y0) = (self.x0.max(other.x0), self.y0.max(other.y0));
         Self { x0, y0, x1: self.x1.min(other.x1).max(x0), y1: self.y1.min(other.y1).max(y0) }

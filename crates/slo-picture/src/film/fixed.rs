@@ -23,6 +23,7 @@ impl Fixed {
     pub const ZERO: Self = Self(0);
 
     /// The nearest multiple of 2^-24; `None` for what it does not [hold](Self::holds).
+    #[inline]
     pub fn new(x: f32) -> Option<Self> {
         Self::holds(x).then(|| Self::or_zero(x))
     }
@@ -44,21 +45,25 @@ impl Fixed {
     }
 
     /// The number, to the precision of f64.
+    #[inline]
     pub fn to_f64(self) -> f64 {
         self.0 as f64 / ONE
     }
 
     /// The number as a count of 2^-24.
+    #[inline]
     pub fn units(self) -> i64 {
         self.0
     }
 
     /// That many times 2^-24.
+    #[inline]
     pub fn from_units(units: i64) -> Self {
         Self(units)
     }
 
     /// The exact sum; `None` where 64 bits do not hold it.
+    #[inline]
     pub fn checked_add(self, other: Self) -> Option<Self> {
         self.0.checked_add(other.0).map(Self)
     }
@@ -67,12 +72,14 @@ impl Fixed {
 impl Add for Fixed {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self(self.0 + other.0)
     }
 }
 
 impl AddAssign for Fixed {
+    #[inline]
     fn add_assign(&mut self, other: Self) {
         self.0 += other.0;
     }

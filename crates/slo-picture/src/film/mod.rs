@@ -80,6 +80,7 @@ impl Film {
     }
 
     /// All pixels, row by row.
+    #[inline]
     pub fn pixels(&self) -> &[Pixel] {
         &self.pixels
     }
@@ -96,11 +97,13 @@ impl Film {
 
     /// What the pixel of row-major index `i` shows of surfaces, to be changed; `None` where nobody
     /// asked.
+    #[inline]
     pub fn features_mut(&mut self, i: usize) -> Option<&mut Features> {
         self.features.get_mut(i)
     }
 
     /// Pixel and spread of row-major index `i`, to be changed.
+    #[inline]
     pub fn at_mut(&mut self, i: usize) -> (&mut Pixel, Option<&mut Spread>) {
         (&mut self.pixels[i], self.spreads.get_mut(i))
     }

@@ -24,6 +24,7 @@ pub struct Pixel {
 
 impl Pixel {
     /// Mean radiance; black where nothing was sampled.
+    #[inline]
     pub fn mean(&self) -> [f32; 3] {
         let samples = f64::from(self.samples.max(1));
         self.sum.map(|s| (s.to_f64() / samples) as f32)
@@ -31,6 +32,7 @@ impl Pixel {
 
     /// Adds the next `count` samples. Where a power of two lies between the old number of samples
     /// and the new one, `base` is right after a split there only: see [`split`].
+    #[inline]
     pub fn add(&mut self, sum: [Fixed; 3], count: u32) {
         if self.samples.is_power_of_two() {
             self.base = self.sum;
@@ -39,18 +41,21 @@ impl Pixel {
     }
 
     /// Adds samples that do not count for `base`.
+    #[inline]
     pub fn add_later(&mut self, sum: [Fixed; 3], count: u32) {
         add(&mut self.sum, sum);
         self.samples += count;
     }
 
     /// Adds samples that count for `base`.
+    #[inline]
     pub fn add_base(&mut self, sum: [Fixed; 3], count: u32) {
         add(&mut self.base, sum);
         self.add_later(sum, count);
     }
 
     /// The sum of two sets of samples that have none in common; `None` where numbers are too large.
+    #[inline]
     pub fn checked_add(&self, other: &Self) -> Option<Self> {
         let mut result = Self { samples: self.samples.checked_add(other.samples)?, ..*self };
         for c in 0..3 {
@@ -65,6 +70,7 @@ impl Pixel {
     /// The samples of `base` and the others are two estimates of the pixel. For independent samples
     /// the expected square is exact; where samples are stratified it is too large, unless all that
     /// the second half looks at is what the first has seen.
+    #[inline]
     pub fn error(&self) -> Option<[f32; 3]> {
         if self.samples < 2 {
             return None;
@@ -117,6 +123,7 @@ pub fn base_end(samples: u32) -> u32 {
 }
 
 /// Samples `from..to` in one or two steps after which `base` is right.
+#[inline]
 pub fn split(from: u32, to: u32) -> impl Iterator<Item = Range<u32>> {
     let middle = base_end(to).max(from);
     [from..middle, middle..to].into_iter().filter(|range| !range.is_empty())
@@ -143,6 +150,7 @@ impl Default for Spread {
 
 impl Spread {
     /// Adds one sample.
+    #[inline]
     pub fn add(&mut self, sample: [Fixed; 3]) {
         self.unite(&Self { least: sample, most: sample });
     }

@@ -43,6 +43,7 @@ impl Sampler {
     }
 
     /// The samples of the pixel in column `x` and row `y`.
+    #[inline]
     pub fn pixel(&self, x: u32, y: u32) -> PixelSeed {
         PixelSeed::new(self.seed, x, y)
     }
