@@ -3,9 +3,9 @@
 # requires-python = ">=3.10"
 # dependencies = ["numpy"]
 # ///
-"""Searches the matrices of src/sampling/matrices.rs and prints them. Needs numpy, which `uv run` fetches.
+"""Searches the matrices of crates/slo-render/src/sampling/matrices.rs and prints them. Needs numpy, which `uv run` fetches.
 
-    uv run scripts/sample_matrices.py --seconds 600 >src/sampling/matrices.rs
+    uv run scripts/sample_matrices.py --seconds 600 >crates/slo-render/src/sampling/matrices.rs
 
 A path takes its random numbers from groups of dimensions: lens, time, pixel, and for each of the first hits a point
 and a choice. Two dimensions of a group are a (0,2)-sequence: the first has any matrix that is upper triangular with
