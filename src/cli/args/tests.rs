@@ -1,10 +1,9 @@
 //! What is typed, and what it is taken for.
 
-use clap::{CommandFactory, ValueEnum};
+use clap::{CommandFactory, Parser, ValueEnum};
 
-use super::values::Size;
-use super::*;
-use crate::cli::sequence::Frames;
+use super::{Args, Command};
+use crate::cli::values::{AcceleratorName, FrameChoice, Frames, Threads};
 use crate::scene::Accelerator;
 
 #[test]
@@ -43,44 +42,6 @@ fn frames_may_be_negative() {
 fn the_spelling_of_the_thesis_works() {
     assert_eq!(parse("--outdit x").unwrap().outdir, Some("x".into()));
     assert!(!Args::command().render_long_help().to_string().contains("outdit"));
-}
-
-#[test]
-fn sizes() {
-    let of = |text: &str| {
-        let Size { width, height } = size(text).unwrap().of(1280, 720);
-        (width, height)
-    };
-    assert_eq!(of("320x180"), (320, 180));
-    assert_eq!(of("65536X1"), (65536, 1));
-    assert_eq!(of("1920 × 1080"), (1920, 1080));
-    assert_eq!((of("1080p"), of("4K")), ((1920, 1080), (3840, 2160)));
-    assert_eq!((of("50%"), of("12.5 %"), of("0.01%")), ((640, 360), (160, 90), (1, 1)));
-    for bad in
-        ["", "x", "320", "0x5", "5x0", "65537x1", "-1x5", "1x2x3", "1.5x2", "0%", "-5%", "x%"]
-    {
-        assert!(size(bad).unwrap_err().contains("such as 320x180"), "{bad}");
-    }
-}
-
-#[test]
-fn regions_and_parts() {
-    let expected = Region { width: 320, height: 180, x: 0, y: 90 };
-    assert_eq!(region("320x180+0+90"), Ok(expected));
-    assert_eq!(region("320X180+0+90"), Ok(expected));
-    assert_eq!(expected.to_string(), "320x180+0+90");
-    for bad in ["320x180", "320x180+1", "0x5+1+1", "1x1+-1+0", "1x1+1+1+1"] {
-        assert!(region(bad).is_err(), "{bad}");
-    }
-    for text in ["3/10", "3 / 10", "3-of-10"] {
-        assert_eq!(part(text), Ok(Part { number: 3, of: 10 }));
-    }
-    for text in ["7,120", "7, 120", "[7, 120]"] {
-        assert_eq!(steps(text), Ok(Steps { done: 7, tiles: 120 }));
-    }
-    for bad in ["", "3", "0/3", "4/3", "1/0", "-1/3", "1/2/3"] {
-        assert!(part(bad).is_err(), "{bad}");
-    }
 }
 
 #[test]

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::super::problem::Problem;
 use super::estimate::Moment;
+use crate::cli::base::Problem;
 use crate::output::Outcome;
 
 /// What happened.
@@ -90,8 +90,8 @@ pub(super) fn openjd_lines(event: Event) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::Exit;
     use super::*;
+    use crate::cli::base::Exit;
 
     const MOMENT: Moment = Moment {
         fraction: 0.625,

@@ -1,0 +1,122 @@
+//! What the command line says over the scene.
+
+use crate::cli::values::SizeChoice;
+use crate::scene::{Accelerator, Layer, OutputFormat, SceneDescription};
+
+/// Samples of a block at most, where only its noise was asked for.
+const MOST_FOR_NOISE: u32 = 4096;
+
+/// What the command line says over the scene.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Overrides {
+    pub(crate) prefix: Option<String>,
+    /// Of EXR pictures; empty: none.
+    pub(crate) layers: Vec<Layer>,
+    pub(crate) format: Option<OutputFormat>,
+    pub(crate) size: Option<SizeChoice>,
+    pub(crate) samples: Option<u32>,
+    pub(crate) noise: Option<f32>,
+    /// The number of samples is decided by noise or time, not by the scene.
+    pub(crate) is_stepwise: bool,
+    pub(crate) seed: Option<u64>,
+    pub(crate) accelerator: Option<Accelerator>,
+    /// Asked for, whatever the scene says.
+    pub(crate) spatial_splits: bool,
+}
+
+impl Overrides {
+    /// Puts what the command line says in the place of what the scene says.
+    ///
+    /// `samples` counts camera samples per pixel, whatever they sample: it stands for the product
+    /// of `imageSamples` and `dofSamples`.
+    pub(crate) fn apply(&self, scene: &mut SceneDescription) {
+        let film = &mut scene.camera.film;
+        film.prefix = self.prefix.clone().unwrap_or_else(|| film.prefix.clone());
+        if let Some(size) = self.size {
+            let size = size.of(film.width, film.height);
+            (film.width, film.height) = (size.width, size.height);
+        }
+        film.output = self.format.unwrap_or(film.output);
+        if !self.layers.is_empty() {
+            film.layers.clone_from(&self.layers);
+            film.layers.sort_unstable();
+            film.layers.dedup();
+        }
+        let settings = &mut scene.settings;
+        settings.noise = self.noise.or(settings.noise);
+        let open = (self.noise.is_some() || self.is_stepwise).then_some(MOST_FOR_NOISE);
+        if let Some(samples) = self.samples.or(open) {
+            let adaptive = settings.image_min_samples < settings.image_samples;
+            let least = if adaptive { settings.image_min_samples } else { samples };
+            settings.image_min_samples = least.min(samples);
+            settings.image_samples = samples;
+            settings.dof_samples = 1;
+        }
+        settings.seed = self.seed.unwrap_or(settings.seed);
+        settings.accelerator = self.accelerator.unwrap_or(settings.accelerator);
+        settings.spatial_splits |= self.spatial_splits;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::options::empty_scene;
+
+    fn check_samples(scene: (u32, u32, u32), samples: u32, expected: (u32, u32, u32)) {
+        let mut description = empty_scene();
+        let settings = &mut description.settings;
+        (settings.image_min_samples, settings.image_samples, settings.dof_samples) = scene;
+        Overrides { samples: Some(samples), ..Overrides::default() }.apply(&mut description);
+        let settings = &description.settings;
+        let result = (settings.image_min_samples, settings.image_samples, settings.dof_samples);
+        assert_eq!(result, expected, "--samples {samples} over {scene:?}");
+    }
+
+    #[test]
+    fn samples_are_all_camera_samples() {
+        check_samples((16, 16, 6), 4, (4, 4, 1));
+        check_samples((16, 16, 1), 64, (64, 64, 1));
+        check_samples((32, 256, 2), 128, (32, 128, 1));
+        check_samples((32, 256, 2), 8, (8, 8, 1));
+    }
+
+    #[test]
+    fn without_options_the_scene_stays() {
+        let mut scene = empty_scene();
+        Overrides::default().apply(&mut scene);
+        assert_eq!(scene.settings, empty_scene().settings);
+        assert_eq!(scene.camera.film, empty_scene().camera.film);
+    }
+
+    #[test]
+    fn options_replace_what_the_scene_says() {
+        let mut scene = empty_scene();
+        let overrides = Overrides {
+            prefix: Some("p".into()),
+            size: Some(SizeChoice::Share(0.5)),
+            seed: Some(7),
+            accelerator: Some(Accelerator::None),
+            spatial_splits: true,
+            format: Some(OutputFormat::Exr),
+            layers: vec![Layer::Normal, Layer::Albedo, Layer::Normal],
+            ..Overrides::default()
+        };
+        overrides.apply(&mut scene);
+        let film = &scene.camera.film;
+        assert_eq!((film.width, film.height, &*film.prefix), (16, 9, "p"));
+        assert_eq!((film.output, &film.layers[..]), (OutputFormat::Exr, &Layer::ALL[..]));
+        assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
+        assert!(scene.settings.spatial_splits);
+    }
+
+    #[test]
+    fn a_noise_level_has_samples_enough() {
+        let mut scene = empty_scene();
+        let overrides = Overrides { noise: Some(0.01), ..Overrides::default() };
+        overrides.apply(&mut scene);
+        assert_eq!((scene.settings.noise, scene.settings.image_samples), (Some(0.01), 4096));
+        Overrides { samples: Some(64), ..overrides }.apply(&mut scene);
+        assert_eq!(scene.settings.image_samples, 64);
+    }
+}
