@@ -1,4 +1,4 @@
-//! What the program does beside rendering.
+//! What the program does besides rendering.
 
 use std::path::PathBuf;
 
@@ -11,32 +11,32 @@ use crate::cli::values::{Threads, count, limit, threads};
 pub(crate) enum Command {
     /// Put parts of pictures together
     Merge(MergeArgs),
-    /// Render some of a picture again and compare the bits
+    /// Render some tiles of pictures again and compare the bits
     Verify(VerifyArgs),
-    /// Measure how far a picture is from a reference
+    /// Measure how much a picture differs from a reference
     Compare(CompareArgs),
     /// Make a contact sheet of pictures
     Sheet(SheetArgs),
-    /// Take the noise out of pictures, by Open Image Denoise
+    /// Take the noise out of pictures with Open Image Denoise
     Denoise(DenoiseArgs),
 }
 
 /// `merge`
 #[derive(Debug, clap::Args)]
 pub(crate) struct MergeArgs {
-    /// Files that `--part` made, of one frame or of several
+    /// Files that `--part` made, of one frame or several
     #[arg(value_name = "FILES", required = true)]
     pub(crate) files: Vec<PathBuf>,
 
-    /// Folder for the pictures, made where missing (short: -od) [the current one]
+    /// Folder for the pictures, created if missing (short: -od) [the current one]
     #[arg(long, value_name = "DIR", alias = "outdit")]
     pub(crate) outdir: Option<PathBuf>,
 
-    /// Say nothing but warnings and errors
+    /// Print nothing but warnings and errors
     #[arg(short, long)]
     pub(crate) quiet: bool,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }
@@ -48,7 +48,7 @@ pub(crate) struct VerifyArgs {
     #[arg(value_name = "PICTURES", required = true)]
     pub(crate) pictures: Vec<PathBuf>,
 
-    /// The scene that they were made of [the scene inside the program]
+    /// The scene that they were rendered from [the built-in scene]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,
 
@@ -60,16 +60,16 @@ pub(crate) struct VerifyArgs {
     #[arg(long)]
     pub(crate) allow_outside: bool,
 
-    /// Tiles of 32 x 32 pixels that are rendered again, chosen at random
+    /// Number of tiles to render again, 32 x 32 pixels each, chosen at random
     #[arg(long, value_name = "N", default_value_t = 8, allow_hyphen_values = true)]
     #[arg(value_parser = |text: &str| count(text, 1..=u32::MAX, "8"))]
     pub(crate) tiles: u32,
 
-    /// Threads (all)
+    /// Number of threads [all]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<Threads>,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }
@@ -80,39 +80,39 @@ pub(crate) struct CompareArgs {
     /// A picture, PNG or EXR
     pub(crate) picture: PathBuf,
 
-    /// The picture that it should be
+    /// The reference, PNG or EXR
     pub(crate) reference: PathBuf,
 
-    /// Write where the difference is seen, by FLIP
+    /// Write where differences are visible, measured by FLIP
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
 
-    /// Fail where more pixels differ
+    /// Fail if more than N pixels differ
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     #[arg(value_parser = |text: &str| count(text, 0..=u64::MAX, "100"))]
     pub(crate) max_pixels: Option<u64>,
 
-    /// Fail where the root mean square difference is larger
+    /// Fail if the root mean square difference is above X
     #[arg(long, value_name = "X", value_parser = limit)]
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_rmse: Option<f64>,
 
-    /// Fail where the relative mean square error is larger
+    /// Fail if the relative mean square error is above X
     #[arg(long, value_name = "X", value_parser = limit)]
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_relative_mse: Option<f64>,
 
-    /// Fail where the mean luminance is further from the reference's, as a share of it
+    /// Fail if the mean luminance differs from the reference's by a larger share than X
     #[arg(long, value_name = "X", value_parser = limit)]
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_bias: Option<f64>,
 
-    /// Fail where the mean of FLIP is larger
+    /// Fail if the mean of FLIP is above X
     #[arg(long, value_name = "X", value_parser = limit)]
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_flip: Option<f64>,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }
@@ -124,23 +124,23 @@ pub(crate) struct DenoiseArgs {
     #[arg(value_name = "PICTURES", required = true)]
     pub(crate) pictures: Vec<PathBuf>,
 
-    /// Folder for what comes out, under the same names (short: -od) [beside, NAME_denoised]
+    /// Folder for the denoised pictures, under the same names (short: -od) [beside, NAME_denoised]
     #[arg(long, value_name = "DIR", alias = "outdit")]
     pub(crate) outdir: Option<PathBuf>,
 
-    /// The library, libOpenImageDenoise.so.2 or so [where the system finds it]
+    /// The library, such as libOpenImageDenoise.so.2 [where the system finds it]
     #[arg(long, value_name = "FILE")]
     pub(crate) library: Option<PathBuf>,
 
-    /// Threads (all)
+    /// Number of threads [all]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<Threads>,
 
-    /// Say nothing but warnings and errors
+    /// Print nothing but warnings and errors
     #[arg(short, long)]
     pub(crate) quiet: bool,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }
@@ -148,7 +148,7 @@ pub(crate) struct DenoiseArgs {
 /// `sheet`
 #[derive(Debug, clap::Args)]
 pub(crate) struct SheetArgs {
-    /// Pictures, PNG or EXR, in the order in which they are to stand
+    /// Pictures, PNG or EXR, in the order of the sheet
     #[arg(value_name = "PICTURES", required = true)]
     pub(crate) pictures: Vec<PathBuf>,
 
@@ -156,7 +156,7 @@ pub(crate) struct SheetArgs {
     #[arg(short, long, value_name = "FILE", default_value = "sheet.png")]
     pub(crate) output: PathBuf,
 
-    /// Pictures in a row [as many as rows]
+    /// Number of pictures in a row [as many as rows]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     #[arg(value_parser = |text: &str| count(text, 1..=1000u32, "8"))]
     pub(crate) columns: Option<u32>,
@@ -166,7 +166,7 @@ pub(crate) struct SheetArgs {
     #[arg(value_parser = |text: &str| count(text, 1..=4096u32, "240"))]
     pub(crate) width: u32,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }

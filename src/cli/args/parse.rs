@@ -15,7 +15,7 @@ use crate::cli::base::{Exit, say};
 /// standard error.
 ///
 /// # Errors
-/// Nothing is left to do: all was said, and this is the exit code.
+/// The exit code, if nothing is left to do: help or an error was printed.
 pub(crate) fn parse(args: &[OsString]) -> Result<Args, Exit> {
     try_parse(args).map_err(|error| {
         let what = match error.kind() {
@@ -43,7 +43,7 @@ fn try_parse(args: &[OsString]) -> Result<Args, Error> {
     parsed.map_err(|error| with_tip(error, &args, command))
 }
 
-/// What `--color` says, also where the rest of the arguments is wrong.
+/// Value of `--color`, even if the other arguments are wrong.
 fn color_choice(args: &[OsString]) -> ColorChoice {
     let mut values = args.iter().enumerate().filter_map(|(at, arg)| match arg.to_str()? {
         "--color" => args.get(at + 1)?.to_str(),

@@ -35,7 +35,7 @@ pub(crate) fn written_out(
     result
 }
 
-/// What `arg` stands for, where it is a short form.
+/// What `arg` stands for, if it is a short form.
 fn long_form(arg: &OsStr) -> Option<OsString> {
     let text = arg.to_str()?;
     SHORT_FORMS.iter().find_map(|(short, long)| {

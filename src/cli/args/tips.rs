@@ -1,4 +1,4 @@
-//! What is said of a wrong command line beside what is wrong with it.
+//! Tips on how to mend a wrong command line.
 
 use std::ffi::{OsStr, OsString};
 
@@ -26,7 +26,7 @@ const ELSEWHERE: [(&str, &str); 14] = [
     ("--force", "--overwrite"),
 ];
 
-/// The error with a tip that helps, where there is one. `args` are written out, the program's name
+/// The error with a tip that helps, if there is one. `args` are written out, the program's name
 /// first.
 pub(crate) fn with_tip(error: Error, args: &[OsString], mut command: Command) -> Error {
     command.build();
@@ -61,7 +61,7 @@ fn text(error: &Error, kind: ContextKind) -> Option<String> {
     }
 }
 
-/// The error of an argument that there is not.
+/// The error of an unknown argument.
 fn unknown(command: &Command, word: &str, tip: Option<String>) -> Error {
     let mut error = Error::new(ErrorKind::UnknownArgument).with_cmd(command);
     error.insert(ContextKind::InvalidArg, ContextValue::String(word.to_owned()));
@@ -84,12 +84,12 @@ fn set_tip(error: &mut Error, tip: Option<String>) {
 fn tip_of_word(word: &str, args: &[OsString]) -> Option<String> {
     let at = args.iter().position(|arg| arg == word)?;
     if args[at - at.min(1)] == "--share" {
-        return Some(format!("a value of '--share' is joined by `=`: '--share={word}'"));
+        return Some(format!("join the value of '--share' with `=`: '--share={word}'"));
     }
-    Some(format!("a scene file is named by an option: '--scene {word}'"))
+    Some(format!("name a scene file with an option: '--scene {word}'"))
 }
 
-/// The tip for an option that there is not.
+/// The tip for an unknown option.
 fn of_option(mut error: Error, word: &str, args: &[OsString], command: &Command) -> Error {
     if let Some(tip) = tip_of_value(word, args, command) {
         set_tip(&mut error, Some(tip));
@@ -102,7 +102,7 @@ fn of_option(mut error: Error, word: &str, args: &[OsString], command: &Command)
         let suggested = suggested?;
         Some(real_name(command, &suggested).unwrap_or(suggested))
     });
-    set_tip(&mut error, here.map(|name| format!("there is the option '{name}'")));
+    set_tip(&mut error, here.map(|name| format!("use the option '{name}'")));
     error
 }
 
@@ -114,7 +114,7 @@ fn tip_of_value(word: &str, args: &[OsString], command: &Command) -> Option<Stri
     let mut pairs = pairs.filter(|(option, value)| options.takes_next(option) && is_it(value));
     let (option, value) = pairs.next()?;
     let (option, value) = (option.to_str()?, value.to_str()?);
-    Some(format!("a value that begins with `-` is joined by `=`: '{option}={value}'"))
+    Some(format!("join a value that begins with `-` with `=`: '{option}={value}'"))
 }
 
 fn is_named(arg: &Arg, name: &str) -> bool {
@@ -130,10 +130,10 @@ fn real_name(command: &Command, alias: &str) -> Option<String> {
     Some(format!("--{}", arg.get_long()?))
 }
 
-/// The error of an argument that is no text.
+/// The error of an argument that is not text.
 fn no_text(args: &[OsString], error: Error, command: &Command) -> Error {
     let Some(arg) = args.iter().find(|arg| arg.to_str().is_none()) else { return error };
-    let message = format!("the argument {arg:?} is not UTF-8, and has to be");
+    let message = format!("the argument {arg:?} is not valid UTF-8");
     Error::raw(ErrorKind::InvalidUtf8, message + "\n").with_cmd(command)
 }
 
@@ -166,26 +166,26 @@ mod tests {
     #[test]
     fn a_bare_scene_gets_a_tip() {
         for typed in ["table.txt", "-f 3 table.txt", "table.txt -q", "--info -q table.txt"] {
-            check(typed, "a scene file is named by an option: '--scene table.txt'");
+            check(typed, "name a scene file with an option: '--scene table.txt'");
         }
     }
 
     #[test]
     fn a_value_that_is_not_joined_gets_a_tip() {
-        check("--share 30", "a value of '--share' is joined by `=`: '--share=30'");
-        check("-f 1-3 --share 30s -q", "a value of '--share' is joined by `=`: '--share=30s'");
-        check("--outdir -x", "a value that begins with `-` is joined by `=`: '--outdir=-x'");
-        check("-pre -take2", "a value that begins with `-` is joined by `=`: '--prefix=-take2'");
+        check("--share 30", "join the value of '--share' with `=`: '--share=30'");
+        check("-f 1-3 --share 30s -q", "join the value of '--share' with `=`: '--share=30s'");
+        check("--outdir -x", "join a value that begins with `-` with `=`: '--outdir=-x'");
+        check("-pre -take2", "join a value that begins with `-` with `=`: '--prefix=-take2'");
     }
 
     #[test]
     fn options_that_there_are_get_a_tip() {
-        check("--scen x", "there is the option '--scene'");
-        check("--output a.png", "there is the option '--outdir'");
-        check("-o out", "there is the option '--outdir'");
-        check("--outdirr x", "there is the option '--outdir'");
-        check("--spp 64", "there is the option '--samples'");
-        check("merge a.part --output x", "there is the option '--outdir'");
+        check("--scen x", "use the option '--scene'");
+        check("--output a.png", "use the option '--outdir'");
+        check("-o out", "use the option '--outdir'");
+        check("--outdirr x", "use the option '--outdir'");
+        check("--spp 64", "use the option '--samples'");
+        check("merge a.part --output x", "use the option '--outdir'");
         assert!(!told("compare a b --output x").contains("outdir"));
     }
 
@@ -214,6 +214,6 @@ mod tests {
         use std::os::unix::ffi::OsStringExt;
         let odd = OsString::from_vec(b"a\xff".to_vec());
         let told = told_of(vec!["slo-rt".into(), "--prefix".into(), odd]);
-        assert!(told.contains("the argument \"a\\xFF\" is not UTF-8"), "{told}");
+        assert!(told.contains("the argument \"a\\xFF\" is not valid UTF-8"), "{told}");
     }
 }

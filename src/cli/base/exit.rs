@@ -1,12 +1,12 @@
-//! What the program tells its caller by a number.
+//! Exit codes.
 
 use std::process::ExitCode;
 
-/// What the program tells its caller.
+/// Exit code of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Exit {
-    /// Everything asked for was done.
+    /// All that was asked for is done.
     Done = 0,
     /// Rendering failed, or a file could not be read or written; frames of a sequence failed.
     Failed = 1,
@@ -20,7 +20,7 @@ pub enum Exit {
     CantCreate = 73,
     /// Writing failed.
     CantWrite = 74,
-    /// Stopped on purpose; the same command goes on from there.
+    /// Stopped on purpose; the same command continues from there.
     Stopped = 75,
     /// Ended at once by a second signal.
     Interrupted = 130,

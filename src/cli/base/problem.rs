@@ -8,7 +8,7 @@ use super::Exit;
 #[derive(Debug)]
 pub(crate) struct Problem {
     pub(crate) exit: Exit,
-    /// Empty where all has been said already.
+    /// Empty if the user has been told already.
     pub(crate) message: String,
     /// What to do about it, a line each.
     pub(crate) help: Vec<String>,
@@ -19,12 +19,12 @@ impl Problem {
         Self { exit, message: message.to_string(), help: Vec::new() }
     }
 
-    /// The user knows already; only the exit code is left.
+    /// A problem that the user has been told already; only the exit code is left.
     pub(crate) fn told(exit: Exit) -> Self {
         Self { exit, message: String::new(), help: Vec::new() }
     }
 
-    /// The message, which tells of which frame it is, once.
+    /// The message, which names its frame once.
     pub(crate) fn of_frame(&self, frame: i64) -> String {
         let (name, message) = (format!("frame {frame}"), &self.message);
         let after = message.strip_prefix(&name);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// A number of things whose name takes an `s` where there are several.
+/// A number of things, whose name takes an `s` in the plural.
 pub(crate) fn counted(count: impl TryInto<u64>, name: &str) -> String {
     let count = count.try_into().unwrap_or(u64::MAX);
     if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }

@@ -1,6 +1,6 @@
 //! What the program says: errors, notes, all of it on standard error.
 //!
-//! Nothing here fails: a closed standard error has nobody to tell.
+//! Nothing here fails: if standard error is closed, nobody reads it.
 
 use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
@@ -48,14 +48,14 @@ impl Terminal {
         }
     }
 
-    /// Says something that `--quiet` leaves out.
+    /// Prints a line, unless `--quiet` is set.
     pub(crate) fn note(self, text: impl Display) {
         if self.verbosity > Verbosity::Quiet {
             say(format_args!("slo-rt: {text}"));
         }
     }
 
-    /// Says something that only `--verbose` wants to know.
+    /// Prints a line only with `--verbose`.
     pub(crate) fn detail(self, text: impl Display) {
         if self.verbosity == Verbosity::Verbose {
             say(format_args!("        {text}"));
@@ -94,7 +94,7 @@ pub(crate) fn say(line: impl Display) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Prints `text` and the end of its line on standard output. That nobody reads it is no error.
+/// Prints `text` and a line break to standard output. A closed pipe is not an error.
 ///
 /// # Errors
 /// What else the system says.

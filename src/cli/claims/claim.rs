@@ -67,7 +67,7 @@ impl Claims {
         path_of(picture).exists()
     }
 
-    /// Takes the frame of `picture`, whose folder is there, where nobody alive has it; `recipe` is a hash of
+    /// Takes the frame of `picture`, whose folder exists, if no live process has it; `recipe` is a hash of
     /// what it is rendered from.
     ///
     /// # Errors
@@ -93,10 +93,10 @@ impl Claims {
         })
     }
 
-    /// Puts a claim in the place of a dead one; `None` where another process does, or its owner is
+    /// Replaces a dead claim by one of this process; `None` if another process does so, or its owner is
     /// alive after all.
     ///
-    /// It is made under a name that tells the dead one's token, which one process can do, and then
+    /// It is made under a name that holds the dead one's token, which one process can do, and then
     /// renamed, so that the frame is never without a claim. Who makes that name after the renaming
     /// finds another token in the dead one's place.
     pub(super) fn take_over(
@@ -127,7 +127,7 @@ impl Claims {
         Ok(is_at(path, &made.1.token).then_some(made))
     }
 
-    /// Makes a claim at a path where there is nothing.
+    /// Makes a claim at a path that does not exist.
     fn make(&self, path: &Path, recipe: &str) -> io::Result<(File, Note)> {
         let mut file = File::create_new(path)?;
         let note = Note::new(self.pulse.lease, recipe);

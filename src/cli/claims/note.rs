@@ -16,7 +16,7 @@ use crate::output::open_regular;
 const MOST: u64 = 512;
 /// Characters of a host's name that are shown.
 const LONGEST_HOST: usize = 64;
-/// Signs of life come at least so often, whatever the lease.
+/// Longest time between two signs of life, however long the lease.
 const LONGEST_PERIOD: Duration = Duration::from_secs(5);
 /// So many of them fit into a short lease.
 const BEATS_OF_A_LEASE: u32 = 12;
@@ -66,7 +66,7 @@ pub(super) fn period(lease: Duration) -> Duration {
 /// A claim as read: whose it is, and what its owner promises.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Note {
-    /// No two claims have the same, whoever makes them.
+    /// Unique to this claim among all processes.
     pub(super) token: String,
     pub(super) worker: Worker,
     /// How long the owner waits for a sign of life of others; its own come every [`period`] of that.

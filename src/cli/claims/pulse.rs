@@ -47,7 +47,7 @@ struct Sight {
     is_alive: bool,
 }
 
-/// What a look at another process's claim tells.
+/// What a look at another process's claim shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sign {
     /// It has changed since it was first seen.

@@ -9,7 +9,7 @@ use crate::cli::values::check_name;
 use crate::compare::{Comparison, Distances, compare};
 use crate::output::{Raster, write_difference_map};
 
-/// Prints the distances of a picture from a reference; fails where one is beyond what is allowed.
+/// Prints the distances of a picture from a reference; fails if one is beyond its limit.
 pub(crate) fn run(args: &CompareArgs) -> Result<(), Problem> {
     let _folders = args.map.as_deref().map(NewFolders::of);
     if let Some(map) = &args.map {
@@ -38,8 +38,8 @@ fn not_alike(args: &CompareArgs, picture: &Raster, reference: &Raster) -> Proble
     let size = |raster: &Raster| format!("{}x{}", raster.image.width, raster.image.height);
     let (size, expected) = (size(picture), size(reference));
     let message = match size == expected {
-        true => format!("`{one}` and `{other}` are different regions"),
-        false => format!("`{one}` has {size} pixels and `{other}` {expected}"),
+        true => format!("`{one}` and `{other}` show different regions"),
+        false => format!("`{one}` has {size} pixels, but `{other}` has {expected}"),
     };
     Problem::new(Exit::BadInput, message)
 }

@@ -29,10 +29,13 @@ pub(crate) fn run(args: &DenoiseArgs, terminal: Terminal) -> Result<(), Problem>
         check_target(path, &target)?;
         let layers = denoise(path, &target, &denoiser)?;
         let told = match layers.is_empty() {
-            true => "by its colours alone: `--layers albedo,normal` keeps more".to_owned(),
-            false => format!("by its colours, {}", names(&layers)),
+            true => {
+                "from its colours alone; layers (`--layers albedo,normal`) would keep more detail"
+                    .to_owned()
+            }
+            false => format!("from its colours, {}", names(&layers)),
         };
-        terminal.note(format_args!("`{}` {told}", path.display()));
+        terminal.note(format_args!("denoised `{}` {told}", path.display()));
         print(target.as_os_str().as_encoded_bytes()).map_err(|error| {
             Problem::new(Exit::Failed, format!("can't print the picture's path: {error}"))
         })?;
@@ -42,7 +45,7 @@ pub(crate) fn run(args: &DenoiseArgs, terminal: Terminal) -> Result<(), Problem>
 
 fn not_there(why: String) -> Problem {
     Problem::new(Exit::Failed, format!("Open Image Denoise can't be loaded: {why}")).with_help(
-        "`--library FILE` names its library, version 2; docs/denoising.md tells where to have it from",
+        "name its library, version 2, with `--library FILE`; docs/denoising.md says where to get it",
     )
 }
 
@@ -70,9 +73,10 @@ fn check_target(path: &Path, target: &Path) -> Result<(), Problem> {
     if let (Ok(one), Ok(other)) = (path.canonicalize(), target.canonicalize())
         && one == other
     {
-        let message = format!("`{}` would be replaced by what comes of it", path.display());
-        return Err(Problem::new(Exit::Usage, message)
-            .with_help("`--outdir` names another folder than the pictures'"));
+        let message = format!("`{}` would be replaced by its denoised copy", path.display());
+        return Err(
+            Problem::new(Exit::Usage, message).with_help("choose another folder with `--outdir`")
+        );
     }
     Ok(())
 }
@@ -91,7 +95,7 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
         return Err(bad("it is denoised already".into()));
     }
     let Some((format, encoding)) = settings_of(&parsed) else {
-        return Err(bad("its recipe does not say what file it is".into()));
+        return Err(bad("its recipe does not name a file format".into()));
     };
     let layers = read_layers(path).map_err(|error| {
         Problem::new(unreadable(&error), format!("can't read `{shown}`: {error}"))

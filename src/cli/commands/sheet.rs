@@ -42,7 +42,7 @@ const DIGITS: [[u8; 5]; 11] = [
 /// Writes small copies of the pictures side by side, each with the number in its name.
 pub(crate) fn run(args: &SheetArgs) -> Result<(), Problem> {
     if map_format(&args.output) != Some(OutputFormat::Png8) {
-        let message = format!("a sheet is a .png file, and `{}` is none", args.output.display());
+        let message = format!("a sheet is a .png file, but `{}` is not", args.output.display());
         return Err(Problem::new(Exit::Usage, message));
     }
     check_distinct(&args.output, &args.pictures)?;
@@ -93,9 +93,8 @@ impl SmallCopies {
 }
 
 fn too_large(size: impl Display) -> Problem {
-    let message =
-        format!("the sheet would have {size}, and at most {MOST_PIXELS} are written to one");
-    Problem::new(Exit::Failed, message).with_help("`--width` makes its pictures smaller")
+    let message = format!("the sheet would have {size}; it may have at most {MOST_PIXELS}");
+    Problem::new(Exit::Failed, message).with_help("make its pictures smaller with `--width`")
 }
 
 /// The last number in a file's name, as it is written there.

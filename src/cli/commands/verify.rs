@@ -121,7 +121,7 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     let recipe = without_outcome(&recipe);
     let parsed: Value = serde_json::from_str(&recipe).map_err(|error| bad(error.to_string()))?;
     if is_denoised(&parsed) {
-        return Err(bad("it is denoised: the picture that it was made of can be verified".into()));
+        return Err(bad("it is denoised; verify the picture that it was made from".into()));
     }
     let (scene, frame) = restore(scene, &parsed).map_err(|error| bad(mismatch(error, job)))?;
     let film = &scene.camera.film;
@@ -135,7 +135,7 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     let is_placed = raster.crop.is_none_or(|crop| Some(crop) == Crop::of(area, whole));
     if expected != recipe || size(&raster.image) != (area.width(), area.height()) || !is_placed {
         return Err(bad(format!(
-            "its recipe is not one of slo-rt {} for this scene",
+            "its recipe is not one that slo-rt {} makes for this scene",
             env!("CARGO_PKG_VERSION")
         )));
     }
@@ -162,12 +162,10 @@ fn refusal(error: ReadError) -> Refusal {
     Refusal { exit: unreadable(&error), why: error.to_string() }
 }
 
-/// Who names no scene may not know that there is one inside the program.
+/// Without `--scene` the user may not know that there is a built-in scene.
 fn mismatch(error: RestoreError, job: &Job) -> String {
     match (error, &job.scene) {
-        (RestoreError::OtherScene, None) => {
-            "it is not of the scene inside the program: `-s` names the one that it is of".into()
-        }
+        (RestoreError::OtherScene, None) => "it belongs to another scene; name it with `-s`".into(),
         _ => error.to_string(),
     }
 }
@@ -190,7 +188,7 @@ fn size(image: &Image) -> (u32, u32) {
     (image.width, image.height)
 }
 
-/// The region that a recipe names; `None` where it names none.
+/// The region that a recipe names; `None` if it names none.
 fn region(recipe: &Value, whole: Area) -> Result<Option<Area>, String> {
     let Some(region) = recipe.get("region") else { return Ok(None) };
     let number = |i: usize| region.get(i)?.as_u64().and_then(|n| u32::try_from(n).ok());

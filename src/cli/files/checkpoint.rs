@@ -1,4 +1,4 @@
-//! What is known of an unfinished frame, on disk, so that another run goes on from there.
+//! The state of an unfinished frame on disk, from which another run continues.
 
 use std::ffi::OsString;
 use std::fs;
@@ -26,7 +26,7 @@ pub(crate) struct Checkpoint {
     subject: Subject,
     /// How far the picture goes is decided by the clock.
     is_timed: bool,
-    /// Of this run, where it does not finish: its name tells the recipe, so that no other run of the
+    /// Of this run, if it does not finish: its name holds a hash of the recipe, so that no other run of the
     /// picture takes its place.
     unfinished: PathBuf,
     /// Of runs of other recipes, or of older names, that have not finished the picture.
@@ -70,14 +70,15 @@ impl Checkpoint {
         }
     }
 
-    /// What earlier runs know of the frame; an unexposed film where there is nothing of use.
+    /// The film of earlier runs of the frame; an unexposed one if there is nothing of use.
     pub(crate) fn film(&self) -> Result<(Film, Steps), TooLarge> {
         let unfinished = self.others.iter().chain([&self.unfinished]);
         let found = unfinished.filter_map(|path| match self.film_at(path) {
             Found::None => None,
             Found::OfAnotherRun => {
                 let path = path.display();
-                self.terminal.note(format_args!("`{path}` is of another run, and stays for it"));
+                self.terminal
+                    .note(format_args!("`{path}` belongs to another run and is left alone"));
                 None
             }
             Found::Damaged => {
@@ -132,22 +133,23 @@ impl Checkpoint {
     }
 
     fn say_other_layers(&self, path: &Path, has_layers: bool) {
-        let (has, wanted) = if has_layers { ("has", "does not") } else { ("has no", "does") };
+        let (has, wanted) =
+            if has_layers { ("has", "does not write") } else { ("has no", "writes") };
         let path = path.display();
         self.terminal.warn(format_args!(
-            "`{path}` can't be used: it {has} layers, and this run {wanted} write them"
+            "`{path}` can't be used: it {has} layers, but this run {wanted} them"
         ));
     }
 
-    /// Whether it is time to [`keep`](Self::keep) what is known. Whoever is told so has to do it.
+    /// Whether it is time to [`keep`](Self::keep) what is known. The caller that gets `true` must keep it.
     pub(crate) fn is_due(&self) -> bool {
         let due =
             self.every.is_some() && self.next.try_lock().is_ok_and(|next| Instant::now() >= *next);
         due && !self.busy.swap(true, Ordering::AcqRel)
     }
 
-    /// Writes what is known at this moment; that it can't be written, or that there was no memory for it,
-    /// is a warning, said once.
+    /// Writes what is known at this moment. If it can't be written, or there was no memory for it, the
+    /// program warns once.
     pub(crate) fn keep(&self, film: Option<Film>, steps: Steps) {
         let start = Instant::now();
         let saved = match film {
@@ -182,7 +184,7 @@ impl Checkpoint {
     }
 
     /// Keeps what is known of a finished picture, unless what is kept already has more samples of
-    /// it, which is said. A file of others is replaced only if that is `forced`.
+    /// it, which a warning says. A file of another program is replaced only if `forced`.
     ///
     /// # Errors
     /// As [`patience::write`].
@@ -195,8 +197,8 @@ impl Checkpoint {
         let path = self.kept.display();
         if let Some(why) = made_by_others(&self.kept).filter(|_| !forced) {
             let message = format!(
-                "slo-rt did not make the file that is there ({why}); move it away, or \
-                 `--overwrite` replaces it"
+                "slo-rt did not make the existing file ({why}); move it away, or replace it \
+                 with `--overwrite`"
             );
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
         }
@@ -204,12 +206,12 @@ impl Checkpoint {
             let is_same = subject.same_place(&self.subject)
                 && has_same_samples(&subject.recipe, &self.subject.recipe);
             if is_same && samples(&there) > samples(film) {
-                let more = "has more samples than this picture, and stays as it is";
+                let more = "has more samples than this picture and is kept";
                 self.terminal.warn(format_args!("`{path}` {more}"));
                 return Ok(());
             }
             if !is_same {
-                let other = "was of another scene or of other settings, and is replaced";
+                let other = "belonged to another scene or other settings and is replaced";
                 self.terminal.warn(format_args!("`{path}` {other}"));
             }
         }
@@ -245,7 +247,7 @@ impl Checkpoint {
         written
     }
 
-    /// The recipe of a film that is to be taken to `steps`, where the clock decides about them.
+    /// The recipe of a film that is taken to `steps`, if the clock decides about them.
     fn recipe(&self, steps: Steps) -> String {
         recipe(&self.subject, self.is_timed, steps)
     }
@@ -263,7 +265,7 @@ impl Checkpoint {
         fs::rename(&self.unfinished, &self.kept)
     }
 
-    /// The picture is in place: nothing is left to go on with.
+    /// Removes the states: the picture is in place.
     pub(crate) fn remove(&self) {
         let spent = self.spent.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         for path in spent.iter().chain([&self.unfinished]) {
@@ -272,8 +274,8 @@ impl Checkpoint {
     }
 }
 
-/// Where the state of a run that has not finished the picture at `path` lies: the name tells the
-/// recipe.
+/// Path of the state of a run that has not finished the picture at `path`: the name holds a hash of
+/// the recipe.
 pub(crate) fn unfinished(path: &Path, subject: &Subject, is_timed: bool) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".slo-rt-{name}.{}.state", &recipe_hash(subject, is_timed)[..8]))
@@ -293,7 +295,7 @@ enum Found {
     Damaged,
     /// Samples that are no beginning of this run's.
     OfAnotherRun,
-    /// What this run goes on from.
+    /// What this run continues from.
     Film(Film, Steps),
 }
 
@@ -318,13 +320,13 @@ fn samples(film: &Film) -> u64 {
     film.pixels().iter().map(|pixel| u64::from(pixel.samples)).sum()
 }
 
-/// The recipe of a film that is to be taken to `steps`, where the clock decides about them.
+/// The recipe of a film that is taken to `steps`, if the clock decides about them.
 fn recipe(subject: &Subject, is_timed: bool, steps: Steps) -> String {
     let recipe = subject.recipe.clone();
     if is_timed { with_steps(recipe, steps) } else { recipe }
 }
 
-/// The steps of a recipe; none where it has none.
+/// The steps of a recipe; zero if it has none.
 fn steps(recipe: &str) -> Steps {
     let parsed = serde_json::from_str(recipe).unwrap_or_default();
     steps_of(&parsed).unwrap_or_default()

@@ -57,5 +57,5 @@ pub(crate) fn frame(
 
 /// A frame that the camera does not have.
 pub(crate) fn no_segment(error: &NoSegment) -> Problem {
-    Problem::new(Exit::Usage, error).with_help("`--frame` names the frame")
+    Problem::new(Exit::Usage, error).with_help("choose a frame with `--frame`")
 }

@@ -1,4 +1,4 @@
-//! Where a file that goes beside pictures can be written.
+//! Whether a map or a sheet can be written to a path.
 
 use std::fs;
 use std::io;
@@ -16,7 +16,7 @@ pub(crate) fn check_path(path: &Path) -> Result<(), Problem> {
         let problem =
             Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()));
         match error.kind() {
-            io::ErrorKind::AlreadyExists => problem.with_help("remove it, or give another name"),
+            io::ErrorKind::AlreadyExists => problem.with_help("remove it, or choose another name"),
             _ => problem,
         }
     })
@@ -33,14 +33,14 @@ pub(crate) fn check_distinct<'a>(
     let own = place(path);
     match inputs.into_iter().find(|input| place(input) == own) {
         Some(input) => {
-            let message = format!("`{}` would be replaced, and it is read", input.display());
+            let message = format!("`{}` is an input and would be replaced", input.display());
             Err(Problem::new(Exit::Usage, message))
         }
         None => Ok(()),
     }
 }
 
-/// A path by which a file is known whatever way leads to it, as far as its folders are there.
+/// One path for a file, however it is named, as far as its folders exist.
 pub(crate) fn place(path: &Path) -> PathBuf {
     let in_folder = || {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

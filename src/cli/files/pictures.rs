@@ -5,17 +5,17 @@ use std::path::Path;
 use crate::cli::base::{Exit, Problem};
 use crate::output::{Raster, ReadError};
 
-/// What is said of a file that was made of a picture.
+/// Why a file that was made from pictures is refused.
 pub(crate) const NO_PICTURE: &str = "a map or a sheet of slo-rt, not a picture";
 
-/// A picture that is there.
+/// Reads a picture.
 pub(crate) fn read(path: &Path) -> Result<Raster, Problem> {
     Raster::read(path).map_err(|error| {
         Problem::new(unreadable(&error), format!("can't read `{}`: {error}", path.display()))
     })
 }
 
-/// What to tell the caller of a picture that can't be read.
+/// Exit code of a picture that can't be read.
 pub(crate) fn unreadable(error: &ReadError) -> Exit {
     match error {
         ReadError::Io(_) => Exit::NoInput,

@@ -23,7 +23,7 @@ pub(crate) struct SceneFile {
 /// Reads the scene file at `scene`.
 ///
 /// With `--indir` the path starts there and the scene's paths stay there. Without it they stay in
-/// the current folder where the scene lies inside it, and in the scene's own folder otherwise.
+/// the current folder if the scene lies inside it, and in the scene's own folder otherwise.
 pub(crate) fn read(scene: &Path, job: &Job) -> Result<SceneFile, Problem> {
     let path = job.indir.as_deref().unwrap_or(Path::new("")).join(scene);
     let root = match &job.indir {
@@ -33,7 +33,7 @@ pub(crate) fn read(scene: &Path, job: &Job) -> Result<SceneFile, Problem> {
     if !job.allow_outside && !lies_inside(&path, &root) {
         let message = format!("the scene `{}` is outside of `{}`", scene.display(), root.display());
         return Err(Problem::new(Exit::Usage, message).with_help(
-            "give `--indir` a folder that holds all files of the scene, or give `--allow-outside`",
+            "set `--indir` to a folder that holds all files of the scene, or give `--allow-outside`",
         ));
     }
     let text = read_text(&path)?;
@@ -53,8 +53,8 @@ fn lies_inside(path: &Path, folder: &Path) -> bool {
     path.parent().is_some_and(|parent| place(parent).starts_with(place(folder)))
 }
 
-/// A folder's path from the root of the file system: without links where it exists, and without
-/// dots anyway.
+/// A folder's path from the root of the file system: without links if it exists, and without
+/// dots in any case.
 fn place(folder: &Path) -> PathBuf {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let absolute = folder.canonicalize().or_else(|_| std::path::absolute(folder));
@@ -81,7 +81,8 @@ fn read_text(path: &Path) -> Result<Vec<u8>, Problem> {
         .and_then(|file| file.take(LONGEST_TEXT + 1).read_to_end(&mut bytes))
         .map_err(|error| unreadable(path, &error))?;
     if bytes.len() as u64 > LONGEST_TEXT {
-        let message = format!("`{}` is longer than 256 MiB: no scene file", path.display());
+        let message =
+            format!("`{}` is not a scene file: it is longer than 256 MiB", path.display());
         return Err(Problem::new(Exit::BadInput, message));
     }
     Ok(bytes)
@@ -102,7 +103,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Problem {
     let problem = Problem::new(exit, format!("can't read the scene `{shown}`: {error}"));
     match error.kind() {
         io::ErrorKind::NotFound => similar(path).into_iter().fold(problem, |problem, name| {
-            problem.with_help(format!("there is `{}`", name.display()))
+            problem.with_help(format!("did you mean `{}`?", name.display()))
         }),
         _ => problem,
     }
@@ -206,7 +207,7 @@ mod tests {
     #[test]
     fn missing_scenes_get_suggestions() {
         let scenes = scene_folder().keep().join("scenes");
-        let expected = |name: &str| format!("there is `{}`", scenes.join(name).display());
+        let expected = |name: &str| format!("did you mean `{}`?", scenes.join(name).display());
         assert_eq!(helps(&scenes.join("tabel.txt"))[0], expected("table.txt"));
         assert_eq!(helps(&scenes.join("Table")), [expected("table.txt"), expected("tables.txt")]);
         assert_eq!(helps(&scenes.join("dragonfly.txt")), [""; 0]);

@@ -35,7 +35,7 @@ pub(crate) struct Job {
     /// Whether settings and time go into the pictures' names.
     pub(crate) info: bool,
     pub(crate) existing: Existing,
-    /// Time between two checkpoints; `None`: only where a frame is stopped.
+    /// Time between two checkpoints; `None`: only when a frame is stopped.
     pub(crate) checkpoint: Option<Duration>,
     /// Whether finished frames can get more samples later.
     pub(crate) keep_state: bool,
@@ -54,11 +54,11 @@ pub(crate) struct Job {
     pub(crate) isa: Isa,
 }
 
-/// What becomes of a picture that is there, whole and with the same recipe. A file that slo-rt did not
+/// What happens to an existing picture that is complete and has the same recipe. A file that slo-rt did not
 /// make is only replaced with [`Existing::Overwrite`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Existing {
-    /// It stays in a sequence, and is overwritten where one frame was asked for.
+    /// It is kept in a sequence, and overwritten if a single frame was asked for.
     #[default]
     Auto,
     Skip,
@@ -74,7 +74,7 @@ impl Job {
         }
     }
 
-    /// The same where the frames of the scene are known.
+    /// The same job with the frames that the scene has.
     ///
     /// # Errors
     /// All are asked for, and there are none, or too many for one run.
@@ -84,7 +84,7 @@ impl Job {
             let ranges = Clock::new(&scene.camera).segments().map(|s| s.first..=s.last).collect();
             let frames = Frames::of_ranges(ranges).map_err(|why| {
                 Problem::new(Exit::Usage, format!("`--frame all`: {why}"))
-                    .with_help("`--frame 1-100` names some frames")
+                    .with_help("choose frames with `--frame`, such as `--frame 1-100`")
             })?;
             job.frames = Some(FrameChoice::These(frames));
         }
@@ -96,7 +96,7 @@ impl Job {
         self.time.is_some() || self.total_time.is_some()
     }
 
-    /// Whether files are replaced whatever they are.
+    /// Whether files are replaced even if another program made them.
     pub(crate) fn overwrites(&self) -> bool {
         self.existing == Existing::Overwrite
     }

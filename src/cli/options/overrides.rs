@@ -1,12 +1,12 @@
-//! What the command line says over the scene.
+//! Settings of the scene that the command line replaces.
 
 use crate::cli::values::SizeChoice;
 use crate::scene::{Accelerator, Layer, OutputFormat, SceneDescription};
 
-/// Samples of a block at most, where only its noise was asked for.
+/// Maximum number of samples of a block if only its noise was asked for.
 const MOST_FOR_NOISE: u32 = 4096;
 
-/// What the command line says over the scene.
+/// Settings of the scene that the command line replaces.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Overrides {
     pub(crate) prefix: Option<String>,
@@ -20,14 +20,14 @@ pub(crate) struct Overrides {
     pub(crate) is_stepwise: bool,
     pub(crate) seed: Option<u64>,
     pub(crate) accelerator: Option<Accelerator>,
-    /// Asked for, whatever the scene says.
+    /// Turned on, even if the scene does not ask for it.
     pub(crate) spatial_splits: bool,
 }
 
 impl Overrides {
-    /// Puts what the command line says in the place of what the scene says.
+    /// Replaces the settings of the scene that the command line names.
     ///
-    /// `samples` counts camera samples per pixel, whatever they sample: it stands for the product
+    /// `samples` counts all camera samples of a pixel: it stands for the product
     /// of `imageSamples` and `dofSamples`.
     pub(crate) fn apply(&self, scene: &mut SceneDescription) {
         let film = &mut scene.camera.film;

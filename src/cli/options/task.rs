@@ -5,12 +5,11 @@ use std::time::Duration;
 
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
-use crate::accel::{Accelerator, Isa};
+use crate::accel::Isa;
 use crate::cli::args::{Args, Command, CompareArgs, DenoiseArgs, MergeArgs, SheetArgs, VerifyArgs};
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Maps, Threads};
 use crate::output::check_prefix;
-use crate::scene::{Layer, OutputFormat};
 
 /// What the program is to do, and how.
 #[derive(Debug)]
@@ -114,14 +113,14 @@ fn job(args: Args) -> Result<Job, Problem> {
         progress: args.progress,
         overrides: Overrides {
             prefix: args.prefix,
-            layers: args.layers.into_iter().map(Layer::from).collect(),
-            format: args.format.map(OutputFormat::from),
+            layers: args.layers.into_iter().map(|name| name.0).collect(),
+            format: args.format.map(|name| name.0),
             size: args.size,
             samples: args.samples,
             noise: args.noise,
             is_stepwise: args.time.is_some() || args.total_time.is_some() || args.steps.is_some(),
             seed: args.seed,
-            accelerator: args.accelerator.map(Accelerator::from),
+            accelerator: args.accelerator.map(|name| name.0),
             spatial_splits: args.spatial_splits,
         },
         threads: args.threads.map(|threads| match threads {
@@ -137,8 +136,8 @@ fn check_total_time(time: Option<Duration>, frames: Option<&FrameChoice>) -> Res
     let is_sequence = frames.is_some_and(FrameChoice::is_sequence);
     match time {
         Some(_) if !is_sequence => {
-            let message = "--total-time is for a sequence, and --frame names none, such as 1-100";
-            Err(Problem::new(Exit::Usage, message).with_help("`--time` is for one frame"))
+            let message = "--total-time needs a sequence of frames, such as `--frame 1-100`";
+            Err(Problem::new(Exit::Usage, message).with_help("for one frame, use `--time`"))
         }
         _ => Ok(()),
     }

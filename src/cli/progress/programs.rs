@@ -18,7 +18,7 @@ pub(super) enum Event<'a> {
     Found { frame: i64, path: &'a Path },
     /// A frame begins; number `index` of those to be rendered.
     Started { frame: i64, path: &'a Path, index: usize },
-    /// A frame goes on.
+    /// A frame progresses.
     Progress { frame: i64, fraction: f64, run: Moment },
     /// A frame is in place.
     Finished { frame: i64, path: &'a Path, time: Duration, outcome: Outcome, run: Moment },

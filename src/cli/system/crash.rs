@@ -1,5 +1,5 @@
-//! A panic is a bug of ours: it becomes a message that helps to report it. An abort, which is what a lack of memory
-//! ends in, becomes an exit code.
+//! A panic is a bug of ours: it becomes a message that helps to report it. An abort, in which a lack of
+//! memory ends, becomes an exit code.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::ffi::OsString;
@@ -13,8 +13,8 @@ use crate::cli::base::{Exit, say};
 /// What the first panic said, and where.
 static FIRST: Mutex<Option<String>> = Mutex::new(None);
 
-/// Makes an abort an end with an exit code: where memory is short the language offers nothing else, and
-/// has said so by then.
+/// Turns an abort into an exit code. If memory runs out, the language aborts after it has printed a
+/// message.
 #[cfg(unix)]
 fn end_aborts() {
     let always = Arc::new(AtomicBool::new(true));
@@ -25,7 +25,7 @@ fn end_aborts() {
 #[cfg(not(unix))]
 fn end_aborts() {}
 
-/// Runs `body`; should it panic, on whatever thread, says so with the version and `args`.
+/// Runs `body`. If any thread panics, prints a report with the version and `args`.
 pub(crate) fn reported(args: &[OsString], body: impl FnOnce() -> Exit) -> Exit {
     end_aborts();
     panic::set_hook(Box::new(remember));

@@ -35,8 +35,7 @@ static LAST: Mutex<Option<Last>> = Mutex::new(None);
 /// Listens to SIGINT, SIGTERM, SIGHUP and SIGUSR1 from now on: to be called before there is another
 /// thread.
 ///
-/// Where the caller has one of them ignored (`nohup`, a background job of a script), it stays
-/// ignored.
+/// A signal that the caller ignores (`nohup`, a background job of a script) stays ignored.
 #[cfg(target_os = "linux")]
 pub(crate) fn listen() {
     use ctrlc::Signal;
@@ -47,8 +46,8 @@ pub(crate) fn listen() {
             signals.remove(signal);
         }
     }
-    // A file beyond a limit of the user's is then an error of writing, which is told, and not the
-    // end of the program in the middle of a file. Nobody waits for it.
+    // A file beyond a limit of the user's is then an error of writing, which is reported, and does not
+    // end the program in the middle of a file. Nobody waits for it.
     let mut blocked = signals;
     blocked.add(Signal::SIGXFSZ);
     // Blocked in this thread and all that it starts, they wait for the one that asks for them.
@@ -70,7 +69,7 @@ fn ignored_signals() -> u64 {
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
 
-/// Listens to Ctrl-C, and where there is one to SIGTERM and SIGHUP, from now on.
+/// Listens to Ctrl-C from now on, and to SIGTERM and SIGHUP on systems that have them.
 #[cfg(not(target_os = "linux"))]
 pub(crate) fn listen() {
     let _ = ctrlc::try_set_handler(stop);
@@ -102,7 +101,7 @@ fn see_to_it() {
     if PHASE.compare_exchange(BUILDING, ENDING, Ordering::SeqCst, Ordering::SeqCst).is_ok() {
         end(
             Exit::Stopped,
-            "interrupted while a frame was prepared; the same command goes on from there",
+            "interrupted while preparing a frame; the same command continues from there",
         );
     }
     sleep(BUILDING_MAY_TAKE);

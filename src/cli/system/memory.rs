@@ -37,16 +37,16 @@ impl Left {
 impl Display for Left {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let of = match self.of {
-            Limit::AddressSpace => "of the limit on the address space (`ulimit -v`)",
-            Limit::Data => "of the limit on data (`ulimit -d`)",
-            Limit::Group => "of the memory limit of the control group",
-            Limit::Machine => "of the machine's memory",
+            Limit::AddressSpace => "the limit on the address space (`ulimit -v`)",
+            Limit::Data => "the limit on data (`ulimit -d`)",
+            Limit::Group => "the memory limit of the control group",
+            Limit::Machine => "the memory of the machine",
         };
-        write!(f, "{} are left {of}", megabytes(self.bytes))
+        write!(f, "{of} leaves {}", megabytes(self.bytes))
     }
 }
 
-/// The smallest of what is left; `None` where the system does not tell.
+/// The smallest of what is left; `None` if the system does not report it.
 #[cfg(target_os = "linux")]
 pub(crate) fn left() -> Option<Left> {
     use rustix::process::{Resource, getrlimit};
@@ -157,14 +157,14 @@ mod group {
 pub(crate) struct Reserve(Vec<u8>);
 
 impl Reserve {
-    /// So many bytes, if they can be had.
+    /// Reserves so many bytes, if they are available.
     pub(crate) fn new(bytes: u64) -> Option<Self> {
         let mut reserve = Vec::new();
         reserve.try_reserve_exact(usize::try_from(bytes).ok()?).ok()?;
         Some(Self(reserve))
     }
 
-    /// Gives it back to the system, for whoever needs it now.
+    /// Gives it back to the system.
     pub(crate) fn release(self) {
         drop(self.0);
     }

@@ -73,7 +73,7 @@ impl Needs {
         rayon::current_num_threads() as u64 * PER_THREAD
     }
 
-    /// The same where the states of so many frames are kept until the end.
+    /// The same if the states of so many frames are kept until the end.
     pub(crate) fn with_states(self, frames: usize) -> Self {
         let more = self.film.saturating_mul(frames.saturating_sub(1) as u64);
         Self { disk: self.disk.saturating_add(more), ..self }
@@ -90,7 +90,7 @@ impl Needs {
         }
         if let Some(free) = free_on_disk(outdir).filter(|free| *free < self.disk) {
             terminal.warn(format_args!(
-                "the output folder has {} left; all pictures take up to {}",
+                "the disk of the output folder has {} left, but all pictures may take up to {}",
                 megabytes(free),
                 megabytes(self.disk)
             ));
@@ -98,7 +98,7 @@ impl Needs {
         let all = self.memory().saturating_add(self.film);
         if let Some(left) = left.filter(|left| left.bytes < all) {
             terminal.warn(format_args!(
-                "{left}; the picture with a copy for its checkpoints takes up to {}",
+                "{left}; the picture and the copy for its checkpoints may take up to {}",
                 megabytes(all)
             ));
         }
@@ -113,15 +113,15 @@ impl Needs {
     fn too_large_for(&self, left: Option<Left>) -> Problem {
         let needs = megabytes(self.memory());
         let message = match left {
-            Some(left) => format!("the picture needs {needs} of memory, and {left}"),
+            Some(left) => format!("the picture needs {needs} of memory, but {left}"),
             None => format!("the picture needs {needs} of memory"),
         };
         let problem = Problem::new(Exit::Failed, message)
-            .with_help("`--size` makes it smaller; `--region` renders a part of it");
+            .with_help("make it smaller with `--size`, or render a region of it with `--region`");
         match left.is_some_and(|left| left.is_of_address_space()) {
             true => problem.with_help(
-                "`--threads` with fewer threads, and MALLOC_ARENA_MAX=1 in the environment, take \
-                 less of the address space",
+                "fewer `--threads`, or MALLOC_ARENA_MAX=1 in the environment, take less of the \
+                 address space",
             ),
             false => problem,
         }
@@ -139,8 +139,8 @@ pub(crate) struct Beside {
 /// Bytes of each pixel while a map is made.
 const BYTES_OF_A_MAP: u64 = 28;
 
-/// Bytes that are left where a folder is; `None` if the system does not tell, or does not answer: a file
-/// server may be gone.
+/// Bytes that are left on the disk of a folder; `None` if the system does not report them or does not
+/// answer: a file server may be gone.
 #[cfg(unix)]
 fn free_on_disk(folder: &Path) -> Option<u64> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.to_owned();

@@ -34,9 +34,9 @@ impl Frames {
             if range.is_empty() { 0 } else { range.end().abs_diff(*range.start()) as u128 + 1 }
         };
         match ranges.iter().map(span).sum::<u128>() {
-            0 => Err("the scene's camera has no frame".into()),
+            0 => Err("the scene's camera has no frames".into()),
             count if count > MOST => {
-                Err(format!("the scene has {count} frames; at most {MOST} in one run"))
+                Err(format!("the scene has {count} frames; one run renders at most {MOST}"))
             }
             _ => Ok(Self { numbers: ranges.into_iter().flatten().collect(), is_sequence: true }),
         }
@@ -51,13 +51,13 @@ impl Frames {
             text.split(',').map(|term| Term::parse(term.trim())).collect::<Result<_, _>>()?;
         let count: u128 = terms.iter().map(Term::span).sum();
         if count > MOST {
-            return Err(format!("{count} frames; at most {MOST} in one run"));
+            return Err(format!("{count} frames are too many; one run renders at most {MOST}"));
         }
         let mut seen = HashSet::new();
         let mut numbers: Vec<i64> = terms.iter().flat_map(Term::numbers).collect();
         numbers.retain(|&number| seen.insert(number));
         if numbers.is_empty() {
-            return Err("no frame is left: `y1` leaves out every one".into());
+            return Err("no frame is left: `y1` leaves out all of them".into());
         }
         let is_sequence = !matches!(terms[..], [Term { end: None, .. }]);
         Ok(Self { numbers, is_sequence })
@@ -113,7 +113,7 @@ enum Step {
     Staggered(u64),
 }
 
-const EXPECTED: &str = "frames are written such as 15, 1-100, 1-100x5, 1-100y5 or 1-100:5, with \
+const EXPECTED: &str = "write frames such as 15, 1-100, 1-100x5, 1-100y5 or 1-100:5, separated by \
                         commas, or all";
 
 impl Term {
@@ -139,7 +139,7 @@ impl Term {
         let (by, rest) = integer(&rest[1..])?;
         let descends = end < start;
         if !rest.is_empty() || by == 0 || (by < 0 && !descends) {
-            return Err(wrong(format!("a step is a whole number from 1 on, not `{by}{rest}`")));
+            return Err(wrong(format!("a step is a whole number of at least 1, not `{by}{rest}`")));
         }
         Ok(Self { start, end: Some(end), step: make(by.unsigned_abs()) })
     }
@@ -196,8 +196,13 @@ fn integer(text: &str) -> Result<(i64, &str), String> {
     }
     let value = number
         .parse()
-        .map_err(|_| format!("`{number}` is beyond all frames, such as 15 or 1-100"))?;
+        .map_err(|_| format!("`{number}` is too large for a frame, such as 15 or 1-100"))?;
     Ok((value, rest))
+}
+
+/// Frames for people, as in `frame 7` and `frames 1-4, 7`.
+pub(crate) fn named(frames: &[i64]) -> String {
+    format!("{} {}", if frames.len() == 1 { "frame" } else { "frames" }, shown(frames))
 }
 
 /// Frames for people, ascending: `1-4, 7, 9-10`.
@@ -297,5 +302,6 @@ mod tests {
         assert_eq!(shown(&[-1, -2]), "-2--1");
         assert_eq!(shown(&[i64::MAX]), i64::MAX.to_string());
         assert_eq!(shown(&[]), "");
+        assert_eq!((named(&[7]), named(&[1, 2])), ("frame 7".into(), "frames 1-2".into()));
     }
 }

@@ -52,7 +52,7 @@ impl Maps {
             let option = map.option();
             check_name(option, &path.of(0))?;
             if several && !path.tells_frames() {
-                return Err(format!("{option}: a map of each frame needs `####` in its path"));
+                return Err(format!("{option}: maps of several frames need `####` in their path"));
             }
         }
         Ok(())

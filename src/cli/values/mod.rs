@@ -14,7 +14,7 @@ mod threads;
 mod time;
 
 pub(crate) use frame_path::FramePath;
-pub(crate) use frames::{FrameChoice, Frames, frames, shown};
+pub(crate) use frames::{FrameChoice, Frames, frames, named, shown};
 pub(crate) use maps::{Map, Maps, check_name};
 pub(crate) use names::{AcceleratorName, FormatName, LayerName};
 pub(crate) use numbers::count;

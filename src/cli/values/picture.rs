@@ -35,7 +35,7 @@ pub(crate) enum SizeChoice {
 }
 
 impl SizeChoice {
-    /// The size where the scene's picture has `width` x `height` pixels.
+    /// The size if the scene's picture has `width` x `height` pixels.
     pub(crate) fn of(self, width: u32, height: u32) -> Size {
         match self {
             Self::Pixels(size) => size,

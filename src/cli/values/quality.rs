@@ -17,7 +17,7 @@ pub(crate) fn seed(text: &str) -> Result<u64, String> {
 pub(crate) fn noise(text: &str) -> Result<f32, String> {
     let error = real(text).filter(|error| *error > 0.0 && *error <= 1.0);
     match error.map(|error| error as f32) {
-        Some(0.0) => Err("it is too close to 0; 0.01 is a usual error".into()),
+        Some(0.0) => Err("it is too close to 0; a usual error is 0.01".into()),
         error => error
             .ok_or_else(|| "expected an error above 0 and at most 1, such as 0.01 or 1%".into()),
     }

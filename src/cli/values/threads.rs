@@ -5,7 +5,7 @@ use super::numbers::count;
 /// `--threads`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Threads {
-    /// As many as the machine has processors, whatever the scene says.
+    /// One for each processor of the machine; overrides the scene.
     All,
     Count(u32),
 }
@@ -16,5 +16,5 @@ pub(crate) fn threads(text: &str) -> Result<Threads, String> {
         return Ok(Threads::All);
     }
     let count = count(text, 1..=4096, "4").map(Threads::Count);
-    count.map_err(|expected| format!("{expected}, or `auto` for all of the machine"))
+    count.map_err(|expected| format!("{expected}, or `auto` for all processors"))
 }

@@ -38,8 +38,7 @@ pub(crate) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
     for picture in pictures {
         picture.save()?;
         let (count, path) = (picture.parts.len(), &picture.path);
-        let are = if count == 1 { "is" } else { "are" };
-        terminal.note(format_args!("{} {are} `{}`", counted(count, "part"), path.display()));
+        terminal.note(format_args!("merged {} into `{}`", counted(count, "part"), path.display()));
         print(path.as_os_str().as_encoded_bytes()).map_err(|error| {
             Problem::new(Exit::Failed, format!("can't print the picture's path: {error}"))
         })?;
@@ -60,18 +59,18 @@ impl Part {
             read_subject(path).map_err(|error| unreadable(path, &error))?;
         let shown = path.display();
         if !is_complete {
-            let message = format!("`{shown}` is a checkpoint of a part that is not finished");
+            let message = format!("`{shown}` is a checkpoint of an unfinished part");
             return Err(Problem::new(Exit::BadInput, message)
-                .with_help("the command that makes the part goes on with it"));
+                .with_help("finish it with the command that makes the part"));
         }
         let recipe = serde_json::from_str(&subject.recipe).unwrap_or(Value::Null);
         let part = Self { path: path.to_owned(), subject, recipe };
         match part.recipe["version"].as_str() {
             Some(env!("CARGO_PKG_VERSION")) => Ok(part),
             other => {
-                let version = other.unwrap_or("no version");
+                let version = other.unwrap_or("of unknown version");
                 let message = format!(
-                    "`{shown}` is of slo-rt {version}, and this is {}",
+                    "`{shown}` was made by slo-rt {version}, but this is {}",
                     env!("CARGO_PKG_VERSION")
                 );
                 Err(Problem::new(Exit::BadInput, message))
@@ -110,7 +109,7 @@ fn check_alike(parts: &[Part]) -> Result<(), Problem> {
             let line = different.next().unwrap_or("more settings");
             let line = line.trim().trim_end_matches(',').replace('"', "");
             let (one, other) = (part.path.display(), first.path.display());
-            let message = format!("`{one}` is of another picture than `{other}`: {line}");
+            let message = format!("`{one}` is part of another picture than `{other}`: {line}");
             return Err(Problem::new(Exit::BadInput, message));
         }
     }
@@ -170,7 +169,9 @@ fn check_paths(pictures: &[Whole]) -> Result<(), Problem> {
         let (shown, part) = (path.display(), &parts[0].path);
         if let Some(other) = taken.insert(path, part) {
             let (part, other) = (part.display(), other.display());
-            let message = format!("`{part}` and `{other}` are of two frames, and both `{shown}`");
+            let message = format!(
+                "`{part}` and `{other}` are of two frames, but both would become `{shown}`"
+            );
             return Err(Problem::new(Exit::BadInput, message));
         }
         check_writable(path).map_err(|error| {
@@ -210,7 +211,7 @@ fn whole(part: &Part) -> Result<Area, Problem> {
 }
 
 fn no_recipe(part: &Part) -> Problem {
-    let message = format!("`{}` does not say what picture it is of", part.path.display());
+    let message = format!("`{}` does not say which picture it is part of", part.path.display());
     Problem::new(Exit::BadInput, message)
 }
 
@@ -236,7 +237,7 @@ fn explain(error: MergeError, parts: &[Part]) -> Problem {
             name(a),
             name(b)
         ),
-        MergeError::TooBright => "the sums of the parts are beyond all that is rendered".into(),
+        MergeError::TooBright => "the sums of the parts are larger than any rendering makes".into(),
         MergeError::TooLarge(error) => {
             let size = error.bytes as f64 / 1e9;
             let message = format!("not enough memory: the picture needs {size:.1} GB");

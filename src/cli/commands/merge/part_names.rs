@@ -1,4 +1,4 @@
-//! What the names of parts tell: which there are, and which are missing.
+//! Names of parts: which parts there are, and which are missing.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
@@ -16,7 +16,7 @@ struct PartName<'a> {
 }
 
 impl<'a> PartName<'a> {
-    /// What a file's name tells; `None` where it is not one of a part.
+    /// Parses a file's name; `None` if it is not the name of a part.
     fn of(name: &'a str) -> Option<Self> {
         let (stem, part) = name.strip_suffix(".part")?.rsplit_once('.')?;
         let (by, part) = part.split_once('-')?;
@@ -27,7 +27,7 @@ impl<'a> PartName<'a> {
     }
 }
 
-/// Which parts are missing beside those of some names, in words; `None` where the names tell of none.
+/// Which parts are missing beside those of some names, in words; `None` if none is.
 pub(super) fn missing<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let mut sets: BTreeMap<_, BTreeSet<u32>> = BTreeMap::new();
     for name in names.into_iter().filter_map(PartName::of) {

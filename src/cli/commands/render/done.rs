@@ -58,9 +58,9 @@ pub(super) struct Done {
     pub(super) statistics: Statistics,
     pub(super) size: Size,
     pub(super) outcome: Outcome,
-    /// What was to lie beside the picture and could not be written.
+    /// A file beside the picture that could not be written.
     pub(super) missing: Option<Problem>,
-    /// How far it was taken, where the clock decided about that.
+    /// How far it was taken, if the clock decided about that.
     pub(super) steps: Option<Steps>,
 }
 
@@ -73,7 +73,8 @@ impl Done {
     }
 }
 
-/// Where all frames failed alike there is nothing partial about it.
+/// Exit code of frames that failed: their own if `all` frames failed alike, and otherwise
+/// [`Exit::Failed`].
 pub(super) fn exit_of(failures: &[(i64, Problem)], all: bool) -> Exit {
     let first = failures[0].1.exit;
     let alike = failures.iter().all(|(_, problem)| problem.exit == first);

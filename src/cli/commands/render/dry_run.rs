@@ -10,7 +10,7 @@ use crate::cli::values::shown;
 /// how many frames are to be rendered.
 ///
 /// # Errors
-/// That of the run, where the scene does not have all of the frames.
+/// That of the run, if the scene does not have all of the frames.
 pub(super) fn tell(steps: Vec<Step>, terminal: Terminal) -> Result<(), Problem> {
     let line = |step: &Step| {
         let path = step.path.display();

@@ -42,8 +42,8 @@ pub(super) struct Limit {
 
 impl Studio<'_> {
     /// Builds, renders and saves a frame; `expected` is where its picture goes. `before` is what was
-    /// built for another frame, and then what was built for this one. Where `is_lost`, the frame is
-    /// another process's, and is stopped without keeping anything.
+    /// built for another frame, and then what was built for this one. If `is_lost`, the frame
+    /// belongs to another process, and is stopped without keeping anything.
     ///
     /// With a time for all frames what is known of this one stays until it is [closed](Self::close).
     pub(super) fn render(
@@ -92,8 +92,8 @@ impl Studio<'_> {
         Ok(Done { path, times, statistics, size, outcome, missing: beside.err(), steps })
     }
 
-    /// Writes all that is made of a film, and the film where it is still of use; how it went with what
-    /// lies beside the picture.
+    /// Writes the files that are made from a film, and the film if it is still of use; also returns how
+    /// writing the files beside the picture went.
     fn put_in_place(
         &self,
         frame: i64,
@@ -105,7 +105,7 @@ impl Studio<'_> {
         let reached = steps.unwrap_or_default();
         let is_open = self.job.total_time.is_some();
         if is_open {
-            // Before the picture, which is taken for finished where it is alone.
+            // Before the picture: without a state beside it, it counts as finished.
             checkpoint
                 .save_patiently(&mut film, reached)
                 .map_err(|error| cant_write(checkpoint.unfinished(), &error))?;
@@ -118,7 +118,7 @@ impl Studio<'_> {
             let kept = checkpoint.keep_finished(&mut film, reached, forced);
             beside = beside.and(kept.map_err(|error| cant_write(checkpoint.kept(), &error)));
         }
-        // Where the film could not be kept, what was known of it still is.
+        // If the film could not be kept, its checkpoint stays.
         if !is_open && beside.is_ok() {
             checkpoint.remove();
         }
@@ -177,7 +177,7 @@ impl Studio<'_> {
         self.checkpoint(frame).remove_leftovers();
     }
 
-    /// Removes what is known of a frame that is there.
+    /// Removes the state of a finished frame.
     pub(super) fn remove_checkpoint(&self, frame: i64) {
         self.checkpoint(frame).remove();
     }
@@ -202,7 +202,7 @@ impl Studio<'_> {
         Some(Limit { time, step: Steps::LAST })
     }
 
-    /// Saves the picture; where that fails, what is known of it.
+    /// Saves the picture; if that fails, its state.
     fn save(
         &self,
         frame: i64,
@@ -218,17 +218,17 @@ impl Studio<'_> {
                 _ => cant_write(path, &error),
             };
             match checkpoint.save(film, steps.unwrap_or_default(), true) {
-                Ok(()) => problem.with_help("its samples are kept: run the same command again"),
+                Ok(()) => problem.with_help("its samples are kept; run the same command again"),
                 Err(_) => problem,
             }
         })?;
         if written.not_finite > 0 {
             let black = counted(written.not_finite, "pixel");
-            let (are, numbers, were) = match written.not_finite {
-                1 => ("is", "no number", "was"),
-                _ => ("are", "no numbers", "were"),
+            let (is, is_left) = match written.not_finite {
+                1 => ("is not a finite number", "is"),
+                _ => ("are not finite numbers", "are"),
             };
-            self.terminal.warn(format_args!("{black} {are} {numbers} and {were} left black"));
+            self.terminal.warn(format_args!("{black} {is} and {is_left} left black"));
         }
         Ok(written.outcome)
     }
@@ -270,9 +270,10 @@ impl Observer for Watch<'_> {
 fn stopped(frame: i64, checkpoint: &Checkpoint, mut film: Film, steps: Steps) -> Problem {
     match checkpoint.save(&mut film, steps, false) {
         Ok(()) => Problem::new(Exit::Stopped, format!("interrupted in frame {frame}"))
-            .with_help("what is done of it is kept: the same command goes on from there"),
+            .with_help("its samples are kept; the same command continues from there"),
         Err(error) => {
-            let message = format!("interrupted in frame {frame}, which can't be kept: {error}");
+            let message =
+                format!("interrupted in frame {frame}, whose samples can't be kept: {error}");
             Problem::new(Exit::Stopped, message)
         }
     }
@@ -294,6 +295,6 @@ pub(super) fn find_out_if_writable(path: &Path, is_first: bool) -> Result<(), Pr
     };
     check.map_err(|error| {
         Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()))
-            .with_help("`--outdir` names another folder")
+            .with_help("choose another folder with `--outdir`")
     })
 }

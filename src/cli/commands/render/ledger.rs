@@ -30,7 +30,7 @@ impl Ledger {
         }
     }
 
-    /// What is known, by the frame's number; nothing where the file is of something else, or broken.
+    /// What is known, by the frame's number; nothing if the file belongs to another scene, or is damaged.
     pub(super) fn read(&self) -> BTreeMap<i64, Known> {
         let text = open_regular(&self.path).and_then(io::read_to_string).unwrap_or_default();
         let value: Value = serde_json::from_str(&text).unwrap_or_default();
@@ -43,7 +43,7 @@ impl Ledger {
         frames.into_iter().flatten().filter_map(known).collect()
     }
 
-    /// Writes what is known. Where that fails nothing but this is lost.
+    /// Writes what is known. If that fails, nothing else is lost.
     pub(super) fn write<'a>(&self, known: impl Iterator<Item = (i64, &'a Known)>) {
         let line = |(frame, known): (i64, &Known)| (frame.to_string(), json!(known.to_numbers()));
         let frames: Map<String, Value> = known.map(line).collect();

@@ -11,8 +11,8 @@ use crate::cli::values::{Map, Maps};
 use crate::film::{Area, Display, Film};
 use crate::output::{write_error_map, write_sample_map};
 
-/// Finds out, before anything is rendered, whether the maps of the frames can be written, where
-/// nothing else goes. Each frame comes with the path of its picture.
+/// Finds out, before anything is rendered, whether the maps of the frames can be written to
+/// paths of their own. Each frame comes with the path of its picture.
 ///
 /// # Errors
 /// Two files of one name; what is in the way.

@@ -91,6 +91,8 @@ fn to_render(steps: &[Step]) -> usize {
 /// One structure is there to be measured against.
 fn warn_of_structure(accelerator: Accelerator, terminal: Terminal) {
     if accelerator == Accelerator::Cwbvh {
-        terminal.warn("CWBVH is for measuring: it may miss hits at edges, and the picture differ");
+        terminal.warn(
+            "CWBVH is for measurements: it may miss hits at edges, so the picture may differ",
+        );
     }
 }

@@ -29,7 +29,7 @@ pub(super) enum State {
     Finished,
     /// To be rendered, since this is what was found.
     ToRender(Found),
-    /// Not to be rendered: a file of others is there, and why it is taken for that.
+    /// Not to be rendered: the file of another program is there, for this reason.
     Foreign(String),
     /// The scene has no such frame.
     None(NoSegment),
@@ -74,7 +74,7 @@ pub(super) fn is_open(job: &Job, target: &Target, frame: i64) -> bool {
     job.total_time.is_some() && state().is_file()
 }
 
-/// Names in the output folder, where the time of rendering is part of them.
+/// Names in the output folder, if the time of rendering is part of them.
 struct Names(BTreeSet<String>);
 
 impl Names {

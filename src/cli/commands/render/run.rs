@@ -27,7 +27,7 @@ struct Placed {
     stamp: Option<Stamp>,
 }
 
-/// What tells a file from another one under its name, without reading either.
+/// Distinguishes a file from another one of its name without reading either.
 #[derive(PartialEq, Eq)]
 struct Stamp(u64, SystemTime);
 
@@ -120,12 +120,12 @@ impl<'a> Run<'a> {
         self.placed.push(Placed::new(frame, path));
         self.progress.found(frame, path, counted);
         if !self.is_sequence {
-            self.note(format_args!("`{}` is there already", path.display()));
+            self.note(format_args!("`{}` is finished already", path.display()));
         }
         self.print(path);
     }
 
-    /// Renders a frame, as long as it is this process's; false where it is not any more.
+    /// Renders a frame, as long as it belongs to this process; false if it no longer does.
     pub(super) fn render(
         &mut self,
         frame: i64,
@@ -168,7 +168,7 @@ impl<'a> Run<'a> {
         self.failures.push((frame, problem));
     }
 
-    /// Prints a picture's path. Pictures are rendered also where nobody can be told.
+    /// Prints a picture's path. If that fails, rendering continues.
     pub(super) fn print(&mut self, path: &Path) {
         let printed = self.progress.suspended(|| print(path.as_os_str().as_encoded_bytes()));
         self.unprinted = self.unprinted.take().or(printed.err());
@@ -195,8 +195,8 @@ impl<'a> Run<'a> {
             }
             let why = match self.studio.target.look(frame, &path) {
                 Found::Finished => continue,
-                Found::Missing => "it is not there any more".into(),
-                Found::Damaged => "it was damaged since".into(),
+                Found::Missing => "it is no longer there".into(),
+                Found::Damaged => "it has been damaged since".into(),
                 Found::Stale(what) => format!("another run has replaced it: {what}"),
                 Found::Foreign(what) => format!("another program has replaced it: {what}"),
             };
@@ -205,7 +205,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Says how the run went; an error where frames failed.
+    /// Says how the run went; an error if frames failed.
     pub(super) fn end(mut self) -> Result<(), Problem> {
         drop(self.progress);
         let terminal = self.studio.terminal;
@@ -214,7 +214,7 @@ impl<'a> Run<'a> {
         }
         if self.is_sequence && self.found > 0 {
             let were = if self.found == 1 { "was" } else { "were" };
-            terminal.note(format_args!("{} {were} there already", counted(self.found, "frame")));
+            terminal.note(format_args!("{} {were} finished already", counted(self.found, "frame")));
         }
         if let Some(why) = self.late {
             terminal.note(why);
@@ -235,16 +235,16 @@ impl<'a> Run<'a> {
     }
 }
 
-/// An error where the run was asked to stop.
+/// An error if the run was asked to stop.
 pub(super) fn may_begin(frame: i64) -> Result<(), Problem> {
     if interrupt::requested() {
         return Err(Problem::new(Exit::Stopped, format!("interrupted before frame {frame}"))
-            .with_help("the same command goes on from there"));
+            .with_help("the same command continues from there"));
     }
     Ok(())
 }
 
 fn cant_print(error: &io::Error) -> Problem {
     let message = format!("can't print the paths of the pictures: {error}");
-    Problem::new(Exit::Failed, message).with_help("the pictures are all there")
+    Problem::new(Exit::Failed, message).with_help("all pictures are in place")
 }

@@ -4,18 +4,18 @@
 
 use crate::render::Steps;
 
-/// The step that each frame is taken to first: less tells nothing of what more would take.
+/// The step that each frame is taken to first: fewer samples do not show what more would take.
 const FIRST: u32 = 4;
 /// The first steps together take this share of the time at most.
 const FIRST_SHARE: f64 = 0.5;
 /// A step takes as many samples as all before it, at most.
 const MOST_GROWTH: f64 = 2.0;
-/// Several steps at once are taken where they are thought to need this share of the time that is
-/// left, at most.
+/// Several steps at once are taken if they are expected to need at most this share of the time that
+/// is left.
 const SURE: f64 = 0.7;
 /// What is left over of the span, as a share of it, for what nobody foresees.
 const RESERVE: f64 = 0.005;
-/// Of what a visit takes beside the samples, so much is left over for the last one to take longer.
+/// Share of a visit's time besides the samples that is left over, in case the last one takes longer.
 const SLACK: f64 = 0.5;
 /// A round for less than this share of the span is not worth it.
 const WORTH: f64 = 0.01;
@@ -90,7 +90,7 @@ impl Known {
         f64::from(self.done) + libm::log2(1.0 + self.further)
     }
 
-    /// What a visit takes beside the samples.
+    /// Time of a visit besides its samples.
     fn fixed(&self) -> f64 {
         self.before + self.after
     }
@@ -108,7 +108,7 @@ impl Known {
         [f64::from(done), further, samples, measured, sampling, before, after, spent, growth]
     }
 
-    /// The same from numbers; `None` where one of them can't be.
+    /// The same from numbers; `None` if one of them can't be.
     pub(super) fn from_numbers(numbers: [f64; 9]) -> Option<Self> {
         let [done, further, samples, measured, sampling, before, after, spent, growth] = numbers;
         let is_sound = numbers.iter().all(|number| *number >= 0.0 && *number < 1e15)
@@ -172,7 +172,7 @@ impl Schedule {
         })
     }
 
-    /// A frame was visited; false where it came no further.
+    /// A frame was visited; false if it came no further.
     pub(super) fn visited(&mut self, i: usize, visit: &Visit) -> bool {
         let earlier = match self.frames[i] {
             Frame::Known(known) => Some(known),
@@ -203,7 +203,7 @@ impl Schedule {
         self.frames[i] = Frame::Failed;
     }
 
-    /// The next round, `passed` of the span; `None` where no time is left for one, or nothing to do.
+    /// The next round, `passed` of the span; `None` if no time is left for one, or nothing to do.
     pub(super) fn round(&self, passed: f64) -> Option<Round> {
         let is_new = |i: &usize| matches!(self.frames[*i], Frame::New);
         let new: Vec<usize> = (0..self.frames.len()).filter(is_new).collect();
@@ -288,7 +288,7 @@ impl Schedule {
         known.missing(step, growth) * rate
     }
 
-    /// Time for a sample per pixel, as a rule: a second where nothing was measured.
+    /// Time for a sample per pixel, as a rule: a second if nothing was measured.
     fn usual_rate(&self) -> f64 {
         let (sampling, measured) = (self.mean(|k| k.sampling), self.mean(|k| k.measured));
         if measured > 0.0 && sampling > 0.0 { sampling / measured } else { 1.0 }

@@ -10,7 +10,7 @@ use super::run::Run;
 use crate::cli::base::{Exit, Problem};
 use crate::cli::claims::{Claim, Claims, Taken, Worker};
 use crate::cli::system::{interrupt, patience};
-use crate::cli::values::shown;
+use crate::cli::values::named;
 
 /// What came of one look at a frame.
 enum Look {
@@ -65,7 +65,7 @@ impl Run<'_> {
         Ok(left)
     }
 
-    /// Goes on to the first frame that is to be rendered and nobody's; false where there is none.
+    /// Renders the first frame that is still to do and unclaimed; false if there is none.
     fn first_free(
         &mut self,
         steps: &mut impl Iterator<Item = Step>,
@@ -82,7 +82,7 @@ impl Run<'_> {
         Ok(false)
     }
 
-    /// Renders a frame that is to be rendered, where it is nobody's.
+    /// Renders a frame that is still to do, if it is unclaimed.
     fn look(&mut self, step: &Step, claims: &Claims) -> Result<Look, Problem> {
         if let State::None(_) | State::Foreign(_) = step.state {
             return self.step(step).map(|()| Look::Settled);
@@ -124,7 +124,7 @@ impl Run<'_> {
             let (worker, is_alive) = match (taken, &other) {
                 (Taken::Other { worker, is_alive }, _) => (worker, is_alive),
                 (Taken::Mine(claim), Some(worker)) if claim.dead.is_none() => {
-                    // It has let go of the frame: unless it was one of ours meanwhile, it goes on to others.
+                    // It has let go of the frame: unless it was one of ours meanwhile, it continues with others.
                     match self.keep_if_there(step) {
                         true => return Ok(Ok(None)),
                         false => (worker.clone(), true),
@@ -151,7 +151,7 @@ impl Run<'_> {
     fn go_on(&mut self, step: &Step, claim: Claim) -> Result<Look, Problem> {
         let frame = step.frame;
         if let Some(dead) = &claim.dead {
-            self.note(format_args!("frame {frame} is taken over: no sign of life of {dead}"));
+            self.note(format_args!("taking over frame {frame}: {dead} has stopped responding"));
             self.studio.clean_up(frame, &step.path);
         }
         if self.keep_if_there(step) {
@@ -163,7 +163,7 @@ impl Run<'_> {
         if self.render(frame, &step.path, &|| claim.is_lost())? {
             return Ok(Look::Rendered);
         }
-        self.note(format_args!("frame {frame} was taken over by another process meanwhile"));
+        self.note(format_args!("another process has taken over frame {frame}"));
         Ok(Look::Theirs(None))
     }
 
@@ -189,7 +189,7 @@ impl Run<'_> {
             .map_err(|error| patience::problem(format_args!("claim `{}`", path.display()), &error))
     }
 
-    /// Says for what frames the run waits, where these are others than last time.
+    /// Says for which frames the run waits, if they have changed since last time.
     fn tell_waiting(&self, theirs: &[Theirs], told: &mut Vec<i64>) {
         let frames: Vec<i64> = theirs.iter().map(|theirs| theirs.step.frame).collect();
         if frames == *told {
@@ -198,15 +198,16 @@ impl Run<'_> {
         self.progress.waiting(&frames);
         let first =
             theirs.iter().find_map(|theirs| Some((theirs.step.frame, theirs.worker.as_ref()?)));
-        let who = first.map_or_else(String::new, |(frame, who)| format!("; {who} renders {frame}"));
-        self.note(format_args!("waiting for others to finish {}{who}", shown(&frames)));
+        let who =
+            first.map_or_else(String::new, |(frame, who)| format!("; {who} renders frame {frame}"));
+        self.note(format_args!("waiting for other processes to finish {}{who}", named(&frames)));
         *told = frames;
     }
 }
 
 fn wait_for(frames: &[i64], pause: Duration) -> Result<(), Problem> {
     if interrupt::requested() {
-        let message = format!("interrupted; others still render {}", shown(frames));
+        let message = format!("interrupted; other processes still render {}", named(frames));
         return Err(Problem::new(Exit::Stopped, message));
     }
     sleep(pause);
@@ -219,6 +220,6 @@ fn two_versions(frame: i64, worker: &Worker) -> Problem {
          two versions can't share a folder"
     );
     Problem::new(Exit::Failed, message).with_help(
-        "`--outdir` or `--prefix` gives this run pictures of its own; or stop the other one first",
+        "give this run pictures of its own with `--outdir` or `--prefix`, or stop the other one first",
     )
 }

@@ -46,12 +46,8 @@ impl Summary {
         if refused > 0 {
             let samples = counted(refused, "sample");
             terminal.warn(match refused {
-                1 => format!(
-                    "{samples} was no number or beyond what the film holds, and was left out"
-                ),
-                _ => format!(
-                    "{samples} were no numbers or beyond what the film holds, and were left out"
-                ),
+                1 => format!("{samples} was not a finite number or too bright, and was left out"),
+                _ => format!("{samples} were not finite numbers or too bright, and were left out"),
             });
         }
         let what = match self.frames {
@@ -118,7 +114,7 @@ fn line(rendering: Duration, rays: &Statistics, peak: Option<u64>) -> String {
     line
 }
 
-/// Most bytes that this process had in memory, where the system tells.
+/// Peak memory of this process in bytes, if the system reports it.
 fn peak_memory() -> Option<u64> {
     peak_of(&std::fs::read_to_string("/proc/self/status").ok()?)
 }

@@ -39,9 +39,9 @@ impl<'a> Target<'a> {
     pub(super) fn new(job: &'a Job, scene: &'a SceneDescription) -> Result<Self, Problem> {
         let film = &scene.camera.film;
         if !film.layers.is_empty() && film.output != OutputFormat::Exr {
-            let message = "layers are written to EXR pictures only, and this is a PNG";
+            let message = "layers are written to EXR pictures only, but this is a PNG";
             return Err(Problem::new(Exit::Usage, message)
-                .with_help("`--format exr` makes it one, or `output EXR_IMAGE` in the scene"));
+                .with_help("use `--format exr`, or `output EXR_IMAGE` in the scene"));
         }
         let whole = Area::whole(film.width, film.height);
         let region = match job.region {
@@ -57,9 +57,9 @@ impl<'a> Target<'a> {
             Some((part, PartBy::Samples)) => plan.of_samples(part).ok_or_else(no_samples)?,
         };
         if plan.samples().is_some_and(|samples| samples.is_empty()) {
-            let message = "there are more parts than samples of a pixel, and this one has none";
+            let message = "there are more parts than samples per pixel, so this part has none";
             return Err(Problem::new(Exit::Usage, message)
-                .with_help("`--part-by pixels` shares out the pixels"));
+                .with_help("divide the pixels with `--part-by pixels`"));
         }
         Ok(Self { job, scene, plan, whole, region })
     }
@@ -69,7 +69,7 @@ impl<'a> Target<'a> {
         &self.plan
     }
 
-    /// The path of what is made of a frame; its name tells the time with `--info`.
+    /// The path of what is made of a frame; its name holds the time with `--info`.
     pub(super) fn path(&self, frame: i64, time: Duration) -> PathBuf {
         let (settings, least) = (&self.scene.settings, self.plan.least());
         let info = self.job.info.then_some(Info { settings, least, time });
@@ -134,7 +134,7 @@ impl<'a> Target<'a> {
     /// Writes what was asked for to `path`; `steps` are those that the clock decided about.
     ///
     /// # Errors
-    /// What the system says; a file of others is there by now (`AlreadyExists`).
+    /// What the system says; a file of another program is there by now (`AlreadyExists`).
     pub(super) fn write(
         &self,
         frame: i64,
@@ -182,26 +182,26 @@ impl<'a> Target<'a> {
     }
 }
 
-/// A file of others is where a picture is to be.
+/// A file of another program has the name of a picture.
 struct NotOurs {
     why: String,
 }
 
 impl Display for NotOurs {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "slo-rt did not make the file that is there ({})", self.why)
+        write!(f, "slo-rt did not make the existing file ({})", self.why)
     }
 }
 
-/// A frame that can't be rendered, since a file of others has its name.
+/// A frame that can't be rendered because a file of another program has its name.
 pub(super) fn not_ours(path: &Path, why: &str) -> Problem {
     in_the_way(path, NotOurs { why: why.to_owned() })
 }
 
-/// A file is in the way of a picture, and stays.
+/// A file is in the way of a picture and is left alone.
 pub(super) fn in_the_way(path: &Path, what: impl Display) -> Problem {
     Problem::new(Exit::CantCreate, format!("can't create `{}`: {what}", path.display()))
-        .with_help("it is left alone; move it away, or `--overwrite` replaces it")
+        .with_help("it is left alone; move it away, or replace it with `--overwrite`")
 }
 
 /// A picture or a part that is in place.
@@ -218,12 +218,14 @@ fn inside(region: Region, whole: Area) -> Result<Area, Problem> {
         return Ok(area);
     }
     let (width, height) = (whole.width(), whole.height());
-    let message = format!("the region {region} is not inside the picture of {width}x{height}");
+    let message =
+        format!("the region {region} is not inside the picture, which has {width}x{height} pixels");
     Err(Problem::new(Exit::Usage, message))
 }
 
 fn no_samples() -> Problem {
-    let message = "samples can't be shared out where their number depends on what is seen";
-    Problem::new(Exit::Usage, message)
-        .with_help("`--part-by pixels` shares out the pixels; `--samples` may make them equal")
+    let message = "samples can't be divided into parts if their number differs from pixel to pixel";
+    Problem::new(Exit::Usage, message).with_help(
+        "divide the pixels with `--part-by pixels`, or make the numbers equal with `--samples`",
+    )
 }

@@ -33,7 +33,7 @@ impl Rounds {
         self.earlier + self.begin.elapsed().as_secs_f64()
     }
 
-    /// Why more than the span has passed, where that is known.
+    /// Why more than the span has passed, if that is known.
     fn late(&self, span: f64) -> Option<String> {
         let is_least =
             |take: &Take| take.done.as_ref()?.steps.map(|s| s == crate::render::Steps::default());
@@ -43,13 +43,13 @@ impl Rounds {
         let earlier = if self.earlier > 0.0 { ", with earlier runs" } else { "" };
         (has_least && seconds > span && passed != asked).then(|| {
             format!(
-                "these frames took {passed} instead of {asked}{earlier}, \
-                 for one sample per pixel of every frame"
+                "these frames took {passed} instead of {asked}{earlier}: \
+                 every frame takes at least one sample per pixel"
             )
         })
     }
 
-    /// Writes down what is known, for a run that goes on from here.
+    /// Writes down what is known, for a run that continues from here.
     fn note(&self) {
         let known = self.schedule.known();
         self.ledger.write(known.map(|(i, known)| (self.takes[i].step.frame, known)));
@@ -105,13 +105,14 @@ impl Run<'_> {
         found == Found::Finished && is_open(self.studio.job, &self.studio.target, step.frame)
     }
 
-    /// Takes frames further; false where none came any further.
+    /// Takes frames further; false if none came any further.
     fn round(&mut self, rounds: &mut Rounds, round: &Round) -> Result<bool, Problem> {
         let Round { goal, frames } = round;
         let count = frames.len();
         let passed = rounds.passed();
         self.progress.suspended(|| {
-            let said = format_args!("step {goal} for {count} of the frames, {passed:.0} s passed");
+            let said =
+                format_args!("step {goal} for {count} of the frames; {passed:.0} s have passed");
             self.studio.terminal.detail(said);
         });
         let mut is_further = false;
@@ -127,7 +128,7 @@ impl Run<'_> {
         Ok(is_further)
     }
 
-    /// Takes a frame further, or leaves it out for good; false where nothing came of it.
+    /// Takes a frame further, or leaves it out for good; false if it came no further.
     fn visit(&mut self, rounds: &mut Rounds, i: usize, limit: Limit) -> Result<bool, Problem> {
         let start = Instant::now();
         let take = &mut rounds.takes[i];
