@@ -48,3 +48,6 @@ Exit codes:
 Environment:
   NO_COLOR, CLICOLOR_FORCE, TERM=dumb   as usual; --color overrides them
   SLO_RT_ISA=avx512|avx2|portable       instruction set; the picture is the same";
+
+/// Heading of the options that replace settings of the scene.
+pub(super) const SETTINGS: &str = "Instead of the scene's settings";

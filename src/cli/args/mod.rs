@@ -4,6 +4,7 @@ mod commands;
 mod help;
 mod parse;
 mod program;
+mod settings;
 mod short_forms;
 #[cfg(test)]
 mod tests;
@@ -12,3 +13,4 @@ mod tips;
 pub(crate) use commands::{Command, CompareArgs, DenoiseArgs, MergeArgs, SheetArgs, VerifyArgs};
 pub(crate) use parse::parse;
 pub(crate) use program::Args;
+pub(crate) use settings::SettingArgs;

@@ -7,19 +7,18 @@ use clap::Parser;
 use clap::builder::Styles;
 
 use super::commands::Command;
-use super::help::{ABOUT, EXAMPLES, EXIT_CODES, LONG_ABOUT};
+use super::help::{ABOUT, EXAMPLES, EXIT_CODES, LONG_ABOUT, SETTINGS};
+use super::settings::SettingArgs;
 use crate::cli::base::When;
 use crate::cli::values::{
-    AcceleratorName, FormatName, FrameChoice, FramePath, LayerName, Order, PartBy, ProgressForm,
-    Region, SizeChoice, Threads, frames, interval, lease, noise, part, region, samples, seed, size,
-    steps, threads, time,
+    FrameChoice, FramePath, LayerName, Order, PartBy, ProgressForm, Region, Threads, frames,
+    interval, lease, part, region, steps, threads, time,
 };
 use crate::render::{Part, Steps};
 
 const COMMANDS: &str = "Commands besides rendering";
 const WHAT: &str = "What to render";
 const WHERE: &str = "Where it goes";
-const DRAFT: &str = "Instead of the scene's settings";
 const HOW: &str = "How it runs";
 const INSTEAD: &str = "Instead of rendering";
 
@@ -167,39 +166,14 @@ pub(crate) struct Args {
     #[arg(value_enum, value_delimiter = ',', ignore_case = true, verbatim_doc_comment)]
     pub(crate) layers: Vec<LayerName>,
 
-    /// File format: png, png16 or exr
-    #[arg(long, value_name = "NAME", help_heading = DRAFT, hide_possible_values = true)]
-    #[arg(ignore_case = true)]
-    pub(crate) format: Option<FormatName>,
-
-    /// Size of the picture, such as 320x180, 1080p, or 50% of the scene's
-    #[arg(long, value_name = "WxH", help_heading = DRAFT, value_parser = size)]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) size: Option<SizeChoice>,
-
-    /// Camera samples per pixel
-    ///
-    /// N is the maximum, whatever is sampled: imageSamples becomes N, dofSamples
-    /// becomes 1, and imageMinSamples becomes N if it is larger. The samples of
-    /// shadows and of glossy surfaces stay the same.
-    #[arg(long, value_name = "N", help_heading = DRAFT, verbatim_doc_comment)]
-    #[arg(allow_hyphen_values = true, value_parser = samples)]
-    pub(crate) samples: Option<u32>,
-
-    /// Error at which a picture is clean enough, such as 0.01
-    ///
-    /// Measured on the values that the viewer sees: 1 is the range from black to
-    /// white, 0.004 a step of 8 bits. Each block of 8 x 8 pixels takes samples
-    /// until its estimated error is below E, at most --samples (4096 without it).
-    #[arg(long, value_name = "E", help_heading = DRAFT, value_parser = noise)]
-    #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
-    pub(crate) noise: Option<f32>,
+    #[command(flatten)]
+    pub(crate) settings: SettingArgs,
 
     /// Time that a frame may take, such as 90s, 15m or 1h30m
     ///
     /// Samples go where the noise is, until the time is over. The recipe says how
     /// far the frame came, and --steps makes the same picture without the clock.
-    #[arg(long, value_name = "TIME", help_heading = DRAFT, value_parser = time)]
+    #[arg(long, value_name = "TIME", help_heading = SETTINGS, value_parser = time)]
     #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["noise", "steps", "part", "region"], verbatim_doc_comment)]
     pub(crate) time: Option<Duration>,
@@ -209,31 +183,17 @@ pub(crate) struct Args {
     /// All frames become equally clean: they improve round by round until the time
     /// is over. A run that was stopped or killed continues from there, and has the
     /// rest of the time. Recipes and --steps work as with --time.
-    #[arg(long, value_name = "TIME", help_heading = DRAFT, value_parser = time)]
+    #[arg(long, value_name = "TIME", help_heading = SETTINGS, value_parser = time)]
     #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["time", "noise", "steps", "part", "region", "share", "info"])]
     #[arg(verbatim_doc_comment)]
     pub(crate) total_time: Option<Duration>,
 
     /// How far --time or --total-time came: the two numbers in a recipe
-    #[arg(long, value_name = "STEP,TILES", help_heading = DRAFT, value_parser = steps)]
+    #[arg(long, value_name = "STEP,TILES", help_heading = SETTINGS, value_parser = steps)]
     #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with = "noise")]
     pub(crate) steps: Option<Steps>,
-
-    /// Seed of the noise
-    #[arg(long, value_name = "N", help_heading = DRAFT, value_parser = seed)]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) seed: Option<u64>,
-
-    /// Acceleration structure: kdtree, bvh, cwbvh or none
-    #[arg(long, value_name = "NAME", help_heading = DRAFT, hide_possible_values = true)]
-    #[arg(ignore_case = true)]
-    pub(crate) accelerator: Option<AcceleratorName>,
-
-    /// Let the BVH split long triangles: bounces are faster, shadows slower
-    #[arg(long, help_heading = DRAFT)]
-    pub(crate) spatial_splits: bool,
 
     /// Number of threads, or auto for all [parallelThreads of the scene, or all]
     #[arg(long, value_name = "N", help_heading = HOW, allow_hyphen_values = true)]

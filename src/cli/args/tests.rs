@@ -141,9 +141,9 @@ fn numbers_below_their_range_are_told_the_range() {
 
 #[test]
 fn numbers_are_taken_as_people_write_them() {
-    let samples = |typed: &str| parse(typed).unwrap().samples;
+    let samples = |typed: &str| parse(typed).unwrap().settings.samples;
     assert_eq!((samples("--samples 1e3"), samples("--samples 1_000")), (Some(1000), Some(1000)));
-    assert_eq!(parse("--seed 0xff").unwrap().seed, Some(255));
+    assert_eq!(parse("--seed 0xff").unwrap().settings.seed, Some(255));
     let threads = |typed: &str| parse(typed).unwrap().threads;
     assert_eq!(threads("--threads auto"), Some(Threads::All));
     assert_eq!(threads("--threads 4"), Some(Threads::Count(4)));
@@ -152,7 +152,7 @@ fn numbers_are_taken_as_people_write_them() {
     assert_eq!((checkpoint("--checkpoint 0"), checkpoint("--checkpoint=none")), (0, 0));
     let share = |typed: &str| parse(typed).unwrap().share.map(|lease| lease.as_secs());
     assert_eq!((share("--share"), share("--share=5m"), share("")), (Some(60), Some(300), None));
-    assert_eq!(parse("--noise 1%").unwrap().noise, Some(0.01));
+    assert_eq!(parse("--noise 1%").unwrap().settings.noise, Some(0.01));
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn no_refusal_is_a_programmers() {
 fn accelerators_may_be_spelt_as_in_scenes() {
     for (name, accelerator) in Accelerator::NAMES {
         for name in [name.to_owned(), name.to_lowercase()] {
-            let parsed = parse(&format!("--accelerator {name}")).unwrap().accelerator;
+            let parsed = parse(&format!("--accelerator {name}")).unwrap().settings.accelerator;
             assert_eq!(parsed.map(|name| name.0), Some(accelerator), "{name}");
         }
     }

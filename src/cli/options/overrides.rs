@@ -1,7 +1,7 @@
 //! Settings of the scene that the command line replaces.
 
-use crate::cli::values::SizeChoice;
-use crate::scene::{Accelerator, Layer, OutputFormat, SceneDescription};
+use crate::cli::args::SettingArgs;
+use crate::scene::{Layer, SceneDescription};
 
 /// Maximum number of samples of a block if only its noise was asked for.
 const MOST_FOR_NOISE: u32 = 4096;
@@ -12,16 +12,9 @@ pub(crate) struct Overrides {
     pub(crate) prefix: Option<String>,
     /// Of EXR pictures; empty: none.
     pub(crate) layers: Vec<Layer>,
-    pub(crate) format: Option<OutputFormat>,
-    pub(crate) size: Option<SizeChoice>,
-    pub(crate) samples: Option<u32>,
-    pub(crate) noise: Option<f32>,
+    pub(crate) settings: SettingArgs,
     /// The number of samples is decided by noise or time, not by the scene.
     pub(crate) is_stepwise: bool,
-    pub(crate) seed: Option<u64>,
-    pub(crate) accelerator: Option<Accelerator>,
-    /// Turned on, even if the scene does not ask for it.
-    pub(crate) spatial_splits: bool,
 }
 
 impl Overrides {
@@ -30,31 +23,34 @@ impl Overrides {
     /// `samples` counts all camera samples of a pixel: it stands for the product
     /// of `imageSamples` and `dofSamples`.
     pub(crate) fn apply(&self, scene: &mut SceneDescription) {
+        // Every option is named, so that a new one can't be forgotten.
+        let SettingArgs { format, size, samples, noise, seed, accelerator, spatial_splits } =
+            self.settings;
         let film = &mut scene.camera.film;
         film.prefix = self.prefix.clone().unwrap_or_else(|| film.prefix.clone());
-        if let Some(size) = self.size {
+        if let Some(size) = size {
             let size = size.of(film.width, film.height);
             (film.width, film.height) = (size.width, size.height);
         }
-        film.output = self.format.unwrap_or(film.output);
+        film.output = format.map_or(film.output, |name| name.0);
         if !self.layers.is_empty() {
             film.layers.clone_from(&self.layers);
             film.layers.sort_unstable();
             film.layers.dedup();
         }
         let settings = &mut scene.settings;
-        settings.noise = self.noise.or(settings.noise);
-        let open = (self.noise.is_some() || self.is_stepwise).then_some(MOST_FOR_NOISE);
-        if let Some(samples) = self.samples.or(open) {
+        settings.noise = noise.or(settings.noise);
+        let open = (noise.is_some() || self.is_stepwise).then_some(MOST_FOR_NOISE);
+        if let Some(samples) = samples.or(open) {
             let adaptive = settings.image_min_samples < settings.image_samples;
             let least = if adaptive { settings.image_min_samples } else { samples };
             settings.image_min_samples = least.min(samples);
             settings.image_samples = samples;
             settings.dof_samples = 1;
         }
-        settings.seed = self.seed.unwrap_or(settings.seed);
-        settings.accelerator = self.accelerator.unwrap_or(settings.accelerator);
-        settings.spatial_splits |= self.spatial_splits;
+        settings.seed = seed.unwrap_or(settings.seed);
+        settings.accelerator = accelerator.map_or(settings.accelerator, |name| name.0);
+        settings.spatial_splits |= spatial_splits;
     }
 }
 
@@ -62,12 +58,19 @@ impl Overrides {
 mod tests {
     use super::*;
     use crate::cli::options::empty_scene;
+    use crate::cli::values::{AcceleratorName, FormatName, SizeChoice};
+    use crate::scene::{Accelerator, OutputFormat};
+
+    fn with(settings: SettingArgs) -> Overrides {
+        Overrides { settings, ..Overrides::default() }
+    }
 
     fn check_samples(scene: (u32, u32, u32), samples: u32, expected: (u32, u32, u32)) {
         let mut description = empty_scene();
         let settings = &mut description.settings;
         (settings.image_min_samples, settings.image_samples, settings.dof_samples) = scene;
-        Overrides { samples: Some(samples), ..Overrides::default() }.apply(&mut description);
+        with(SettingArgs { samples: Some(samples), ..SettingArgs::default() })
+            .apply(&mut description);
         let settings = &description.settings;
         let result = (settings.image_min_samples, settings.image_samples, settings.dof_samples);
         assert_eq!(result, expected, "--samples {samples} over {scene:?}");
@@ -92,15 +95,18 @@ mod tests {
     #[test]
     fn options_replace_what_the_scene_says() {
         let mut scene = empty_scene();
-        let overrides = Overrides {
-            prefix: Some("p".into()),
+        let settings = SettingArgs {
             size: Some(SizeChoice::Share(0.5)),
             seed: Some(7),
-            accelerator: Some(Accelerator::None),
+            accelerator: Some(AcceleratorName(Accelerator::None)),
             spatial_splits: true,
-            format: Some(OutputFormat::Exr),
+            format: Some(FormatName(OutputFormat::Exr)),
+            ..SettingArgs::default()
+        };
+        let overrides = Overrides {
+            prefix: Some("p".into()),
             layers: vec![Layer::Normal, Layer::Albedo, Layer::Normal],
-            ..Overrides::default()
+            ..with(settings)
         };
         overrides.apply(&mut scene);
         let film = &scene.camera.film;
@@ -113,10 +119,10 @@ mod tests {
     #[test]
     fn a_noise_level_has_samples_enough() {
         let mut scene = empty_scene();
-        let overrides = Overrides { noise: Some(0.01), ..Overrides::default() };
-        overrides.apply(&mut scene);
+        let noise = SettingArgs { noise: Some(0.01), ..SettingArgs::default() };
+        with(noise).apply(&mut scene);
         assert_eq!((scene.settings.noise, scene.settings.image_samples), (Some(0.01), 4096));
-        Overrides { samples: Some(64), ..overrides }.apply(&mut scene);
+        with(SettingArgs { samples: Some(64), ..noise }).apply(&mut scene);
         assert_eq!(scene.settings.image_samples, 64);
     }
 }

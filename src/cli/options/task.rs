@@ -114,14 +114,8 @@ fn job(args: Args) -> Result<Job, Problem> {
         overrides: Overrides {
             prefix: args.prefix,
             layers: args.layers.into_iter().map(|name| name.0).collect(),
-            format: args.format.map(|name| name.0),
-            size: args.size,
-            samples: args.samples,
-            noise: args.noise,
+            settings: args.settings,
             is_stepwise: args.time.is_some() || args.total_time.is_some() || args.steps.is_some(),
-            seed: args.seed,
-            accelerator: args.accelerator.map(|name| name.0),
-            spatial_splits: args.spatial_splits,
         },
         threads: args.threads.map(|threads| match threads {
             Threads::All => std::thread::available_parallelism().map_or(1, usize::from),
