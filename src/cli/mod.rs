@@ -1,75 +1,27 @@
 //! The command line: arguments as typed -> validated options -> commands and exit codes.
+//!
+//! Floors from the ground up, each of which imports from those below it only: `base` (exit codes,
+//! problems, what is said), `values` (of options), `args` (the command line as typed), `options`
+//! (what it asks for), what several commands need (`system`, `files`, `progress`, `claims`), and
+//! `commands`, none of which imports another.
 
 mod args;
-mod check;
-mod checkpoint;
-mod compare;
-mod crash;
-mod default_scene;
-mod denoise;
-mod interrupt;
-mod load;
-mod maps;
-mod memory;
-mod merge;
-mod new_folders;
+mod base;
+mod claims;
+mod commands;
+mod files;
 mod options;
-mod parse;
-mod part_names;
-mod patience;
-mod problem;
 mod progress;
-mod recipe;
-mod render;
-mod room;
-mod scene_file;
-mod sequence;
-mod sheet;
-mod short_forms;
-mod summary;
-mod target;
-mod terminal;
-#[cfg(test)]
-mod test_scene;
-mod tips;
-mod verify;
+mod system;
+mod values;
 
 use std::ffi::OsString;
-use std::process::ExitCode;
 
+pub use base::Exit;
+use base::{Problem, Terminal};
+use commands::{check, compare, denoise, merge, recipe, render, sheet, verify};
 use options::{Options, Task};
-use problem::Problem;
-use terminal::Terminal;
-
-/// What the program tells its caller.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Exit {
-    /// Everything asked for was done.
-    Done = 0,
-    /// Rendering failed, or a file could not be read or written; frames of a sequence failed.
-    Failed = 1,
-    /// The command line is wrong, or names a frame that the scene does not have.
-    Usage = 2,
-    /// The scene, or a mesh or texture of it, has errors.
-    BadInput = 65,
-    /// An input file is missing or can't be read.
-    NoInput = 66,
-    /// The output can't be created, or a file that slo-rt did not make has its name.
-    CantCreate = 73,
-    /// Writing failed.
-    CantWrite = 74,
-    /// Stopped on purpose; the same command goes on from there.
-    Stopped = 75,
-    /// Ended at once by a second signal.
-    Interrupted = 130,
-}
-
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> Self {
-        Self::from(exit as u8)
-    }
-}
+use system::{crash, interrupt};
 
 /// Runs the program with its arguments, the program's name first.
 ///
@@ -79,7 +31,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
     let args: Vec<OsString> = args.into_iter().collect();
     crash::reported(&args, || {
         interrupt::listen();
-        match parse::parse(&args) {
+        match args::parse(&args) {
             Ok(args) => execute(Options::from(args)),
             Err(exit) => exit,
         }
@@ -88,7 +40,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
 
 fn execute(Options { task, terminal }: Options) -> Exit {
     let done = task.and_then(|task| match task {
-        Task::Render(job) => sequence::run(&job, terminal),
+        Task::Render(job) => render::run(&job, terminal),
         Task::Merge(args) => merge::run(&args, terminal),
         Task::Verify(args, job) => verify::run(&args, &job, terminal),
         Task::Compare(args) => compare::run(&args),

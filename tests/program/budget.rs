@@ -38,7 +38,7 @@ fn a_frame_takes_its_time_and_can_be_made_again_without_the_clock() {
     let verified = folder.printed(&format!("verify {name} -s scene.txt --tiles 20"));
     assert!(verified.starts_with("same\t"), "{verified}");
     let run = folder.run("-s scene.txt --time 1500ms --skip-existing");
-    assert!(run.said.contains("is there already"), "{}", run.said);
+    assert!(run.said.contains("is finished already"), "{}", run.said);
 }
 
 #[test]

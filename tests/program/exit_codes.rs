@@ -97,7 +97,7 @@ fn files_that_are_missing() {
         "{SCENE} mesh m {{ filename missing.slo smooth_normals 0 material matte }}"
     ));
     check(&folder, "-s scene.txt", 66, &["missing.slo"]);
-    check(&folder, "-s scnee.txt", 66, &["there is `scene.txt`"]);
+    check(&folder, "-s scnee.txt", 66, &["did you mean `scene.txt`?"]);
     check(&folder, "-s none/scene.txt", 66, &["none/scene.txt"]);
     check(&folder, "-s .", 66, &["directory"]);
     check(&folder, "--recipe none.png", 66, &["none.png"]);

@@ -157,7 +157,7 @@ fn a_limit_on_memory_is_told_before_anything_is_lost() {
             let run = shell.arg("-c").arg(line).current_dir(folder.path()).output().unwrap();
             let run = Run::of(run);
             let is_refused = run.said.contains("error: the picture needs ")
-                && run.said.contains("of the limit on the address space");
+                && run.said.contains("but the limit on the address space");
             assert!(
                 run.exit == 0 || (run.exit == 1 && is_refused),
                 "{typed} with {megabytes} MB: {} {}",

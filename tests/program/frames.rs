@@ -130,7 +130,7 @@ fn all_frames_of_the_scene() {
     let all = "ball_00000.png\nball_00001.png\nball_00002.png\n";
     assert_eq!(folder.printed("-q -s scene.txt -f all"), all);
     let again = folder.run("-s scene.txt --frame ALL --order reverse");
-    assert!(again.said.contains("3 frames were there already"), "{}", again.said);
+    assert!(again.said.contains("3 frames were finished already"), "{}", again.said);
     assert_eq!(folder.run("-s scene.txt -f all --check").exit, 0);
     let planned = folder.printed("-s scene.txt -f all --dry-run --overwrite");
     assert_eq!(planned.lines().count(), 3);
@@ -139,7 +139,7 @@ fn all_frames_of_the_scene() {
     folder.write("long.txt", SCENE.replace("videoEnd 1", "videoEnd 1e9"));
     let run = folder.run("-s long.txt -f all");
     assert_eq!(run.exit, 2, "{}", run.said);
-    assert!(run.said.contains("at most 1000000 in one run"), "{}", run.said);
+    assert!(run.said.contains("one run renders at most 1000000"), "{}", run.said);
 }
 
 #[test]
@@ -176,5 +176,5 @@ fn a_finished_sequence_of_800_frames_is_known_at_once() {
     let start = Instant::now();
     let run = folder.run("-s scene.txt -f 0-799");
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
-    assert!(run.said.contains("800 frames were there already"), "{}", run.said);
+    assert!(run.said.contains("800 frames were finished already"), "{}", run.said);
 }

@@ -107,11 +107,11 @@ fn states_with_and_without_layers_do_not_mix() {
     folder.printed("-q -s scene.txt --format exr --samples 3 --keep-state");
     let run = folder.run(&format!("-s scene.txt {LAYERS} --keep-state"));
     assert_eq!(run.exit, 0, "{}", run.said);
-    assert!(run.said.contains("it has no layers, and this run does"), "{}", run.said);
+    assert!(run.said.contains("it has no layers, but this run writes"), "{}", run.said);
     folder.printed(&format!("-q -s scene.txt {LAYERS} -od anew"));
     assert!(folder.read("ball_00000.exr") == folder.read("anew/ball_00000.exr"));
     let run = folder.run("-s scene.txt --format exr --samples 16");
-    assert!(run.said.contains("it has layers, and this run does not"), "{}", run.said);
+    assert!(run.said.contains("it has layers, but this run does not write"), "{}", run.said);
     folder.printed("-q -s scene.txt --format exr --part 1/2");
     folder.printed(&format!("-q -s scene.txt {LAYERS} --part 2/2"));
     let run = folder.run("merge ball_00000.pixels-1-of-2.part ball_00000.pixels-2-of-2.part -od m");

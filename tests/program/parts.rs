@@ -28,7 +28,7 @@ fn a_region_is_cut_out_of_the_picture() {
     assert!(recipe.contains("\"region\": [50, 17, 33, 21]"), "{recipe}");
     let run = folder.run("-s scene.txt --region 33x21+50+50");
     assert_eq!(run.exit, 2);
-    assert!(run.said.contains("not inside the picture of 100x70"), "{}", run.said);
+    assert!(run.said.contains("not inside the picture, which has 100x70 pixels"), "{}", run.said);
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn parts_make_the_picture() {
             assert!(folder.read(name) == folder.read(&format!("m/{name}")), "{by} {name}");
         }
         let again = folder.run(&format!("-s scene.txt -f 0-1 --part 1/3 --part-by {by} -od p"));
-        assert!(again.said.contains("2 frames were there already"), "{}", again.said);
+        assert!(again.said.contains("2 frames were finished already"), "{}", again.said);
     }
 }
 

@@ -152,7 +152,10 @@ fn who_waits_says_for_whom_and_can_be_stopped() {
     assert!(kill.success());
     let run = Run::of(child.wait_with_output().unwrap());
     assert_eq!((run.exit, &*run.printed), (75, "ball_00000.png\n"), "{}", run.said);
-    for said in ["waiting for others to finish 1; process 4711 on anna renders 1", "interrupted"] {
+    for said in [
+        "waiting for other processes to finish frame 1; process 4711 on anna renders frame 1",
+        "interrupted",
+    ] {
         assert!(run.said.contains(said), "no `{said}` in {}", run.said);
     }
 }
@@ -213,7 +216,7 @@ fn a_dead_claim_of_another_version_is_waited_for_and_taken_over() {
     folder.write(".slo-rt-ball_00000.png.claim", claim);
     let run = folder.run("-s scene.txt -f 0-1 --share=1");
     assert_eq!(run.exit, 0, "{}", run.said);
-    for said in ["has claimed frame 0 for another scene", "frame 0 is taken over"] {
+    for said in ["has claimed frame 0 for another scene", "taking over frame 0"] {
         assert!(run.said.contains(said), "no `{said}` in {}", run.said);
     }
     check_all(&folder, "0-1");
@@ -253,7 +256,7 @@ fn pictures_that_vanish_during_the_run_are_told() {
         fs::remove_file(folder.path().join("ball_00001.png")).unwrap();
         let run = Run::of(child.wait_with_output().unwrap());
         assert_eq!(run.exit, 1, "{}", run.said);
-        for said in ["not there any more", "another program has replaced", "frames failed: 0-1"] {
+        for said in ["no longer there", "another program has replaced", "frames failed: 0-1"] {
             assert!(run.said.contains(said), "no `{said}` in {}", run.said);
         }
         assert_eq!(folder.read("ball_00000.png"), b"notes");

@@ -233,7 +233,7 @@ fn a_draft_leaves_the_checkpoint_of_a_long_frame() {
     for draft in ["--samples 2", "--samples 2 --seed 5", "--noise 0.5"] {
         let run = folder.run(&format!("-s scene.txt {draft}"));
         assert_eq!(run.exit, 0, "{}", run.said);
-        assert!(run.said.contains("is of another run, and stays for it"), "{}", run.said);
+        assert!(run.said.contains("belongs to another run and is left alone"), "{}", run.said);
         assert_eq!(states(&folder), state, "{draft}");
     }
     assert!(rays(&folder, "") < 1500 * 250 * 150, "it goes on");
@@ -264,7 +264,7 @@ fn what_is_kept_is_not_lost_to_fewer_samples() {
     assert!(folder.read("ball_00000.state") == kept);
     assert_eq!(rays(&folder, "--samples 80 --keep-state"), (80 - 64) * pixels);
     let run = folder.run("-s scene.txt --samples 4 --keep-state --seed 1");
-    assert!(run.said.contains("of other settings, and is replaced"), "{}", run.said);
+    assert!(run.said.contains("other settings and is replaced"), "{}", run.said);
     assert_eq!(rays(&folder, "--samples 5 --seed 1"), pixels);
 }
 

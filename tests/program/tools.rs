@@ -115,7 +115,7 @@ fn pictures_are_verified() {
     assert!(run.said.contains("another scene"), "{}", run.said);
     let run = folder.run("verify ball_00007.png");
     assert_eq!(run.exit, 65);
-    let said = "it is not of the scene inside the program: `-s` names";
+    let said = "it belongs to another scene; name it with `-s`";
     assert!(run.said.contains(said) && run.printed.contains(said), "{}", run.said);
     assert_eq!(folder.run("verify scene.txt -s scene.txt").exit, 65);
 }
@@ -170,7 +170,7 @@ fn the_yardstick_is_told_from_the_other_structures() {
     for (name, is_told) in [("cwbvh", true), ("kdtree", false)] {
         let run = folder.run(&format!("-s scene.txt -od {name} --accelerator {name}"));
         assert_eq!(run.exit, 0, "{}", run.said);
-        assert_eq!(run.said.contains("CWBVH is for measuring"), is_told, "{}", run.said);
+        assert_eq!(run.said.contains("CWBVH is for measurements"), is_told, "{}", run.said);
         let picture = format!("{name}/ball_00000.png");
         let recipe = folder.printed(&format!("--recipe {picture}"));
         assert_eq!(recipe.contains("\"accelerator\": \"CWBVH\""), is_told, "{recipe}");
@@ -232,13 +232,17 @@ fn maps_and_sheets_replace_nothing_but_their_like() {
     refused(&format!("{render} 0 --sample-map ball_00000.png"), 2, "picture 0 are both");
     refused(&format!("{render} 0 --sample-map ball_00001.png"), 73, "no map and no sheet");
     refused(&format!("{render} 0,1 --error-map ball_#####.png"), 2, "are both");
-    refused(&format!("{render} 0 --sample-map photo.png"), 73, "give another name");
+    refused(&format!("{render} 0 --sample-map photo.png"), 73, "choose another name");
     refused(&format!("{render} 0 --sample-map photo.png/m.png"), 73, "can't create");
     let both = "compare ball_00001.png ball_00000.png --map";
-    refused(&format!("{both} ball_00000.png"), 2, "it is read");
+    refused(&format!("{both} ball_00000.png"), 2, "is an input and would be replaced");
     refused(&format!("{both} photo.png"), 73, "no map and no sheet");
     refused(&format!("{both} m.txt"), 2, "neither");
-    refused("sheet ball_00000.png photo.png -o ./photo.png", 2, "it is read");
+    refused(
+        "sheet ball_00000.png photo.png -o ./photo.png",
+        2,
+        "is an input and would be replaced",
+    );
     refused("sheet ball_00000.png -o photo.png", 73, "no map and no sheet");
     refused("sheet ball_00000.png -o sheet.exr", 2, "a sheet is a .png file");
     // Maps and sheets of earlier runs are replaced; folders are made.

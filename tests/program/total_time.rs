@@ -55,7 +55,7 @@ fn frames_come_out_equally_clean_and_can_be_made_again() {
     assert!(*least >= 4 && most - least <= 1, "{reached:?}");
     check_again(&folder, 1..=4);
     let again = folder.run(typed);
-    assert!(again.said.contains("4 frames were there already"), "{}", again.said);
+    assert!(again.said.contains("4 frames were finished already"), "{}", again.said);
     assert_eq!(again.printed, printed);
 }
 
@@ -103,7 +103,7 @@ fn a_frame_that_is_missing_gets_its_share_and_no_more() {
 fn one_frame_is_no_sequence() {
     let run = folder().run("-s scene.txt -f 3 --total-time 5s");
     assert_eq!(run.exit, 2);
-    assert!(run.said.contains("--total-time is for a sequence"), "{}", run.said);
+    assert!(run.said.contains("--total-time needs a sequence"), "{}", run.said);
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn a_time_that_is_too_short_is_told_at_the_end() {
     let run = folder.run("-s scene.txt -f 1-2 -od out --total-time 1ms");
     assert_eq!(run.exit, 0, "{}", run.said);
     let last = run.said.lines().last().unwrap();
-    assert!(last.contains("for one sample per pixel of every frame"), "{}", run.said);
+    assert!(last.contains("every frame takes at least one sample per pixel"), "{}", run.said);
     let run = folder.run("-s scene.txt -f 1-2 -od in-time --total-time 2s");
     assert!(!run.said.contains("one sample"), "{}", run.said);
 }

@@ -1,173 +1,172 @@
-//! What the program does beside rendering.
+//! What the program does besides rendering.
 
 use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::numbers::count;
-use super::values::{Threads, limit, threads};
+use crate::cli::values::{Threads, count, limit, threads};
 
 /// What else the program does.
 #[derive(Debug, Subcommand)]
-pub(in crate::cli) enum Command {
+pub(crate) enum Command {
     /// Put parts of pictures together
     Merge(MergeArgs),
-    /// Render some of a picture again and compare the bits
+    /// Render some tiles of pictures again and compare the bits
     Verify(VerifyArgs),
-    /// Measure how far a picture is from a reference
+    /// Measure how much a picture differs from a reference
     Compare(CompareArgs),
     /// Make a contact sheet of pictures
     Sheet(SheetArgs),
-    /// Take the noise out of pictures, by Open Image Denoise
+    /// Take the noise out of pictures with Open Image Denoise
     Denoise(DenoiseArgs),
 }
 
 /// `merge`
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct MergeArgs {
-    /// Files that `--part` made, of one frame or of several
+pub(crate) struct MergeArgs {
+    /// Files that `--part` made, of one frame or several
     #[arg(value_name = "FILES", required = true)]
-    pub(in crate::cli) files: Vec<PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
 
-    /// Folder for the pictures, made where missing (short: -od) [the current one]
+    /// Folder for the pictures, created if missing (short: -od) [the current one]
     #[arg(long, value_name = "DIR", alias = "outdit")]
-    pub(in crate::cli) outdir: Option<PathBuf>,
+    pub(crate) outdir: Option<PathBuf>,
 
-    /// Say nothing but warnings and errors
+    /// Print nothing but warnings and errors
     #[arg(short, long)]
-    pub(in crate::cli) quiet: bool,
+    pub(crate) quiet: bool,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }
 
 /// `verify`
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct VerifyArgs {
+pub(crate) struct VerifyArgs {
     /// Pictures of slo-rt, PNG or EXR
     #[arg(value_name = "PICTURES", required = true)]
-    pub(in crate::cli) pictures: Vec<PathBuf>,
+    pub(crate) pictures: Vec<PathBuf>,
 
-    /// The scene that they were made of [the scene inside the program]
+    /// The scene that they were rendered from [the built-in scene]
     #[arg(short, long, value_name = "FILE")]
-    pub(in crate::cli) scene: Option<PathBuf>,
+    pub(crate) scene: Option<PathBuf>,
 
     /// Folder that holds the scene file (short: -id)
     #[arg(long, value_name = "DIR", requires = "scene")]
-    pub(in crate::cli) indir: Option<PathBuf>,
+    pub(crate) indir: Option<PathBuf>,
 
     /// Let paths in the scene lead anywhere
     #[arg(long)]
-    pub(in crate::cli) allow_outside: bool,
+    pub(crate) allow_outside: bool,
 
-    /// Tiles of 32 x 32 pixels that are rendered again, chosen at random
+    /// Number of tiles to render again, 32 x 32 pixels each, chosen at random
     #[arg(long, value_name = "N", default_value_t = 8, allow_hyphen_values = true)]
     #[arg(value_parser = |text: &str| count(text, 1..=u32::MAX, "8"))]
-    pub(in crate::cli) tiles: u32,
+    pub(crate) tiles: u32,
 
-    /// Threads (all)
+    /// Number of threads [all]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
-    pub(in crate::cli) threads: Option<Threads>,
+    pub(crate) threads: Option<Threads>,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }
 
 /// `compare`
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct CompareArgs {
+pub(crate) struct CompareArgs {
     /// A picture, PNG or EXR
-    pub(in crate::cli) picture: PathBuf,
+    pub(crate) picture: PathBuf,
 
-    /// The picture that it should be
-    pub(in crate::cli) reference: PathBuf,
+    /// The reference, PNG or EXR
+    pub(crate) reference: PathBuf,
 
-    /// Write where the difference is seen, by FLIP
+    /// Write where differences are visible, measured by FLIP
     #[arg(long, value_name = "FILE")]
-    pub(in crate::cli) map: Option<PathBuf>,
+    pub(crate) map: Option<PathBuf>,
 
-    /// Fail where more pixels differ
+    /// Fail if more than N pixels differ
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     #[arg(value_parser = |text: &str| count(text, 0..=u64::MAX, "100"))]
-    pub(in crate::cli) max_pixels: Option<u64>,
+    pub(crate) max_pixels: Option<u64>,
 
-    /// Fail where the root mean square difference is larger
+    /// Fail if the root mean square difference is above X
     #[arg(long, value_name = "X", value_parser = limit)]
     #[arg(allow_hyphen_values = true)]
-    pub(in crate::cli) max_rmse: Option<f64>,
+    pub(crate) max_rmse: Option<f64>,
 
-    /// Fail where the relative mean square error is larger
+    /// Fail if the relative mean square error is above X
     #[arg(long, value_name = "X", value_parser = limit)]
     #[arg(allow_hyphen_values = true)]
-    pub(in crate::cli) max_relative_mse: Option<f64>,
+    pub(crate) max_relative_mse: Option<f64>,
 
-    /// Fail where the mean luminance is further from the reference's, as a share of it
+    /// Fail if the mean luminance differs from the reference's by a larger share than X
     #[arg(long, value_name = "X", value_parser = limit)]
     #[arg(allow_hyphen_values = true)]
-    pub(in crate::cli) max_bias: Option<f64>,
+    pub(crate) max_bias: Option<f64>,
 
-    /// Fail where the mean of FLIP is larger
+    /// Fail if the mean of FLIP is above X
     #[arg(long, value_name = "X", value_parser = limit)]
     #[arg(allow_hyphen_values = true)]
-    pub(in crate::cli) max_flip: Option<f64>,
+    pub(crate) max_flip: Option<f64>,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }
 
 /// `denoise`
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct DenoiseArgs {
+pub(crate) struct DenoiseArgs {
     /// Pictures of slo-rt: EXR, best with `--layers albedo,normal`, or PNG
     #[arg(value_name = "PICTURES", required = true)]
-    pub(in crate::cli) pictures: Vec<PathBuf>,
+    pub(crate) pictures: Vec<PathBuf>,
 
-    /// Folder for what comes out, under the same names (short: -od) [beside, NAME_denoised]
+    /// Folder for the denoised pictures, under the same names (short: -od) [beside, NAME_denoised]
     #[arg(long, value_name = "DIR", alias = "outdit")]
-    pub(in crate::cli) outdir: Option<PathBuf>,
+    pub(crate) outdir: Option<PathBuf>,
 
-    /// The library, libOpenImageDenoise.so.2 or so [where the system finds it]
+    /// The library, such as libOpenImageDenoise.so.2 [where the system finds it]
     #[arg(long, value_name = "FILE")]
-    pub(in crate::cli) library: Option<PathBuf>,
+    pub(crate) library: Option<PathBuf>,
 
-    /// Threads (all)
+    /// Number of threads [all]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
-    pub(in crate::cli) threads: Option<Threads>,
+    pub(crate) threads: Option<Threads>,
 
-    /// Say nothing but warnings and errors
+    /// Print nothing but warnings and errors
     #[arg(short, long)]
-    pub(in crate::cli) quiet: bool,
+    pub(crate) quiet: bool,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }
 
 /// `sheet`
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct SheetArgs {
-    /// Pictures, PNG or EXR, in the order in which they are to stand
+pub(crate) struct SheetArgs {
+    /// Pictures, PNG or EXR, in the order of the sheet
     #[arg(value_name = "PICTURES", required = true)]
-    pub(in crate::cli) pictures: Vec<PathBuf>,
+    pub(crate) pictures: Vec<PathBuf>,
 
     /// The PNG file to write
     #[arg(short, long, value_name = "FILE", default_value = "sheet.png")]
-    pub(in crate::cli) output: PathBuf,
+    pub(crate) output: PathBuf,
 
-    /// Pictures in a row [as many as rows]
+    /// Number of pictures in a row [as many as rows]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     #[arg(value_parser = |text: &str| count(text, 1..=1000u32, "8"))]
-    pub(in crate::cli) columns: Option<u32>,
+    pub(crate) columns: Option<u32>,
 
     /// Width of each picture in pixels
     #[arg(long, value_name = "N", default_value_t = 240, allow_hyphen_values = true)]
     #[arg(value_parser = |text: &str| count(text, 1..=4096u32, "240"))]
-    pub(in crate::cli) width: u32,
+    pub(crate) width: u32,
 
-    /// Help
+    /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
 }

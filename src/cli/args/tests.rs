@@ -1,10 +1,9 @@
 //! What is typed, and what it is taken for.
 
-use clap::{CommandFactory, ValueEnum};
+use clap::{CommandFactory, Parser};
 
-use super::values::Size;
-use super::*;
-use crate::cli::sequence::Frames;
+use super::{Args, Command};
+use crate::cli::values::{FrameChoice, Frames, Threads};
 use crate::scene::Accelerator;
 
 #[test]
@@ -43,44 +42,6 @@ fn frames_may_be_negative() {
 fn the_spelling_of_the_thesis_works() {
     assert_eq!(parse("--outdit x").unwrap().outdir, Some("x".into()));
     assert!(!Args::command().render_long_help().to_string().contains("outdit"));
-}
-
-#[test]
-fn sizes() {
-    let of = |text: &str| {
-        let Size { width, height } = size(text).unwrap().of(1280, 720);
-        (width, height)
-    };
-    assert_eq!(of("320x180"), (320, 180));
-    assert_eq!(of("65536X1"), (65536, 1));
-    assert_eq!(of("1920 × 1080"), (1920, 1080));
-    assert_eq!((of("1080p"), of("4K")), ((1920, 1080), (3840, 2160)));
-    assert_eq!((of("50%"), of("12.5 %"), of("0.01%")), ((640, 360), (160, 90), (1, 1)));
-    for bad in
-        ["", "x", "320", "0x5", "5x0", "65537x1", "-1x5", "1x2x3", "1.5x2", "0%", "-5%", "x%"]
-    {
-        assert!(size(bad).unwrap_err().contains("such as 320x180"), "{bad}");
-    }
-}
-
-#[test]
-fn regions_and_parts() {
-    let expected = Region { width: 320, height: 180, x: 0, y: 90 };
-    assert_eq!(region("320x180+0+90"), Ok(expected));
-    assert_eq!(region("320X180+0+90"), Ok(expected));
-    assert_eq!(expected.to_string(), "320x180+0+90");
-    for bad in ["320x180", "320x180+1", "0x5+1+1", "1x1+-1+0", "1x1+1+1+1"] {
-        assert!(region(bad).is_err(), "{bad}");
-    }
-    for text in ["3/10", "3 / 10", "3-of-10"] {
-        assert_eq!(part(text), Ok(Part { number: 3, of: 10 }));
-    }
-    for text in ["7,120", "7, 120", "[7, 120]"] {
-        assert_eq!(steps(text), Ok(Steps { done: 7, tiles: 120 }));
-    }
-    for bad in ["", "3", "0/3", "4/3", "1/0", "-1/3", "1/2/3"] {
-        assert!(part(bad).is_err(), "{bad}");
-    }
 }
 
 #[test]
@@ -180,9 +141,9 @@ fn numbers_below_their_range_are_told_the_range() {
 
 #[test]
 fn numbers_are_taken_as_people_write_them() {
-    let samples = |typed: &str| parse(typed).unwrap().samples;
+    let samples = |typed: &str| parse(typed).unwrap().settings.samples;
     assert_eq!((samples("--samples 1e3"), samples("--samples 1_000")), (Some(1000), Some(1000)));
-    assert_eq!(parse("--seed 0xff").unwrap().seed, Some(255));
+    assert_eq!(parse("--seed 0xff").unwrap().settings.seed, Some(255));
     let threads = |typed: &str| parse(typed).unwrap().threads;
     assert_eq!(threads("--threads auto"), Some(Threads::All));
     assert_eq!(threads("--threads 4"), Some(Threads::Count(4)));
@@ -191,7 +152,7 @@ fn numbers_are_taken_as_people_write_them() {
     assert_eq!((checkpoint("--checkpoint 0"), checkpoint("--checkpoint=none")), (0, 0));
     let share = |typed: &str| parse(typed).unwrap().share.map(|lease| lease.as_secs());
     assert_eq!((share("--share"), share("--share=5m"), share("")), (Some(60), Some(300), None));
-    assert_eq!(parse("--noise 1%").unwrap().noise, Some(0.01));
+    assert_eq!(parse("--noise 1%").unwrap().settings.noise, Some(0.01));
 }
 
 #[test]
@@ -256,16 +217,8 @@ fn no_refusal_is_a_programmers() {
 fn accelerators_may_be_spelt_as_in_scenes() {
     for (name, accelerator) in Accelerator::NAMES {
         for name in [name.to_owned(), name.to_lowercase()] {
-            let parsed = parse(&format!("--accelerator {name}")).unwrap().accelerator;
-            assert_eq!(parsed.map(Accelerator::from), Some(accelerator), "{name}");
+            let parsed = parse(&format!("--accelerator {name}")).unwrap().settings.accelerator;
+            assert_eq!(parsed.map(|name| name.0), Some(accelerator), "{name}");
         }
     }
-}
-
-#[test]
-fn every_accelerator_of_the_scene_language_has_its_name() {
-    let names = AcceleratorName::value_variants()
-        .iter()
-        .map(|v| v.to_possible_value().unwrap().get_name().to_ascii_uppercase());
-    assert!(names.eq(["KDTREE", "BVH", "CWBVH", "NONE"]));
 }

@@ -10,7 +10,7 @@ pub(super) struct Estimate {
     total: f64,
     /// Frames that were done without this run's work: found finished, or resumed.
     free: f64,
-    /// How long the run takes, whatever it comes to.
+    /// How long the run takes, if that is fixed.
     span: Option<Duration>,
 }
 

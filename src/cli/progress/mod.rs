@@ -1,7 +1,6 @@
 //! How far a run is: a bar on a terminal, lines elsewhere, events for programs.
 
 mod estimate;
-mod human;
 mod pace;
 mod programs;
 
@@ -9,36 +8,17 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard};
 use std::time::Duration;
 
-use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::problem::Problem;
-use super::terminal::{Terminal, Verbosity, say};
+use crate::cli::base::{Problem, Terminal, Verbosity, human, say, whole};
+use crate::cli::values::ProgressForm;
 use crate::output::Outcome;
 use estimate::{Estimate, Moment};
-pub(super) use human::human;
-use human::whole;
 use pace::Pace;
 use programs::Event;
 
-/// `--progress`
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum ProgressForm {
-    /// A bar on a terminal, lines elsewhere.
-    #[default]
-    Auto,
-    /// Lines.
-    Plain,
-    /// A JSON object a line.
-    Json,
-    /// The tokens of Open Job Description.
-    Openjd,
-    /// Nothing.
-    None,
-}
-
 /// Tells how far a run is; takes itself off the screen when dropped.
-pub(super) struct Progress {
+pub(crate) struct Progress {
     view: View,
     estimate: Mutex<Estimate>,
     is_shared: bool,
@@ -60,7 +40,7 @@ const STEPS: u64 = 10_000;
 
 impl Progress {
     /// For a run that is to render `to_render` of `frames` frames, alone or with others.
-    pub(super) fn new(
+    pub(crate) fn new(
         form: ProgressForm,
         is_shared: bool,
         frames: usize,
@@ -87,17 +67,17 @@ impl Progress {
     }
 
     /// From now on the work is what is left of a span of time, and done when that is over.
-    pub(super) fn by_clock(&mut self, span: Duration) {
+    pub(crate) fn by_clock(&mut self, span: Duration) {
         self.estimate = Mutex::new(Estimate::of_time(span));
     }
 
     /// Goes to one of the frames to be rendered, by its place among them, 0 for the first.
-    pub(super) fn go_to(&mut self, place: usize) {
+    pub(crate) fn go_to(&mut self, place: usize) {
         self.done = place;
     }
 
     /// A frame is there already; `counted`: it was among those to be rendered.
-    pub(super) fn found(&mut self, frame: i64, path: &Path, counted: bool) {
+    pub(crate) fn found(&mut self, frame: i64, path: &Path, counted: bool) {
         if counted {
             self.done += 1;
         }
@@ -109,7 +89,7 @@ impl Progress {
     }
 
     /// Watches the rendering of a frame.
-    pub(super) fn frame(&self, frame: i64, path: &Path) -> FrameProgress<'_> {
+    pub(crate) fn frame(&self, frame: i64, path: &Path) -> FrameProgress<'_> {
         self.tell(Event::Started { frame, path, index: self.done + 1 });
         if let View::Bar(bar) = &self.view {
             bar.set_prefix(match self.frames {
@@ -121,7 +101,7 @@ impl Progress {
     }
 
     /// A frame is in place after `time`.
-    pub(super) fn finished(&mut self, frame: i64, path: &Path, time: Duration, outcome: Outcome) {
+    pub(crate) fn finished(&mut self, frame: i64, path: &Path, time: Duration, outcome: Outcome) {
         self.done += 1;
         let run = lock(&self.estimate).at(self.done as f64);
         self.tell(Event::Finished { frame, path, time, outcome, run });
@@ -134,7 +114,7 @@ impl Progress {
     }
 
     /// A frame can't be had.
-    pub(super) fn failed(&mut self, frame: i64, problem: &Problem, counted: bool) {
+    pub(crate) fn failed(&mut self, frame: i64, problem: &Problem, counted: bool) {
         if counted {
             self.done += 1;
         }
@@ -142,7 +122,7 @@ impl Progress {
     }
 
     /// Nothing is left but frames that other processes render.
-    pub(super) fn waiting(&self, frames: &[i64]) {
+    pub(crate) fn waiting(&self, frames: &[i64]) {
         self.tell(Event::Waiting { frames });
         if let View::Bar(bar) = &self.view {
             bar.set_prefix("waiting for others");
@@ -150,12 +130,12 @@ impl Progress {
     }
 
     /// The run is over after `time`.
-    pub(super) fn ended(&self, rendered: usize, found: usize, failed: usize, time: Duration) {
+    pub(crate) fn ended(&self, rendered: usize, found: usize, failed: usize, time: Duration) {
         self.tell(Event::Ended { rendered, found, failed, time });
     }
 
     /// Runs `talk` without a bar in between its lines.
-    pub(super) fn suspended<T>(&self, talk: impl FnOnce() -> T) -> T {
+    pub(crate) fn suspended<T>(&self, talk: impl FnOnce() -> T) -> T {
         match &self.view {
             View::Bar(bar) => bar.suspend(talk),
             _ => talk(),
@@ -212,7 +192,7 @@ fn left(moment: &Moment) -> String {
 }
 
 /// Watches one frame.
-pub(super) struct FrameProgress<'a> {
+pub(crate) struct FrameProgress<'a> {
     run: &'a Progress,
     frame: i64,
     /// Of 1.
@@ -221,7 +201,7 @@ pub(super) struct FrameProgress<'a> {
 
 impl FrameProgress<'_> {
     /// So much more of the frame is done.
-    pub(super) fn advanced(&self, share: f64) {
+    pub(crate) fn advanced(&self, share: f64) {
         let done = {
             let mut done = lock(&self.done);
             *done += share;
@@ -231,7 +211,7 @@ impl FrameProgress<'_> {
     }
 
     /// So much of the frame was done by another run.
-    pub(super) fn resumed(&self, share: f64) {
+    pub(crate) fn resumed(&self, share: f64) {
         lock(&self.run.estimate).add_free(share);
         self.advanced(share);
     }

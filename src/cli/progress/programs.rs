@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::super::problem::Problem;
 use super::estimate::Moment;
+use crate::cli::base::Problem;
 use crate::output::Outcome;
 
 /// What happened.
@@ -18,7 +18,7 @@ pub(super) enum Event<'a> {
     Found { frame: i64, path: &'a Path },
     /// A frame begins; number `index` of those to be rendered.
     Started { frame: i64, path: &'a Path, index: usize },
-    /// A frame goes on.
+    /// A frame progresses.
     Progress { frame: i64, fraction: f64, run: Moment },
     /// A frame is in place.
     Finished { frame: i64, path: &'a Path, time: Duration, outcome: Outcome, run: Moment },
@@ -90,8 +90,8 @@ pub(super) fn openjd_lines(event: Event) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::Exit;
     use super::*;
+    use crate::cli::base::Exit;
 
     const MOMENT: Moment = Moment {
         fraction: 0.625,

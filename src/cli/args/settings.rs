@@ -1,0 +1,51 @@
+//! Options that replace settings of the scene, each of which is one field here.
+
+use super::help::SETTINGS;
+use crate::cli::values::{AcceleratorName, FormatName, SizeChoice, noise, samples, seed, size};
+
+/// What the command line sets instead of the scene; `apply` of the options' `Overrides` puts each in
+/// its place.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub(crate) struct SettingArgs {
+    /// File format: png, png16 or exr
+    #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
+    #[arg(ignore_case = true)]
+    pub(crate) format: Option<FormatName>,
+
+    /// Size of the picture, such as 320x180, 1080p, or 50% of the scene's
+    #[arg(long, value_name = "WxH", help_heading = SETTINGS, value_parser = size)]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) size: Option<SizeChoice>,
+
+    /// Camera samples per pixel
+    ///
+    /// N is the maximum, whatever is sampled: imageSamples becomes N, dofSamples
+    /// becomes 1, and imageMinSamples becomes N if it is larger. The samples of
+    /// shadows and of glossy surfaces stay the same.
+    #[arg(long, value_name = "N", help_heading = SETTINGS, verbatim_doc_comment)]
+    #[arg(allow_hyphen_values = true, value_parser = samples)]
+    pub(crate) samples: Option<u32>,
+
+    /// Error at which a picture is clean enough, such as 0.01
+    ///
+    /// Measured on the values that the viewer sees: 1 is the range from black to
+    /// white, 0.004 a step of 8 bits. Each block of 8 x 8 pixels takes samples
+    /// until its estimated error is below E, at most --samples (4096 without it).
+    #[arg(long, value_name = "E", help_heading = SETTINGS, value_parser = noise)]
+    #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
+    pub(crate) noise: Option<f32>,
+
+    /// Seed of the noise
+    #[arg(long, value_name = "N", help_heading = SETTINGS, value_parser = seed)]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) seed: Option<u64>,
+
+    /// Acceleration structure: kdtree, bvh, cwbvh or none
+    #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
+    #[arg(ignore_case = true)]
+    pub(crate) accelerator: Option<AcceleratorName>,
+
+    /// Let the BVH split long triangles: bounces are faster, shadows slower
+    #[arg(long, help_heading = SETTINGS)]
+    pub(crate) spatial_splits: bool,
+}

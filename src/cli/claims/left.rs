@@ -1,0 +1,59 @@
+//! Claims that killed runs left of frames that are there.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::note::{Note, path_of};
+
+/// Claims as they were when a run began.
+#[derive(Debug)]
+pub(crate) struct Left {
+    claims: Vec<(PathBuf, Note)>,
+    at: Instant,
+}
+
+impl Left {
+    /// Those in `folder` on some pictures of it, and what processes left that died as they took one over.
+    pub(crate) fn look<'a>(folder: &Path, pictures: impl Iterator<Item = &'a Path>) -> Self {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let names = fs::read_dir(folder).into_iter().flatten().flatten();
+        let names = names.filter_map(|entry| entry.file_name().into_string().ok());
+        let names: Vec<(String, String)> = names.filter_map(|name| claim_of(&name)).collect();
+        let mut claims = Vec::new();
+        if !names.is_empty() {
+            let wanted: HashSet<_> = pictures
+                .filter_map(|path| path_of(path).file_name()?.to_str().map(str::to_owned))
+                .collect();
+            let ours = names.into_iter().filter(|(claim, _)| wanted.contains(claim));
+            let paths = ours.map(|(_, name)| folder.join(name));
+            claims =
+                paths.filter_map(|path| Note::read(&path).ok().map(|note| (path, note))).collect();
+        }
+        Self { claims, at: Instant::now() }
+    }
+
+    /// Removes those that have not changed since, if their owners are dead by now. All pictures are there:
+    /// nobody waits for them.
+    pub(crate) fn sweep(&self) {
+        let passed = self.at.elapsed();
+        for (path, note) in &self.claims {
+            let is_dead = passed >= note.least_silence();
+            if is_dead && Note::read(path).is_ok_and(|there| there == *note) {
+                let _ = fs::remove_file(path);
+            }
+        }
+    }
+}
+
+/// The claim that a file is, or was to take over; and the file's name.
+fn claim_of(name: &str) -> Option<(String, String)> {
+    const END: &str = ".claim";
+    let start = name.strip_prefix(".slo-rt-")?;
+    let claim = match start.strip_suffix(END) {
+        Some(_) => name,
+        None => &name[..name.rfind(&format!("{END}."))? + END.len()],
+    };
+    Some((claim.to_owned(), name.to_owned()))
+}

@@ -1,0 +1,93 @@
+//! `--check`: reads a scene with all its files and says what is in it.
+
+use crate::animation::Clock;
+use crate::cli::base::{Problem, Terminal, counted};
+use crate::cli::files::load;
+use crate::cli::options::Job;
+use crate::output::{encoding_keyword, output_keyword};
+use crate::scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape, Texture};
+
+/// Reports on the job's scene; renders nothing.
+pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
+    let scene = load::scene(job, terminal)?;
+    let clock = Clock::new(&scene.camera);
+    if job.frames.is_some() {
+        for frame in job.for_scene(&scene)?.frames().numbers {
+            clock.shutter(frame).map_err(|error| load::no_segment(&error))?;
+        }
+    }
+    terminal.note("the scene has no errors");
+    for line in report(&scene) {
+        terminal.note(line);
+    }
+    Ok(())
+}
+
+fn report(scene: &SceneDescription) -> Vec<String> {
+    let mut lines = vec![picture(&scene.camera), samples(&scene.settings)];
+    lines.extend(segments(&scene.camera));
+    lines.push(objects(&scene.objects));
+    lines.push(lights_and_materials(scene));
+    lines
+}
+
+fn picture(camera: &Camera) -> String {
+    let film = &camera.film;
+    let (format, encoding) = (output_keyword(film.output), encoding_keyword(film.encoding));
+    format!(
+        "picture: {} x {} pixels, {format}, {encoding}, {} frame{} per second",
+        film.width,
+        film.height,
+        camera.fps,
+        if camera.fps == 1.0 { "" } else { "s" }
+    )
+}
+
+fn samples(settings: &Settings) -> String {
+    let Settings { image_samples: most, image_min_samples: least, .. } = *settings;
+    let image = if least < most { format!("{least} to {most}") } else { most.to_string() };
+    format!(
+        "samples: {image} image x {} dof, {} shadow, {} reflection, {} refraction; recursion {}",
+        settings.dof_samples,
+        settings.soft_shadow_samples,
+        settings.diffuse_reflection_samples,
+        settings.diffuse_refraction_samples,
+        settings.recursion
+    )
+}
+
+fn segments(camera: &Camera) -> Vec<String> {
+    let clock = Clock::new(camera);
+    clock.segments().map(|segment| format!("segment {segment}")).collect()
+}
+
+fn objects(objects: &[Object]) -> String {
+    let moving = objects.iter().filter(|object| object.key_frames.len() > 1).count();
+    let triangles: usize = objects.iter().map(|object| triangles(&object.shape)).sum();
+    let triangles = counted(triangles, "triangle");
+    format!("objects: {}, {moving} of them animated; {triangles}", objects.len())
+}
+
+fn triangles(shape: &Shape) -> usize {
+    match shape {
+        Shape::Mesh { mesh, .. } => mesh.faces.len(),
+        Shape::Triangle { .. } => 1,
+        Shape::Plane { .. } | Shape::Rectangle { .. } => 2,
+        Shape::Box { .. } => 12,
+        Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => 0,
+    }
+}
+
+fn lights_and_materials(scene: &SceneDescription) -> String {
+    let is_area = |shape: &LightShape| matches!(shape, LightShape::Rectangle { .. });
+    let areas = scene.lights.iter().filter(|light| is_area(&light.shape)).count();
+    let texels = |texture: &Texture| u64::from(texture.width()) * u64::from(texture.height());
+    let texels: u64 = scene.textures.iter().map(|texture| texels(texture)).sum();
+    format!(
+        "lights: {areas} area, {} point; materials: {}; textures: {} of {:.1} megapixels",
+        scene.lights.len() - areas,
+        scene.materials.len(),
+        scene.textures.len(),
+        texels as f64 / 1e6
+    )
+}

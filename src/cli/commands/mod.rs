@@ -1,0 +1,10 @@
+//! What the program does. No command imports another.
+
+pub(crate) mod check;
+pub(crate) mod compare;
+pub(crate) mod denoise;
+pub(crate) mod merge;
+pub(crate) mod recipe;
+pub(crate) mod render;
+pub(crate) mod sheet;
+pub(crate) mod verify;

@@ -1,0 +1,300 @@
+//! Rendering one frame to a file.
+
+use std::io;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::done::{Done, Size, Times};
+use super::target::{Target, in_the_way};
+use crate::cli::base::{Exit, Problem, Terminal, counted};
+use crate::cli::files::checkpoint::{Checkpoint, recipe_hash};
+use crate::cli::files::load;
+use crate::cli::options::Job;
+use crate::cli::progress::{FrameProgress, Progress};
+use crate::cli::system::memory::Reserve;
+use crate::cli::system::room::{Beside, Needs};
+use crate::cli::system::{interrupt, patience};
+use crate::film::{Film, TooLarge};
+use crate::frame::FrameScene;
+use crate::output::{Outcome, check_free, check_writable, remove_leftovers};
+use crate::render::{Budget, Exposed, Observer, Steps, render, render_until};
+use crate::scene::SceneDescription;
+
+/// Nanoseconds that encoding and writing a pixel take, about.
+const WRITING_PER_PIXEL: u64 = 150;
+
+/// What rendering any frame of a job looks at.
+pub(super) struct Studio<'a> {
+    pub(super) job: &'a Job,
+    pub(super) scene: &'a SceneDescription,
+    pub(super) target: Target<'a>,
+    pub(super) terminal: Terminal,
+}
+
+/// When a frame takes no more samples, by the clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Limit {
+    /// Counted from where its building begins.
+    pub(super) time: Duration,
+    /// The last step that it takes.
+    pub(super) step: u32,
+}
+
+impl Studio<'_> {
+    /// Builds, renders and saves a frame; `expected` is where its picture goes. `before` is what was
+    /// built for another frame, and then what was built for this one. If `is_lost`, the frame
+    /// belongs to another process, and is stopped without keeping anything.
+    ///
+    /// With a time for all frames what is known of this one stays until it is [closed](Self::close).
+    pub(super) fn render(
+        &self,
+        frame: i64,
+        expected: &Path,
+        limit: Option<Limit>,
+        progress: &Progress,
+        before: &mut Option<FrameScene>,
+        is_lost: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Done, Problem> {
+        find_out_if_writable(expected, before.is_none())?;
+        let (progress, checkpoint) = (progress.frame(frame, expected), self.checkpoint(frame));
+        let watch = Watch { progress, checkpoint, is_lost };
+        let start = Instant::now();
+        let build = || load::frame(self.job, self.scene, frame, before.take());
+        let built = interrupt::while_building(build)?;
+        let needs = self.needs(frame, 1);
+        let film = watch.checkpoint.film();
+        let (film, least) = film.map_err(|TooLarge { .. }| needs.too_large())?;
+        let end = self.reserve(&needs)?;
+        let budget =
+            limit.map(|Limit { time, step }| Budget { deadline: start + time, least, last: step });
+        let building = start.elapsed();
+        let start = Instant::now();
+        let size = Size::of(&built);
+        let (exposed, steps) = self.expose(&built, film, budget, &watch);
+        let rendering = start.elapsed();
+        let checkpoint = watch.checkpoint;
+        if !exposed.is_complete && is_lost() {
+            *before = Some(built);
+            return Err(Problem::told(Exit::Stopped));
+        }
+        if !exposed.is_complete {
+            let steps = steps.unwrap_or_default();
+            return Err(stopped(frame, &checkpoint, exposed.film, steps));
+        }
+        let start = Instant::now();
+        end.release();
+        let path = self.target.path(frame, rendering);
+        let Exposed { film, statistics, .. } = exposed;
+        let (outcome, beside) = self.put_in_place(frame, film, steps, &path, &checkpoint)?;
+        let times =
+            Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
+        *before = Some(built);
+        Ok(Done { path, times, statistics, size, outcome, missing: beside.err(), steps })
+    }
+
+    /// Writes the files that are made from a film, and the film if it is still of use; also returns how
+    /// writing the files beside the picture went.
+    fn put_in_place(
+        &self,
+        frame: i64,
+        mut film: Film,
+        steps: Option<Steps>,
+        path: &Path,
+        checkpoint: &Checkpoint,
+    ) -> Result<(Outcome, Result<(), Problem>), Problem> {
+        let reached = steps.unwrap_or_default();
+        let is_open = self.job.total_time.is_some();
+        if is_open {
+            // Before the picture: without a state beside it, it counts as finished.
+            checkpoint
+                .save_patiently(&mut film, reached)
+                .map_err(|error| cant_write(checkpoint.unfinished(), &error))?;
+        }
+        let outcome = self.save(frame, &mut film, steps, path, checkpoint)?;
+        let maps = self.target.write_maps(frame, &film, self.terminal);
+        let mut beside = maps.map_err(|(path, error)| cant_write(&path, &error));
+        if self.job.keep_state && !is_open {
+            let forced = self.job.overwrites();
+            let kept = checkpoint.keep_finished(&mut film, reached, forced);
+            beside = beside.and(kept.map_err(|error| cant_write(checkpoint.kept(), &error)));
+        }
+        // If the film could not be kept, its checkpoint stays.
+        if !is_open && beside.is_ok() {
+            checkpoint.remove();
+        }
+        Ok((outcome, beside))
+    }
+
+    /// What so many `pictures` like that of a frame need.
+    pub(super) fn needs(&self, frame: i64, pictures: usize) -> Needs {
+        let (subject, format) = (self.target.subject(frame), self.scene.camera.film.output);
+        let beside = Beside { maps: !self.job.maps.is_empty(), states: self.job.keep_state };
+        Needs::of(&subject, format, pictures, beside)
+    }
+
+    /// Makes sure that there is memory for the rest of a frame whose film is there; what its end needs, which
+    /// is to be released then.
+    fn reserve(&self, needs: &Needs) -> Result<Reserve, Problem> {
+        let too_large = || needs.too_large();
+        let work = Reserve::new(needs.work()).ok_or_else(too_large)?;
+        let end = Reserve::new(needs.end).ok_or_else(too_large)?;
+        work.release();
+        Ok(end)
+    }
+
+    /// Takes a film to the end of the plan or of the budget; with a budget, how far it came.
+    fn expose(
+        &self,
+        frame: &FrameScene,
+        film: Film,
+        budget: Option<Budget>,
+        watch: &Watch,
+    ) -> (Exposed, Option<Steps>) {
+        let plan = self.target.plan();
+        match budget {
+            None => (render(frame, plan, film, watch), None),
+            Some(budget) => {
+                let (exposed, steps) = render_until(frame, plan, film, watch, budget);
+                (exposed, Some(steps))
+            }
+        }
+    }
+
+    /// A frame with a time for all of them takes no more samples in this run: what is known of it is
+    /// removed, or kept for later runs.
+    pub(super) fn close(&self, frame: i64) -> Result<(), Problem> {
+        let checkpoint = self.checkpoint(frame);
+        if !self.job.keep_state {
+            checkpoint.remove();
+            return Ok(());
+        }
+        checkpoint.keep_unfinished().map_err(|error| cant_write(checkpoint.kept(), &error))
+    }
+
+    /// Removes what another run, killed as it wrote, left of a frame whose picture was to be at `path`.
+    pub(super) fn clean_up(&self, frame: i64, path: &Path) {
+        remove_leftovers(path);
+        self.checkpoint(frame).remove_leftovers();
+    }
+
+    /// Removes the state of a finished frame.
+    pub(super) fn remove_checkpoint(&self, frame: i64) {
+        self.checkpoint(frame).remove();
+    }
+
+    /// A hash of what a frame is rendered from.
+    pub(super) fn recipe_hash(&self, frame: i64) -> String {
+        recipe_hash(&self.target.subject(frame), self.job.is_timed())
+    }
+
+    fn checkpoint(&self, frame: i64) -> Checkpoint {
+        let (path, subject) = (self.target.plain_path(frame), self.target.subject(frame));
+        let is_timed = self.job.is_timed();
+        Checkpoint::new(&path, subject, is_timed, self.job.checkpoint, self.terminal)
+    }
+
+    /// The limit of a frame that has a time of its own: then it is in place in time.
+    pub(super) fn limit(&self) -> Option<Limit> {
+        let film = &self.scene.camera.film;
+        let pixels = u64::from(film.width) * u64::from(film.height);
+        let writing = Duration::from_nanos(WRITING_PER_PIXEL.saturating_mul(pixels));
+        let time = self.job.time?.saturating_sub(writing);
+        Some(Limit { time, step: Steps::LAST })
+    }
+
+    /// Saves the picture; if that fails, its state.
+    fn save(
+        &self,
+        frame: i64,
+        film: &mut Film,
+        steps: Option<Steps>,
+        path: &Path,
+        checkpoint: &Checkpoint,
+    ) -> Result<Outcome, Problem> {
+        let write = || self.target.write(frame, film, steps, path);
+        let written = patience::write(path, self.terminal, write).map_err(|error| {
+            let problem = match error.kind() {
+                io::ErrorKind::AlreadyExists => in_the_way(path, &error),
+                _ => cant_write(path, &error),
+            };
+            match checkpoint.save(film, steps.unwrap_or_default(), true) {
+                Ok(()) => problem.with_help("its samples are kept; run the same command again"),
+                Err(_) => problem,
+            }
+        })?;
+        if written.not_finite > 0 {
+            let black = counted(written.not_finite, "pixel");
+            let (is, is_left) = match written.not_finite {
+                1 => ("is not a finite number", "is"),
+                _ => ("are not finite numbers", "are"),
+            };
+            self.terminal.warn(format_args!("{black} {is} and {is_left} left black"));
+        }
+        Ok(written.outcome)
+    }
+}
+
+/// Watches a frame for the progress and the checkpoint.
+struct Watch<'a> {
+    progress: FrameProgress<'a>,
+    checkpoint: Checkpoint,
+    is_lost: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Observer for Watch<'_> {
+    fn advanced(&self, share: f64) {
+        self.progress.advanced(share);
+    }
+
+    fn resumed(&self, share: f64) {
+        self.progress.resumed(share);
+    }
+
+    fn should_stop(&self) -> bool {
+        interrupt::requested() || (self.is_lost)()
+    }
+
+    fn gives_up(&self) -> bool {
+        interrupt::was_long_ago()
+    }
+
+    fn wants_film(&self) -> bool {
+        self.checkpoint.is_due()
+    }
+
+    fn keep(&self, film: Option<Film>, steps: Steps) {
+        self.checkpoint.keep(film, steps);
+    }
+}
+
+fn stopped(frame: i64, checkpoint: &Checkpoint, mut film: Film, steps: Steps) -> Problem {
+    match checkpoint.save(&mut film, steps, false) {
+        Ok(()) => Problem::new(Exit::Stopped, format!("interrupted in frame {frame}"))
+            .with_help("its samples are kept; the same command continues from there"),
+        Err(error) => {
+            let message =
+                format!("interrupted in frame {frame}, whose samples can't be kept: {error}");
+            Problem::new(Exit::Stopped, message)
+        }
+    }
+}
+
+fn cant_write(path: &Path, error: &io::Error) -> Problem {
+    patience::problem(format_args!("write `{}`", path.display()), error)
+}
+
+/// The first frame makes the folder. One that vanishes later, or can't be used for a while, is waited
+/// for instead.
+pub(super) fn find_out_if_writable(path: &Path, is_first: bool) -> Result<(), Problem> {
+    let check = match is_first {
+        true => check_writable(path),
+        false => check_free(path).or_else(|error| match patience::may_pass(&error) {
+            true => Ok(()),
+            false => Err(error),
+        }),
+    };
+    check.map_err(|error| {
+        Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", path.display()))
+            .with_help("choose another folder with `--outdir`")
+    })
+}

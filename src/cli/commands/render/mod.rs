@@ -1,0 +1,98 @@
+//! Rendering the frames of a job, one after the other, in one process.
+
+mod done;
+mod dry_run;
+mod frame;
+mod ledger;
+mod maps;
+mod plan;
+mod run;
+mod schedule;
+mod shared;
+mod summary;
+mod target;
+mod total;
+
+use std::time::Instant;
+
+use crate::accel::Accelerator;
+use crate::cli::base::{Problem, Terminal};
+use crate::cli::claims::Left;
+use crate::cli::files::load;
+use crate::cli::options::Job;
+use crate::cli::system::interrupt::Guard;
+use crate::cli::system::threads;
+use crate::scene::SceneDescription;
+use frame::Studio;
+use plan::Step;
+use run::Run;
+use target::Target;
+
+/// Renders the job's frames, prints the paths of their pictures, and says how it went.
+pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
+    let start = Instant::now();
+    // What would be rendered can be found out again.
+    let _guard = (!job.dry_run).then(Guard::new);
+    let pool = threads::pool(job.threads)?;
+    let scene = pool.install(|| load::scene(job, terminal))?;
+    let job = &job.for_scene(&scene)?;
+    let go = || render(job, &scene, terminal, start);
+    match (job.threads, scene.settings.parallel_threads) {
+        (None, Some(asked)) => threads::pool(Some(asked as usize))?.install(go),
+        _ => pool.install(go),
+    }
+}
+
+fn render(
+    job: &Job,
+    scene: &SceneDescription,
+    terminal: Terminal,
+    begin: Instant,
+) -> Result<(), Problem> {
+    let loading = begin.elapsed();
+    let target = Target::new(job, scene)?;
+    let steps = plan::steps(job, scene, &target);
+    if job.dry_run {
+        return dry_run::tell(steps, terminal);
+    }
+    let studio = Studio { job, scene, target, terminal };
+    let (frames, to_render) = (steps.len(), to_render(&steps));
+    if let Some(first) = steps.iter().find(|step| step.is_to_render()) {
+        let needs = studio.needs(first.frame, to_render);
+        let needs = if job.total_time.is_some() { needs.with_states(to_render) } else { needs };
+        needs.check(&job.outdir, terminal)?;
+        warn_of_structure(scene.settings.accelerator, terminal);
+    }
+    let pictures = steps.iter().filter(|step| step.is_to_render());
+    maps::check(&job.maps, pictures.map(|step| (step.frame, &*step.path)))?;
+    let mut run = Run::new(studio, frames, to_render, loading);
+    let claimed: Vec<_> =
+        steps.iter().map(|step| run.studio.target.plain_path(step.frame)).collect();
+    let left = Left::look(&job.outdir, claimed.iter().map(|path| &**path));
+    Guard::begin_work();
+    let start = Instant::now();
+    let result = match (job.share, job.total_time) {
+        (Some(lease), _) => run.share(steps, lease),
+        (None, Some(span)) => run.rounds(steps, span, begin),
+        (None, None) => steps.iter().try_for_each(|step| run.step(step)),
+    };
+    let result = result.map(|()| run.look_once_more());
+    run.ended(start.elapsed());
+    result?;
+    run.end()?;
+    left.sweep();
+    Ok(())
+}
+
+fn to_render(steps: &[Step]) -> usize {
+    steps.iter().filter(|step| step.is_to_render()).count()
+}
+
+/// One structure is there to be measured against.
+fn warn_of_structure(accelerator: Accelerator, terminal: Terminal) {
+    if accelerator == Accelerator::Cwbvh {
+        terminal.warn(
+            "CWBVH is for measurements: it may miss hits at edges, so the picture may differ",
+        );
+    }
+}

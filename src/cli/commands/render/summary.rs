@@ -1,0 +1,157 @@
+//! How a rendering went, in a line or a few.
+
+use std::fmt::Write;
+use std::time::Duration;
+
+use super::done::{Done, Size, Times};
+use crate::accel::{Accelerator, Isa};
+use crate::cli::base::{Terminal, counted, human, megabytes};
+use crate::render::Statistics;
+use crate::scene::{SceneDescription, Settings};
+
+/// What was measured of one run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Summary {
+    /// Frames that were rendered.
+    pub(super) frames: usize,
+    times: Times,
+    statistics: Statistics,
+    /// Of the last frame.
+    size: Size,
+    /// The largest of a frame.
+    error: Option<f64>,
+    isa: Isa,
+}
+
+impl Summary {
+    /// Of a run that has loaded its scene.
+    pub(super) fn new(loading: Duration, isa: Isa) -> Self {
+        let times = Times { loading, ..Times::default() };
+        let (statistics, size) = (Statistics::default(), Size::default());
+        Self { frames: 0, times, statistics, size, error: None, isa }
+    }
+
+    /// Adds a frame.
+    pub(super) fn add(&mut self, done: &Done) {
+        self.frames += 1;
+        self.times.add(&done.times);
+        self.statistics += done.statistics;
+        self.size = done.size;
+        self.error = self.error.into_iter().chain(done.outcome.error).reduce(f64::max);
+    }
+
+    /// Says it.
+    pub(super) fn tell(&self, scene: &SceneDescription, terminal: Terminal) {
+        let refused = self.statistics.refused_contributions;
+        if refused > 0 {
+            let samples = counted(refused, "sample");
+            terminal.warn(match refused {
+                1 => format!("{samples} was not a finite number or too bright, and was left out"),
+                _ => format!("{samples} were not finite numbers or too bright, and were left out"),
+            });
+        }
+        let what = match self.frames {
+            1 => "rendered".into(),
+            frames => format!("{frames} frames rendered"),
+        };
+        let rates = line(self.times.rendering, &self.statistics, peak_memory());
+        let error = self.error.map_or_else(String::new, |error| format!("; error {error:.2e}"));
+        let time = human(self.times.total());
+        terminal.note(format_args!("{what} in {time}{error}; {rates}"));
+        for detail in self.details(scene) {
+            terminal.detail(detail);
+        }
+    }
+
+    fn details(&self, scene: &SceneDescription) -> [String; 4] {
+        let Statistics { camera_rays, shadow_rays, bounce_rays, .. } = self.statistics;
+        let Times { loading, building, rendering, writing } = self.times;
+        let film = &scene.camera.film;
+        let pixels = f64::from(film.width) * f64::from(film.height) * self.frames as f64;
+        let Settings { accelerator, spatial_splits, .. } = scene.settings;
+        let has_spatial_splits = spatial_splits && accelerator == Accelerator::Bvh;
+        [
+            format!(
+                "loading {}, building {}, rendering {}, writing {}",
+                human(loading),
+                human(building),
+                human(rendering),
+                human(writing)
+            ),
+            format!(
+                "{}, {}; structures {}",
+                counted(self.size.primitives, "primitive"),
+                counted(self.size.moving_objects, "moving object"),
+                megabytes(self.size.structures)
+            ),
+            format!(
+                "rays: {camera_rays} camera ({:.2} per pixel), {shadow_rays} shadow, \
+                 {bounce_rays} bounce",
+                camera_rays as f64 / pixels.max(1.0)
+            ),
+            format!(
+                "{}, {} instructions, {} structure{}",
+                counted(rayon::current_num_threads(), "thread"),
+                self.isa,
+                scene.settings.accelerator,
+                if has_spatial_splits { " with spatial splits" } else { "" }
+            ),
+        ]
+    }
+}
+
+fn line(rendering: Duration, rays: &Statistics, peak: Option<u64>) -> String {
+    let rate = |rays: u64| rays as f64 / 1e6 / rendering.as_secs_f64().max(1e-6);
+    let mut line = format!(
+        "Mrays/s: {:.2} camera, {:.2} shadow, {:.2} bounce",
+        rate(rays.camera_rays),
+        rate(rays.shadow_rays),
+        rate(rays.bounce_rays)
+    );
+    if let Some(peak) = peak {
+        let _ = write!(line, "; {} of memory", megabytes(peak));
+    }
+    line
+}
+
+/// Peak memory of this process in bytes, if the system reports it.
+fn peak_memory() -> Option<u64> {
+    peak_of(&std::fs::read_to_string("/proc/self/status").ok()?)
+}
+
+fn peak_of(status: &str) -> Option<u64> {
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RAYS: Statistics = Statistics {
+        camera_rays: 4_000_000,
+        shadow_rays: 8_000_000,
+        bounce_rays: 1_000_000,
+        refused_contributions: 0,
+    };
+
+    #[test]
+    fn one_line_tells_rates_and_memory() {
+        let line = |peak| line(Duration::from_secs(4), &RAYS, peak);
+        insta::assert_snapshot!(line(Some(210_000_000)), @"Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce; 210 MB of memory");
+        insta::assert_snapshot!(line(None), @"Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce");
+    }
+
+    #[test]
+    fn no_time_is_no_division_by_zero() {
+        assert!(!line(Duration::ZERO, &RAYS, None).contains("inf"));
+    }
+
+    #[test]
+    fn the_system_tells_the_peak() {
+        assert_eq!(peak_of("Name:\tx\nVmHWM:\t    2048 kB\nVmRSS:\t1 kB\n"), Some(2_097_152));
+        assert_eq!(peak_of("VmHWM: many\n"), None);
+        assert_eq!(peak_of(""), None);
+    }
+}

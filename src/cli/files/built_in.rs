@@ -1,0 +1,59 @@
+//! The scene inside the program, with all files that it refers to: the binary alone renders it
+//! anywhere.
+
+/// Folder of the scene in the repository; its paths start there.
+pub(crate) const FOLDER: &str = "scenes";
+
+/// Path of the scene among [`FILES`].
+pub(crate) const PATH: &str = "scenes/default.txt";
+
+/// A file of the repository by its path from the root.
+macro_rules! embedded {
+    ($($path:literal),* $(,)?) => {
+        &[$(($path, include_bytes!(concat!("../../../", $path)))),*]
+    };
+}
+
+/// Every file of the scene: another mesh or texture is one more line.
+pub(crate) const FILES: &[(&str, &[u8])] = embedded![
+    "scenes/default.txt",
+    "meshes/backdrop.slo",
+    "meshes/board_dark.slo",
+    "meshes/board_frame.slo",
+    "meshes/board_inlay.slo",
+    "meshes/board_light.slo",
+    "meshes/king.slo",
+    "meshes/knight.slo",
+    "meshes/pawn.slo",
+    "meshes/queen.slo",
+    "meshes/sheet.slo",
+    "textures/backdrop.png",
+    "textures/boxwood.png",
+    "textures/walnut.png",
+];
+
+/// The text of the scene.
+pub(crate) fn text() -> &'static [u8] {
+    FILES.iter().find(|(path, _)| *path == PATH).map_or(&[], |(_, bytes)| bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Files, load};
+
+    #[test]
+    fn it_loads_without_a_warning() {
+        let loaded = load(PATH, text(), &Files::built_in(FOLDER, FILES));
+        assert_eq!(loaded.diagnostics.render(false), "");
+        assert!(loaded.scene.is_some());
+    }
+
+    #[test]
+    fn every_path_is_there_once() {
+        let mut paths: Vec<_> = FILES.iter().map(|(path, _)| path).collect();
+        paths.sort();
+        paths.dedup();
+        assert_eq!(paths.len(), FILES.len());
+    }
+}

@@ -1,0 +1,61 @@
+//! From a job to a scene that can be rendered.
+
+use std::path::Path;
+
+use super::scene_file::SceneFile;
+use super::{built_in, scene_file};
+use crate::animation::NoSegment;
+use crate::cli::base::{Exit, Problem, Terminal};
+use crate::cli::options::Job;
+use crate::frame::{FrameError, FrameScene};
+use crate::output::check_prefix;
+use crate::scene::{Files, Loaded, SceneDescription, load};
+
+/// The job's scene, with what the command line says over it. Errors and warnings of the scene
+/// are said.
+pub(crate) fn scene(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
+    let mut scene = read(job, terminal)?;
+    job.overrides.apply(&mut scene);
+    check_prefix(&scene.camera.film.prefix)
+        .map_err(|why| Problem::new(Exit::BadInput, format!("the Film's prefix: {why}")))?;
+    Ok(scene)
+}
+
+fn read(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
+    let loaded = match &job.scene {
+        None => {
+            let files = Files::built_in(built_in::FOLDER, built_in::FILES);
+            load(built_in::PATH, built_in::text(), &files)
+        }
+        Some(path) => load_file(scene_file::read(path, job)?, job.allow_outside),
+    };
+    let Loaded { scene, diagnostics } = loaded;
+    terminal.show(&diagnostics);
+    let exit = if diagnostics.missing_input() { Exit::NoInput } else { Exit::BadInput };
+    scene.ok_or_else(|| Problem::told(exit))
+}
+
+fn load_file(file: SceneFile, allow_outside: bool) -> Loaded {
+    let folder = file.path.parent().unwrap_or(Path::new(""));
+    let files = Files::on_disk(folder, &file.root, allow_outside);
+    load(&file.path.to_string_lossy(), file.text, &files)
+}
+
+/// What a frame needs, built on the threads of the current pool; what it has in common with one
+/// `before` is taken from there.
+pub(crate) fn frame(
+    job: &Job,
+    scene: &SceneDescription,
+    number: i64,
+    before: Option<FrameScene>,
+) -> Result<FrameScene, Problem> {
+    FrameScene::build_after(scene, number, job.isa, before).map_err(|error| match error {
+        FrameError::NoSegment(error) => no_segment(&error),
+        other => Problem::new(Exit::BadInput, other),
+    })
+}
+
+/// A frame that the camera does not have.
+pub(crate) fn no_segment(error: &NoSegment) -> Problem {
+    Problem::new(Exit::Usage, error).with_help("choose a frame with `--frame`")
+}

@@ -1,0 +1,112 @@
+//! What rendering is asked for.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::overrides::Overrides;
+use crate::accel::Isa;
+use crate::animation::Clock;
+use crate::cli::base::{Exit, Problem};
+use crate::cli::values::{FrameChoice, Frames, Maps, Order, PartBy, ProgressForm, Region};
+use crate::render::{Part, Steps};
+use crate::scene::SceneDescription;
+
+/// Frames of a scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Job {
+    /// The scene file; `None`: the one inside the program.
+    pub(crate) scene: Option<PathBuf>,
+    /// Folder that `scene` lies in and that its paths may not leave.
+    pub(crate) indir: Option<PathBuf>,
+    /// Whether the paths of the scene may lead anywhere.
+    pub(crate) allow_outside: bool,
+    /// The frames asked for; `None`: 0.
+    pub(crate) frames: Option<FrameChoice>,
+    pub(crate) order: Order,
+    /// Whether other processes render the same frames, and how long they let each other pass without
+    /// a sign of life.
+    pub(crate) share: Option<Duration>,
+    /// What of the picture is to be rendered; `None`: all of it.
+    pub(crate) region: Option<Region>,
+    /// The part of it that is this run's, and what is shared out; `None`: all.
+    pub(crate) part: Option<(Part, PartBy)>,
+    /// Folder of the pictures; empty: the current one.
+    pub(crate) outdir: PathBuf,
+    /// Whether settings and time go into the pictures' names.
+    pub(crate) info: bool,
+    pub(crate) existing: Existing,
+    /// Time between two checkpoints; `None`: only when a frame is stopped.
+    pub(crate) checkpoint: Option<Duration>,
+    /// Whether finished frames can get more samples later.
+    pub(crate) keep_state: bool,
+    pub(crate) maps: Maps,
+    /// How long a frame may take; `None`: as long as its samples take.
+    pub(crate) time: Option<Duration>,
+    /// How long all frames together may take.
+    pub(crate) total_time: Option<Duration>,
+    /// How far a frame is taken, step by step, instead of by the scene's rule.
+    pub(crate) steps: Option<Steps>,
+    /// Whether to say what would be rendered instead of doing it.
+    pub(crate) dry_run: bool,
+    pub(crate) progress: ProgressForm,
+    pub(crate) overrides: Overrides,
+    pub(crate) threads: Option<usize>,
+    pub(crate) isa: Isa,
+}
+
+/// What happens to an existing picture that is complete and has the same recipe. A file that slo-rt did not
+/// make is only replaced with [`Existing::Overwrite`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Existing {
+    /// It is kept in a sequence, and overwritten if a single frame was asked for.
+    #[default]
+    Auto,
+    Skip,
+    Overwrite,
+}
+
+impl Job {
+    /// The frames to render, of a job [for a scene](Self::for_scene).
+    pub(crate) fn frames(&self) -> Frames {
+        match &self.frames {
+            Some(FrameChoice::These(frames)) => frames.clone(),
+            Some(FrameChoice::All) | None => Frames::single(0),
+        }
+    }
+
+    /// The same job with the frames that the scene has.
+    ///
+    /// # Errors
+    /// All are asked for, and there are none, or too many for one run.
+    pub(crate) fn for_scene(&self, scene: &SceneDescription) -> Result<Self, Problem> {
+        let mut job = self.clone();
+        if job.frames == Some(FrameChoice::All) {
+            let ranges = Clock::new(&scene.camera).segments().map(|s| s.first..=s.last).collect();
+            let frames = Frames::of_ranges(ranges).map_err(|why| {
+                Problem::new(Exit::Usage, format!("`--frame all`: {why}"))
+                    .with_help("choose frames with `--frame`, such as `--frame 1-100`")
+            })?;
+            job.frames = Some(FrameChoice::These(frames));
+        }
+        Ok(job)
+    }
+
+    /// Whether the clock decides how far a frame is taken.
+    pub(crate) fn is_timed(&self) -> bool {
+        self.time.is_some() || self.total_time.is_some()
+    }
+
+    /// Whether files are replaced even if another program made them.
+    pub(crate) fn overwrites(&self) -> bool {
+        self.existing == Existing::Overwrite
+    }
+
+    /// Whether frames that are finished already are left alone.
+    pub(crate) fn skips_finished(&self) -> bool {
+        match self.existing {
+            Existing::Auto => self.frames.as_ref().is_some_and(FrameChoice::is_sequence),
+            Existing::Skip => true,
+            Existing::Overwrite => false,
+        }
+    }
+}

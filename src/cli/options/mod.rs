@@ -1,0 +1,12 @@
+//! Validated options: what the commands work with.
+
+mod job;
+mod overrides;
+mod task;
+#[cfg(test)]
+mod test_scene;
+
+pub(crate) use job::Job;
+pub(crate) use task::{Options, Task};
+#[cfg(test)]
+pub(crate) use test_scene::{empty_scene, job};

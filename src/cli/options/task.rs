@@ -1,0 +1,185 @@
+//! From the arguments to what the program is to do.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::job::{Existing, Job};
+use super::overrides::Overrides;
+use crate::accel::Isa;
+use crate::cli::args::{Args, Command, CompareArgs, DenoiseArgs, MergeArgs, SheetArgs, VerifyArgs};
+use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
+use crate::cli::values::{FrameChoice, Maps, Threads};
+use crate::output::check_prefix;
+
+/// What the program is to do, and how.
+#[derive(Debug)]
+pub(crate) struct Options {
+    /// What to do, or what is wrong with it.
+    pub(crate) task: Result<Task, Problem>,
+    pub(crate) terminal: Terminal,
+}
+
+/// What the program is to do.
+#[derive(Debug)]
+pub(crate) enum Task {
+    /// Render frames.
+    Render(Job),
+    /// Read a scene and report.
+    Check(Job),
+    /// Put parts of pictures together.
+    Merge(MergeArgs),
+    /// Render some of pictures again; the job says of which scene.
+    Verify(VerifyArgs, Box<Job>),
+    /// Measure how far a picture is from another.
+    Compare(CompareArgs),
+    /// Make a contact sheet.
+    Sheet(SheetArgs),
+    /// Take the noise out of pictures.
+    Denoise(DenoiseArgs),
+    /// Print the recipe of a picture.
+    Recipe(PathBuf),
+}
+
+impl From<Args> for Options {
+    fn from(args: Args) -> Self {
+        let Args { quiet, verbose, .. } = args;
+        let quiet = match &args.command {
+            Some(Command::Merge(merge)) => merge.quiet,
+            Some(Command::Denoise(denoise)) => denoise.quiet,
+            _ => quiet,
+        };
+        let verbosity = match (quiet, verbose) {
+            (true, _) => Verbosity::Quiet,
+            (_, true) => Verbosity::Verbose,
+            _ => Verbosity::Normal,
+        };
+        Self { terminal: Terminal::new(args.color, verbosity), task: task(args) }
+    }
+}
+
+fn task(mut args: Args) -> Result<Task, Problem> {
+    if let Some(command) = args.command.take() {
+        return Ok(match command {
+            Command::Merge(merge) => Task::Merge(merge),
+            Command::Verify(verify) => {
+                args.scene = verify.scene.clone();
+                args.indir = verify.indir.clone();
+                args.allow_outside = verify.allow_outside;
+                args.threads = verify.threads;
+                Task::Verify(verify, Box::new(job(args)?))
+            }
+            Command::Compare(compare) => Task::Compare(compare),
+            Command::Sheet(sheet) => Task::Sheet(sheet),
+            Command::Denoise(denoise) => Task::Denoise(denoise),
+        });
+    }
+    match args.recipe.clone() {
+        Some(picture) => Ok(Task::Recipe(picture)),
+        None if args.check => job(args).map(Task::Check),
+        None => job(args).map(Task::Render),
+    }
+}
+
+fn job(args: Args) -> Result<Job, Problem> {
+    let usage = |why: String| Problem::new(Exit::Usage, why);
+    check_prefix(args.prefix.as_deref().unwrap_or_default()).map_err(usage)?;
+    let maps = Maps { samples: args.sample_map, error: args.error_map };
+    let several = args.frame.as_ref().is_some_and(FrameChoice::is_several);
+    maps.check_names(several).map_err(usage)?;
+    check_total_time(args.total_time, args.frame.as_ref())?;
+    Ok(Job {
+        scene: args.scene,
+        indir: args.indir,
+        allow_outside: args.allow_outside,
+        frames: args.frame,
+        order: args.order,
+        share: args.share,
+        region: args.region,
+        part: args.part.map(|part| (part, args.part_by)),
+        outdir: args.outdir.unwrap_or_default(),
+        info: args.info,
+        existing: match (args.skip_existing || args.share.is_some(), args.overwrite) {
+            (true, _) => Existing::Skip,
+            (_, true) => Existing::Overwrite,
+            _ => Existing::Auto,
+        },
+        checkpoint: Some(args.checkpoint).filter(|time| !time.is_zero()),
+        keep_state: args.keep_state,
+        time: args.time,
+        total_time: args.total_time,
+        steps: args.steps,
+        maps,
+        dry_run: args.dry_run,
+        progress: args.progress,
+        overrides: Overrides {
+            prefix: args.prefix,
+            layers: args.layers.into_iter().map(|name| name.0).collect(),
+            settings: args.settings,
+            is_stepwise: args.time.is_some() || args.total_time.is_some() || args.steps.is_some(),
+        },
+        threads: args.threads.map(|threads| match threads {
+            Threads::All => std::thread::available_parallelism().map_or(1, usize::from),
+            Threads::Count(threads) => threads as usize,
+        }),
+        isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
+    })
+}
+
+/// A time for all frames is shared out among frames.
+fn check_total_time(time: Option<Duration>, frames: Option<&FrameChoice>) -> Result<(), Problem> {
+    let is_sequence = frames.is_some_and(FrameChoice::is_sequence);
+    match time {
+        Some(_) if !is_sequence => {
+            let message = "--total-time needs a sequence of frames, such as `--frame 1-100`";
+            Err(Problem::new(Exit::Usage, message).with_help("for one frame, use `--time`"))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    fn task(typed: &str) -> Result<Task, Problem> {
+        let args = Args::parse_from(format!("slo-rt {typed}").trim().split(' '));
+        Options::from(args).task
+    }
+
+    #[test]
+    fn tasks() {
+        assert!(matches!(task("").unwrap(), Task::Render(Job { frames: None, .. })));
+        assert!(matches!(task("--check -f 3").unwrap(), Task::Check(Job { frames: Some(_), .. })));
+        assert!(matches!(task("--recipe x.png").unwrap(), Task::Recipe(_)));
+    }
+
+    #[test]
+    fn sequences_skip_what_is_finished() {
+        let check = |typed: &str, expected: bool| {
+            let Task::Render(job) = task(typed).unwrap() else { panic!("{typed}") };
+            assert_eq!(job.skips_finished(), expected, "{typed}");
+        };
+        check("", false);
+        check("-f 5", false);
+        check("-f 5 --skip-existing", true);
+        check("-f 5 --share", true);
+        check("-f 5-5", true);
+        check("-f all", true);
+        check("-f 5,6 --overwrite", false);
+    }
+
+    #[test]
+    fn a_time_for_all_frames_needs_frames() {
+        assert!(task("-f 1-3 --total-time 8h").is_ok());
+        for typed in ["--total-time 8h", "-f 3 --total-time 8h"] {
+            assert_eq!(task(typed).unwrap_err().exit, Exit::Usage, "{typed}");
+        }
+    }
+
+    #[test]
+    fn a_prefix_with_a_folder_is_a_usage_error() {
+        assert_eq!(task("--prefix a/b").unwrap_err().exit, Exit::Usage);
+    }
+}

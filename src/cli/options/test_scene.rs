@@ -1,0 +1,58 @@
+//! Values for the tests of this room.
+
+use std::path::PathBuf;
+
+use super::job::{Existing, Job};
+use super::overrides::Overrides;
+use crate::accel::Isa;
+use crate::cli::values::{Maps, Order, ProgressForm};
+use crate::scene::{Camera, Encoding, Film, OutputFormat, SceneDescription, Settings};
+
+/// A scene with nothing in it.
+pub(crate) fn empty_scene() -> SceneDescription {
+    let film = Film {
+        width: 32,
+        height: 18,
+        prefix: "empty_".into(),
+        output: OutputFormat::Png8,
+        encoding: Encoding::Raw,
+        layers: Vec::new(),
+    };
+    SceneDescription {
+        settings: Settings::default(),
+        camera: Camera { fps: 25.0, film, segments: Vec::new() },
+        lights: Vec::new(),
+        materials: Vec::new(),
+        textures: Vec::new(),
+        objects: Vec::new(),
+        content_hash: [0; 32],
+    }
+}
+
+/// The job of a command line without arguments.
+pub(crate) fn job() -> Job {
+    Job {
+        scene: None,
+        indir: None,
+        allow_outside: false,
+        frames: None,
+        order: Order::default(),
+        share: None,
+        region: None,
+        part: None,
+        outdir: PathBuf::new(),
+        info: false,
+        existing: Existing::default(),
+        checkpoint: None,
+        keep_state: false,
+        maps: Maps::default(),
+        time: None,
+        total_time: None,
+        steps: None,
+        dry_run: false,
+        progress: ProgressForm::default(),
+        overrides: Overrides::default(),
+        threads: None,
+        isa: Isa::Portable,
+    }
+}

@@ -1,0 +1,203 @@
+//! Whether there is room for what a run makes: on the disk and in memory.
+
+use std::path::Path;
+use std::sync::mpsc;
+use std::time::Duration;
+
+use super::memory;
+use super::memory::Left;
+use crate::cli::base::{Exit, Problem, Terminal, megabytes};
+use crate::film::{Features, Layer, Pixel, Spread, Subject};
+use crate::output::PNG_ROWS_AT_A_TIME;
+use crate::scene::OutputFormat;
+
+/// How long the system may take to tell how much room is on a disk.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Bytes for what a thread works with, and for what is small.
+const PER_THREAD: u64 = 4 << 20;
+const REST: u64 = 4 << 20;
+
+/// Bytes that a run needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Needs {
+    /// Of pictures, and of a checkpoint, at most.
+    pub(crate) disk: u64,
+    /// Of the film.
+    film: u64,
+    /// To write what is made of a film, while that is there.
+    pub(crate) end: u64,
+}
+
+impl Needs {
+    /// For so many pictures.
+    pub(crate) fn of(
+        subject: &Subject,
+        format: OutputFormat,
+        pictures: usize,
+        beside: Beside,
+    ) -> Self {
+        let region = subject.region.len() as u64;
+        let spreads = if subject.with_spreads { size_of::<Spread>() } else { 0 };
+        let (features, images) = match subject.with_features {
+            true => (size_of::<Features>(), 1 + Layer::ALL.len() as u64),
+            false => (0, 1),
+        };
+        let film = subject.area.len() as u64 * (size_of::<Pixel>() + spreads + features) as u64;
+        let value = match format {
+            OutputFormat::Png8 => 1,
+            OutputFormat::Png16 => 2,
+            OutputFormat::Exr => 4,
+        };
+        let picture = region.saturating_mul(3 * value * images).saturating_add(4096);
+        let disk = picture.saturating_mul(pictures as u64).saturating_add(film);
+        let rows = subject.region.height().min(PNG_ROWS_AT_A_TIME);
+        let rows = u64::from(subject.region.width()) * u64::from(rows);
+        let encoding = match (format, subject.with_features) {
+            (OutputFormat::Exr, false) => 0,
+            (OutputFormat::Exr, true) => region.saturating_mul(12 * images),
+            (_, _) => rows * 3 * value,
+        };
+        let map = if beside.maps { region.saturating_mul(BYTES_OF_A_MAP) } else { 0 };
+        let kept = if beside.states { film } else { 0 };
+        let end = encoding.max(map).max(kept).saturating_add(REST);
+        Self { disk, film, end }
+    }
+
+    /// Bytes of memory without which there is no picture.
+    pub(crate) fn memory(&self) -> u64 {
+        self.film.saturating_add(self.end).saturating_add(self.work())
+    }
+
+    /// Bytes of memory that threads work with.
+    pub(crate) fn work(&self) -> u64 {
+        rayon::current_num_threads() as u64 * PER_THREAD
+    }
+
+    /// The same if the states of so many frames are kept until the end.
+    pub(crate) fn with_states(self, frames: usize) -> Self {
+        let more = self.film.saturating_mul(frames.saturating_sub(1) as u64);
+        Self { disk: self.disk.saturating_add(more), ..self }
+    }
+
+    /// Warns if there is less than that.
+    ///
+    /// # Errors
+    /// There is no memory for a picture.
+    pub(crate) fn check(&self, outdir: &Path, terminal: Terminal) -> Result<(), Problem> {
+        let left = memory::left();
+        if left.is_some_and(|left| left.bytes < self.memory()) {
+            return Err(self.too_large_for(left));
+        }
+        if let Some(free) = free_on_disk(outdir).filter(|free| *free < self.disk) {
+            terminal.warn(format_args!(
+                "the disk of the output folder has {} left, but all pictures may take up to {}",
+                megabytes(free),
+                megabytes(self.disk)
+            ));
+        }
+        let all = self.memory().saturating_add(self.film);
+        if let Some(left) = left.filter(|left| left.bytes < all) {
+            terminal.warn(format_args!(
+                "{left}; the picture and the copy for its checkpoints may take up to {}",
+                megabytes(all)
+            ));
+        }
+        Ok(())
+    }
+
+    /// There is no memory for the picture.
+    pub(crate) fn too_large(&self) -> Problem {
+        self.too_large_for(memory::left())
+    }
+
+    fn too_large_for(&self, left: Option<Left>) -> Problem {
+        let needs = megabytes(self.memory());
+        let message = match left {
+            Some(left) => format!("the picture needs {needs} of memory, but {left}"),
+            None => format!("the picture needs {needs} of memory"),
+        };
+        let problem = Problem::new(Exit::Failed, message)
+            .with_help("make it smaller with `--size`, or render a region of it with `--region`");
+        match left.is_some_and(|left| left.is_of_address_space()) {
+            true => problem.with_help(
+                "fewer `--threads`, or MALLOC_ARENA_MAX=1 in the environment, take less of the \
+                 address space",
+            ),
+            false => problem,
+        }
+    }
+}
+
+/// What is written beside pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Beside {
+    pub(crate) maps: bool,
+    /// Sums of samples, which are compared with those that are there.
+    pub(crate) states: bool,
+}
+
+/// Bytes of each pixel while a map is made.
+const BYTES_OF_A_MAP: u64 = 28;
+
+/// Bytes that are left on the disk of a folder; `None` if the system does not report them or does not
+/// answer: a file server may be gone.
+#[cfg(unix)]
+fn free_on_disk(folder: &Path) -> Option<u64> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.to_owned();
+    let (tell, told) = mpsc::channel();
+    let ask = move || {
+        // A folder that is still to be made will lie where the nearest one above it does.
+        let there = folder.ancestors().find(|folder| folder.is_dir()).unwrap_or(Path::new("."));
+        let free = rustix::fs::statvfs(there).ok();
+        let _ = tell.send(free.and_then(|free| free.f_bavail.checked_mul(free.f_frsize)));
+    };
+    std::thread::Builder::new().name("disk".into()).spawn(ask).ok()?;
+    told.recv_timeout(PATIENCE).ok()?
+}
+
+#[cfg(not(unix))]
+fn free_on_disk(_: &Path) -> Option<u64> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Area;
+
+    #[test]
+    fn needs_grow_with_pixels_and_pictures() {
+        let area = Area::whole(100, 100);
+        let recipe = String::new();
+        let mut subject = Subject {
+            recipe,
+            area,
+            region: area,
+            samples: None,
+            with_spreads: false,
+            with_features: false,
+        };
+        let none = Beside::default();
+        let needs = Needs::of(&subject, OutputFormat::Png16, 10, none);
+        assert_eq!((needs.film, needs.end), (10_000 * 56, 60_000 + REST));
+        assert!(needs.memory() > needs.film + needs.end);
+        let maps = Needs::of(&subject, OutputFormat::Png8, 10, Beside { maps: true, ..none });
+        assert_eq!(maps.end, 280_000 + REST);
+        let states = Needs::of(&subject, OutputFormat::Png8, 10, Beside { states: true, ..none });
+        assert_eq!(states.end, 560_000 + REST);
+        assert_eq!(needs.disk, 10 * (60_000 + 4096) + 10_000 * 56);
+        subject.with_features = true;
+        let needs = Needs::of(&subject, OutputFormat::Exr, 1, none);
+        assert_eq!((needs.film, needs.end), (10_000 * 104, 360_000 + REST));
+        assert_eq!(needs.disk, 360_000 + 4096 + 10_000 * 104);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_disk_tells_its_room_also_for_folders_that_are_to_be() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(free_on_disk(folder.path()).is_some_and(|free| free > 0));
+        assert!(free_on_disk(&folder.path().join("a/b")).is_some_and(|free| free > 0));
+        assert!(free_on_disk(Path::new("")).is_some());
+    }
+}

@@ -1,0 +1,92 @@
+//! `--sample-map`, `--error-map`: pictures of how a picture came about.
+
+use std::path::Path;
+
+use super::frame_path::FramePath;
+use crate::output::map_format;
+
+/// The maps that are written with each picture.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Maps {
+    pub(crate) samples: Option<FramePath>,
+    pub(crate) error: Option<FramePath>,
+}
+
+/// What a map shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Map {
+    /// How many samples each pixel took.
+    Samples,
+    /// The estimated error of each pixel.
+    Error,
+}
+
+impl Map {
+    /// The option that asks for it.
+    pub(crate) fn option(self) -> &'static str {
+        match self {
+            Self::Samples => "--sample-map",
+            Self::Error => "--error-map",
+        }
+    }
+}
+
+impl Maps {
+    /// Those that are asked for, and their paths.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (Map, &FramePath)> {
+        let (samples, error) = (self.samples.iter(), self.error.iter());
+        samples.map(|path| (Map::Samples, path)).chain(error.map(|path| (Map::Error, path)))
+    }
+
+    /// Whether none is asked for.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.all().next().is_none()
+    }
+
+    /// Checks the names of the maps of one frame, or of `several`.
+    ///
+    /// # Errors
+    /// In words for the user.
+    pub(crate) fn check_names(&self, several: bool) -> Result<(), String> {
+        for (map, path) in self.all() {
+            let option = map.option();
+            check_name(option, &path.of(0))?;
+            if several && !path.tells_frames() {
+                return Err(format!("{option}: maps of several frames need `####` in their path"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a file can be a map by its name; `option` names it.
+///
+/// # Errors
+/// In words for the user.
+pub(crate) fn check_name(option: &str, path: &Path) -> Result<(), String> {
+    match map_format(path) {
+        Some(_) => Ok(()),
+        None => {
+            let path = path.display();
+            Err(format!("{option}: a map is a .png or .exr file, and `{path}` is neither"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_checked_without_the_disk() {
+        let check = |samples: &str, several: bool| {
+            let path = |path: &str| Some(path.parse().unwrap());
+            Maps { samples: path(samples), error: path("e_#.exr") }.check_names(several)
+        };
+        assert_eq!(check("n.png", false), Ok(()));
+        assert_eq!(check("n_####.EXR", true), Ok(()));
+        assert!(check("n.png", true).unwrap_err().contains("--sample-map"));
+        let message = check("n.jpg", false).unwrap_err();
+        assert_eq!(message, "--sample-map: a map is a .png or .exr file, and `n.jpg` is neither");
+    }
+}

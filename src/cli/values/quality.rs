@@ -1,0 +1,59 @@
+//! How good a picture is to be: samples, seed, noise, steps.
+
+use super::numbers::{count, real, whole};
+use crate::render::Steps;
+
+/// Parses a number of samples.
+pub(crate) fn samples(text: &str) -> Result<u32, String> {
+    count(text, 1..=65_535, "64")
+}
+
+/// Parses a seed.
+pub(crate) fn seed(text: &str) -> Result<u64, String> {
+    count(text, 0..=u64::MAX, "7")
+}
+
+/// Parses an error.
+pub(crate) fn noise(text: &str) -> Result<f32, String> {
+    let error = real(text).filter(|error| *error > 0.0 && *error <= 1.0);
+    match error.map(|error| error as f32) {
+        Some(0.0) => Err("it is too close to 0; a usual error is 0.01".into()),
+        error => error
+            .ok_or_else(|| "expected an error above 0 and at most 1, such as 0.01 or 1%".into()),
+    }
+}
+
+/// Parses a distance that is allowed.
+pub(crate) fn limit(text: &str) -> Result<f64, String> {
+    let limit = real(text).filter(|limit| *limit >= 0.0);
+    limit.ok_or_else(|| "expected a limit of 0 or more, such as 0.01 or 1%".into())
+}
+
+/// Parses `STEP,TILES`, also as a recipe has it, in brackets.
+pub(crate) fn steps(text: &str) -> Result<Steps, String> {
+    let inside = text.trim().strip_prefix('[').and_then(|text| text.strip_suffix(']'));
+    let number = |text| whole(text).and_then(|number| u32::try_from(number).ok());
+    let numbers = inside
+        .unwrap_or(text)
+        .split_once(',')
+        .and_then(|(step, tiles)| Some((number(step)?, number(tiles)?)));
+    match numbers {
+        Some((done, tiles)) if done <= Steps::LAST => Ok(Steps { done, tiles }),
+        _ => Err(format!(
+            "expected a step up to {} and a number of tiles, such as 7,120",
+            Steps::LAST
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_written_as_in_recipes() {
+        for text in ["7,120", "7, 120", "[7, 120]"] {
+            assert_eq!(steps(text), Ok(Steps { done: 7, tiles: 120 }));
+        }
+    }
+}
