@@ -5,7 +5,6 @@ use super::options::Job;
 use super::problem::Problem;
 use super::terminal::{Terminal, counted};
 use crate::animation::Clock;
-use crate::output::{encoding_keyword, output_keyword};
 use crate::scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape, Texture};
 
 /// Reports on the job's scene; renders nothing.
@@ -34,7 +33,7 @@ fn report(scene: &SceneDescription) -> Vec<String> {
 
 fn picture(camera: &Camera) -> String {
     let film = &camera.film;
-    let (format, encoding) = (output_keyword(film.output), encoding_keyword(film.encoding));
+    let (format, encoding) = (film.output, film.encoding);
     format!(
         "picture: {} x {} pixels, {format}, {encoding}, {} frame{} per second",
         film.width,
