@@ -12,12 +12,11 @@ use super::part_names::missing;
 use super::problem::Problem;
 use super::terminal::{Terminal, counted, print};
 use crate::accel::Isa;
-use crate::film::{Area, Layer, MergeError, Merger, Subject};
+use crate::film::{Area, Display, Layer, MergeError, Merger, Subject};
 use crate::output::{
     Crop, Outcome, Picture, check_writable, layers_of, read_state, read_subject, settings_of,
     with_outcome, with_region,
 };
-use crate::render::display_of;
 use crate::scene::{Encoding, OutputFormat};
 
 /// Puts the parts of each frame together, and prints the paths of the pictures.
@@ -151,7 +150,7 @@ impl<'a> Whole<'a> {
         let film = film(self.parts, region)?;
         let recipe = self.parts[0].subject.recipe.clone();
         let recipe = crop.map_or(recipe.clone(), |_| with_region(recipe, region));
-        let outcome = Outcome::of(&film, region, display_of(format, encoding), Isa::best());
+        let outcome = Outcome::of(&film, region, Display::of(format, encoding), Isa::best());
         let recipe = with_outcome(&recipe, &outcome);
         let image = film.image();
         let layers = film.layers_of(region, &self.layers);

@@ -17,7 +17,7 @@ use crate::output::{
     find_timed_picture, made_by_others, with_outcome, with_region, with_steps, write_state,
 };
 use crate::render::{Part, Plan, Steps};
-use crate::scene::{OutputFormat, SceneDescription};
+use crate::scene::SceneDescription;
 
 /// What is made of each frame of a job.
 #[derive(Clone, Debug)]
@@ -39,8 +39,9 @@ impl<'a> Target<'a> {
     /// its file does not hold.
     pub(super) fn new(job: &'a Job, scene: &'a SceneDescription) -> Result<Self, Problem> {
         let film = &scene.camera.film;
-        if !film.layers.is_empty() && film.output != OutputFormat::Exr {
-            let message = "layers are written to EXR pictures only, and this is a PNG";
+        if !film.layers.is_empty() && !film.output.has_layers() {
+            let kind = film.output.kind();
+            let message = format!("layers are written to EXR pictures only, and this is a {kind}");
             return Err(Problem::new(Exit::Usage, message)
                 .with_help("`--format exr` makes it one, or `output EXR_IMAGE` in the scene"));
         }

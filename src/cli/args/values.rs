@@ -3,6 +3,7 @@
 use std::fmt;
 
 use clap::ValueEnum;
+use clap::builder::PossibleValue;
 
 use super::numbers::{count, real, whole};
 use crate::cli::sequence::Frames;
@@ -193,39 +194,60 @@ impl SizeChoice {
 }
 
 /// `--layers`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum LayerName {
-    Albedo,
-    Normal,
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::cli) struct LayerName(Layer);
+
+impl ValueEnum for LayerName {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [LayerName; Layer::ALL.len()] = {
+            let mut all = [LayerName(Layer::ALL[0]); Layer::ALL.len()];
+            let mut i = 0;
+            while i < all.len() {
+                all[i] = LayerName(Layer::ALL[i]);
+                i += 1;
+            }
+            all
+        };
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.name()))
+    }
 }
 
 impl From<LayerName> for Layer {
     fn from(name: LayerName) -> Self {
-        match name {
-            LayerName::Albedo => Self::Albedo,
-            LayerName::Normal => Self::Normal,
-        }
+        name.0
     }
 }
 
 /// `--format`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum FormatName {
-    #[value(aliases = ["png8", "png_image"])]
-    Png,
-    #[value(alias = "png16_image")]
-    Png16,
-    #[value(aliases = ["openexr", "exr_image"])]
-    Exr,
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::cli) struct FormatName(OutputFormat);
+
+impl ValueEnum for FormatName {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [FormatName; OutputFormat::ALL.len()] = {
+            let mut all = [FormatName(OutputFormat::ALL[0]); OutputFormat::ALL.len()];
+            let mut i = 0;
+            while i < all.len() {
+                all[i] = FormatName(OutputFormat::ALL[i]);
+                i += 1;
+            }
+            all
+        };
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.option()).aliases(self.0.aliases()))
+    }
 }
 
 impl From<FormatName> for OutputFormat {
     fn from(name: FormatName) -> Self {
-        match name {
-            FormatName::Png => Self::Png8,
-            FormatName::Png16 => Self::Png16,
-            FormatName::Exr => Self::Exr,
-        }
+        name.0
     }
 }
 

@@ -1,9 +1,11 @@
 //! How radiance is seen: the transfer curve of the picture, and errors as the viewer sees them.
 
-use super::Pixel;
-use super::pixel::{Halves, base_end};
 use slo_accel::math::elementary::power;
 use slo_accel::{Isa, Lanewise};
+use slo_scene::settings::FileValues;
+use slo_scene::{Encoding, OutputFormat};
+
+use super::pixel::{Halves, Pixel, base_end};
 
 /// What a channel's radiance becomes on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +19,15 @@ pub enum Display {
 }
 
 impl Display {
+    /// How the values of a file are seen.
+    pub fn of(format: OutputFormat, encoding: Encoding) -> Self {
+        match (format.values(), encoding) {
+            (FileValues::Linear { .. }, _) => Self::Unclamped,
+            (FileValues::Encoded { .. }, Encoding::Srgb) => Self::Srgb,
+            (FileValues::Encoded { .. }, Encoding::Raw) => Self::Raw,
+        }
+    }
+
     /// Mean squares over the channels of the pixels' estimated errors as they are shown, in the
     /// order of the pixels; infinite for less than two samples. What is clamped counts for nothing.
     pub fn squared_errors<'a>(
@@ -157,7 +168,7 @@ pub fn linear(srgb: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Fixed;
+    use super::super::fixed::Fixed;
     use super::*;
 
     fn pixel(first: f32, second: f32) -> Pixel {

@@ -4,7 +4,7 @@ use std::ops::AddAssign;
 
 use slo_scene::Layer;
 
-use super::Fixed;
+use super::fixed::Fixed;
 
 /// Sums of what a pixel's samples saw of surfaces; exact, as those of [`Pixel`](super::Pixel).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

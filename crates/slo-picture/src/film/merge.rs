@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use super::{Area, Film, State, Subject, TooLarge};
+use super::area::Area;
+use super::grid::{Film, TooLarge};
+use super::state::{State, Subject};
 
 /// Why parts are no whole. Files go by their index in the order of their adding.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -167,7 +169,7 @@ fn place(area: Area, (x, y): (u32, u32)) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Fixed;
+    use super::super::fixed::Fixed;
     use super::*;
 
     fn state(region: Area, samples: Option<Range<u32>>) -> State {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Fixed;
+use super::fixed::Fixed;
 
 /// First samples of a block where the scene names none: fewer tell no error.
 pub const LEAST_FOR_NOISE: u32 = 8;

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::{Area, Film, TooLarge};
+use super::area::Area;
+use super::grid::{Film, TooLarge};
 
 /// What a film is exposed for.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! A picture step by step cleaner, tile by tile.
 
-use super::{Area, TILE};
+use super::area::{Area, TILE};
 
 /// How far a picture was taken: all of its tiles to step `done`, and the first `tiles` of them, in
 /// an order of their own, to the next one.

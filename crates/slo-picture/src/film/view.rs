@@ -2,8 +2,12 @@
 
 use std::fmt::{self, Debug};
 
-use super::features::mean;
-use super::{Area, Features, Film, Image, Layer};
+use slo_scene::Layer;
+
+use super::area::Area;
+use super::features::{Features, mean};
+use super::grid::Film;
+use super::image::Image;
 
 /// Three numbers for each pixel.
 pub trait Pixels: Debug + Sync {
@@ -72,7 +76,7 @@ impl Debug for View<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Fixed;
+    use super::super::fixed::Fixed;
     use super::*;
 
     #[test]

@@ -18,8 +18,8 @@ mod state;
 pub use existing::{Found, find_picture, find_state, find_timed_picture, made_by_others};
 pub use file::{check_free, check_writable, open_regular, remove_leftovers, write_atomically};
 pub use format::{
-    Crop, KEYWORD, PNG_ROWS_AT_A_TIME, Picture, Raster, ReadError, RecipeError, Values,
-    claimed_pixels, read_layers, read_recipe,
+    Crop, KEYWORD, Picture, Raster, ReadError, RecipeError, Values, claimed_pixels,
+    memory_to_write, read_layers, read_recipe,
 };
 pub use map::{
     check_companion, is_companion, map_format, write_difference_map, write_error_map,

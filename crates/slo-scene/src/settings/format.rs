@@ -77,14 +77,12 @@ impl OutputFormat {
 
     /// All kinds of files, as messages list them: "PNG or EXR".
     pub fn kinds() -> String {
-        let mut kinds: Vec<_> = Self::ALL.iter().map(|format| format.kind()).collect();
-        kinds.dedup();
-        match kinds.split_last() {
-            Some((last, others)) if !others.is_empty() => {
-                format!("{} or {last}", others.join(", "))
-            }
-            _ => kinds.concat(),
-        }
+        listed(Self::ALL.map(|format| format.kind().to_owned()).into())
+    }
+
+    /// All extensions, as messages list them: ".png or .exr".
+    pub fn extensions() -> String {
+        listed(Self::ALL.map(|format| format!(".{}", format.extension())).into())
     }
 
     /// The name on the command line.
@@ -125,6 +123,15 @@ impl OutputFormat {
     }
 }
 
+/// "a, b or c", each once.
+fn listed(mut names: Vec<String>) -> String {
+    names.dedup();
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        _ => names.concat(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,6 +151,7 @@ mod tests {
     #[test]
     fn kinds_are_listed_once() {
         assert_eq!(OutputFormat::kinds(), "PNG or EXR");
+        assert_eq!(OutputFormat::extensions(), ".png or .exr");
     }
 
     #[test]

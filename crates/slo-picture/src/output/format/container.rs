@@ -35,6 +35,9 @@ pub(super) trait Container: Sync {
         out: &mut dyn Sink,
     ) -> io::Result<()>;
 
+    /// Bytes of memory to write a picture of this size with so many images, itself and its layers.
+    fn memory(&self, size: [u32; 2], images: u64) -> u64;
+
     /// Reads the colours, whoever wrote the file. Refuses a file of ours that is damaged.
     fn read(&self, input: &mut dyn Source) -> Result<Raster, ReadError>;
 

@@ -30,7 +30,6 @@ pub use claim::ReadError;
 pub(super) use container::Wholeness;
 pub use container::{KEYWORD, RecipeError};
 pub use picture::{Crop, Picture};
-pub use png::PNG_ROWS_AT_A_TIME;
 pub use raster::{Raster, Values};
 
 /// How files of a format are written and read.
@@ -50,6 +49,11 @@ fn containers() -> impl Iterator<Item = &'static dyn Container> {
 /// The kind of a file by its first bytes, and whether it is one of those that may.
 fn container_of(start: &[u8]) -> Option<&'static dyn Container> {
     containers().find(|container| start.starts_with(container.magic()))
+}
+
+/// Bytes of memory to write a picture of this size with so many images, itself and its layers.
+pub fn memory_to_write(format: OutputFormat, size: [u32; 2], images: u64) -> u64 {
+    container(format).memory(size, images)
 }
 
 const NO_LAYERS: &[(Layer, Image)] = &[];

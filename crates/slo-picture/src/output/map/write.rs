@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 
 use slo_accel::Isa;
+use slo_scene::OutputFormat;
 use slo_scene::settings::FileValues;
 
 use super::companion::{self, map_format};
@@ -78,7 +79,7 @@ fn save(
     color: impl Fn(f32) -> [f32; 3],
 ) -> io::Result<()> {
     let Some(format) = map_format(path) else {
-        let message = "a map is a .png or .exr file";
+        let message = format!("a map is a {} file", OutputFormat::extensions());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     };
     let pixel = |&value: &f32| match format.values() {

@@ -37,6 +37,12 @@ impl Container for Exr {
         write::write(picture, layers, out)
     }
 
+    /// Colours are written as they are computed; channels beside them need arrays.
+    fn memory(&self, [width, height]: [u32; 2], images: u64) -> u64 {
+        let pixels = u64::from(width) * u64::from(height);
+        if images > 1 { pixels.saturating_mul(12 * images) } else { 0 }
+    }
+
     fn read(&self, input: &mut dyn Source) -> Result<Raster, ReadError> {
         read::read(input)
     }

@@ -14,7 +14,6 @@ use super::picture::Picture;
 use super::raster::Raster;
 use crate::film::{Image, Pixels};
 pub(super) use write::Depth;
-pub use write::PNG_ROWS_AT_A_TIME;
 
 /// PNG files; those that are written have values of this depth.
 #[derive(Debug)]
@@ -32,6 +31,11 @@ impl Container for Png {
         out: &mut dyn Sink,
     ) -> io::Result<()> {
         write::write(picture, self.0, out)
+    }
+
+    /// Some rows are encoded at a time.
+    fn memory(&self, size: [u32; 2], _images: u64) -> u64 {
+        write::memory(size, self.0)
     }
 
     fn read(&self, input: &mut dyn Source) -> Result<Raster, ReadError> {

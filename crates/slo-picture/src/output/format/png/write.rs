@@ -14,13 +14,22 @@ use super::super::picture::Picture;
 use super::super::quantise::quantised;
 
 /// Rows that are encoded in parallel before they are written in order.
-pub const PNG_ROWS_AT_A_TIME: u32 = 256;
+const ROWS_AT_A_TIME: u32 = 256;
 
 /// Bits of a value.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) enum Depth {
     Eight,
     Sixteen,
+}
+
+/// Bytes of the rows that are encoded at a time.
+pub(super) fn memory([width, height]: [u32; 2], depth: Depth) -> u64 {
+    let value = match depth {
+        Depth::Eight => 1,
+        Depth::Sixteen => 2,
+    };
+    u64::from(width) * u64::from(height.min(ROWS_AT_A_TIME)) * 3 * value
 }
 
 /// Writes `picture` row by row.
@@ -36,8 +45,8 @@ fn encode(picture: &Picture, depth: Depth, out: impl Write) -> Result<(), Encodi
     let mut writer = header(picture, depth, &mut buffered)?.write_header()?;
     let mut stream = writer.stream_writer()?;
     let [_, height] = picture.image.size();
-    for first in (0..height).step_by(PNG_ROWS_AT_A_TIME as usize) {
-        let block = first..height.min(first + PNG_ROWS_AT_A_TIME);
+    for first in (0..height).step_by(ROWS_AT_A_TIME as usize) {
+        let block = first..height.min(first + ROWS_AT_A_TIME);
         let rows: Vec<_> = block.into_par_iter().map(|y| row_bytes(picture, depth, y)).collect();
         rows.iter().try_for_each(|row| stream.write_all(row))?;
     }
