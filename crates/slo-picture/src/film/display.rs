@@ -1,4 +1,4 @@
-//! How radiance is seen: the transfer curve of the picture, and errors as the viewer sees them.
+//! How viewers see radiance: the transfer curve of the picture, and errors on that curve.
 
 use slo_accel::math::elementary::power;
 use slo_accel::{Isa, Lanewise};
@@ -14,12 +14,12 @@ pub enum Display {
     Raw,
     /// sRGB from 0 to 1, clamped.
     Srgb,
-    /// The sRGB curve, which goes on beyond 1: for pictures whose exposure is chosen later.
+    /// The sRGB curve, continued beyond 1: for pictures whose exposure is chosen later.
     Unclamped,
 }
 
 impl Display {
-    /// How the values of a file are seen.
+    /// How viewers see the values of a file.
     pub fn of(format: OutputFormat, encoding: Encoding) -> Self {
         match (format.values(), encoding) {
             (FileValues::Linear { .. }, _) => Self::Unclamped,
@@ -28,8 +28,8 @@ impl Display {
         }
     }
 
-    /// Mean squares over the channels of the pixels' estimated errors as they are shown, in the
-    /// order of the pixels; infinite for less than two samples. What is clamped counts for nothing.
+    /// Mean squares, over the channels, of the pixels' estimated errors on the curve, in the order of the
+    /// pixels; infinite for fewer than two samples. Clamped values have no error.
     pub fn squared_errors<'a>(
         self,
         isa: Isa,
@@ -70,7 +70,7 @@ fn unclamped(radiance: f32) -> f32 {
     srgb(radiance.max(0.0))
 }
 
-/// Pixels whose errors are estimated together.
+/// Number of pixels whose errors are estimated together.
 const GROUP: usize = 64;
 
 /// Sums of a group of pixels, in columns.
@@ -90,7 +90,7 @@ impl Group {
         first: [0.0; GROUP],
     };
 
-    /// Takes the next pixels, as many as there are places; how many.
+    /// Takes up to [`GROUP`] of the next pixels, and returns how many.
     fn fill<'a>(&mut self, pixels: impl Iterator<Item = &'a Pixel>) -> usize {
         let mut count = 0;
         for pixel in pixels.take(GROUP) {
@@ -120,7 +120,7 @@ impl<F: Fn(f32) -> f32> Lanewise for Squares<'_, F> {
     fn run(self) {
         let Self { group, shown, to } = self;
         let Ok(to): Result<&mut [f64; GROUP], _> = to.try_into() else { return };
-        // One kind of number to a loop, so that each becomes vector code.
+        // Each loop has one type of number, so that the compiler makes vector code of it.
         let (mut low, mut high) = ([[0.0f32; GROUP]; 3], [[0.0f32; GROUP]; 3]);
         for i in 0..GROUP {
             let halves = Halves::new(group.first[i], group.all[i]);

@@ -12,9 +12,9 @@ use super::pixel::{Pixel, Spread};
 pub struct Film {
     pub(super) area: Area,
     pub(super) pixels: Vec<Pixel>,
-    /// Of each pixel; empty where no rule asks for it.
+    /// Of each pixel; empty if no rule asks for it.
     spreads: Vec<Spread>,
-    /// Of each pixel; empty where no layer is asked for.
+    /// Of each pixel; empty if nobody asks for layers.
     pub(super) features: Vec<Features>,
 }
 
@@ -26,26 +26,26 @@ pub struct TooLarge {
 }
 
 impl Film {
-    /// An unexposed film for `area` of a picture; `with_spreads`: it notes the smallest and the
-    /// largest sample of each pixel too.
+    /// Returns an unexposed film for `area` of a picture. `with_spreads`: it records the smallest and
+    /// the largest sample of each pixel too.
     ///
     /// # Errors
-    /// [`TooLarge`] where memory does not suffice.
+    /// [`TooLarge`] if there is not enough memory.
     pub fn new(area: Area, with_spreads: bool) -> Result<Self, TooLarge> {
         let pixels = filled(area)?;
         let spreads = if with_spreads { filled(area)? } else { Vec::new() };
         Ok(Self { area, pixels, spreads, features: Vec::new() })
     }
 
-    /// The same film, unexposed for all layers too.
+    /// Adds all layers, unexposed.
     ///
     /// # Errors
-    /// [`TooLarge`] where memory does not suffice.
+    /// [`TooLarge`] if there is not enough memory.
     pub fn with_features(self) -> Result<Self, TooLarge> {
         Ok(Self { features: filled(self.area)?, ..self })
     }
 
-    /// What of the picture it shows.
+    /// The pixels of the picture that it covers.
     pub fn area(&self) -> Area {
         self.area
     }
@@ -55,18 +55,17 @@ impl Film {
         &self.pixels
     }
 
-    /// The smallest and largest sample of each pixel, row by row; empty where nobody asked.
+    /// The smallest and largest sample of each pixel, row by row; empty if they are not recorded.
     pub fn spreads(&self) -> &[Spread] {
         &self.spreads
     }
 
-    /// What each pixel shows of surfaces, row by row; empty where nobody asked.
+    /// What each pixel shows of surfaces, row by row; empty without layers.
     pub fn features(&self) -> &[Features] {
         &self.features
     }
 
-    /// What the pixel of row-major index `i` shows of surfaces, to be changed; `None` where nobody
-    /// asked.
+    /// What the pixel of row-major index `i` shows of surfaces, to be changed; `None` without layers.
     pub fn features_mut(&mut self, i: usize) -> Option<&mut Features> {
         self.features.get_mut(i)
     }
@@ -76,7 +75,7 @@ impl Film {
         (&mut self.pixels[i], self.spreads.get_mut(i))
     }
 
-    /// Copies what is known of an area to `film`, whose area it becomes.
+    /// Copies an area to `film`, which then covers that area.
     pub fn copy_to(&self, area: Area, film: &mut Self) {
         film.area = area;
         film.pixels.clear();
@@ -93,7 +92,7 @@ impl Film {
         }
     }
 
-    /// Puts what `film` knows of its area in its place.
+    /// Copies `film` to its place in this film.
     pub fn put(&mut self, film: &Self) {
         let width = film.area.width() as usize;
         for (i, row) in self.rows(film.area).enumerate() {
@@ -129,7 +128,7 @@ impl Film {
         Image { width: area.width(), height: area.height(), rgb }
     }
 
-    /// A layer of an area inside this film's; black where no layer was asked for.
+    /// A layer of an area inside this film's; black without layers.
     pub fn layer_of(&self, area: Area, layer: Layer) -> Image {
         let nothing = Features::default();
         let mean = |i: usize| {

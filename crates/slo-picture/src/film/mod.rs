@@ -1,8 +1,8 @@
 //! Exact sums of samples per pixel, and how they become pixel values.
 //!
 //! A contribution is rounded once to a fixed-point number and added as an integer. Integer sums do
-//! not depend on their order: threads, tiles, batches, parts and resumed runs may add as they come,
-//! the bits are the same.
+//! not depend on their order: threads, tiles, batches, parts and resumed runs may add in any order, and
+//! the bits stay the same.
 
 mod area;
 mod display;

@@ -4,21 +4,21 @@ use std::time::Duration;
 
 use slo_scene::{Film, LightSampling, Settings};
 
-/// What `--info` adds to a name.
+/// What `--info` adds to the name of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Info<'a> {
     /// The settings that the picture was rendered with.
     pub settings: &'a Settings,
-    /// The fewest camera samples that a pixel takes, whatever they sample.
+    /// The fewest camera samples that a pixel takes.
     pub least: u32,
     /// How long the rendering took.
     pub time: Duration,
 }
 
-/// The file name of a frame: prefix, frame as 5 digits (behind a minus sign where it is negative),
-/// the fields of `info`, extension.
+/// The file name of a frame: prefix, frame as 5 digits (after a minus sign if negative), the fields of
+/// `info`, extension.
 ///
-/// Fields are `_key=value`, always the same in the same order; no value holds `_` or `=`.
+/// Fields are `_key=value`, always the same in the same order; no value contains `_` or `=`.
 pub fn file_name(film: &Film, frame: i64, info: Option<Info>) -> String {
     let sign = if frame < 0 { "-" } else { "" };
     let fields = info.map_or_else(String::new, |info| fields(film, &info));
@@ -47,7 +47,7 @@ fn fields(film: &Film, info: &Info) -> String {
     fields.iter().map(|(key, value)| format!("_{key}={value}")).collect()
 }
 
-/// A keyword of the scene language without what separates fields.
+/// A word of the scene language without the separators of fields.
 fn word(keyword: &str) -> String {
     keyword.replace('_', "-").to_ascii_lowercase()
 }

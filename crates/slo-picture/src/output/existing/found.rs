@@ -1,4 +1,4 @@
-//! Whether a picture that is there is the one that would be rendered.
+//! Whether an existing picture is the one that would be rendered.
 
 use std::io;
 use std::path::Path;
@@ -9,22 +9,22 @@ use crate::output::format::{RecipeError, Wholeness, read_checked, read_recipe};
 use crate::output::recipe::{steps_of, with_steps, without_outcome};
 use crate::output::state::read_state;
 
-/// What lies under a picture's name.
+/// The file with a picture's name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// The picture, whole, with the recipe that was looked for.
+    /// The complete picture, with the expected recipe.
     Finished,
     /// Nothing.
     Missing,
-    /// A picture that was cut off or changed, or a file that holds nothing.
+    /// A picture that was truncated or changed, or a file without content.
     Damaged,
-    /// The work of others, or a picture that they have changed: why it is taken for that.
+    /// A file of another program, or a picture that another program has changed: the reason to think so.
     Foreign(String),
-    /// A picture of another recipe: the first line that differs, as it is there.
+    /// A picture with another recipe: its first line that differs.
     Stale(String),
 }
 
-/// Looks for the picture with `recipe` at `path`. Reads all of it, and checks the checksums of its file.
+/// Looks for the picture with `recipe` at `path`. Reads the whole file and checks its checksums.
 pub fn find_picture(path: &Path, recipe: &str) -> Found {
     let found = match read_checked(path) {
         Ok((_, Wholeness::Resaved)) => return Found::Foreign(RESAVED.into()),
@@ -40,21 +40,21 @@ pub fn find_picture(path: &Path, recipe: &str) -> Found {
     }
 }
 
-/// The same for a picture that was given a span of time: whatever steps it came to.
+/// The same for a picture with a time limit, whatever step it reached.
 pub fn find_timed_picture(path: &Path, recipe: &str) -> Found {
     let found = read_recipe(path).ok().map(|found| without_outcome(&found));
     let parsed = found.as_ref().and_then(|found| serde_json::from_str(found).ok());
     match parsed.and_then(|parsed| steps_of(&parsed)) {
         Some(steps) => find_picture(path, &with_steps(recipe.to_owned(), steps)),
         None => match find_picture(path, recipe) {
-            // The same, but not step by step.
+            // The same recipe, but without steps.
             Found::Finished => Found::Stale("without a span of time".into()),
             other => other,
         },
     }
 }
 
-/// Looks for a complete state of `subject` at `path`. Reads all of it.
+/// Looks for a complete state of `subject` at `path`. Reads the whole file.
 pub fn find_state(path: &Path, subject: &Subject) -> Found {
     match read_state(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Found::Missing,
@@ -74,7 +74,7 @@ fn first_difference(found: &str, recipe: &str) -> String {
     told.unwrap_or_else(|| "the same settings in another order".into()).replace('"', "")
 }
 
-/// The members of a recipe, a line each; the last one has no comma.
+/// The members of a recipe, one a line, without commas.
 fn members(recipe: &str) -> impl Iterator<Item = &str> {
     recipe.lines().map(|line| line.trim().trim_end_matches(','))
 }

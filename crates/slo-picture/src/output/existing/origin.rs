@@ -1,4 +1,4 @@
-//! Whose file lies under a name: those of others are not replaced.
+//! Who made an existing file: files of others are not replaced.
 
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read};
@@ -10,16 +10,16 @@ use crate::output::format::{
 };
 use crate::output::state::MAGIC;
 
-/// Marks of our files stand in so many bytes from the start.
+/// Marks of our files stand in the first so many bytes.
 const START: u64 = 1 << 16;
 /// What every recipe holds. A damaged file may lack some of them.
 const MARKS: [&str; 4] =
     [KEYWORD, "\"program\": \"slo-rt\"", "\"sceneBlake3\": \"", "\"generatorType\": \""];
-/// Beginnings of files whose text may be copied from one of ours: JPEG, WebP, TIFF.
+/// Beginnings of files that may hold text copied from ours: JPEG, WebP, TIFF.
 const OTHER_KINDS: [&[u8]; 4] = [b"\xff\xd8\xff", b"RIFF", b"II*\0", b"MM\0*"];
 
-/// Why the file at `path` is the work of others, or may be, and is not to be replaced; `None` for a
-/// file of ours, whole or damaged, for one that holds nothing, and where there is none.
+/// Why the file at `path` is, or may be, the work of others, and must not be replaced. `None` for a
+/// file of ours, sound or damaged, for a file without content, and if there is no file.
 pub fn made_by_others(path: &Path) -> Option<String> {
     match read_checked(path) {
         Ok((_, Wholeness::Whole)) => None,
@@ -28,10 +28,10 @@ pub fn made_by_others(path: &Path) -> Option<String> {
     }
 }
 
-/// What a picture is that has our recipe and not the form that we give to files.
+/// What is said of a picture with our recipe, but not in the form of our files.
 pub(super) const RESAVED: &str = "another program has saved it since";
 
-/// The same for a file whose recipe can't be read.
+/// The same as [`made_by_others`] for a file whose recipe can't be read.
 pub(super) fn unless_ours(path: &Path, error: &RecipeError) -> Option<String> {
     match error {
         RecipeError::NoRecipe => match has_lost_recipe(path) {
@@ -61,7 +61,7 @@ fn has_marks(start: &[u8]) -> bool {
     MARKS.iter().any(|mark| holds(start, mark.as_bytes()))
 }
 
-/// Whether a file that is no whole picture holds something, and nothing that tells that it was ours.
+/// Whether a file that is no sound picture has content, but no mark of ours.
 fn is_others(path: &Path) -> io::Result<bool> {
     let mut file = open_regular(path)?;
     let mut start = Vec::new();
@@ -70,7 +70,7 @@ fn is_others(path: &Path) -> io::Result<bool> {
     Ok(!is_ours && !is_cut_off_at_once(&start) && !is_blank(&start, file)?)
 }
 
-/// Whether so little of a picture or a state is there that none of its pixels is.
+/// Whether a picture or a state is cut off before its first pixel.
 fn is_cut_off_at_once(start: &[u8]) -> bool {
     if start.len() as u64 == START {
         return false;
@@ -79,7 +79,7 @@ fn is_cut_off_at_once(start: &[u8]) -> bool {
     ends_before_pixels(start) || MAGIC.starts_with(start) || start.starts_with(&MAGIC)
 }
 
-/// Whether all bytes are zero: what a file system may leave of a file where power was lost.
+/// Whether all bytes are zero: a file system may leave such a file after a power loss.
 fn is_blank(start: &[u8], rest: File) -> io::Result<bool> {
     let is_zero = |bytes: &[u8]| bytes.iter().all(|&byte| byte == 0);
     if !is_zero(start) {

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use tempfile::{Builder, NamedTempFile};
 
-/// Creates the folder that `path` lies in, and finds out whether a file can be created at `path`
-/// by creating one beside it, which is gone when this returns.
+/// Creates the folder of `path`, and checks whether a file can be created at `path` by creating one
+/// beside it, which is removed at once.
 ///
 /// # Errors
 /// What the system says of the folder or the file; `path` is a folder.
@@ -20,10 +20,10 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     temporary_beside(path)?.close()
 }
 
-/// Finds out whether anything but a file is in the way of a file at `path`.
+/// Checks whether anything but a file is in the way of a file at `path`.
 ///
 /// # Errors
-/// `path` is a folder, a device, a pipe or a link to one, or can't be one of a file.
+/// `path` is a folder, a device, a pipe or a link to one, or can't be the path of a file.
 pub fn check_free(path: &Path) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
@@ -33,14 +33,14 @@ pub fn check_free(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Opens a file to be read, but nothing that would keep the reader waiting.
+/// Opens a file for reading, but nothing that would keep the reader waiting.
 ///
 /// # Errors
 /// What the system says; `path` is a folder, a device or a pipe.
 pub fn open_regular(path: &Path) -> io::Result<File> {
     match fs::metadata(path)? {
         there if there.is_file() => File::open(path),
-        // Some systems open a folder, and fail where it is read.
+        // Some systems open a folder, and fail when it is read.
         there if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
         _ => Err(not_regular()),
     }
@@ -50,8 +50,8 @@ fn not_regular() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, "a device or a pipe is there, no file")
 }
 
-/// Has `write` fill a new file beside `path`, then gives it that name; an older file of that name
-/// stays as it is until then, and for good when anything fails.
+/// Lets `write` fill a new file beside `path`, then renames it to `path`. An older file stays as it is
+/// until then, and for good if anything fails.
 ///
 /// # Errors
 /// Those of `write`, and what the system says of creating, syncing or renaming.
@@ -68,8 +68,8 @@ pub fn write_atomically(
     Ok(())
 }
 
-/// Removes what writers of `path` left that were killed. One that is still at it fails, as if the
-/// folder were gone.
+/// Removes the temporary files of writers of `path` that were killed. A writer that is still at work
+/// fails, as if the folder were gone.
 pub fn remove_leftovers(path: &Path) {
     let beginning = temporary_beginning(path);
     let is_leftover = |name: &str| name.starts_with(&beginning) && name.ends_with(TEMPORARY_END);
@@ -82,7 +82,7 @@ pub fn remove_leftovers(path: &Path) {
 
 const TEMPORARY_END: &str = ".part";
 
-/// Tells the name of the file that is to be, which may be as long as names can be, in short.
+/// The beginning of temporary names: a hash of the final name, which may be as long as names can be.
 fn temporary_beginning(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().as_encoded_bytes();
     let hash = blake3::hash(name).to_hex();
@@ -103,8 +103,8 @@ fn folder(path: &Path) -> &Path {
     }
 }
 
-/// Makes the renaming itself survive a power cut, where the system lets folders be synced: the
-/// file is whole and in place already, so that a refusal is no failure.
+/// Makes the renaming survive a power cut, if the system can sync folders. The file is complete and in
+/// place already, so a refusal is no failure.
 fn sync_folder(folder: &Path) {
     if cfg!(unix) {
         let _ = File::open(folder).and_then(|folder| folder.sync_all());

@@ -64,8 +64,8 @@ pub(super) fn pixels(size: [u64; 2], file_bytes: u64) -> Result<Vec<[f32; 3]>, R
     let count = width.saturating_mul(height);
     if count > MOST_PIXELS.max(file_bytes.saturating_mul(MOST_PIXELS_PER_BYTE)) {
         return Err(ReadError::Bad(format!(
-            "it says that it has {width}x{height} pixels, which is not believed of a file of {}: \
-             at most 33.5 million pixels are, or {MOST_PIXELS_PER_BYTE} for each byte",
+            "its header claims {width}x{height} pixels, too many for a file of {}: at most 33.5 \
+             million, or {MOST_PIXELS_PER_BYTE} for each byte",
             bytes(file_bytes)
         )));
     }

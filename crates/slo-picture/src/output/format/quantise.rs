@@ -1,4 +1,4 @@
-//! Radiance -> the values of a file.
+//! Radiance -> encoded values of a file.
 
 use std::sync::LazyLock;
 
@@ -6,17 +6,17 @@ use slo_scene::Encoding;
 
 use crate::film::srgb;
 
-/// What a file shows of a channel: finite numbers as they are, 0 for all else.
+/// A channel as files hold it: finite numbers as they are, 0 for all others.
 pub(super) fn finite(radiance: f32) -> f32 {
     if radiance.is_finite() { radiance } else { 0.0 }
 }
 
-/// For each value of 8 bits the least linear light that is rounded to it, 0 left out.
+/// For each value of 8 bits but 0, the least linear light that is rounded to it.
 static LEAST_OF_8_BITS: LazyLock<Vec<f32>> = LazyLock::new(|| (1..=255).map(least_of).collect());
 
 /// The least linear light that is rounded to `value` of 8 bits on the sRGB curve.
 fn least_of(value: u16) -> f32 {
-    // Floats that are not negative are ordered as their bits are.
+    // Floats that are not negative have the order of their bits.
     let (mut below, mut from) = (0, 1.0f32.to_bits());
     while below + 1 < from {
         let middle = below + (from - below) / 2;
@@ -33,7 +33,7 @@ fn least_of(value: u16) -> f32 {
 pub(super) fn quantised(radiance: f32, encoding: Encoding, max: u16) -> u16 {
     let clamped = finite(radiance).clamp(0.0, 1.0);
     if encoding == Encoding::Srgb && max == 255 {
-        // The same as below, without the power.
+        // The same result as below, without a power.
         return LEAST_OF_8_BITS.partition_point(|least| *least <= clamped) as u16;
     }
     rounded(clamped, encoding, max)

@@ -1,4 +1,4 @@
-//! Pictures beside the pictures: maps and contact sheets. They replace nothing but their like.
+//! Maps and contact sheets. They replace nothing but other maps and sheets.
 
 use std::io;
 use std::path::Path;
@@ -9,7 +9,7 @@ use crate::film::Image;
 use crate::output::file::{check_free, check_writable};
 use crate::output::format::{Crop, Picture, RecipeError, read_recipe};
 
-/// What stands for the recipe in a picture that is not one of a scene.
+/// The recipe of a map or a sheet, which is not a picture of a scene.
 const NO_RECIPE: &str = "{}";
 
 /// Whether a picture with this recipe is a map or a sheet.
@@ -17,16 +17,16 @@ pub fn is_companion(recipe: &str) -> bool {
     recipe == NO_RECIPE
 }
 
-/// The format that the name of a map asks for; `None` where it is none of a map.
+/// The format that the name of a map asks for; `None` if no format has its extension.
 pub fn map_format(path: &Path) -> Option<OutputFormat> {
     OutputFormat::by_extension(path.extension()?.to_str()?)
 }
 
-/// Finds out whether a map or a sheet can be written to `path`; makes the folder that it lies in.
+/// Checks whether a map or a sheet can be written to `path`; creates its folder if necessary.
 ///
 /// # Errors
-/// Anything but an earlier map or sheet is there, or an empty file; what the system says of the folder
-/// or the file.
+/// A file exists that is neither an earlier map or sheet nor empty; what the system says of the folder or
+/// the file.
 pub fn check_companion(path: &Path) -> io::Result<()> {
     check_replaceable(path)?;
     check_writable(path)
@@ -46,7 +46,7 @@ fn check_replaceable(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Writes an image that is a map or a sheet.
+/// Writes a map or a sheet.
 ///
 /// # Errors
 /// As [`check_companion`]; what the system says of writing.
@@ -60,10 +60,10 @@ pub(super) fn save(
     Picture { image, format, encoding: Encoding::Raw, recipe: NO_RECIPE, crop }.save(path)
 }
 
-/// Writes a contact sheet, as PNG: values from 0 to 1 as the screen gets them.
+/// Writes a contact sheet, as PNG: values from 0 to 1 as the screen shows them.
 ///
 /// # Errors
-/// Anything but an earlier map or sheet is there; what the system says.
+/// A file exists that is no earlier map or sheet; what the system says.
 pub fn write_sheet(path: &Path, image: &Image) -> io::Result<()> {
     save(path, image, OutputFormat::Png8, None)
 }

@@ -1,4 +1,4 @@
-//! Pictures of how a picture came about: how many samples each pixel took, and its error.
+//! Maps of a picture: how many samples each pixel took, its error, its difference from another.
 
 use std::io;
 use std::path::Path;
@@ -11,15 +11,15 @@ use super::companion::{self, map_format};
 use crate::film::{Area, Display, Film, Image};
 use crate::output::format::Crop;
 
-/// Errors that are shown darkest and brightest: a quarter of what one step of 8 bits is, and an
-/// eighth of the range.
+/// The errors of the darkest and the brightest colour: a quarter of a step of 8 bits, and an eighth of
+/// the range.
 const ERRORS: [f32; 2] = [1.0 / 1024.0, 1.0 / 8.0];
 
 /// Writes how many samples each pixel of an area of a picture took: as numbers to an `.exr` file, or to a `.png`
 /// file in colours from dark blue for the fewest to yellow for the most, by their logarithm.
 ///
 /// # Errors
-/// Another extension; anything but an earlier map or sheet is there; what the system says.
+/// Another extension; a file exists that is no earlier map or sheet; what the system says.
 pub fn write_sample_map(path: &Path, film: &Film, area: Area, whole: Area) -> io::Result<()> {
     let mut counts = Vec::with_capacity(area.len());
     counts.extend(film.pixels_of(area).map(|pixel| pixel.samples as f32));
@@ -30,11 +30,11 @@ pub fn write_sample_map(path: &Path, film: &Film, area: Area, whole: Area) -> io
 
 /// Writes the estimated error of each pixel of an area of a picture as the viewer sees it, root mean square over
 /// its channels: as numbers to an `.exr` file, or to a `.png` file in colours from dark blue for
-/// 1/1024 and below to yellow for 1/8 and above, by its logarithm. Where it is not known, for less than
-/// two samples, it is 1, the whole range.
+/// 1/1024 and below to yellow for 1/8 and above, by its logarithm. If it is unknown, for fewer than two
+/// samples, it is 1, the whole range.
 ///
 /// # Errors
-/// Another extension; anything but an earlier map or sheet is there; what the system says.
+/// Another extension; a file exists that is no earlier map or sheet; what the system says.
 pub fn write_error_map(
     path: &Path,
     film: &Film,
@@ -47,7 +47,7 @@ pub fn write_error_map(
     write(path, area, whole, &errors, ERRORS)
 }
 
-/// The root of a squared error, or as much as there can be.
+/// The root of a squared error, or 1, the whole range.
 fn error(square: f64) -> f32 {
     if square.is_finite() { square.sqrt() as f32 } else { 1.0 }
 }
@@ -56,7 +56,7 @@ fn error(square: f64) -> f32 {
 /// colours from dark blue for 0 to yellow for 1.
 ///
 /// # Errors
-/// Another extension; anything but an earlier map or sheet is there; what the system says.
+/// Another extension; a file exists that is no earlier map or sheet; what the system says.
 pub fn write_difference_map(
     path: &Path,
     area: Area,
@@ -98,7 +98,7 @@ fn color(value: f32, [low, high]: [f32; 2]) -> [f32; 3] {
     heat(place)
 }
 
-/// A colour whose lightness grows evenly from dark blue over green to yellow.
+/// A colour from dark blue over green to yellow whose lightness grows evenly.
 fn heat(place: f32) -> [f32; 3] {
     const STOPS: [[f32; 3]; 5] = [
         [0.14, 0.03, 0.33],

@@ -1,4 +1,4 @@
-//! What came of a picture, beside what it was made of.
+//! The result of a picture: how clean it is, and what it took.
 
 use rayon::prelude::*;
 use slo_accel::Isa;
@@ -10,17 +10,17 @@ use crate::film::{Area, Display, Film};
 pub struct Outcome {
     /// Camera samples per pixel, on average.
     pub samples: f64,
-    /// Estimated error as the viewer sees it: root mean square over pixels and channels, 1 being
-    /// the range from black to white. `None` where a pixel has less than two samples.
+    /// Estimated error as the viewer sees it: root mean square over pixels and channels; 1 is the range
+    /// from black to white. `None` if a pixel has fewer than two samples.
     pub error: Option<f64>,
 }
 
 impl Outcome {
-    /// Of an area of a film.
+    /// The outcome of an area of a film.
     pub fn of(film: &Film, area: Area, display: Display, isa: Isa) -> Self {
         let count = area.len().max(1) as f64;
         let samples: u64 = film.pixels_of(area).map(|pixel| u64::from(pixel.samples)).sum();
-        // Rows in parallel, added in order: the bits do not depend on the threads.
+        // Rows in parallel, added in order: the bits do not depend on threads.
         let row = |y: u32| {
             let row = film.pixels_of(Area { y0: y, y1: y + 1, ..area });
             display.squared_errors(isa, row).iter().sum::<f64>()
@@ -32,7 +32,7 @@ impl Outcome {
     }
 }
 
-/// A recipe with what came of it as its last member, `result`.
+/// The recipe with the outcome as its last member, `result`.
 pub fn with_outcome(recipe: &str, outcome: &Outcome) -> String {
     let whole = recipe.strip_suffix("\n}").unwrap_or(recipe);
     let error = outcome.error.map_or("null".into(), |error| format!("{error:.2e}"));
@@ -40,7 +40,7 @@ pub fn with_outcome(recipe: &str, outcome: &Outcome) -> String {
     format!("{whole},\n{RESULT}{{ \"samplesPerPixel\": {samples:.2}, \"error\": {error} }}\n}}")
 }
 
-/// A recipe without what came of it.
+/// The recipe without the outcome.
 pub fn without_outcome(recipe: &str) -> String {
     match recipe.rsplit_once(&format!(",\n{RESULT}")) {
         Some((whole, _)) => format!("{whole}\n}}"),
@@ -48,8 +48,7 @@ pub fn without_outcome(recipe: &str) -> String {
     }
 }
 
-/// A recipe of a picture whose noise was taken away, and by what: that of no picture that is
-/// rendered.
+/// The recipe of a denoised picture, with the denoiser's name. No rendered picture has such a recipe.
 pub fn with_denoiser(recipe: &str, denoiser: &str) -> String {
     let denoised = format!(",\n  \"denoised\": \"{denoiser}\"");
     match recipe.rsplit_once(&format!(",\n{RESULT}")) {
@@ -58,7 +57,7 @@ pub fn with_denoiser(recipe: &str, denoiser: &str) -> String {
     }
 }
 
-/// Whether a recipe is of a picture whose noise was taken away.
+/// Whether a recipe belongs to a denoised picture.
 pub fn is_denoised(recipe: &serde_json::Value) -> bool {
     recipe.get("denoised").is_some()
 }

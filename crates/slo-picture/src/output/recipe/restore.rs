@@ -21,8 +21,8 @@ pub enum RestoreError {
 impl Display for RestoreError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
-            Self::OtherScene => "it is of another scene, or of one that has changed since",
-            Self::OtherVersion => "its recipe is not one of this version",
+            Self::OtherScene => "it belongs to another scene, or the scene has changed since",
+            Self::OtherVersion => "its recipe does not fit this version of slo-rt",
         })
     }
 }

@@ -1,4 +1,4 @@
-//! Whether the numbers of a state can be: a file with the right checksum may be of anybody.
+//! Whether the numbers of a state are possible: anybody can write a file with a right checksum.
 
 use std::ops::Range;
 
@@ -10,17 +10,17 @@ use slo_scene::settings::{Effect, MOST_PIXELS};
 use crate::film::{Area, Features, Fixed, Pixel, Spread, Steps, Subject, TILE, base_end};
 use crate::output::recipe::{layers_of, restore_settings, steps_of};
 
-/// What the samples of a pixel have on average, at most: so many times what one contribution may be.
+/// Largest mean of a pixel's samples, in multiples of the largest contribution.
 const MOST_CONTRIBUTIONS: u64 = 1024;
-/// Sums beyond it have no room for more.
+/// Larger sums leave no room for more samples.
 const LARGEST_SUM: u64 = 1 << 62;
 
-/// What holds for each pixel of a state.
+/// What must hold for each pixel of a state.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Bounds {
-    /// All samples that a pixel is to have in the picture.
+    /// All samples of a pixel in the finished picture.
     all: u32,
-    /// The numbers of those that this state is about.
+    /// The numbers of the samples that this state holds.
     samples: Range<u32>,
     /// Whether they are a share of all.
     is_share: bool,
@@ -29,17 +29,17 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Of a state of `subject`, whose recipe is one of this version; one of another version is of use
-    /// to nobody, and only its size is looked at.
+    /// The bounds of a state of `subject`. If its recipe belongs to another version, nobody can use it,
+    /// and only its size is checked.
     ///
     /// # Errors
-    /// What can't be.
+    /// What is impossible.
     pub(super) fn of(subject: &Subject, is_complete: bool) -> Result<Self, &'static str> {
         let recipe: Value =
             serde_json::from_str(&subject.recipe).map_err(|_| "its recipe can't be read")?;
         let most = Area::whole(MOST_PIXELS, MOST_PIXELS);
         if !most.holds(&subject.area) || !subject.area.holds(&subject.region) {
-            return Err("its area can't be");
+            return Err("its area is impossible");
         }
         if recipe["version"] != env!("CARGO_PKG_VERSION") {
             return Ok(Self {
@@ -49,35 +49,35 @@ impl Bounds {
                 is_full: false,
             });
         }
-        let plan = Plan::of(&recipe).ok_or("its recipe is none of this version")?;
+        let plan = Plan::of(&recipe).ok_or("its recipe does not fit this version")?;
         plan.check(subject)?;
         let all = plan.samples;
         let samples = subject.samples.clone().unwrap_or(0..all);
         if samples.is_empty() || samples.end > all {
-            return Err("its samples are not among those of its recipe");
+            return Err("its samples are not among its recipe's samples");
         }
         let is_full = is_complete && plan.rule == Rule::Uniform;
         Ok(Self { all, samples, is_share: subject.samples.is_some(), is_full })
     }
 
-    /// Whether a pixel may have so many samples.
+    /// Checks the number of a pixel's samples.
     ///
     /// # Errors
-    /// What can't be.
+    /// What is impossible.
     pub(super) fn check_count(&self, samples: u32) -> Result<(), &'static str> {
         let most = self.samples.len() as u32;
         match samples {
             0 => Ok(()),
             _ if samples > most => Err("a pixel has more samples than were asked for"),
-            _ if samples < most && self.is_full => Err("a pixel has fewer samples than its like"),
+            _ if samples < most && self.is_full => Err("a pixel has fewer samples than the others"),
             _ => Ok(()),
         }
     }
 
-    /// Whether the sums of a pixel that was sampled can be.
+    /// Checks the sums of a pixel with samples.
     ///
     /// # Errors
-    /// What can't be.
+    /// What is impossible.
     pub(super) fn check_pixel(
         &self,
         pixel: &Pixel,
@@ -92,7 +92,7 @@ impl Bounds {
         let features = features.map(|features| [features.albedo, features.normal]);
         let mut sums = [sum, base].into_iter().chain(features.into_iter().flatten());
         if !sums.all(is_small) {
-            return Err("its sums are beyond what is rendered");
+            return Err("its sums are larger than rendered ones");
         }
         let is_base = match in_base {
             0 => base == [Fixed::ZERO; 3],
@@ -100,17 +100,17 @@ impl Bounds {
             _ => true,
         };
         if !is_base {
-            return Err("its sums do not go together");
+            return Err("its sums contradict each other");
         }
         match spread {
             Some(spread) if !(0..3).all(|c| is_between(pixel, in_base, spread, c)) => {
-                Err("its sums are beyond its samples")
+                Err("its sums do not fit its samples")
             }
             _ => Ok(()),
         }
     }
 
-    /// How many of the first `samples` count for the base.
+    /// How many of the first `samples` belong to the base.
     fn in_base(&self, samples: u32) -> u32 {
         let end = if self.is_share { base_end(self.all) } else { base_end(samples) };
         end.saturating_sub(self.samples.start).min(samples)
@@ -175,7 +175,7 @@ impl Plan {
     fn check(&self, subject: &Subject) -> Result<(), &'static str> {
         let Subject { area, region, samples, with_spreads, with_features, .. } = subject;
         if !self.whole.holds(region) || *area != region.in_blocks(&self.whole) {
-            return Err("its area is not one of its recipe");
+            return Err("its area does not fit its recipe");
         }
         if *with_spreads != (self.rule == Rule::Contrast)
             || *with_features != self.has_layers

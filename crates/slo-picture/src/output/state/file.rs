@@ -1,4 +1,4 @@
-//! Files of film states: checkpoints, parts, pictures that may get more samples.
+//! States in files: checkpoints, parts, pictures that may get more samples.
 //!
 //! All numbers are little-endian:
 //!
@@ -9,7 +9,7 @@
 //! | 4 + n | length of the recipe, the recipe as JSON |
 //! | 16 | area of the film: x0, y0, x1, y1 |
 //! | 16 | region that was asked for |
-//! | 8 | numbers of the first sample and one past the last, 0 and 0 where samples are not shared out |
+//! | 8 | numbers of the first sample and one past the last, 0 and 0 if samples are not shared out |
 //! | 4 | 1 with spreads, 2 complete, 4 with features |
 //! | 4 each | how many samples each pixel has, row by row |
 //! | 24, 24, 48, 48 each | of the pixels that have any: sums; of those with more than one or a share of samples: base; with spreads: least and most; with features: albedo and normal |
@@ -35,7 +35,7 @@ const WITH_FEATURES: u32 = 4;
 pub(super) const HASH: u64 = 32;
 const BUFFER: usize = 1 << 16;
 
-/// Writes `state` to `path`, which holds the old file or the whole new one at any time.
+/// Writes `state` to `path`, which holds the old file or the complete new one at any time.
 ///
 /// # Errors
 /// What the system says.
@@ -106,8 +106,8 @@ fn put_color(out: &mut impl Write, color: [Fixed; 3]) -> io::Result<()> {
     out.write_all(&bytes)
 }
 
-/// Reads the state at `path`. Nothing in the file is trusted: it may be cut off, damaged, or of
-/// another program, and its numbers may be ones that can't be; it is refused then.
+/// Reads the state at `path`. Nothing in the file is trusted: a file that is truncated, damaged, of
+/// another program, or that holds impossible numbers is refused.
 ///
 /// # Errors
 /// What the system says, and `InvalidData` with what is wrong.
@@ -115,7 +115,7 @@ pub fn read_state(path: &Path) -> io::Result<State> {
     read(open_regular(path)?).map_err(cut_off)
 }
 
-/// What the state at `path` is of, and whether it is complete; its samples are not looked at.
+/// Reads the subject of the state at `path`, and whether it is complete, without its samples.
 ///
 /// # Errors
 /// As [`read_state`].
@@ -185,7 +185,7 @@ impl Header {
         Ok(Self { subject, is_complete: flags & COMPLETE != 0 })
     }
 
-    /// Whether a file of `length` bytes can hold what this says, before memory is asked for it.
+    /// Whether a file of `length` bytes can hold what the header says, before memory is allocated.
     fn check(&self, length: u64) -> io::Result<Bounds> {
         let bounds = Bounds::of(&self.subject, self.is_complete).map_err(damaged)?;
         match self.subject.area.len() as u64 * 4 < length {

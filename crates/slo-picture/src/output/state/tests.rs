@@ -165,8 +165,8 @@ fn numbers_that_can_not_be_are_refused() {
         check(kind, "more samples than were asked for", &|s| {
             s.film.at_mut(last(s)).0.samples = 9;
         });
-        check(kind, "beyond what is rendered", &|s| s.film.at_mut(last(s)).0.sum = units(1 << 61));
-        check(kind, "beyond what is rendered", &|s| {
+        check(kind, "larger than rendered", &|s| s.film.at_mut(last(s)).0.sum = units(1 << 61));
+        check(kind, "larger than rendered", &|s| {
             s.film.at_mut(last(s)).0.sum[2] = Fixed::MIN;
         });
         check(kind, "recipe", &|s| {
@@ -183,7 +183,7 @@ fn numbers_that_can_not_be_are_refused() {
         check(kind, "area", &|s| s.subject.region.x1 = 21);
         check(kind, "area", &|s| s.subject.region.x0 = 3);
         check(kind, "area", &|s| s.subject.area.x1 = u32::MAX);
-        check(kind, "not one of its recipe", &|s| {
+        check(kind, "does not fit its recipe", &|s| {
             s.subject.recipe = s.subject.recipe.replace("\"width\": 20", "\"width\": 14");
         });
         check(kind, "not what its recipe asks for", &|s| {
@@ -193,21 +193,21 @@ fn numbers_that_can_not_be_are_refused() {
             s.subject.with_features = !s.subject.with_features;
         });
     }
-    check(Kind::Share, "not among those of its recipe", &|s| s.subject.samples = Some(3..9));
-    check(Kind::Share, "not among those of its recipe", &|s| {
+    check(Kind::Share, "not among its recipe", &|s| s.subject.samples = Some(3..9));
+    check(Kind::Share, "not among its recipe", &|s| {
         s.subject.samples = Some(std::ops::Range { start: 5, end: 3 });
     });
     check(Kind::Contrast, "not what its recipe asks for", &|s| s.subject.samples = Some(0..4));
-    check(Kind::Part, "fewer samples than its like", &|s| {
+    check(Kind::Part, "fewer samples than the others", &|s| {
         s.film.at_mut(last(s)).0.samples = 7;
     });
-    check(Kind::Contrast, "beyond its samples", &|s| {
+    check(Kind::Contrast, "do not fit its samples", &|s| {
         s.film.at_mut(last(s)).0.sum = units(1 << 30);
     });
-    check(Kind::Contrast, "beyond its samples", &|s| {
+    check(Kind::Contrast, "do not fit its samples", &|s| {
         s.film.at_mut(last(s)).1.unwrap().most = units(-1000);
     });
-    check(Kind::Share, "do not go together", &|s| {
+    check(Kind::Share, "contradict each other", &|s| {
         // The first samples of all are in the base, and this pixel has one.
         let one = s.film.pixels().iter().position(|pixel| pixel.samples == 1).unwrap();
         s.film.at_mut(one).0.base = units(1);

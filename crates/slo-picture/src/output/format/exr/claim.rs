@@ -29,7 +29,7 @@ pub(super) fn check(header: &Header, file_bytes: u64) -> Result<(), ReadError> {
         || block > MOST_BLOCK_BYTES.max(file_bytes.saturating_mul(8))
     {
         return Err(ReadError::Bad(format!(
-            "it says that it has {width}x{height} pixels of {}, which is not believed of a file of {}",
+            "its header claims {width}x{height} pixels of {}, too many for a file of {}",
             bytes(per_pixel),
             bytes(file_bytes)
         )));

@@ -18,7 +18,7 @@ pub(super) fn channel_names(layer: Layer) -> [String; 3] {
     components.map(|component| format!("{}.{component}", layer.name()))
 }
 
-/// Attributes of our files, in their order.
+/// The attributes of our files, in their order.
 const NAMES: [&str; 12] = [
     "chunkCount",
     "channels",
@@ -34,8 +34,8 @@ const NAMES: [&str; 12] = [
     seal::KEYWORD,
 ];
 
-/// Whether the header of a file is one of ours that may be damaged: other programs write more attributes,
-/// or in another order, or none of ours, and compress in another way. Damage makes one or two unknown.
+/// Whether the header is one of ours, perhaps damaged. Other programs write more attributes, or in
+/// another order, or none of ours, and compress in another way. Damage makes one or two names unknown.
 pub(super) fn is_our_header(file: impl Read + Seek, meta: &MetaData) -> io::Result<bool> {
     let Some(names) = seal::names(file)? else { return Ok(true) };
     let place = |name: &Vec<u8>| NAMES.iter().position(|ours| ours.as_bytes() == name);

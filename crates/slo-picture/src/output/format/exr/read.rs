@@ -74,7 +74,7 @@ pub(super) fn recipe(mut input: &mut dyn Source) -> Result<(String, Wholeness), 
     }
 }
 
-/// Three channels of the first layer that has them, and where it lies; `None` where none has them.
+/// Three channels of the first layer that has them, and its place; `None` if no layer has them.
 fn read_channels(
     mut input: &mut dyn Source,
     names: &[String; 3],
@@ -116,7 +116,7 @@ fn read_channels(
     let (width, height) = (layer.size.width() as u32, layer.size.height() as u32);
     let rgb = layer.channel_data.pixels.1;
     if rgb.len() != size[0] * size[1] || layer.size != Vec2(size[0], size[1]) {
-        return Err(ReadError::bad("its layers are not told apart"));
+        return Err(ReadError::bad("its layers can't be told apart"));
     }
     let image = Image { width, height, rgb };
     let crop = crop(&image, layer.attributes.layer_position, read.attributes.display_window);
@@ -129,13 +129,13 @@ fn has_channels(header: &Header, names: &[String; 3]) -> bool {
     names.iter().all(has)
 }
 
-/// What is wrong with an EXR file, in words for the user.
+/// What is wrong with a file, in words for the user.
 fn reason(error: exr::error::Error) -> ReadError {
     use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
     match error {
         exr::error::Error::Io(error) => match error.kind() {
             UnexpectedEof => ReadError::bad("it was cut off"),
-            // Places that are in no file.
+            // Offsets outside of the file.
             InvalidInput | InvalidData => ReadError::bad("it is damaged: its table is wrong"),
             _ => ReadError::Io(error),
         },
@@ -143,7 +143,7 @@ fn reason(error: exr::error::Error) -> ReadError {
     }
 }
 
-/// The place of an image in the display window; `None` where it is not inside.
+/// The place of an image in the display window; `None` if it is not inside.
 fn crop(image: &Image, at: Vec2<i32>, display: IntegerBounds) -> Option<Crop> {
     let offset = |at: i32, from: i32| u32::try_from(i64::from(at) - i64::from(from)).ok();
     let (x0, y0) = (offset(at.0, display.position.0)?, offset(at.1, display.position.1)?);

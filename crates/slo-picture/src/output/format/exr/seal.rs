@@ -1,6 +1,6 @@
-//! The hash of an EXR file inside the file: OpenEXR has no checksums of its own.
+//! The hash of an EXR file inside the file, since OpenEXR has no checksums of its own.
 //!
-//! An attribute holds BLAKE3 over all bytes of the file, with zeros in the place of the hash.
+//! An attribute holds BLAKE3 of all bytes of the file, with zeros instead of the hash.
 
 use std::io::{self, Read, Seek, SeekFrom, Write};
 
@@ -8,7 +8,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 pub(super) const KEYWORD: &str = "slo-rt blake3";
 /// What stands there while the file is hashed.
 pub(super) const BLANK: &str = "0000000000000000000000000000000000000000000000000000000000000000";
-/// Bytes that are read at a time; the header is never longer.
+/// Bytes that are read at a time. No header is longer.
 const PIECE: usize = 1 << 18;
 
 /// What the hash inside a file says of it.
@@ -16,20 +16,20 @@ const PIECE: usize = 1 << 18;
 pub(super) enum Seal {
     /// There is none.
     None,
-    /// It is that of the file.
+    /// It fits the file.
     Whole,
-    /// It is that of another file.
+    /// It does not fit the file.
     Broken,
 }
 
-/// Puts the hash in the place of [`BLANK`].
+/// Replaces [`BLANK`] with the hash.
 pub(super) fn seal(mut file: impl Read + Write + Seek) -> io::Result<()> {
     let Some(hashed) = hash(&mut file)? else { return Err(io::ErrorKind::InvalidData.into()) };
     file.seek(SeekFrom::Start(hashed.at as u64))?;
     file.write_all(hashed.hash.to_hex().as_bytes())
 }
 
-/// Reads a file to its end and compares the hash inside with its own.
+/// Reads a file to its end and compares its hash with the hash inside.
 pub(super) fn look(file: impl Read + Seek) -> io::Result<Seal> {
     Ok(match hash(file)? {
         None => Seal::None,
@@ -76,7 +76,7 @@ pub(super) fn names(mut file: impl Read + Seek) -> io::Result<Option<Vec<Vec<u8>
     Ok(Some(names).filter(|_| attributes.is_whole))
 }
 
-/// Whether so little of a file is there that its header does not end.
+/// Whether a file ends before its header does.
 pub(super) fn ends_in_header(start: &[u8]) -> bool {
     let mut attributes = Attributes::of(start);
     attributes.by_ref().for_each(drop);
@@ -89,12 +89,12 @@ fn place(start: &[u8]) -> Option<usize> {
     Some(value.start).filter(|_| value.len() == BLANK.len() && start.len() >= value.end)
 }
 
-/// Names and places of the values of attributes: behind magic number and version come attributes of
-/// name, type, length and value, and an empty name.
+/// Names of attributes and places of their values. After magic number and version come attributes of
+/// name, type, length and value; an empty name ends them.
 struct Attributes<'a> {
     start: &'a [u8],
     at: usize,
-    /// The empty name was met.
+    /// The empty name was found.
     is_whole: bool,
 }
 

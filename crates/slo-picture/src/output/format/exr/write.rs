@@ -61,7 +61,7 @@ fn write_unsealed(
     said(all.write().non_parallel().to_unbuffered(out))
 }
 
-/// Channels with all that a file says about them.
+/// Channels with their header.
 fn with_header<'c, C: WritableChannels<'c> + 'c>(
     picture: &Picture,
     channels: C,
@@ -70,8 +70,8 @@ fn with_header<'c, C: WritableChannels<'c> + 'c>(
     let all = Area::whole(width, height);
     let Crop { area, whole } = picture.crop.unwrap_or(Crop { area: all, whole: all });
     let size = (width as usize, height as usize);
-    // Noise hardly compresses: more than run lengths costs a tenth of a quick frame's time and
-    // saves a tenth of its size.
+    // Noise hardly compresses: anything better than run lengths costs a tenth of a quick frame's time and
+    // saves a tenth of the size.
     let encoding = Encoding {
         compression: Compression::RLE,
         blocks: Blocks::ScanLines,
@@ -89,8 +89,8 @@ fn said(written: exr::error::UnitResult) -> io::Result<()> {
     })
 }
 
-/// Where the pixels are, and the recipe as the one attribute of our own: `exr` keeps such attributes
-/// in a hash map, so that the order of two would change from run to run.
+/// The place of the pixels, and the recipe as the only attribute of our own: `exr` keeps such attributes
+/// in a hash map, so the order of two would change from run to run.
 fn of_layer(recipe: &str, area: Area) -> io::Result<LayerAttributes> {
     let text = Text::new_or_none(recipe)
         .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the recipe is not Latin-1"))?;
@@ -102,8 +102,8 @@ fn of_layer(recipe: &str, area: Area) -> io::Result<LayerAttributes> {
     Ok(attributes)
 }
 
-/// The size of the picture, and room for the hash of the file: of these attributes too there may be
-/// one only.
+/// The size of the picture, and room for the hash of the file. Here too only one attribute may be our
+/// own.
 fn of_image(whole: Area) -> ImageAttributes {
     let size = Vec2(whole.width() as usize, whole.height() as usize);
     let mut attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));

@@ -1,15 +1,15 @@
-//! Whether the bytes of a PNG file are those that were written: its chunks have checksums.
+//! Whether a PNG file is as it was written, by the checksums of its chunks.
 //!
-//! The `png` crate lets wrong checksums pass in chunks that a picture can do without, such as that of
-//! the recipe, or `sRGB`, and does not look behind the last one.
+//! The `png` crate ignores wrong checksums of ancillary chunks, such as the recipe's or `sRGB`, and does
+//! not look behind the last chunk.
 
 use std::io::{self, BufRead, ErrorKind, Read};
 
 /// The first bytes of every PNG file.
 pub(super) const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
-/// Reads a PNG file to its end: all chunks are there, with the checksums that they say, and nothing
-/// follows the last one.
+/// Reads a PNG file to its end: all chunks are there and match their checksums, and nothing follows the
+/// last one.
 ///
 /// # Errors
 /// `InvalidData` with what is damaged; what the system says of reading.
@@ -17,7 +17,7 @@ pub(super) fn check(file: impl BufRead) -> io::Result<()> {
     scan(file).map(|_| ())
 }
 
-/// The same; whether the file has the form that we give to files: programs that keep the recipe of a
+/// The same; returns whether the file has the form of our files. Programs that keep the recipe of a
 /// picture that they change write other chunks, or cut the pixels into other pieces.
 pub(super) fn scan(mut file: impl BufRead) -> io::Result<bool> {
     let mut form = Form::default();
@@ -49,14 +49,14 @@ pub(super) fn scan(mut file: impl BufRead) -> io::Result<bool> {
     }
 }
 
-/// The chunks of a file: which, and how long those of pixels are.
+/// The chunks of a file: their kinds, and the lengths of those with pixels.
 #[derive(Default)]
 struct Form {
-    /// Kinds, those of neighbours with the same one once.
+    /// Kinds in their order, repeated ones once.
     kinds: Vec<[u8; 4]>,
-    /// Of the last chunk of pixels, and of the one before.
+    /// Lengths of the last chunk of pixels, and of the one before.
     last: [u32; 2],
-    /// Any but the last two chunks of pixels has another length than ours have.
+    /// A chunk of pixels before the last two has another length than ours.
     is_odd: bool,
 }
 
@@ -84,7 +84,7 @@ impl Form {
     }
 }
 
-/// A damaged name may be no text.
+/// The name in a message; a damaged one may not be text.
 fn name(kind: [u8; 4]) -> String {
     match str::from_utf8(&kind) {
         Ok(kind) if kind.bytes().all(|byte| byte.is_ascii_alphabetic()) => {
@@ -101,7 +101,7 @@ fn read(file: &mut impl Read, bytes: &mut [u8], what: &str) -> io::Result<()> {
     })
 }
 
-/// Takes so many bytes to a checksum.
+/// Adds so many bytes to a checksum.
 fn hash_bytes(
     file: &mut impl BufRead,
     length: u32,

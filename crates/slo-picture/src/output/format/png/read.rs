@@ -32,7 +32,7 @@ pub(super) fn read(mut input: &mut dyn Source) -> Result<Raster, ReadError> {
         let row = row.ok_or_else(|| ReadError::bad("its compressed data is too short"))?;
         put_row(row.data(), color.samples(), depth, &mut rgb[place.start..], place.step);
     }
-    // The compressed data may be wrong behind the last pixel.
+    // The compressed data may be wrong after the last pixel.
     reader.finish().map_err(bad)?;
     Ok(Raster { image: Image { width, height, rgb }, values, crop: None })
 }
@@ -72,15 +72,15 @@ fn reason(error: &png::DecodingError) -> String {
     }
 }
 
-/// Where a row of a PNG file goes: its first pixel, and from one to the next.
+/// Where a row of a PNG file goes: the index of its first pixel, and the step to the next.
 struct Place {
     start: usize,
     step: usize,
 }
 
-/// The rows of a PNG file in their order.
+/// The places of the rows, in the order of the file.
 fn places(width: u32, height: u32, is_interlaced: bool) -> impl Iterator<Item = Place> {
-    /// First column and row, and from one to the next, of the passes of Adam7.
+    /// First column and row of the passes of Adam7, and the steps to the next.
     const PASSES: [[u32; 4]; 7] = [
         [0, 0, 8, 8],
         [4, 0, 8, 8],
@@ -98,7 +98,7 @@ fn places(width: u32, height: u32, is_interlaced: bool) -> impl Iterator<Item = 
     })
 }
 
-/// Puts the pixels of a row into every so manieth of `to`.
+/// Puts the pixels of a row into every `step`th element of `to`.
 fn put_row(row: &[u8], channels: usize, depth: png::BitDepth, to: &mut [[f32; 3]], step: usize) {
     let to = to.iter_mut().step_by(step);
     let gray_or_color = |values: [f32; 3]| if channels < 3 { [values[0]; 3] } else { values };

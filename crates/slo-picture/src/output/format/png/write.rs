@@ -13,7 +13,7 @@ use super::super::container::KEYWORD;
 use super::super::picture::Picture;
 use super::super::quantise::quantised;
 
-/// Rows that are encoded in parallel before they are written in order.
+/// Number of rows that are encoded in parallel before they are written in order.
 const ROWS_AT_A_TIME: u32 = 256;
 
 /// Bits of a value.
@@ -74,7 +74,7 @@ fn header<'a, W: Write>(
     Ok(encoder)
 }
 
-/// The bytes of a row, big-endian as PNG wants it.
+/// The bytes of a row, big-endian as PNG requires.
 fn row_bytes(picture: &Picture, depth: Depth, y: u32) -> Vec<u8> {
     let [width, _] = picture.image.size();
     let values = (0..width).flat_map(|x| picture.image.at(x, y));
