@@ -41,12 +41,12 @@ fn container(format: OutputFormat) -> &'static dyn Container {
     }
 }
 
-/// All kinds of files. Formats that share a kind have it once each.
+/// The kinds of files of all formats.
 fn containers() -> impl Iterator<Item = &'static dyn Container> {
     OutputFormat::ALL.into_iter().map(container)
 }
 
-/// The kind of a file by its first bytes, and whether it is one of those that may.
+/// The kind of a file with this beginning.
 fn container_of(start: &[u8]) -> Option<&'static dyn Container> {
     containers().find(|container| start.starts_with(container.magic()))
 }

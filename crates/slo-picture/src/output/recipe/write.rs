@@ -23,7 +23,7 @@ impl Recipe<'_> {
     /// The recipe as a JSON object, one member a line, ASCII only. Settings have the names and the
     /// spelling of the scene language.
     pub fn to_json(&self) -> String {
-        let mut json = Members::default();
+        let mut json = JsonObject::default();
         json.text("program", "slo-rt");
         json.text("version", env!("CARGO_PKG_VERSION"));
         json.text("sceneBlake3", scene_hash(self.scene));
@@ -64,9 +64,9 @@ pub fn with_steps(recipe: String, steps: Steps) -> String {
 /// Written by hand because recipes keep their bytes: `serde_json` lays objects and arrays out in
 /// another way, and pictures are compared by their recipes.
 #[derive(Default)]
-struct Members(String);
+struct JsonObject(String);
 
-impl Members {
+impl JsonObject {
     fn number(&mut self, key: &str, value: impl Display) {
         let separator = if self.0.is_empty() { "{\n" } else { ",\n" };
         let _ = write!(self.0, "{separator}  \"{key}\": {value}");
