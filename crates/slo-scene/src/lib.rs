@@ -17,13 +17,17 @@ mod load;
 pub mod mesh;
 mod names;
 mod resolve;
+pub mod settings;
 pub mod texture;
 
 pub use description::{
-    Accelerator, CamSegment, Camera, Contrast, Encoding, Film, Generator, KeyFrame, Layer, Light,
-    LightSampling, LightShape, MOST_CAMERA_SAMPLES, Material, MaterialId, Mesh, Object,
-    OutputFormat, Placement, SceneDescription, Settings, ShadowMode, Shape, TextureId, TextureUse,
+    CamSegment, Camera, KeyFrame, Light, LightShape, Material, MaterialId, Mesh, Object, Placement,
+    SceneDescription, Shape, TextureId, TextureUse,
 };
 pub use files::Files;
 pub use load::{Loaded, load};
+pub use settings::{
+    Accelerator, Contrast, Encoding, Film, Generator, Layer, LightSampling, MOST_CAMERA_SAMPLES,
+    OutputFormat, Settings, ShadowMode,
+};
 pub use texture::Texture;

@@ -14,7 +14,8 @@ use crate::cli::values::{
     FrameChoice, FramePath, LayerName, Order, PartBy, ProgressForm, Region, Threads, frames,
     interval, lease, part, region, steps, threads, time,
 };
-use crate::render::{Part, Steps};
+use slo_picture::film::Steps;
+use slo_render::render::Part;
 
 const COMMANDS: &str = "Commands besides rendering";
 const WHAT: &str = "What to render";

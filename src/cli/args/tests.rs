@@ -4,7 +4,7 @@ use clap::{CommandFactory, Parser};
 
 use super::{Args, Command};
 use crate::cli::values::{FrameChoice, Frames, Threads};
-use crate::scene::Accelerator;
+use slo_scene::Accelerator;
 
 #[test]
 fn the_definition_is_sound() {

@@ -10,7 +10,7 @@ use std::process;
 use std::time::Duration;
 
 use crate::cli::values::{LONGEST_LEASE, SHORTEST_LEASE};
-use crate::output::open_regular;
+use slo_picture::output::open_regular;
 
 /// Longer than any claim.
 const MOST: u64 = 512;

@@ -1,11 +1,10 @@
 //! `--check`: reads a scene with all its files and says what is in it.
 
-use crate::animation::Clock;
 use crate::cli::base::{Problem, Terminal, counted};
 use crate::cli::files::load;
 use crate::cli::options::Job;
-use crate::output::{encoding_keyword, output_keyword};
-use crate::scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape, Texture};
+use slo_scene::animation::Clock;
+use slo_scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape, Texture};
 
 /// Reports on the job's scene; renders nothing.
 pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
@@ -33,7 +32,7 @@ fn report(scene: &SceneDescription) -> Vec<String> {
 
 fn picture(camera: &Camera) -> String {
     let film = &camera.film;
-    let (format, encoding) = (output_keyword(film.output), encoding_keyword(film.encoding));
+    let (format, encoding) = (film.output, film.encoding);
     format!(
         "picture: {} x {} pixels, {format}, {encoding}, {} frame{} per second",
         film.width,

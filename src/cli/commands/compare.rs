@@ -6,8 +6,8 @@ use crate::cli::files::new_folders::NewFolders;
 use crate::cli::files::paths::{check_distinct, check_path};
 use crate::cli::files::pictures::read;
 use crate::cli::values::check_name;
-use crate::compare::{Comparison, Distances, compare};
-use crate::output::{Raster, write_difference_map};
+use slo_picture::compare::{Comparison, Distances, compare};
+use slo_picture::output::{Raster, write_difference_map};
 
 /// Prints the distances of a picture from a reference; fails if one is beyond its limit.
 pub(crate) fn run(args: &CompareArgs) -> Result<(), Problem> {

@@ -9,9 +9,9 @@ use crate::cli::base::{Exit, Problem, Terminal, print};
 use crate::cli::files::new_folders::NewFolders;
 use crate::cli::files::pictures::{NO_PICTURE, read, unreadable};
 use crate::cli::values::Threads;
-use crate::denoise::{Denoiser, Noisy};
-use crate::film::Layer;
-use crate::output::{
+use slo_picture::denoise::{Denoiser, Noisy};
+use slo_picture::film::Layer;
+use slo_picture::output::{
     Picture, Raster, Values, check_writable, is_companion, is_denoised, read_layers, read_recipe,
     settings_of, with_denoiser,
 };

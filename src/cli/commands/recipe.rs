@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::cli::base::{Exit, Problem, print};
 use crate::cli::files::pictures::NO_PICTURE;
-use crate::output::{RecipeError, is_companion, read_recipe};
+use slo_picture::output::{RecipeError, is_companion, read_recipe};
 
 /// Prints the recipe inside `picture`.
 pub(crate) fn run(picture: &Path) -> Result<(), Problem> {

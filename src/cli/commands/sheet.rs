@@ -12,9 +12,9 @@ use crate::cli::base::{Exit, Problem, print};
 use crate::cli::files::new_folders::NewFolders;
 use crate::cli::files::paths::{check_distinct, check_path};
 use crate::cli::files::pictures::read;
-use crate::film::Image;
-use crate::output::{Raster, claimed_pixels, map_format, write_sheet};
-use crate::scene::OutputFormat;
+use slo_picture::film::Image;
+use slo_picture::output::{Raster, claimed_pixels, map_format, write_sheet};
+use slo_scene::OutputFormat;
 
 /// Pixels between two pictures.
 const GAP: usize = 4;

@@ -12,14 +12,15 @@ use crate::cli::files::load;
 use crate::cli::files::pictures::{NO_PICTURE, unreadable};
 use crate::cli::options::Job;
 use crate::cli::system::threads;
-use crate::film::{Area, Film, Image, Layer};
-use crate::frame::FrameScene;
-use crate::output::{
+use slo_picture::film::Steps;
+use slo_picture::film::{Area, Film, Image, Layer};
+use slo_picture::output::{
     Crop, Picture, Raster, ReadError, Recipe, RestoreError, Values, is_companion, is_denoised,
     read_layers, read_recipe, restore, steps_of, with_region, with_steps, without_outcome,
 };
-use crate::render::{Observer, Plan, Steps, render};
-use crate::scene::SceneDescription;
+use slo_render::frame::FrameScene;
+use slo_render::render::{Observer, Plan, render};
+use slo_scene::SceneDescription;
 
 /// Side of the squares that are rendered again.
 const TILE: u32 = 32;

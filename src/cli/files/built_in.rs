@@ -40,7 +40,7 @@ pub(crate) fn text() -> &'static [u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Files, load};
+    use slo_scene::{Files, load};
 
     #[test]
     fn it_loads_without_a_warning() {

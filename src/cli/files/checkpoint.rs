@@ -11,12 +11,12 @@ use std::time::{Duration, Instant};
 
 use crate::cli::base::Terminal;
 use crate::cli::system::patience;
-use crate::film::{Film, State, Subject, TooLarge};
-use crate::output::{
+use slo_picture::film::Steps;
+use slo_picture::film::{Film, State, Subject, TooLarge};
+use slo_picture::output::{
     continues, has_same_samples, made_by_others, read_state, remove_leftovers, steps_of,
     with_steps, write_state,
 };
-use crate::render::Steps;
 
 /// A checkpoint may take this part of the time, at most: larger ones are written less often.
 const SHARE_OF_TIME: u32 = 100;

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use super::scene_file::SceneFile;
 use super::{built_in, scene_file};
-use crate::animation::NoSegment;
 use crate::cli::base::{Exit, Problem, Terminal};
 use crate::cli::options::Job;
-use crate::frame::{FrameError, FrameScene};
-use crate::output::check_prefix;
-use crate::scene::{Files, Loaded, SceneDescription, load};
+use slo_picture::output::check_prefix;
+use slo_render::frame::{FrameError, FrameScene};
+use slo_scene::animation::NoSegment;
+use slo_scene::{Files, Loaded, SceneDescription, load};
 
 /// The job's scene, with what the command line says over it. Errors and warnings of the scene
 /// are said.

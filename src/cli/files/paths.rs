@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::cli::base::{Exit, Problem};
-use crate::output::check_companion;
+use slo_picture::output::check_companion;
 
 /// Whether a map or a sheet can be written to a path.
 ///

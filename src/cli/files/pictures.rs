@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::cli::base::{Exit, Problem};
-use crate::output::{Raster, ReadError};
+use slo_picture::output::{Raster, ReadError};
 
 /// Why a file that was made from pictures is refused.
 pub(crate) const NO_PICTURE: &str = "a map or a sheet of slo-rt, not a picture";

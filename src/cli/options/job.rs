@@ -4,12 +4,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::overrides::Overrides;
-use crate::accel::Isa;
-use crate::animation::Clock;
 use crate::cli::base::{Exit, Problem};
 use crate::cli::values::{FrameChoice, Frames, Maps, Order, PartBy, ProgressForm, Region};
-use crate::render::{Part, Steps};
-use crate::scene::SceneDescription;
+use slo_accel::Isa;
+use slo_picture::film::Steps;
+use slo_render::render::Part;
+use slo_scene::SceneDescription;
+use slo_scene::animation::Clock;
 
 /// Frames of a scene.
 #[derive(Clone, Debug)]

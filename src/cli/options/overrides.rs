@@ -1,7 +1,7 @@
 //! Settings of the scene that the command line replaces.
 
 use crate::cli::args::SettingArgs;
-use crate::scene::{Layer, SceneDescription};
+use slo_scene::{Layer, SceneDescription};
 
 /// Maximum number of samples of a block if only its noise was asked for.
 const MOST_FOR_NOISE: u32 = 4096;
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
     use crate::cli::options::empty_scene;
     use crate::cli::values::{AcceleratorName, FormatName, SizeChoice};
-    use crate::scene::{Accelerator, OutputFormat};
+    use slo_scene::{Accelerator, OutputFormat};
 
     fn with(settings: SettingArgs) -> Overrides {
         Overrides { settings, ..Overrides::default() }

@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
-use crate::accel::Isa;
 use crate::cli::args::{Args, Command, CompareArgs, DenoiseArgs, MergeArgs, SheetArgs, VerifyArgs};
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Maps, Threads};
-use crate::output::check_prefix;
+use slo_accel::Isa;
+use slo_picture::output::check_prefix;
 
 /// What the program is to do, and how.
 #[derive(Debug)]

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
-use crate::accel::Isa;
 use crate::cli::values::{Maps, Order, ProgressForm};
-use crate::scene::{Camera, Encoding, Film, OutputFormat, SceneDescription, Settings};
+use slo_accel::Isa;
+use slo_scene::{Camera, Encoding, Film, OutputFormat, SceneDescription, Settings};
 
 /// A scene with nothing in it.
 pub(crate) fn empty_scene() -> SceneDescription {

@@ -12,10 +12,10 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cli::base::{Problem, Terminal, Verbosity, human, say, whole};
 use crate::cli::values::ProgressForm;
-use crate::output::Outcome;
 use estimate::{Estimate, Moment};
 use pace::Pace;
 use programs::Event;
+use slo_picture::output::Outcome;
 
 /// Tells how far a run is; takes itself off the screen when dropped.
 pub(crate) struct Progress {

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::estimate::Moment;
 use crate::cli::base::Problem;
-use crate::output::Outcome;
+use slo_picture::output::Outcome;
 
 /// What happened.
 #[derive(Clone, Copy, Debug)]

@@ -7,9 +7,9 @@ use std::time::Duration;
 use super::memory;
 use super::memory::Left;
 use crate::cli::base::{Exit, Problem, Terminal, megabytes};
-use crate::film::{Features, Layer, Pixel, Spread, Subject};
-use crate::output::PNG_ROWS_AT_A_TIME;
-use crate::scene::OutputFormat;
+use slo_picture::film::{Features, Layer, Pixel, Spread, Subject};
+use slo_picture::output::memory_to_write;
+use slo_scene::OutputFormat;
 
 /// How long the system may take to tell how much room is on a disk.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -43,20 +43,11 @@ impl Needs {
             false => (0, 1),
         };
         let film = subject.area.len() as u64 * (size_of::<Pixel>() + spreads + features) as u64;
-        let value = match format {
-            OutputFormat::Png8 => 1,
-            OutputFormat::Png16 => 2,
-            OutputFormat::Exr => 4,
-        };
+        let value = u64::from(format.value_bytes());
         let picture = region.saturating_mul(3 * value * images).saturating_add(4096);
         let disk = picture.saturating_mul(pictures as u64).saturating_add(film);
-        let rows = subject.region.height().min(PNG_ROWS_AT_A_TIME);
-        let rows = u64::from(subject.region.width()) * u64::from(rows);
-        let encoding = match (format, subject.with_features) {
-            (OutputFormat::Exr, false) => 0,
-            (OutputFormat::Exr, true) => region.saturating_mul(12 * images),
-            (_, _) => rows * 3 * value,
-        };
+        let size = [subject.region.width(), subject.region.height()];
+        let encoding = memory_to_write(format, size, images);
         let map = if beside.maps { region.saturating_mul(BYTES_OF_A_MAP) } else { 0 };
         let kept = if beside.states { film } else { 0 };
         let end = encoding.max(map).max(kept).saturating_add(REST);
@@ -163,7 +154,7 @@ fn free_on_disk(_: &Path) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Area;
+    use slo_picture::film::Area;
 
     #[test]
     fn needs_grow_with_pixels_and_pictures() {

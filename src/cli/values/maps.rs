@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::frame_path::FramePath;
-use crate::output::map_format;
+use slo_picture::output::map_format;
 
 /// The maps that are written with each picture.
 #[derive(Clone, Debug, Default)]

@@ -1,14 +1,11 @@
-//! Names of layers, file formats and structures: values of the scene, and what is typed for them.
-//!
-//! Each `match` covers all that there are: a new one does not compile without a name.
+//! Names of layers, file formats and structures on the command line: those of the scene language.
 
 use std::sync::LazyLock;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use crate::film::Layer;
-use crate::scene::{Accelerator, OutputFormat};
+use slo_scene::{Accelerator, Layer, OutputFormat};
 
 /// `--layers`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,51 +29,36 @@ pub(crate) struct FormatName(pub(crate) OutputFormat);
 
 impl ValueEnum for FormatName {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Self(OutputFormat::Png8), Self(OutputFormat::Png16), Self(OutputFormat::Exr)]
+        static ALL: LazyLock<Vec<FormatName>> =
+            LazyLock::new(|| OutputFormat::ALL.into_iter().map(FormatName).collect());
+        &ALL
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match self.0 {
-            OutputFormat::Png8 => PossibleValue::new("png").aliases(["png8", "png_image"]),
-            OutputFormat::Png16 => PossibleValue::new("png16").alias("png16_image"),
-            OutputFormat::Exr => PossibleValue::new("exr").aliases(["openexr", "exr_image"]),
-        })
+        Some(PossibleValue::new(self.0.option()).aliases(self.0.aliases()))
     }
 }
 
-/// `--accelerator`, as the scene language names them.
+/// `--accelerator`: the words of the scene language, in any case.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AcceleratorName(pub(crate) Accelerator);
 
 impl ValueEnum for AcceleratorName {
     fn value_variants<'a>() -> &'a [Self] {
-        static ALL: LazyLock<Vec<AcceleratorName>> = LazyLock::new(|| {
-            Accelerator::NAMES.into_iter().map(|(_, one)| AcceleratorName(one)).collect()
-        });
+        static ALL: LazyLock<Vec<AcceleratorName>> =
+            LazyLock::new(|| Accelerator::ALL.into_iter().map(AcceleratorName).collect());
         &ALL
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(match self.0 {
-            Accelerator::KdTree => "kdtree",
-            Accelerator::Bvh => "bvh",
-            Accelerator::Cwbvh => "cwbvh",
-            Accelerator::None => "none",
-        }))
+        Some(PossibleValue::new(lower_case(self.0)))
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_accelerator_of_the_scene_language_has_its_name() {
-        for ((name, _), typed) in
-            Accelerator::NAMES.into_iter().zip(AcceleratorName::value_variants())
-        {
-            let typed = typed.to_possible_value().unwrap();
-            assert_eq!(typed.get_name().to_ascii_uppercase(), name);
-        }
-    }
+/// The word of a structure in lower case, kept for the whole run.
+fn lower_case(accelerator: Accelerator) -> &'static str {
+    static WORDS: LazyLock<Vec<String>> =
+        LazyLock::new(|| Accelerator::ALL.map(|all| all.name().to_ascii_lowercase()).into());
+    let place = Accelerator::ALL.iter().position(|all| *all == accelerator);
+    place.map_or(accelerator.name(), |place| &WORDS[place])
 }

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 
 use super::numbers::whole;
-use crate::render::Part;
+use slo_render::render::Part;
 
 /// `--part-by`
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

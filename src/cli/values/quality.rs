@@ -1,7 +1,7 @@
 //! How good a picture is to be: samples, seed, noise, steps.
 
 use super::numbers::{count, real, whole};
-use crate::render::Steps;
+use slo_picture::film::Steps;
 
 /// Parses a number of samples.
 pub(crate) fn samples(text: &str) -> Result<u32, String> {

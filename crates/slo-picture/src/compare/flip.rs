@@ -1,4 +1,4 @@
-//! FLIP: the difference that is seen when two pictures alternate.
+//! FLIP: the difference that a viewer sees when two pictures alternate.
 //!
 //! Source: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild: FLIP: A Difference
 //! Evaluator for Alternating Images, 2020; equations and constants of the version for low dynamic
@@ -19,7 +19,7 @@ const COMPRESSED_TO: f32 = 0.95;
 /// Width of the feature detectors in degrees.
 const FEATURE_WIDTH: f32 = 0.082;
 
-/// Pixels that a difference depends on lie so near, see [`seen_radius`] and [`feature_radius`].
+/// A difference depends on pixels within this distance, see [`seen_radius`] and [`feature_radius`].
 pub(super) const REACH: u32 = 10;
 
 /// Three values of each pixel.
@@ -94,13 +94,13 @@ fn hunt_lab(xyz: [f32; 3]) -> [f32; 3] {
     [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
 }
 
-/// How far the widest contrast sensitivity reaches.
+/// Radius of the widest contrast sensitivity.
 fn seen_radius() -> i32 {
     let pi = std::f32::consts::PI;
     (3.0 * (0.04 / (2.0 * pi * pi)).sqrt() * PIXELS_PER_DEGREE).ceil() as i32
 }
 
-/// What the eye makes of a picture: each channel blurred by its contrast sensitivity.
+/// A picture as the eye sees it: each channel blurred by its contrast sensitivity.
 fn seen(opponent: &Plane, size: Size) -> Plane {
     // Weights and widths of up to two Gaussians per channel.
     const SENSITIVITY: [[[f32; 2]; 2]; 3] =
@@ -158,7 +158,7 @@ fn feature_deviation() -> f32 {
     0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE
 }
 
-/// How far the feature detectors reach.
+/// Radius of the feature detectors.
 fn feature_radius() -> i32 {
     (3.0 * feature_deviation()).ceil() as i32
 }
@@ -201,7 +201,7 @@ struct Size {
     height: usize,
 }
 
-/// Filters rows with one kernel and columns with another; the border goes on outside.
+/// Filters rows with one kernel and columns with another; border pixels are repeated outside.
 fn filter(plane: &[f32], size: Size, across: &[f32], down: &[f32]) -> Vec<f32> {
     let Size { width, height } = size;
     let pick = |kernel: &[f32], at: usize, last: usize, value: &dyn Fn(usize) -> f32| -> f32 {

@@ -1,4 +1,4 @@
-//! How far two pictures are apart.
+//! How much two pictures differ.
 
 mod flip;
 
@@ -12,39 +12,39 @@ pub use flip::flip;
 /// Distances of a picture from a reference of the same size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distances {
-    /// Pixels with a value that differs, as the files have them: beyond white too.
+    /// Pixels with a different value in the files, beyond white too.
     pub pixels: usize,
-    /// Root mean square over the values as they are shown, 0 to 1.
+    /// Root mean square over the values on the screen, 0 to 1.
     pub rmse: f64,
     /// Mean of (x - r)^2 / (r^2 + 0.01) over the linear values.
     pub relative_mse: f64,
-    /// Mean luminance over the reference's, of the linear values: what is beside 1 is bias. 1 where
-    /// both are 0.
+    /// Mean luminance over the reference's, of the linear values: any deviation from 1 is bias. 1 if both
+    /// are 0.
     pub mean_ratio: f64,
-    /// Decibels of a range of 1 over `rmse`; infinite where the same is shown.
+    /// Decibels of a range of 1 over `rmse`; infinite if the screen shows the same.
     pub psnr: f64,
     /// Mean of [`flip()`].
     pub flip: f64,
 }
 
-/// What comes of comparing two pictures.
+/// The result of comparing two pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// How far they are apart.
+    /// How much they differ.
     pub distances: Distances,
-    /// [`flip()`] of the pixels that were compared, row by row.
+    /// [`flip()`] of the compared pixels, row by row.
     pub flip: Vec<f32>,
-    /// These pixels.
+    /// The compared pixels.
     pub area: Area,
     /// The picture that they are in.
     pub whole: Area,
 }
 
-/// Rows that are looked at together: what is worked out on the way takes no memory of all.
+/// Rows that are compared together, so that intermediate results of the whole picture take no memory.
 const ROWS: u32 = 128;
 
-/// Compares the pixels that both have; `None` where the sizes differ and neither is known to be a
-/// region of the other.
+/// Compares the pixels that both have; `None` if the sizes differ and neither is known to be a region
+/// of the other.
 pub fn compare(picture: &Raster, reference: &Raster) -> Option<Comparison> {
     let Common { area, whole, places } = common(picture, reference)?;
     let [one, other] = [Placed::new(picture, places[0]), Placed::new(reference, places[1])];
@@ -62,7 +62,7 @@ pub fn compare(picture: &Raster, reference: &Raster) -> Option<Comparison> {
 struct Common {
     area: Area,
     whole: Area,
-    /// Where they are in each of both.
+    /// Their places in either picture.
     places: [Area; 2],
 }
 
@@ -98,7 +98,7 @@ impl<'a> Placed<'a> {
         self.raster.rows(area).into_iter().flatten().flatten().copied()
     }
 
-    /// Some of its rows as they are shown.
+    /// Some of its rows as the screen shows them.
     fn shown(&self, rows: Range<u32>) -> Image {
         let (width, height) = (self.area.width(), rows.end - rows.start);
         let shown = |rgb: [f32; 3]| rgb.map(|value| self.raster.shown(value));
@@ -106,7 +106,7 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// [`flip()`] of some rows of pictures of the same size, which looks at some around them.
+/// [`flip()`] of some rows of pictures of the same size; it depends on some rows around them.
 fn flip_of_rows(picture: &Placed, reference: &Placed, rows: Range<u32>) -> Vec<f32> {
     let height = picture.area.height();
     let around = rows.start.saturating_sub(REACH)..(rows.end + REACH).min(height);

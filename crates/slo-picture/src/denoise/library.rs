@@ -1,7 +1,7 @@
 //! The C interface of Open Image Denoise 2, loaded while the program runs.
 //!
-//! `unsafe` is here since a shared library is called: all of it stays in this file, behind functions
-//! that check what the library trusts.
+//! Calling a shared library needs `unsafe`. All of it stays in this file, behind functions that check
+//! what the library relies on.
 
 use std::error::Error;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -12,7 +12,7 @@ use libloading::Library;
 
 use crate::film::Image;
 
-/// What the system is asked for.
+/// File names of the library.
 pub(super) const NAMES: &[&str] = if cfg!(target_os = "windows") {
     &["OpenImageDenoise.dll"]
 } else if cfg!(target_os = "macos") {
@@ -21,14 +21,14 @@ pub(super) const NAMES: &[&str] = if cfg!(target_os = "windows") {
     &["libOpenImageDenoise.so.2", "libOpenImageDenoise.so"]
 };
 
-/// `OIDN_DEVICE_TYPE_CPU`: the one that every machine has, and whose memory is ours.
+/// `OIDN_DEVICE_TYPE_CPU`: the device that every machine has, and that shares our memory.
 const CPU: c_int = 1;
 /// `OIDN_FORMAT_FLOAT3`
 const FLOAT3: c_int = 3;
 
 type Handle = *mut c_void;
 
-/// The functions that are used, as `oidn.h` of version 2 declares them.
+/// The functions of the library, as `oidn.h` of version 2 declares them.
 #[derive(Clone, Copy, Debug)]
 struct Functions {
     new_device: unsafe extern "C" fn(c_int) -> Handle,
@@ -83,17 +83,17 @@ impl Functions {
     }
 }
 
-/// The processor, as the library uses it.
+/// A device of the library: the processor.
 #[derive(Debug)]
 pub(super) struct Device {
     functions: Functions,
     handle: Handle,
-    /// What the functions are in.
+    /// The functions point into it.
     _library: Library,
 }
 
 impl Device {
-    /// The library at `path`, or the first that the system finds, with so many threads (all).
+    /// Loads the library at `path`, or the first that the system finds, with so many threads; `None`: all.
     pub(super) fn load(path: Option<&Path>, threads: Option<u32>) -> Result<Self, String> {
         let library = open(path)?;
         // SAFETY: the library was named as Open Image Denoise; version 1 lacks some of the names.
@@ -123,7 +123,7 @@ impl Device {
         [version / 10_000, version / 100 % 100, version % 100]
     }
 
-    /// What the filter for ray tracing makes of images with their names, with some flags set.
+    /// Runs the filter for ray tracing on named images, with some flags set.
     ///
     /// # Errors
     /// What the library says; images of several sizes.
@@ -137,7 +137,7 @@ impl Device {
         };
         let pixels = *width as usize * *height as usize;
         if images.iter().any(|(_, i)| (i.width, i.rgb.len()) != (*width, pixels)) {
-            return Err("its layers are not as large as the picture".into());
+            return Err("its layers and the picture differ in size".into());
         }
         let mut result = Image { width: *width, height: *height, rgb: vec![[0.0; 3]; pixels] };
         let filter = Filter::new(self)?;
@@ -159,7 +159,7 @@ impl Device {
         self.error().map_or(Ok(result), Err)
     }
 
-    /// What went wrong since this was asked last.
+    /// The error since the last call, if there was one.
     fn error(&self) -> Option<String> {
         let mut message = ptr::null();
         // SAFETY: null stands for errors of making a device; the message is the library's, valid
@@ -202,7 +202,7 @@ impl<'d> Filter<'d> {
 
     /// # Safety
     /// `pixels` has as many pixels as `size`, for as long as the filter lives, and may be written to
-    /// where the name is `output`.
+    /// if the name is `output`.
     unsafe fn set(&self, name: &CStr, pixels: *mut [f32; 3], size: &Image) {
         let (width, height) = (size.width as usize, size.height as usize);
         let set = self.device.functions.set_image;
@@ -240,13 +240,13 @@ fn open(path: Option<&Path>) -> Result<Library, String> {
     Err(why.join("; "))
 }
 
-/// A name without a folder is looked up by the system's loader, which does not look into the current
-/// one: a file that is there is told to it as a path.
+/// The system's loader does not search the current folder for a name without a folder, so a file that
+/// exists there is passed as a path.
 fn as_path(name: &Path) -> PathBuf {
     if name.is_file() { Path::new(".").join(name) } else { name.to_owned() }
 }
 
-/// What was tried, and what the system's loader says of it: in the error's source.
+/// What was tried, and the message of the system's loader, which is in the error's source.
 fn refusal(name: &Path, error: &libloading::Error) -> String {
     let mut why = format!("`{}`: {error}", name.display());
     let mut source = error.source();

@@ -1,9 +1,8 @@
-//! Pictures without their noise, by Open Image Denoise. Knows no files but the library's.
+//! Removes noise with Open Image Denoise. Knows no files but the library's.
 //!
-//! The library is looked for when somebody asks for it: nothing else needs it, and the program is
-//! built without it. It is told of the colours and, where there are any, of the layers that a
-//! renderer knows about surfaces. Layers of few samples are noisy too where the lens or the motion
-//! blurs them, so that they are denoised first, each by itself.
+//! The library is loaded on demand; the program is built without it, and nothing else needs it. It gets
+//! the colours and, if there are any, the layers about surfaces. Layers with few samples are noisy where
+//! the lens or motion blurs them, so each layer is denoised first.
 
 mod library;
 
@@ -18,20 +17,21 @@ pub struct Denoiser {
     device: Device,
 }
 
-/// What is to be denoised.
+/// A picture with noise.
 #[derive(Clone, Copy, Debug)]
 pub struct Noisy<'a> {
     /// Colours.
     pub image: &'a Image,
-    /// Whether they are linear radiance without an upper end; otherwise they are from 0 to 1 as the
-    /// screen shows them.
+    /// Whether they are linear radiance without an upper end; otherwise they are values from 0 to 1 as
+    /// the screen shows them.
     pub is_linear: bool,
     /// Layers of the same size.
     pub layers: &'a [(Layer, Image)],
 }
 
 impl Denoiser {
-    /// The library at `path`, or where the system finds it, for so many threads (all).
+    /// Loads the library at `path`, or where the system finds it. `threads`: how many it uses; `None`:
+    /// all.
     ///
     /// # Errors
     /// What the system or the library says.
@@ -45,10 +45,10 @@ impl Denoiser {
         format!("Open Image Denoise {major}.{minor}.{patch}")
     }
 
-    /// The picture without its noise, in the values that it has.
+    /// Returns the picture without its noise, in the same kind of values.
     ///
     /// # Errors
-    /// What the library says; layers of another size.
+    /// What the library says; layers of another size than the picture.
     pub fn denoise(&self, noisy: &Noisy) -> Result<Image, String> {
         let guides = noisy
             .usable()
@@ -67,7 +67,7 @@ impl Denoiser {
 }
 
 impl<'a> Noisy<'a> {
-    /// The layers that help: normals do beside the albedo only.
+    /// The layers that help: normals help only beside the albedo.
     pub fn usable(&self) -> Vec<(Layer, &'a Image)> {
         let has_albedo = self.layers.iter().any(|(layer, _)| *layer == Layer::Albedo);
         let usable = self.layers.iter().filter(|_| has_albedo);

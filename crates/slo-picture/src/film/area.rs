@@ -1,10 +1,10 @@
 //! Rectangles of pixels.
 
-/// Side of the blocks that decide jointly how many samples they take.
+/// Side of the blocks whose pixels take the same number of samples.
 pub const BLOCK: u32 = 8;
 
-/// Side of a tile in pixels: its samples stay in the second-level cache, and the last tiles of a
-/// picture keep no thread waiting for long.
+/// Side of a tile in pixels: its samples fit into the second-level cache, and threads do not wait long
+/// for the last tiles of a picture.
 pub const TILE: u32 = 32;
 
 /// A rectangle of pixels, `x0..x1` times `y0..y1`; y grows downward.
@@ -45,7 +45,7 @@ impl Area {
         self.width() as usize * self.height() as usize
     }
 
-    /// Whether there is no pixel in it.
+    /// Whether it has no pixels.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -57,7 +57,7 @@ impl Area {
         self.x0 <= other.x0 && self.y0 <= other.y0 && self.x1 >= other.x1 && self.y1 >= other.y1
     }
 
-    /// What lies in both; empty where they do not meet.
+    /// The intersection; empty if they do not meet.
     #[inline]
     pub fn common(&self, other: &Self) -> Self {
         let (x0, y0) = (self.x0.max(other.x0), self.y0.max(other.y0));

@@ -1,9 +1,11 @@
-//! How radiance is seen: the transfer curve of the picture, and errors as the viewer sees them.
+//! How viewers see radiance: the transfer curve of the picture, and errors on that curve.
 
-use super::Pixel;
-use super::pixel::{Halves, base_end};
 use slo_accel::math::elementary::power;
 use slo_accel::{Isa, Lanewise};
+use slo_scene::settings::FileValues;
+use slo_scene::{Encoding, OutputFormat};
+
+use super::pixel::{Halves, Pixel, base_end};
 
 /// What a channel's radiance becomes on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,13 +14,22 @@ pub enum Display {
     Raw,
     /// sRGB from 0 to 1, clamped.
     Srgb,
-    /// The sRGB curve, which goes on beyond 1: for pictures whose exposure is chosen later.
+    /// The sRGB curve, continued beyond 1: for pictures whose exposure is chosen later.
     Unclamped,
 }
 
 impl Display {
-    /// Mean squares over the channels of the pixels' estimated errors as they are shown, in the
-    /// order of the pixels; infinite for less than two samples. What is clamped counts for nothing.
+    /// How viewers see the values of a file.
+    pub fn of(format: OutputFormat, encoding: Encoding) -> Self {
+        match (format.values(), encoding) {
+            (FileValues::Linear { .. }, _) => Self::Unclamped,
+            (FileValues::Encoded { .. }, Encoding::Srgb) => Self::Srgb,
+            (FileValues::Encoded { .. }, Encoding::Raw) => Self::Raw,
+        }
+    }
+
+    /// Mean squares, over the channels, of the pixels' estimated errors on the curve, in the order of the
+    /// pixels; infinite for fewer than two samples. Clamped values have no error.
     pub fn squared_errors<'a>(
         self,
         isa: Isa,
@@ -59,7 +70,7 @@ fn unclamped(radiance: f32) -> f32 {
     srgb(radiance.max(0.0))
 }
 
-/// Pixels whose errors are estimated together.
+/// Number of pixels whose errors are estimated together.
 const GROUP: usize = 64;
 
 /// Sums of a group of pixels, in columns.
@@ -79,7 +90,7 @@ impl Group {
         first: [0.0; GROUP],
     };
 
-    /// Takes the next pixels, as many as there are places; how many.
+    /// Takes up to [`GROUP`] of the next pixels, and returns how many.
     fn fill<'a>(&mut self, pixels: impl Iterator<Item = &'a Pixel>) -> usize {
         let mut count = 0;
         for pixel in pixels.take(GROUP) {
@@ -109,7 +120,7 @@ impl<F: Fn(f32) -> f32> Lanewise for Squares<'_, F> {
     fn run(self) {
         let Self { group, shown, to } = self;
         let Ok(to): Result<&mut [f64; GROUP], _> = to.try_into() else { return };
-        // One kind of number to a loop, so that each becomes vector code.
+        // Each loop has one type of number, so that the compiler makes vector code of it.
         let (mut low, mut high) = ([[0.0f32; GROUP]; 3], [[0.0f32; GROUP]; 3]);
         for i in 0..GROUP {
             let halves = Halves::new(group.first[i], group.all[i]);
@@ -157,7 +168,7 @@ pub fn linear(srgb: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Fixed;
+    use super::super::fixed::Fixed;
     use super::*;
 
     fn pixel(first: f32, second: f32) -> Pixel {

@@ -1,12 +1,12 @@
-//! What a picture shows of surfaces, whatever the light: for denoisers.
+//! What a picture shows of surfaces, whatever light falls on them: for denoisers.
 
 use std::ops::AddAssign;
 
 use slo_scene::Layer;
 
-use super::Fixed;
+use super::fixed::Fixed;
 
-/// Sums of what a pixel's samples saw of surfaces; exact, as those of [`Pixel`](super::Pixel).
+/// Sums of what a pixel's samples saw of surfaces; exact, as the sums of [`Pixel`](super::Pixel).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Features {
     /// See [`Layer::Albedo`]; red, green, blue.
@@ -16,7 +16,7 @@ pub struct Features {
 }
 
 impl Features {
-    /// The sum of two; `None` where numbers are too large.
+    /// The sum of two; `None` on overflow.
     pub fn checked_add(&self, other: &Self) -> Option<Self> {
         let mut result = *self;
         for c in 0..3 {

@@ -22,19 +22,19 @@ impl Fixed {
     /// 0
     pub const ZERO: Self = Self(0);
 
-    /// The nearest multiple of 2^-24; `None` for what it does not [hold](Self::holds).
+    /// The nearest multiple of 2^-24; `None` for numbers that it can't [hold](Self::holds).
     #[inline]
     pub fn new(x: f32) -> Option<Self> {
         Self::holds(x).then(|| Self::or_zero(x))
     }
 
-    /// Whether a number is finite and not beyond [`LIMIT`](Self::LIMIT).
+    /// Whether a number is finite and not larger than [`LIMIT`](Self::LIMIT).
     #[inline(always)]
     pub fn holds(x: f32) -> bool {
         x.abs() <= Self::LIMIT
     }
 
-    /// The nearest multiple of 2^-24; 0 for what it does not [hold](Self::holds).
+    /// The nearest multiple of 2^-24; 0 for numbers that it can't [hold](Self::holds).
     #[inline(always)]
     pub fn or_zero(x: f32) -> Self {
         // Adding 1.5 * 2^52 rounds to a whole number, ties to even, and leaves it in the low bits.
@@ -44,7 +44,7 @@ impl Fixed {
         Self((shifted.to_bits() as i64).wrapping_sub(MAGIC.to_bits() as i64))
     }
 
-    /// The number, to the precision of f64.
+    /// The number, rounded to f64.
     #[inline]
     pub fn to_f64(self) -> f64 {
         self.0 as f64 / ONE
@@ -62,7 +62,7 @@ impl Fixed {
         Self(units)
     }
 
-    /// The exact sum; `None` where 64 bits do not hold it.
+    /// The exact sum; `None` on overflow.
     #[inline]
     pub fn checked_add(self, other: Self) -> Option<Self> {
         self.0.checked_add(other.0).map(Self)

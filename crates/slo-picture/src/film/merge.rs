@@ -1,31 +1,33 @@
-//! Films of parts -> the film of the whole.
+//! Films of parts -> the film of the whole picture.
 
 use std::ops::Range;
 
-use super::{Area, Film, State, Subject, TooLarge};
+use super::area::Area;
+use super::grid::{Film, TooLarge};
+use super::state::{State, Subject};
 
-/// Why parts are no whole. Files go by their index in the order of their adding.
+/// Why parts do not make a whole picture. Parts are named by the index with which they were added.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MergeError {
-    /// Pixels of which no part has all samples.
+    /// Pixels whose samples the parts do not have, or not all.
     Gap {
         /// How many.
         pixels: usize,
         /// Column and row of the first.
         first: (u32, u32),
-        /// Samples that are missing there; `None`: all.
+        /// Missing samples of that pixel; `None`: all.
         samples: Option<Range<u32>>,
     },
-    /// Samples of a pixel that two parts have.
+    /// Two parts have the same samples of a pixel.
     Overlap {
         /// The parts.
         parts: [usize; 2],
         /// Column and row.
         at: (u32, u32),
     },
-    /// Sums that are beyond all that can be rendered.
+    /// Sums that no picture can reach.
     TooBright,
-    /// Memory does not suffice.
+    /// There is not enough memory.
     TooLarge(TooLarge),
 }
 
@@ -35,11 +37,11 @@ impl From<TooLarge> for MergeError {
     }
 }
 
-/// Adds up the parts of one picture. Which parts there are, and in which order, does not show.
+/// Adds up the parts of one picture. The sums do not depend on how it was parted, nor on the order.
 #[derive(Debug)]
 pub struct Merger {
     film: Film,
-    /// Samples of a pixel, where they are shared out.
+    /// Samples of a pixel, if they are shared out.
     all: u32,
     /// One for each share of the samples.
     shares: Vec<Share>,
@@ -54,11 +56,11 @@ struct Share {
 }
 
 impl Merger {
-    /// For the picture, or the region, that `subject` is about, of `all` samples per pixel where
-    /// parts have a share of them.
+    /// For the picture, or the region, of `subject`, with `all` samples per pixel if parts have a share
+    /// of them.
     ///
     /// # Errors
-    /// [`TooLarge`] where memory does not suffice.
+    /// [`TooLarge`] if there is not enough memory.
     pub fn new(subject: &Subject, all: u32) -> Result<Self, TooLarge> {
         let film = subject.film_of(subject.region)?;
         Ok(Self { film, all, shares: Vec::new() })
@@ -67,7 +69,7 @@ impl Merger {
     /// Adds part number `index`.
     ///
     /// # Errors
-    /// The part has pixels that another one has, with the same samples.
+    /// Another part has the same samples of the same pixels.
     pub fn add(&mut self, index: usize, state: &State) -> Result<(), MergeError> {
         let area = self.film.area().common(&state.subject.region);
         let samples = state.subject.samples.clone().unwrap_or(0..self.all);
@@ -117,10 +119,10 @@ impl Merger {
         Ok(self.shares.len() - 1)
     }
 
-    /// The film of the whole.
+    /// Returns the film of the whole picture.
     ///
     /// # Errors
-    /// Samples of pixels that no part has, or that several have.
+    /// Some samples are in no part, or in several.
     pub fn finish(mut self) -> Result<Film, MergeError> {
         self.shares.sort_by_key(|share| (share.samples.start, share.samples.end));
         let area = self.film.area();
@@ -141,7 +143,7 @@ impl Merger {
         }
     }
 
-    /// The first samples that a pixel lacks.
+    /// The first missing samples of a pixel.
     fn missing(&self, pixel: usize, at: (u32, u32)) -> Result<Option<Range<u32>>, MergeError> {
         let (mut end, mut before) = (0, 0);
         for Share { samples, owners } in &self.shares {
@@ -167,7 +169,7 @@ fn place(area: Area, (x, y): (u32, u32)) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Fixed;
+    use super::super::fixed::Fixed;
     use super::*;
 
     fn state(region: Area, samples: Option<Range<u32>>) -> State {

@@ -1,37 +1,37 @@
-//! What is known of one pixel.
+//! The sums of one pixel.
 
 use std::ops::Range;
 
-use super::Fixed;
+use super::fixed::Fixed;
 
-/// First samples of a block where the scene names none: fewer tell no error.
+/// Samples that every block takes first if the scene names no number: fewer give no error estimate.
 pub const LEAST_FOR_NOISE: u32 = 8;
 
 /// Sums of a pixel's samples, and how many there are.
 ///
-/// Samples are taken in the order of their numbers. All sums are exact, so that those of different
-/// samples add up to what one run would have had.
+/// Samples are taken in the order of their numbers. All sums are exact, so that sums of disjoint sets of
+/// samples add up to the sums of one run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pixel {
     /// Of all samples: red, green, blue.
     pub sum: [Fixed; 3],
-    /// Of the samples with a number below the largest power of two below `samples`; 0 where there
-    /// is at most one. How far it is from the rest tells the error.
+    /// Of the samples with a number below the largest power of two below `samples`; 0 if there is at
+    /// most one. The error is estimated from its distance to the rest.
     pub base: [Fixed; 3],
     /// Samples in the sum.
     pub samples: u32,
 }
 
 impl Pixel {
-    /// Mean radiance; black where nothing was sampled.
+    /// Mean radiance; black without samples.
     #[inline]
     pub fn mean(&self) -> [f32; 3] {
         let samples = f64::from(self.samples.max(1));
         self.sum.map(|s| (s.to_f64() / samples) as f32)
     }
 
-    /// Adds the next `count` samples. Where a power of two lies between the old number of samples
-    /// and the new one, `base` is right after a split there only: see [`split`].
+    /// Adds the next `count` samples. If a power of two lies between the old number of samples and the
+    /// new one, split the samples there, or `base` is wrong: see [`split`].
     #[inline]
     pub fn add(&mut self, sum: [Fixed; 3], count: u32) {
         if self.samples.is_power_of_two() {
@@ -40,21 +40,21 @@ impl Pixel {
         self.add_later(sum, count);
     }
 
-    /// Adds samples that do not count for `base`.
+    /// Adds samples that do not belong to `base`.
     #[inline]
     pub fn add_later(&mut self, sum: [Fixed; 3], count: u32) {
         add(&mut self.sum, sum);
         self.samples += count;
     }
 
-    /// Adds samples that count for `base`.
+    /// Adds samples that belong to `base`.
     #[inline]
     pub fn add_base(&mut self, sum: [Fixed; 3], count: u32) {
         add(&mut self.base, sum);
         self.add_later(sum, count);
     }
 
-    /// The sum of two sets of samples that have none in common; `None` where numbers are too large.
+    /// The sum of two disjoint sets of samples; `None` on overflow.
     #[inline]
     pub fn checked_add(&self, other: &Self) -> Option<Self> {
         let mut result = Self { samples: self.samples.checked_add(other.samples)?, ..*self };
@@ -68,8 +68,8 @@ impl Pixel {
     /// Estimated standard error of the mean, by channel; `None` for less than two samples.
     ///
     /// The samples of `base` and the others are two estimates of the pixel. For independent samples
-    /// the expected square is exact; where samples are stratified it is too large, unless all that
-    /// the second half looks at is what the first has seen.
+    /// the expected square is exact; for stratified ones it is too large, unless the second half sees
+    /// nothing that the first has not seen.
     #[inline]
     pub fn error(&self) -> Option<[f32; 3]> {
         if self.samples < 2 {
@@ -80,7 +80,7 @@ impl Pixel {
     }
 }
 
-/// The samples of a pixel as `base` divides them, by what sums are multiplied with.
+/// Factors for the sums of a pixel whose samples `base` divides in two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Halves {
     of_all: f64,
@@ -117,13 +117,12 @@ impl Halves {
     }
 }
 
-/// The largest power of two below `samples`: where `base` ends. 0 for one sample or none.
+/// The largest power of two below `samples`: the end of `base`. 0 for one sample or none.
 pub fn base_end(samples: u32) -> u32 {
     if samples < 2 { 0 } else { samples.next_power_of_two() / 2 }
 }
 
-/// Samples `from..to` in one or two steps after which `base` is right.
-#[inline]
+/// Splits samples `from..to` into one or two ranges after which `base` is right.
 pub fn split(from: u32, to: u32) -> impl Iterator<Item = Range<u32>> {
     let middle = base_end(to).max(from);
     [from..middle, middle..to].into_iter().filter(|range| !range.is_empty())
@@ -136,9 +135,9 @@ fn add(to: &mut [Fixed; 3], more: [Fixed; 3]) {
 /// The smallest and the largest sample of a pixel, by channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Spread {
-    /// [`Fixed::MAX`] where there is no sample.
+    /// [`Fixed::MAX`] without samples.
     pub least: [Fixed; 3],
-    /// [`Fixed::MIN`] where there is no sample.
+    /// [`Fixed::MIN`] without samples.
     pub most: [Fixed; 3],
 }
 

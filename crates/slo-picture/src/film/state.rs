@@ -1,8 +1,9 @@
-//! What a run knows of a picture, so that another run can go on from it.
+//! What another run needs to continue a picture.
 
 use std::ops::Range;
 
-use super::{Area, Film, TooLarge};
+use super::area::Area;
+use super::grid::{Film, TooLarge};
 
 /// What a film is exposed for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,20 +14,20 @@ pub struct Subject {
     pub area: Area,
     /// The area that was asked for.
     pub region: Area,
-    /// Where the samples of a pixel are shared out: the numbers of those of this share. The film's
-    /// `base` then holds those below the [`base_end`](super::base_end) of all of them.
+    /// If the samples of a pixel are shared out: the numbers of this share's samples. The film's `base`
+    /// then holds the samples below the [`base_end`](super::base_end) of all of them.
     pub samples: Option<Range<u32>>,
-    /// Whether the smallest and largest sample of a pixel count.
+    /// Whether the film records the smallest and largest sample of a pixel.
     pub with_spreads: bool,
-    /// Whether what is seen of surfaces counts.
+    /// Whether the film has layers.
     pub with_features: bool,
 }
 
 impl Subject {
-    /// An unexposed film for it.
+    /// Returns an unexposed film for it.
     ///
     /// # Errors
-    /// [`TooLarge`] where memory does not suffice.
+    /// [`TooLarge`] if there is not enough memory.
     pub fn film(&self) -> Result<Film, TooLarge> {
         self.film_of(self.area)
     }
@@ -45,14 +46,14 @@ impl Subject {
     }
 }
 
-/// A film with all that is needed to go on exposing it: a checkpoint, a part, a finished picture
-/// that may get more samples.
+/// A film with all that is needed to expose it further: a checkpoint, a part, a finished picture that
+/// may get more samples.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct State {
     /// What the film is exposed for.
     pub subject: Subject,
-    /// What is known.
+    /// The sums so far.
     pub film: Film,
-    /// Whether all that was asked for is in it.
+    /// Whether it holds all samples that were asked for.
     pub is_complete: bool,
 }

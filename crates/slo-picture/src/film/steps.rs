@@ -1,31 +1,31 @@
-//! A picture step by step cleaner, tile by tile.
+//! Pictures that get cleaner in steps, tile by tile.
 
-use super::{Area, TILE};
+use super::area::{Area, TILE};
 
 /// How far a picture was taken: all of its tiles to step `done`, and the first `tiles` of them, in
 /// an order of their own, to the next one.
 ///
-/// Step 0 is one sample per pixel, 1 two, 2 four, 3 eight; from step 4 on blocks take samples until
-/// they are as clean as for `noise` 0.2, and in each step the last one's over the square root of 2.
+/// Steps 0 to 3 take 1, 2, 4 and 8 samples per pixel. In step 4 blocks take samples until they are as
+/// clean as with `noise` 0.2; each further step divides that error by the square root of 2.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Steps {
-    /// The step that all tiles are at.
+    /// The step that all tiles have reached.
     pub done: u32,
-    /// How many tiles are one further.
+    /// How many tiles are one step further.
     pub tiles: u32,
 }
 
 impl Steps {
-    /// The last step there is: its error is a hundredth of a step of 8 bits.
+    /// The last step: its error is a hundredth of a step of 8 bits.
     pub const LAST: u32 = 30;
 
-    /// The share of a picture's tiles that are one further.
+    /// The share of a picture's tiles that are one step further.
     pub fn further(self, width: u32, height: u32) -> f64 {
         let tiles = width.div_ceil(TILE) * height.div_ceil(TILE);
         f64::from(self.tiles) / f64::from(tiles.max(1))
     }
 
-    /// The step that a tile is at.
+    /// The step that a tile has reached.
     pub fn of(self, tile: Area, width: u32, height: u32) -> u32 {
         let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
         let index = tile.y0 / TILE * columns + tile.x0 / TILE;

@@ -1,16 +1,20 @@
-//! Pictures pixel by pixel, computed as they are asked for: a copy of all of them takes memory.
+//! Pictures whose pixels are computed on demand, since a copy would take memory.
 
 use std::fmt::{self, Debug};
 
-use super::features::mean;
-use super::{Area, Features, Film, Image, Layer};
+use slo_scene::Layer;
+
+use super::area::Area;
+use super::features::{Features, mean};
+use super::grid::Film;
+use super::image::Image;
 
 /// Three numbers for each pixel.
 pub trait Pixels: Debug + Sync {
     /// Width and height in pixels.
     fn size(&self) -> [u32; 2];
 
-    /// Those of a pixel, counted from the upper left corner.
+    /// The numbers of a pixel, counted from the upper left corner.
     fn at(&self, x: u32, y: u32) -> [f32; 3];
 }
 
@@ -24,7 +28,7 @@ impl Pixels for Image {
     }
 }
 
-/// An area of a film: the means of its samples, or a layer.
+/// An area of a film as a picture: the means of its samples, or a layer.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
     film: &'a Film,
@@ -38,7 +42,7 @@ impl<'a> View<'a> {
         Self { film, area, layer: None }
     }
 
-    /// A layer of it; black where no layer was asked for.
+    /// A layer of the area; black if the film has none.
     pub fn layer(self, layer: Layer) -> Self {
         Self { layer: Some(layer), ..self }
     }
@@ -72,7 +76,7 @@ impl Debug for View<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Fixed;
+    use super::super::fixed::Fixed;
     use super::*;
 
     #[test]

@@ -2,24 +2,23 @@
 
 use std::time::Duration;
 
-use super::recipe::{contrast_keyword, generator_keyword};
 use slo_scene::{Film, LightSampling, Settings};
 
-/// What `--info` adds to a name.
+/// What `--info` adds to the name of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Info<'a> {
     /// The settings that the picture was rendered with.
     pub settings: &'a Settings,
-    /// The fewest camera samples that a pixel takes, whatever they sample.
+    /// The fewest camera samples that a pixel takes.
     pub least: u32,
     /// How long the rendering took.
     pub time: Duration,
 }
 
-/// The file name of a frame: prefix, frame as 5 digits (behind a minus sign where it is negative),
-/// the fields of `info`, extension.
+/// The file name of a frame: prefix, frame as 5 digits (after a minus sign if negative), the fields of
+/// `info`, extension.
 ///
-/// Fields are `_key=value`, always the same in the same order; no value holds `_` or `=`.
+/// Fields are `_key=value`, always the same in the same order; no value contains `_` or `=`.
 pub fn file_name(film: &Film, frame: i64, info: Option<Info>) -> String {
     let sign = if frame < 0 { "-" } else { "" };
     let fields = info.map_or_else(String::new, |info| fields(film, &info));
@@ -32,7 +31,7 @@ fn fields(film: &Film, info: &Info) -> String {
         ("size", format!("{}x{}", film.width, film.height)),
         ("samples", settings.image_samples.to_string()),
         ("min", info.least.div_ceil(settings.dof_samples.max(1)).to_string()),
-        ("contrast", word(contrast_keyword(settings.contrast))),
+        ("contrast", word(settings.contrast.name())),
         ("limit", settings.image_contrast_limit.to_string()),
         ("noise", settings.noise.map_or_else(|| "none".into(), |noise| noise.to_string())),
         ("dof", settings.dof_samples.to_string()),
@@ -40,7 +39,7 @@ fn fields(film: &Film, info: &Info) -> String {
         ("reflection", settings.diffuse_reflection_samples.to_string()),
         ("refraction", settings.diffuse_refraction_samples.to_string()),
         ("recursion", settings.recursion.to_string()),
-        ("generator", word(generator_keyword(settings.generator))),
+        ("generator", word(settings.generator.name())),
         ("lights", lights(settings.light_sampling).into()),
         ("seed", settings.seed.to_string()),
         ("time", format!("{:.2}", info.time.as_secs_f64())),
@@ -48,7 +47,7 @@ fn fields(film: &Film, info: &Info) -> String {
     fields.iter().map(|(key, value)| format!("_{key}={value}")).collect()
 }
 
-/// A keyword of the scene language without what separates fields.
+/// A word of the scene language without the separators of fields.
 fn word(keyword: &str) -> String {
     keyword.replace('_', "-").to_ascii_lowercase()
 }
@@ -77,18 +76,10 @@ pub fn check_prefix(prefix: &str) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slo_scene::Encoding;
     use slo_scene::{Generator, OutputFormat};
 
     fn film(output: OutputFormat) -> Film {
-        Film {
-            width: 320,
-            height: 240,
-            prefix: "šach_".into(),
-            output,
-            encoding: Encoding::Raw,
-            layers: Vec::new(),
-        }
+        Film { width: 320, height: 240, prefix: "šach_".into(), output, ..Film::default() }
     }
 
     fn check(frame: i64, output: OutputFormat, expected: &str) {

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use crate::frame::FrameScene;
 pub use crate::integrator::Statistics;
 pub use budget::{Budget, render_until};
-pub use plan::{Part, Plan, display_of};
+pub use plan::{Part, Plan};
 use sections::Sections;
 use slo_picture::film::{Area, Film, Steps, TILE};
 use tile::TileRenderer;

@@ -6,7 +6,7 @@ use slo_accel::Isa;
 use slo_picture::film::{
     Area, BLOCK, Display, Film, Fixed, LEAST_FOR_NOISE, Pixel, Spread, Steps, TILE,
 };
-use slo_scene::{Contrast, Encoding, OutputFormat, SceneDescription, Settings};
+use slo_scene::{Contrast, SceneDescription, Settings};
 
 /// From so many samples on a block is held to the error that was asked for; below, to less.
 pub(super) const FULL_ERROR_AT: u32 = 256;
@@ -62,7 +62,7 @@ impl Plan {
             Rule::Noise(_) if least == most => LEAST_FOR_NOISE.min(most),
             _ => least,
         };
-        let display = display_of(scene.camera.film.output, scene.camera.film.encoding);
+        let display = Display::of(scene.camera.film.output, scene.camera.film.encoding);
         Self { least, most, rule, display, part: None, samples: None, steps: None }
     }
 
@@ -237,15 +237,6 @@ impl Plan {
 /// root of their number; but it is nowhere above what was asked for.
 fn error_share(samples: u32) -> f64 {
     (f64::from(samples.min(FULL_ERROR_AT)) / f64::from(FULL_ERROR_AT)).sqrt()
-}
-
-/// How the values of a file are seen.
-pub fn display_of(output: OutputFormat, encoding: Encoding) -> Display {
-    match (output, encoding) {
-        (OutputFormat::Exr, _) => Display::Unclamped,
-        (_, Encoding::Srgb) => Display::Srgb,
-        (_, Encoding::Raw) => Display::Raw,
-    }
 }
 
 fn rule(settings: &Settings, is_adaptive: bool) -> Rule {

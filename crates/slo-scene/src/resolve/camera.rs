@@ -3,33 +3,21 @@
 use glam::DVec3;
 
 use super::fields::{Element, Field, Fields, Value};
-use super::oddities;
 use super::schema::{CAM_SEGMENT, FILM};
 use super::values::{Bound, Found};
+use super::{oddities, settings};
 use crate::diagnostics::{Diagnostic, Span};
-use crate::{CamSegment, Camera, Encoding, Film, OutputFormat};
-
-/// Longest side of a picture, in pixels.
-const MOST_PIXELS: u32 = 65_536;
+use crate::settings::{Entries, Film};
+use crate::{CamSegment, Camera};
 
 /// Control points of one curve: what a frame takes grows with them.
 const MOST_CONTROL_POINTS: usize = 10_000;
-
-/// In front of the frame number where the scene says nothing.
-const DEFAULT_PREFIX: &str = "frame_";
 
 /// Sine between the view and the sky below which the camera has no right-hand side.
 const LEAST_SINE: f64 = 1e-9;
 
 /// Half-height of view, at distance 1, past which an angle was probably meant: 169 degrees.
 const WIDEST_VIEW: f64 = 10.0;
-
-const OUTPUTS: [(&str, OutputFormat); 3] = [
-    ("PNG_IMAGE", OutputFormat::Png8),
-    ("PNG16_IMAGE", OutputFormat::Png16),
-    ("EXR_IMAGE", OutputFormat::Exr),
-];
-const ENCODINGS: [(&str, Encoding); 2] = [("RAW", Encoding::Raw), ("SRGB", Encoding::Srgb)];
 
 /// `Camera`
 pub(super) fn camera(fields: &mut Fields<'_, '_, '_>) -> Option<Camera> {
@@ -58,17 +46,15 @@ fn inner<T>(
 }
 
 fn film(fields: &mut Fields<'_, '_, '_>) -> Option<Film> {
-    let width = fields.count("width", 1, MOST_PIXELS);
-    let height = fields.count("height", 1, MOST_PIXELS);
-    let prefix = prefix(fields);
-    let output = fields.choice("output", &OUTPUTS).unwrap_or_default();
-    let encoding = fields.choice("encoding", &ENCODINGS).unwrap_or_default();
-    let layers = Vec::new();
-    Some(Film { width: width?.value, height: height?.value, prefix, output, encoding, layers })
+    let mut film = Film::default();
+    let known = settings::read(fields, &mut film);
+    check_prefix(fields);
+    let is_whole = Film::ENTRIES.iter().all(|e| !e.is_required || known.contains(&e.name));
+    is_whole.then_some(film)
 }
 
-fn prefix(fields: &mut Fields<'_, '_, '_>) -> String {
-    let Some(word) = fields.word("prefix") else { return DEFAULT_PREFIX.to_owned() };
+fn check_prefix(fields: &mut Fields<'_, '_, '_>) {
+    let Some(word) = fields.word("prefix") else { return };
     if word.text.contains(|c: char| matches!(c, '/' | '\\' | ':') || c.is_control()) {
         fields.diagnostics.push(
             Diagnostic::error("`prefix` is part of a file's name and can't name a folder")
@@ -76,7 +62,6 @@ fn prefix(fields: &mut Fields<'_, '_, '_>) -> String {
                 .help("the folder is given by --outdir"),
         );
     }
-    word.text.to_owned()
 }
 
 fn segment(fields: &mut Fields<'_, '_, '_>) -> Option<CamSegment> {

@@ -1,6 +1,7 @@
 //! The elements of the language and the attributes that each takes.
 
 use crate::format::syntax::{Follows, Grammar};
+use crate::settings::{Entries, Entry, Film, Form, Settings};
 
 /// An element or inner block: its keyword and what may stand in it.
 #[derive(Debug)]
@@ -80,10 +81,6 @@ const fn color(name: &'static str) -> Attribute {
     Attribute::new(name, Kind::Vector("r g b"))
 }
 
-const fn choice(name: &'static str) -> Attribute {
-    Attribute::new(name, Kind::Choice)
-}
-
 const fn word(name: &'static str, what: &'static str) -> Attribute {
     Attribute::new(name, Kind::Word(what))
 }
@@ -94,6 +91,27 @@ const fn block(name: &'static str) -> Attribute {
 
 const fn inner(name: &'static str) -> Attribute {
     Attribute::new(name, Kind::Element)
+}
+
+/// The attributes of an element that is a list of settings.
+const fn attributes<S, const N: usize>(entries: &[Entry<S>]) -> [Attribute; N] {
+    let mut attributes = [Attribute::new("", Kind::Number); N];
+    let mut i = 0;
+    while i < N {
+        let entry = &entries[i];
+        let kind = match entry.form {
+            Form::Flag | Form::Count(..) | Form::Whole | Form::Single(_) | Form::Double(_) => {
+                Kind::Number
+            }
+            Form::Color => Kind::Vector("r g b"),
+            Form::Word(_) => Kind::Choice,
+            Form::Text(what) => Kind::Word(what),
+        };
+        attributes[i] =
+            Attribute { required: entry.is_required, ..Attribute::new(entry.name, kind) };
+        i += 1;
+    }
+    attributes
 }
 
 const MATERIAL: Attribute = word("material", "NAME").required();
@@ -107,33 +125,8 @@ const RADIUS: Attribute = number("radius").required();
 
 pub(super) const SCALING: Schema = Schema { keyword: "Scaling", attributes: &[] };
 
-pub(super) const SETTINGS: Schema = Schema {
-    keyword: "settings",
-    attributes: &[
-        choice("generatorType"),
-        choice("lightSamplingType"),
-        choice("contrastType"),
-        number("imageSamples"),
-        number("imageMinSamples"),
-        number("imageContrastLimit"),
-        number("dofSamples"),
-        number("softShadowSamples"),
-        number("diffuseReflectionSamples"),
-        number("diffuseRefractionSamples"),
-        number("recursion"),
-        number("sectionsHorizontal"),
-        number("sectionsVertical"),
-        number("parallelThreads"),
-        number("sectionsPerThread"),
-        color("background"),
-        number("seed"),
-        choice("accelerator"),
-        number("spatialSplits"),
-        choice("shadow"),
-        number("noise"),
-        number("transformSamplesPerMs"),
-    ],
-};
+const SETTINGS_ROWS: [Attribute; Settings::ENTRIES.len()] = attributes(Settings::ENTRIES);
+pub(super) const SETTINGS: Schema = Schema { keyword: "settings", attributes: &SETTINGS_ROWS };
 
 pub(super) const CAMERA: Schema = Schema {
     keyword: "Camera",
@@ -144,16 +137,8 @@ pub(super) const CAMERA: Schema = Schema {
     ],
 };
 
-pub(super) const FILM: Schema = Schema {
-    keyword: "Film",
-    attributes: &[
-        number("width").required(),
-        number("height").required(),
-        word("prefix", "TEXT"),
-        choice("output"),
-        choice("encoding"),
-    ],
-};
+const FILM_ROWS: [Attribute; Film::ENTRIES.len()] = attributes(Film::ENTRIES);
+pub(super) const FILM: Schema = Schema { keyword: "Film", attributes: &FILM_ROWS };
 
 pub(super) const CAM_SEGMENT: Schema = Schema {
     keyword: "CamSegment",

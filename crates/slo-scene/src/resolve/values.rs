@@ -8,6 +8,7 @@ use crate::diagnostics::{Diagnostic, Span};
 use crate::format::syntax::{Block, Entry, Word};
 use crate::format::{looks_like_number, parse_number};
 use crate::names::closest;
+pub(super) use crate::settings::Bound;
 
 /// Positions and lengths past this would overflow the f32 arithmetic of the triangle test, which
 /// multiplies four of them.
@@ -25,30 +26,6 @@ const LENGTHS: &str = "expected a length from 1e-150 to 1e150";
 pub(super) struct Found<T> {
     pub(super) value: T,
     pub(super) span: Span,
-}
-
-/// What a number must be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Bound {
-    Any,
-    NotNegative,
-    Positive,
-    NotZero,
-    /// More than 0, and not more than the range from black to white.
-    Error,
-}
-
-impl Bound {
-    fn broken_by(self, value: f64) -> Option<&'static str> {
-        let (is_kept, rule) = match self {
-            Self::Any => (true, ""),
-            Self::NotNegative => (value >= 0.0, "0 or more"),
-            Self::Positive => (value > 0.0, "more than 0"),
-            Self::NotZero => (value != 0.0, "other than 0"),
-            Self::Error => (value > 0.0 && value <= 1.0, "more than 0 and at most 1"),
-        };
-        (!is_kept).then_some(rule)
-    }
 }
 
 impl<'t, 'a> Fields<'t, 'a, '_> {
@@ -137,12 +114,12 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// One of several words.
-    pub(super) fn choice<T: Copy>(&mut self, name: &str, choices: &[(&str, T)]) -> Option<T> {
+    pub(super) fn choice(&mut self, name: &str, words: &[&'static str]) -> Option<&'static str> {
         let word = self.word(name)?;
-        if let Some((_, value)) = choices.iter().find(|(choice, _)| *choice == word.text) {
-            return Some(*value);
+        if let Some(found) = words.iter().find(|known| **known == word.text) {
+            return Some(found);
         }
-        let words = choices.iter().map(|(choice, _)| *choice);
+        let words = words.iter().copied();
         let mut diagnostic = Diagnostic::error(match closest(word.text, words.clone()) {
             Some(near) => format!("unknown {name} `{}`, did you mean `{near}`?", word.text),
             None => format!("unknown {name} `{}`", word.text),

@@ -7,18 +7,17 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::accel::Isa;
 use crate::cli::args::MergeArgs;
 use crate::cli::base::{Exit, Problem, Terminal, counted, print};
 use crate::cli::files::new_folders::NewFolders;
-use crate::film::{Area, Layer, MergeError, Merger, Subject};
-use crate::output::{
+use part_names::missing;
+use slo_accel::Isa;
+use slo_picture::film::{Area, Display, Layer, MergeError, Merger, Subject};
+use slo_picture::output::{
     Crop, Outcome, Picture, check_writable, layers_of, read_state, read_subject, settings_of,
     with_outcome, with_region,
 };
-use crate::render::display_of;
-use crate::scene::{Encoding, OutputFormat};
-use part_names::missing;
+use slo_scene::{Encoding, OutputFormat};
 
 /// Puts the parts of each frame together, and prints the paths of the pictures.
 pub(crate) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
@@ -150,7 +149,7 @@ impl<'a> Whole<'a> {
         let film = film(self.parts, region)?;
         let recipe = self.parts[0].subject.recipe.clone();
         let recipe = crop.map_or(recipe.clone(), |_| with_region(recipe, region));
-        let outcome = Outcome::of(&film, region, display_of(format, encoding), Isa::best());
+        let outcome = Outcome::of(&film, region, Display::of(format, encoding), Isa::best());
         let recipe = with_outcome(&recipe, &outcome);
         let image = film.image();
         let layers = film.layers_of(region, &self.layers);
@@ -181,7 +180,7 @@ fn check_paths(pictures: &[Whole]) -> Result<(), Problem> {
     Ok(())
 }
 
-fn film(parts: &[Part], region: Area) -> Result<crate::film::Film, Problem> {
+fn film(parts: &[Part], region: Area) -> Result<slo_picture::film::Film, Problem> {
     let first = &parts[0].subject;
     let subject = Subject { area: region, region, samples: None, ..first.clone() };
     let all = parts[0].number("imageSamples") * parts[0].number("dofSamples");

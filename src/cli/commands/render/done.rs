@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::cli::base::{Exit, Problem};
-use crate::frame::FrameScene;
-use crate::output::Outcome;
-use crate::render::{Statistics, Steps};
+use slo_picture::film::Steps;
+use slo_picture::output::Outcome;
+use slo_render::frame::FrameScene;
+use slo_render::render::Statistics;
 
 /// How long the phases took.
 #[derive(Clone, Copy, Debug, Default)]

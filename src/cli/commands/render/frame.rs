@@ -14,11 +14,12 @@ use crate::cli::progress::{FrameProgress, Progress};
 use crate::cli::system::memory::Reserve;
 use crate::cli::system::room::{Beside, Needs};
 use crate::cli::system::{interrupt, patience};
-use crate::film::{Film, TooLarge};
-use crate::frame::FrameScene;
-use crate::output::{Outcome, check_free, check_writable, remove_leftovers};
-use crate::render::{Budget, Exposed, Observer, Steps, render, render_until};
-use crate::scene::SceneDescription;
+use slo_picture::film::Steps;
+use slo_picture::film::{Film, TooLarge};
+use slo_picture::output::{Outcome, check_free, check_writable, remove_leftovers};
+use slo_render::frame::FrameScene;
+use slo_render::render::{Budget, Exposed, Observer, render, render_until};
+use slo_scene::SceneDescription;
 
 /// Nanoseconds that encoding and writing a pixel take, about.
 const WRITING_PER_PIXEL: u64 = 150;

@@ -10,8 +10,8 @@ use serde_json::{Map, Value, json};
 
 use super::schedule::Known;
 use crate::cli::options::Job;
-use crate::output::{Recipe, open_regular, write_atomically};
-use crate::scene::SceneDescription;
+use slo_picture::output::{Recipe, open_regular, write_atomically};
+use slo_scene::SceneDescription;
 
 /// A file in the output folder.
 pub(super) struct Ledger {

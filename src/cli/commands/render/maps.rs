@@ -8,8 +8,8 @@ use crate::cli::base::{Exit, Problem, Terminal};
 use crate::cli::files::paths::{check_path, place};
 use crate::cli::system::patience;
 use crate::cli::values::{Map, Maps};
-use crate::film::{Area, Display, Film};
-use crate::output::{write_error_map, write_sample_map};
+use slo_picture::film::{Area, Display, Film};
+use slo_picture::output::{write_error_map, write_sample_map};
 
 /// Finds out, before anything is rendered, whether the maps of the frames can be written to
 /// paths of their own. Each frame comes with the path of its picture.

@@ -15,17 +15,17 @@ mod total;
 
 use std::time::Instant;
 
-use crate::accel::Accelerator;
 use crate::cli::base::{Problem, Terminal};
 use crate::cli::claims::Left;
 use crate::cli::files::load;
 use crate::cli::options::Job;
 use crate::cli::system::interrupt::Guard;
 use crate::cli::system::threads;
-use crate::scene::SceneDescription;
 use frame::Studio;
 use plan::Step;
 use run::Run;
+use slo_scene::Accelerator;
+use slo_scene::SceneDescription;
 use target::Target;
 
 /// Renders the job's frames, prints the paths of their pictures, and says how it went.

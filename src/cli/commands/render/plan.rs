@@ -7,11 +7,11 @@ use std::time::Duration;
 use rayon::prelude::*;
 
 use super::target::Target;
-use crate::animation::{Clock, NoSegment};
 use crate::cli::files::checkpoint::unfinished;
 use crate::cli::options::Job;
-use crate::output::Found;
-use crate::scene::SceneDescription;
+use slo_picture::output::Found;
+use slo_scene::SceneDescription;
+use slo_scene::animation::{Clock, NoSegment};
 
 /// One frame, and what the output folder holds of it.
 #[derive(Debug)]

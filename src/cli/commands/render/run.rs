@@ -17,8 +17,8 @@ use crate::cli::files::load;
 use crate::cli::progress::Progress;
 use crate::cli::system::interrupt;
 use crate::cli::values::shown;
-use crate::frame::FrameScene;
-use crate::output::Found;
+use slo_picture::output::Found;
+use slo_render::frame::FrameScene;
 
 /// A picture that was in place.
 struct Placed {

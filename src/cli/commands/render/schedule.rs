@@ -2,7 +2,7 @@
 //!
 //! Frames are numbered by their place in the run, times are in seconds.
 
-use crate::render::Steps;
+use slo_picture::film::Steps;
 
 /// The step that each frame is taken to first: fewer samples do not show what more would take.
 const FIRST: u32 = 4;

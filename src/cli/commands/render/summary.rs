@@ -4,10 +4,11 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use super::done::{Done, Size, Times};
-use crate::accel::{Accelerator, Isa};
 use crate::cli::base::{Terminal, counted, human, megabytes};
-use crate::render::Statistics;
-use crate::scene::{SceneDescription, Settings};
+use slo_accel::Isa;
+use slo_render::render::Statistics;
+use slo_scene::Accelerator;
+use slo_scene::{SceneDescription, Settings};
 
 /// What was measured of one run.
 #[derive(Clone, Copy, Debug)]

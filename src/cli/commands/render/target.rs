@@ -10,13 +10,14 @@ use super::maps;
 use crate::cli::base::{Exit, Problem, Terminal};
 use crate::cli::options::Job;
 use crate::cli::values::{PartBy, Region};
-use crate::film::{Area, Film, State, Subject, View};
-use crate::output::{
+use slo_picture::film::Steps;
+use slo_picture::film::{Area, Film, State, Subject, View};
+use slo_picture::output::{
     Crop, Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state,
     find_timed_picture, made_by_others, with_outcome, with_region, with_steps, write_state,
 };
-use crate::render::{Part, Plan, Steps};
-use crate::scene::{OutputFormat, SceneDescription};
+use slo_render::render::{Part, Plan};
+use slo_scene::SceneDescription;
 
 /// What is made of each frame of a job.
 #[derive(Clone, Debug)]
@@ -38,8 +39,9 @@ impl<'a> Target<'a> {
     /// its file does not hold.
     pub(super) fn new(job: &'a Job, scene: &'a SceneDescription) -> Result<Self, Problem> {
         let film = &scene.camera.film;
-        if !film.layers.is_empty() && film.output != OutputFormat::Exr {
-            let message = "layers are written to EXR pictures only, but this is a PNG";
+        if !film.layers.is_empty() && !film.output.has_layers() {
+            let kind = film.output.kind();
+            let message = format!("layers are written to EXR pictures only, but this is a {kind}");
             return Err(Problem::new(Exit::Usage, message)
                 .with_help("use `--format exr`, or `output EXR_IMAGE` in the scene"));
         }

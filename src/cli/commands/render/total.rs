@@ -9,7 +9,7 @@ use super::plan::{Step, is_open};
 use super::run::{Run, may_begin};
 use super::schedule::{Known, Round, Schedule, Visit};
 use crate::cli::base::{Exit, Problem, human};
-use crate::output::Found;
+use slo_picture::output::Found;
 
 /// A frame, and what came of it so far in this run.
 struct Take {
@@ -35,8 +35,9 @@ impl Rounds {
 
     /// Why more than the span has passed, if that is known.
     fn late(&self, span: f64) -> Option<String> {
-        let is_least =
-            |take: &Take| take.done.as_ref()?.steps.map(|s| s == crate::render::Steps::default());
+        let is_least = |take: &Take| {
+            take.done.as_ref()?.steps.map(|s| s == slo_picture::film::Steps::default())
+        };
         let has_least = self.takes.iter().any(|take| is_least(take).unwrap_or(false));
         let seconds = self.passed();
         let [passed, asked] = [seconds, span].map(|s| human(Duration::from_secs_f64(s)));

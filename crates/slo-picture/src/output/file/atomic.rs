@@ -1,0 +1,224 @@
+//! Files that are complete or absent.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+
+use tempfile::{Builder, NamedTempFile};
+
+/// Creates the folder of `path`, and checks whether a file can be created at `path` by creating one
+/// beside it, which is removed at once.
+///
+/// # Errors
+/// What the system says of the folder or the file; `path` is a folder.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    fs::create_dir_all(folder(path)).map_err(|error| match error.kind() {
+        io::ErrorKind::AlreadyExists => io::ErrorKind::NotADirectory.into(),
+        _ => error,
+    })?;
+    check_free(path)?;
+    temporary_beside(path)?.close()
+}
+
+/// Checks whether anything but a file is in the way of a file at `path`.
+///
+/// # Errors
+/// `path` is a folder, a device, a pipe or a link to one, or can't be the path of a file.
+pub fn check_free(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(there) if !there.is_file() => Err(not_regular()),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Opens a file for reading, but nothing that would keep the reader waiting.
+///
+/// # Errors
+/// What the system says; `path` is a folder, a device or a pipe.
+pub fn open_regular(path: &Path) -> io::Result<File> {
+    match fs::metadata(path)? {
+        there if there.is_file() => File::open(path),
+        // Some systems open a folder, and fail when it is read.
+        there if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        _ => Err(not_regular()),
+    }
+}
+
+fn not_regular() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, "a device or a pipe is there, no file")
+}
+
+/// Lets `write` fill a new file beside `path`, then renames it to `path`. An older file stays as it is
+/// until then, and for good if anything fails.
+///
+/// # Errors
+/// Those of `write`, and what the system says of creating, syncing or renaming.
+pub fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> io::Result<()> {
+    check_free(path)?;
+    let mut temporary = temporary_beside(path)?;
+    write(temporary.as_file_mut())?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(path).map_err(|error| error.error)?;
+    sync_folder(folder(path));
+    Ok(())
+}
+
+/// Removes the temporary files of writers of `path` that were killed. A writer that is still at work
+/// fails, as if the folder were gone.
+pub fn remove_leftovers(path: &Path) {
+    let beginning = temporary_beginning(path);
+    let is_leftover = |name: &str| name.starts_with(&beginning) && name.ends_with(TEMPORARY_END);
+    for entry in fs::read_dir(folder(path)).into_iter().flatten().flatten() {
+        if entry.file_name().to_str().is_some_and(is_leftover) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+const TEMPORARY_END: &str = ".part";
+
+/// The beginning of temporary names: a hash of the final name, which may be as long as names can be.
+fn temporary_beginning(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().as_encoded_bytes();
+    let hash = blake3::hash(name).to_hex();
+    format!(".slo-rt-{}-", &hash[..8])
+}
+
+fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+    // `tempfile_in` would make a file for its owner only, and put its name into every error.
+    let create = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
+    let beginning = temporary_beginning(path);
+    Builder::new().prefix(&beginning).suffix(TEMPORARY_END).make_in(folder(path), create)
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Makes the renaming survive a power cut, if the system can sync folders. The file is complete and in
+/// place already, so a refusal is no failure.
+fn sync_folder(folder: &Path) {
+    if cfg!(unix) {
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_written_file_is_whole_and_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        fs::write(&path, "older and longer").unwrap();
+        write_atomically(&path, |file| file.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn a_failure_keeps_the_older_file_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        fs::write(&path, "older").unwrap();
+        let failed = write_atomically(&path, |file| {
+            file.write_all(b"half")?;
+            Err(io::ErrorKind::StorageFull.into())
+        });
+        assert_eq!(failed.unwrap_err().kind(), io::ErrorKind::StorageFull);
+        assert_eq!(fs::read(&path).unwrap(), b"older");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn leftovers_of_one_file_can_be_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let [one, other] = ["a.png", "b.png"].map(|name| folder.path().join(name));
+        let leave = |path| drop(temporary_beside(path).unwrap().keep().unwrap());
+        leave(&one);
+        leave(&one);
+        fs::write(&one, "whole").unwrap();
+        leave(&other);
+        remove_leftovers(&one);
+        assert_eq!(names(folder.path()).len(), 2);
+        remove_leftovers(&other);
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn checking_makes_folders_and_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        check_writable(&folder.path().join("a/b/c.png")).unwrap();
+        assert_eq!(names(&folder.path().join("a/b")), Vec::<String>::new());
+    }
+
+    #[test]
+    fn checking_finds_what_is_in_the_way() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, "").unwrap();
+        assert!(check_writable(&file.join("a.png")).is_err());
+        assert!(check_writable(folder.path()).is_err());
+        let opened = open_regular(folder.path()).unwrap_err();
+        assert_eq!(opened.kind(), io::ErrorKind::IsADirectory);
+        let long = "x".repeat(300);
+        assert!(check_writable(&folder.path().join(long)).is_err());
+        assert!(write_atomically(&folder.path().join("none/a.png"), |_| Ok(())).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_pipes_are_neither_replaced_nor_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink("/dev/null", &link).unwrap();
+        for path in [&pipe, &link] {
+            assert!(check_writable(path).is_err());
+            assert!(write_atomically(path, |_| Ok(())).is_err());
+            assert!(open_regular(path).is_err());
+        }
+        let mut names = names(folder.path());
+        names.sort_unstable();
+        assert_eq!(names, ["link", "pipe"]);
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+
+    #[test]
+    fn errors_are_the_words_of_the_system() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("none/a.png");
+        let error = write_atomically(&missing, |_| Ok(())).unwrap_err();
+        assert!(error.raw_os_error().is_some(), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn others_may_read_what_they_may_read_of_any_new_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |name: &str| {
+            fs::metadata(folder.path().join(name)).unwrap().permissions().mode() & 0o777
+        };
+        fs::write(folder.path().join("plain"), "").unwrap();
+        write_atomically(&folder.path().join("ours"), |_| Ok(())).unwrap();
+        assert_eq!(mode("ours"), mode("plain"));
+    }
+}

@@ -1,0 +1,7 @@
+//! Files, whatever is in them.
+
+mod atomic;
+mod candid;
+
+pub use atomic::{check_free, check_writable, open_regular, remove_leftovers, write_atomically};
+pub(super) use candid::Candid;

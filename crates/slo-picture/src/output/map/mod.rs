@@ -1,0 +1,7 @@
+//! Pictures beside the pictures: maps and contact sheets.
+
+mod companion;
+mod write;
+
+pub use companion::{check_companion, is_companion, map_format, write_sheet};
+pub use write::{write_difference_map, write_error_map, write_sample_map};

@@ -1,0 +1,293 @@
+//! States in files: checkpoints, parts, pictures that may get more samples.
+//!
+//! All numbers are little-endian:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | `slo-rt` and two zeros |
+//! | 4 | [`VERSION`] |
+//! | 4 + n | length of the recipe, the recipe as JSON |
+//! | 16 | area of the film: x0, y0, x1, y1 |
+//! | 16 | region that was asked for |
+//! | 8 | numbers of the first sample and one past the last, 0 and 0 if samples are not shared out |
+//! | 4 | 1 with spreads, 2 complete, 4 with features |
+//! | 4 each | how many samples each pixel has, row by row |
+//! | 24, 24, 48, 48 each | of the pixels that have any: sums; of those with more than one or a share of samples: base; with spreads: least and most; with features: albedo and normal |
+//! | 32 | BLAKE3 over all before |
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::Path;
+
+use super::check::Bounds;
+use crate::film::{Area, Features, Film, Fixed, Pixel, Spread, State, Subject};
+use crate::output::file::{open_regular, write_atomically};
+
+/// Changes with the layout of the file.
+pub(super) const VERSION: u32 = 1;
+/// The first bytes of every state.
+pub(in crate::output) const MAGIC: [u8; 8] = *b"slo-rt\0\0";
+const LONGEST_RECIPE: u32 = 1 << 16;
+const WITH_SPREADS: u32 = 1;
+const COMPLETE: u32 = 2;
+const WITH_FEATURES: u32 = 4;
+/// Length of the hash at the end.
+pub(super) const HASH: u64 = 32;
+const BUFFER: usize = 1 << 16;
+
+/// Writes `state` to `path`, which holds the old file or the complete new one at any time.
+///
+/// # Errors
+/// What the system says.
+pub fn write_state(path: &Path, state: &State) -> io::Result<()> {
+    write_atomically(path, |file| {
+        let hashed = Hashed { inner: file, hasher: blake3::Hasher::new() };
+        let mut out = BufWriter::with_capacity(BUFFER, hashed);
+        write_header(&mut out, state)?;
+        write_pixels(&mut out, state)?;
+        let out = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        out.inner.write_all(out.hasher.finalize().as_bytes())
+    })
+}
+
+fn write_header(out: &mut impl Write, state: &State) -> io::Result<()> {
+    out.write_all(&MAGIC)?;
+    put(out, VERSION)?;
+    let subject = &state.subject;
+    put(out, subject.recipe.len() as u32)?;
+    out.write_all(subject.recipe.as_bytes())?;
+    for area in [subject.area, subject.region] {
+        [area.x0, area.y0, area.x1, area.y1].into_iter().try_for_each(|n| put(out, n))?;
+    }
+    let range = subject.samples.clone().unwrap_or(0..0);
+    put(out, range.start)?;
+    put(out, range.end)?;
+    let flags = [
+        (subject.with_spreads, WITH_SPREADS),
+        (state.is_complete, COMPLETE),
+        (subject.with_features, WITH_FEATURES),
+    ];
+    put(out, flags.iter().filter(|(is_set, _)| *is_set).map(|(_, flag)| flag).sum())
+}
+
+fn write_pixels(out: &mut impl Write, state: &State) -> io::Result<()> {
+    let pixels = state.film.pixels();
+    pixels.iter().try_for_each(|pixel| put(out, pixel.samples))?;
+    for (i, pixel) in pixels.iter().enumerate().filter(|(_, pixel)| pixel.samples > 0) {
+        put_color(out, pixel.sum)?;
+        if has_base(pixel, state.subject.samples.is_some()) {
+            put_color(out, pixel.base)?;
+        }
+        if let Some(spread) = state.film.spreads().get(i) {
+            put_color(out, spread.least)?;
+            put_color(out, spread.most)?;
+        }
+        if let Some(features) = state.film.features().get(i) {
+            put_color(out, features.albedo)?;
+            put_color(out, features.normal)?;
+        }
+    }
+    Ok(())
+}
+
+fn has_base(pixel: &Pixel, is_share: bool) -> bool {
+    pixel.samples > 1 || is_share
+}
+
+fn put(out: &mut impl Write, number: u32) -> io::Result<()> {
+    out.write_all(&number.to_le_bytes())
+}
+
+fn put_color(out: &mut impl Write, color: [Fixed; 3]) -> io::Result<()> {
+    let mut bytes = [0; 24];
+    for (to, from) in bytes.chunks_exact_mut(8).zip(color) {
+        to.copy_from_slice(&from.units().to_le_bytes());
+    }
+    out.write_all(&bytes)
+}
+
+/// Reads the state at `path`. Nothing in the file is trusted: a file that is truncated, damaged, of
+/// another program, or that holds impossible numbers is refused.
+///
+/// # Errors
+/// What the system says, and `InvalidData` with what is wrong.
+pub fn read_state(path: &Path) -> io::Result<State> {
+    read(open_regular(path)?).map_err(cut_off)
+}
+
+/// Reads the subject of the state at `path`, and whether it is complete, without its samples.
+///
+/// # Errors
+/// As [`read_state`].
+pub fn read_subject(path: &Path) -> io::Result<(Subject, bool)> {
+    let file = open_regular(path)?;
+    let length = file.metadata()?.len().saturating_sub(HASH);
+    let header = Header::read(&mut BufReader::new(file)).map_err(cut_off)?;
+    header.check(length)?;
+    Ok((header.subject, header.is_complete))
+}
+
+fn cut_off(error: io::Error) -> io::Error {
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof => bad("it was cut off"),
+        _ => error,
+    }
+}
+
+fn read(file: File) -> io::Result<State> {
+    let length = file.metadata()?.len().saturating_sub(HASH);
+    let hashed = Hashed { inner: file.take(length), hasher: blake3::Hasher::new() };
+    let mut input = BufReader::with_capacity(BUFFER, hashed);
+    let header = Header::read(&mut input)?;
+    let bounds = header.check(length)?;
+    let film = read_film(&mut input, &header.subject, &bounds)?;
+    if input.read(&mut [0])? != 0 {
+        return Err(bad("it is damaged"));
+    }
+    let Hashed { inner, hasher } = input.into_inner();
+    let mut expected = [0; HASH as usize];
+    inner.into_inner().read_exact(&mut expected)?;
+    if hasher.finalize() == expected { Ok(header.state(film)) } else { Err(bad("it is damaged")) }
+}
+
+/// All before the pixels.
+struct Header {
+    subject: Subject,
+    is_complete: bool,
+}
+
+impl Header {
+    fn read(input: &mut impl Read) -> io::Result<Self> {
+        let mut magic = [0; 8];
+        input.read_exact(&mut magic).map_err(|_| bad("it is no state of slo-rt"))?;
+        if magic != MAGIC {
+            return Err(bad("it is no state of slo-rt"));
+        }
+        if get(input)? != VERSION {
+            return Err(bad("it is of another version of slo-rt"));
+        }
+        let length = get(input)?;
+        if length > LONGEST_RECIPE {
+            return Err(bad("it is damaged"));
+        }
+        let mut recipe = vec![0; length as usize];
+        input.read_exact(&mut recipe)?;
+        let recipe = String::from_utf8(recipe).map_err(|_| bad("it is damaged"))?;
+        let (area, region) = (get_area(input)?, get_area(input)?);
+        let samples = Some(get(input)?..get(input)?).filter(|range| *range != (0..0));
+        let flags = get(input)?;
+        if flags >= WITH_FEATURES << 1 {
+            return Err(bad("it is of another version of slo-rt"));
+        }
+        let with_spreads = flags & WITH_SPREADS != 0;
+        let with_features = flags & WITH_FEATURES != 0;
+        let subject = Subject { recipe, area, region, samples, with_spreads, with_features };
+        Ok(Self { subject, is_complete: flags & COMPLETE != 0 })
+    }
+
+    /// Whether a file of `length` bytes can hold what the header says, before memory is allocated.
+    fn check(&self, length: u64) -> io::Result<Bounds> {
+        let bounds = Bounds::of(&self.subject, self.is_complete).map_err(damaged)?;
+        match self.subject.area.len() as u64 * 4 < length {
+            true => Ok(bounds),
+            false => Err(damaged("it is too short for its pixels")),
+        }
+    }
+
+    fn state(self, film: Film) -> State {
+        State { subject: self.subject, film, is_complete: self.is_complete }
+    }
+}
+
+fn read_film(input: &mut impl Read, subject: &Subject, bounds: &Bounds) -> io::Result<Film> {
+    let mut film = subject.film().map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
+    for i in 0..subject.area.len() {
+        let samples = get(input)?;
+        bounds.check_count(samples).map_err(damaged)?;
+        film.at_mut(i).0.samples = samples;
+    }
+    for i in 0..subject.area.len() {
+        let (pixel, spread) = film.at_mut(i);
+        if pixel.samples == 0 {
+            continue;
+        }
+        read_pixel(input, pixel, spread, subject.samples.is_some())?;
+        if let Some(features) = film.features_mut(i) {
+            *features = Features { albedo: get_color(input)?, normal: get_color(input)? };
+        }
+        let (spread, features) = (film.spreads().get(i), film.features().get(i));
+        bounds.check_pixel(&film.pixels()[i], spread, features).map_err(damaged)?;
+    }
+    Ok(film)
+}
+
+fn read_pixel(
+    input: &mut impl Read,
+    pixel: &mut Pixel,
+    spread: Option<&mut Spread>,
+    is_share: bool,
+) -> io::Result<()> {
+    pixel.sum = get_color(input)?;
+    if has_base(pixel, is_share) {
+        pixel.base = get_color(input)?;
+    }
+    if let Some(spread) = spread {
+        *spread = Spread { least: get_color(input)?, most: get_color(input)? };
+    }
+    Ok(())
+}
+
+fn get(input: &mut impl Read) -> io::Result<u32> {
+    let mut bytes = [0; 4];
+    input.read_exact(&mut bytes)?;
+    Ok(u32::from_le_bytes(bytes))
+}
+
+fn get_area(input: &mut impl Read) -> io::Result<Area> {
+    let area = Area { x0: get(input)?, y0: get(input)?, x1: get(input)?, y1: get(input)? };
+    if area.x0 < area.x1 && area.y0 < area.y1 { Ok(area) } else { Err(bad("it is damaged")) }
+}
+
+fn get_color(input: &mut impl Read) -> io::Result<[Fixed; 3]> {
+    let mut bytes = [0; 24];
+    input.read_exact(&mut bytes)?;
+    let mut color = [Fixed::default(); 3];
+    for (to, from) in color.iter_mut().zip(bytes.as_chunks::<8>().0) {
+        *to = Fixed::from_units(i64::from_le_bytes(*from));
+    }
+    Ok(color)
+}
+
+fn damaged(why: &str) -> io::Error {
+    bad(format!("it is damaged: {why}"))
+}
+
+fn bad(what: impl Into<String>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what.into())
+}
+
+/// Hashes what goes through it.
+struct Hashed<T> {
+    inner: T,
+    hasher: blake3::Hasher,
+}
+
+impl<T: Write> Write for Hashed<T> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.inner.write(bytes)?;
+        self.hasher.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<T: Read> Read for Hashed<T> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let read = self.inner.read(bytes)?;
+        self.hasher.update(&bytes[..read]);
+        Ok(read)
+    }
+}

@@ -1,0 +1,90 @@
+//! The `settings` element.
+
+use super::entry::{Effect, choice, color, count, double, entries, flag, single, whole};
+use super::value::Bound;
+use super::words::{Accelerator, Contrast, Generator, LightSampling, ShadowMode};
+
+/// Most camera samples of a pixel, `imageSamples` times `dofSamples`: the film can add up so many.
+pub const MOST_CAMERA_SAMPLES: u32 = (1 << 22) - 1;
+
+/// Samples of one kind; the product with another kind still fits u32.
+const MOST_SAMPLES: u32 = 65_535;
+const MOST_BOUNCES: u32 = 1000;
+const MOST_SECTIONS: u32 = 65_536;
+const MOST_THREADS: u32 = 65_536;
+
+entries! {
+    /// The `settings` element.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Settings {
+        /// Which points the integral is sampled at.
+        generator: Generator = Generator::Quasi, choice("generatorType", Effect::Samples);
+        /// How many lights a hit asks.
+        light_sampling: LightSampling = LightSampling::All,
+            choice("lightSamplingType", Effect::Samples);
+        /// How a sample stands out.
+        contrast: Contrast = Contrast::Difference, choice("contrastType", Effect::Count);
+        /// Samples of a pixel's area.
+        image_samples: u32 = 16, count("imageSamples", [1, MOST_SAMPLES], Effect::Count);
+        /// The least of them; equal to `image_samples`: not adaptive.
+        image_min_samples: u32 = 16, count("imageMinSamples", [1, MOST_SAMPLES], Effect::Count);
+        /// The contrast from which a sample stands out.
+        image_contrast_limit: f32 = 0.03,
+            single("imageContrastLimit", Bound::NotNegative, Effect::Count);
+        /// Samples of the lens, multiplies `image_samples`.
+        dof_samples: u32 = 1, count("dofSamples", [1, MOST_SAMPLES], Effect::Count);
+        /// Per area light at the first hit.
+        soft_shadow_samples: u32 = 1, count("softShadowSamples", [1, MOST_SAMPLES], Effect::Samples);
+        /// At the first hit.
+        diffuse_reflection_samples: u32 = 1,
+            count("diffuseReflectionSamples", [1, MOST_SAMPLES], Effect::Samples);
+        /// At the first hit.
+        diffuse_refraction_samples: u32 = 1,
+            count("diffuseRefractionSamples", [1, MOST_SAMPLES], Effect::Samples);
+        /// Bounces after the primary hit; 0 is none.
+        recursion: u32 = 3, count("recursion", [0, MOST_BOUNCES], Effect::Samples);
+        /// Sections side by side; `None`: chosen by the renderer.
+        sections_horizontal: Option<u32> = None,
+            count("sectionsHorizontal", [1, MOST_SECTIONS], Effect::Nothing);
+        /// Sections one below the other; `None`: chosen by the renderer.
+        sections_vertical: Option<u32> = None,
+            count("sectionsVertical", [1, MOST_SECTIONS], Effect::Nothing);
+        /// Threads; `None`: all that the machine has.
+        parallel_threads: Option<u32> = None,
+            count("parallelThreads", [1, MOST_THREADS], Effect::Nothing);
+        /// Sections handed out at a time.
+        sections_per_thread: u32 = 1, count("sectionsPerThread", [1, u32::MAX], Effect::Nothing);
+        /// Radiance of a ray that hits nothing.
+        background: [f32; 3] = [0.0; 3], color("background", Effect::Samples);
+        /// Seed of every random number.
+        seed: u64 = 0, whole("seed", Effect::Samples).first();
+        /// The structure that rays are traced through. All find the same hits but CWBVH, which may
+        /// miss some.
+        accelerator: Accelerator = Accelerator::Bvh,
+            choice("accelerator", Effect::Samples)
+                .recorded_if(|settings: &Settings| settings.accelerator == Accelerator::Cwbvh)
+                .last();
+        /// Whether the BVH may cut triangles.
+        spatial_splits: bool = false, flag("spatialSplits", Effect::Nothing);
+        /// What refractive objects do to light on its way to a hit.
+        shadow: ShadowMode = ShadowMode::Opaque, choice("shadow", Effect::Samples);
+        /// Error at which a pixel is done; `None`: off.
+        noise: Option<f32> = None, single("noise", Bound::Error, Effect::Count).unless_default();
+        /// Sampled transforms per millisecond of shutter, at least.
+        transform_samples_per_ms: f64 = 2.0,
+            double("transformSamplesPerMs", Bound::Positive, Effect::Samples);
+    }
+}
+
+impl Settings {
+    /// Camera samples of a pixel, at most.
+    pub fn camera_samples(&self) -> u64 {
+        u64::from(self.image_samples) * u64::from(self.dof_samples)
+    }
+
+    /// Whether settings that depend on each other go together.
+    pub fn are_consistent(&self) -> bool {
+        self.camera_samples() <= u64::from(MOST_CAMERA_SAMPLES)
+            && self.image_min_samples <= self.image_samples
+    }
+}

@@ -1,0 +1,85 @@
+//! Settings that are one of several words: each word stands here and nowhere else.
+
+use super::choice::choices;
+
+choices! {
+    /// The structure that rays are traced through.
+    pub enum Accelerator {
+        /// SAH kd-tree.
+        KdTree = "KDTREE",
+        /// 8-wide bounding volume hierarchy.
+        Bvh = "BVH",
+        /// obvhs's compressed wide hierarchy, the library yardstick.
+        Cwbvh = "CWBVH",
+        /// Every primitive is tested.
+        None = "NONE",
+    }
+}
+
+choices! {
+    /// Which points the integral is sampled at.
+    pub enum Generator {
+        /// Independent uniform numbers.
+        Pseudo = "PSEUDO",
+        /// Owen-scrambled (0,2)-sequences that go well together.
+        Quasi = "QUASI",
+        /// The thesis's XOR-scrambled (0,2)-sequence.
+        ZeroTwo = "ZERO_TWO",
+    }
+}
+
+choices! {
+    /// How many lights a hit asks.
+    pub enum LightSampling {
+        /// One light at random, weighted by the number of lights.
+        One = "SAMPLE_ONE_AT_TIME",
+        /// Every light.
+        All = "SAMPLE_ALL_AT_TIME",
+    }
+}
+
+choices! {
+    /// The contrast of a sample `I` with the mean `E` (thesis 5.12 to 5.14).
+    pub enum Contrast {
+        /// |I - E|
+        Difference = "DIFFERENCE",
+        /// |I - E| / E
+        Weber = "WEBER",
+        /// |I - E| / (I + E)
+        Michelson = "MICHELSON",
+    }
+}
+
+choices! {
+    /// What a refractive object does to light that passes through it on its way to a hit.
+    pub enum ShadowMode {
+        /// Blocks it.
+        Opaque = "OPAQUE",
+        /// Lets `refraction` of it through, unbent.
+        Transparent = "TRANSPARENT",
+    }
+}
+
+choices! {
+    /// How radiance becomes an encoded value of a file, such as a PNG's.
+    pub enum Encoding {
+        /// Clamped and scaled, as in the thesis.
+        Raw = "RAW",
+        /// Linear light to sRGB.
+        Srgb = "SRGB",
+    }
+}
+
+choices! {
+    /// A picture of surfaces beside the colours. Its word is the one of the command line, of recipes and
+    /// of channels in files.
+    #[derive(PartialOrd, Ord)]
+    pub enum Layer {
+        /// The share of light that surfaces reflect, whatever light falls on them: red, green, blue
+        /// from 0 to 1.
+        Albedo = "albedo",
+        /// Shading normals of surfaces, on the visible side: x, y, z in the scene's axes, of length 1
+        /// where there is one surface, and 0 where there is none.
+        Normal = "normal",
+    }
+}
