@@ -6,7 +6,7 @@ use super::problem::Problem;
 use super::terminal::{Terminal, counted};
 use crate::animation::Clock;
 use crate::output::{encoding_keyword, output_keyword};
-use crate::scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape, Texture};
+use crate::scene::{Camera, Object, SceneDescription, Settings, Texture};
 
 /// Reports on the job's scene; renders nothing.
 pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
@@ -64,24 +64,13 @@ fn segments(camera: &Camera) -> Vec<String> {
 
 fn objects(objects: &[Object]) -> String {
     let moving = objects.iter().filter(|object| object.key_frames.len() > 1).count();
-    let triangles: usize = objects.iter().map(|object| triangles(&object.shape)).sum();
+    let triangles: usize = objects.iter().map(|object| object.shape.triangle_count()).sum();
     let triangles = counted(triangles, "triangle");
     format!("objects: {}, {moving} of them animated; {triangles}", objects.len())
 }
 
-fn triangles(shape: &Shape) -> usize {
-    match shape {
-        Shape::Mesh { mesh, .. } => mesh.faces.len(),
-        Shape::Triangle { .. } => 1,
-        Shape::Plane { .. } | Shape::Rectangle { .. } => 2,
-        Shape::Box { .. } => 12,
-        Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => 0,
-    }
-}
-
 fn lights_and_materials(scene: &SceneDescription) -> String {
-    let is_area = |shape: &LightShape| matches!(shape, LightShape::Rectangle { .. });
-    let areas = scene.lights.iter().filter(|light| is_area(&light.shape)).count();
+    let areas = scene.lights.iter().filter(|light| light.kind.surface().is_some()).count();
     let texels = |texture: &Texture| u64::from(texture.width()) * u64::from(texture.height());
     let texels: u64 = scene.textures.iter().map(|texture| texels(texture)).sum();
     format!(

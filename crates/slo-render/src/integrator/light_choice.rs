@@ -2,7 +2,7 @@
 
 use super::points::Points;
 use crate::frame::FrameScene;
-use crate::shading::Light;
+use crate::shading::AnyLight as Light;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, lanes};
 

@@ -12,7 +12,7 @@ use crate::frame::FrameScene;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::phong::local_light;
-use crate::shading::{Light, lobe};
+use crate::shading::{AnyLight as Light, lobe};
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, lanes};
 use slo_scene::LightSampling;

@@ -17,7 +17,7 @@ use crate::frame::{
 };
 use crate::sampling::batch::SetPoints;
 use crate::sampling::{PixelSeed, Purpose};
-use crate::shading::Light;
+use crate::shading::AnyLight as Light;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 use slo_accel::{Coherence, Lanewise, NO_HIT};
 use slo_scene::ShadowMode;

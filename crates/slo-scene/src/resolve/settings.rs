@@ -1,11 +1,40 @@
 //! The `settings` element.
 
-use super::fields::Fields;
-use super::values::{Bound, Found};
+use crate::attributes::schema::{Schema, choice, color, number};
+use crate::attributes::{Bound, Fields, Found};
 use crate::diagnostics::Diagnostic;
-use crate::{
+use crate::settings::{
     Accelerator, Contrast, Generator, LightSampling, MOST_CAMERA_SAMPLES, Settings, ShadowMode,
 };
+
+/// `settings`
+pub(super) const SETTINGS: Schema = Schema::new(
+    "settings",
+    &[
+        choice("generatorType"),
+        choice("lightSamplingType"),
+        choice("contrastType"),
+        number("imageSamples"),
+        number("imageMinSamples"),
+        number("imageContrastLimit"),
+        number("dofSamples"),
+        number("softShadowSamples"),
+        number("diffuseReflectionSamples"),
+        number("diffuseRefractionSamples"),
+        number("recursion"),
+        number("sectionsHorizontal"),
+        number("sectionsVertical"),
+        number("parallelThreads"),
+        number("sectionsPerThread"),
+        color("background"),
+        number("seed"),
+        choice("accelerator"),
+        number("spatialSplits"),
+        choice("shadow"),
+        number("noise"),
+        number("transformSamplesPerMs"),
+    ],
+);
 
 /// Samples of one kind; the product with another kind still fits u32.
 const MOST_SAMPLES: u32 = 65_535;
