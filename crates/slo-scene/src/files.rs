@@ -4,7 +4,7 @@ use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-use super::names::closest;
+use crate::names::closest;
 
 /// The files that a scene may name.
 #[derive(Clone, Debug)]
@@ -184,39 +184,39 @@ fn open_built_in(table: Table, folder: &str, path: &str) -> Result<Box<dyn Read>
 
 /// Hash over a scene's text and the files that it loads, in order.
 #[derive(Clone, Debug)]
-pub(super) struct ContentHash(blake3::Hasher);
+pub(crate) struct ContentHash(blake3::Hasher);
 
 impl ContentHash {
     /// Begins with the text.
-    pub(super) fn new(text: &[u8]) -> Self {
+    pub(crate) fn new(text: &[u8]) -> Self {
         let mut whole = blake3::Hasher::new();
         whole.update(blake3::hash(text).as_bytes());
         Self(whole)
     }
 
     /// Adds a file that was read to its end.
-    pub(super) fn add(&mut self, file: &blake3::Hasher) {
+    pub(crate) fn add(&mut self, file: &blake3::Hasher) {
         self.0.update(file.finalize().as_bytes());
     }
 
-    pub(super) fn finish(&self) -> [u8; 32] {
+    pub(crate) fn finish(&self) -> [u8; 32] {
         *self.0.finalize().as_bytes()
     }
 }
 
 /// Passes bytes on and hashes them.
-pub(super) struct HashingReader<R> {
+pub(crate) struct HashingReader<R> {
     inner: R,
     hasher: blake3::Hasher,
 }
 
 impl<R: Read> HashingReader<R> {
-    pub(super) fn new(inner: R) -> Self {
+    pub(crate) fn new(inner: R) -> Self {
         Self { inner, hasher: blake3::Hasher::new() }
     }
 
     /// The hash of the whole file, also of what its loader left unread.
-    pub(super) fn finish(mut self) -> io::Result<blake3::Hasher> {
+    pub(crate) fn finish(mut self) -> io::Result<blake3::Hasher> {
         io::copy(&mut self, &mut io::sink())?;
         Ok(self.hasher)
     }

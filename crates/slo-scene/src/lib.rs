@@ -8,26 +8,35 @@
 //! knows a ray or a thread.
 
 pub mod animation;
+mod assets;
+mod attributes;
 mod description;
 pub mod diagnostics;
+mod file_kinds;
 pub mod files;
 pub mod format;
 mod kinds;
+pub mod light;
 mod load;
+pub mod material;
 pub mod mesh;
 mod names;
 mod resolve;
 pub mod settings;
+pub mod shape;
 pub mod texture;
 
 pub use description::{
-    CamSegment, Camera, KeyFrame, Light, LightShape, Material, MaterialId, Mesh, Object, Placement,
-    SceneDescription, Shape, TextureId, TextureUse,
+    CamSegment, Camera, KeyFrame, MaterialId, Object, Placement, SceneDescription,
 };
 pub use files::Files;
+pub use light::{Light, LightKind};
 pub use load::{Loaded, load};
+pub use material::{Material, MaterialKind, TextureId, TextureUse};
+pub use mesh::Mesh;
 pub use settings::{
     Accelerator, Contrast, Encoding, Film, Generator, Layer, LightSampling, MOST_CAMERA_SAMPLES,
     OutputFormat, Settings, ShadowMode,
 };
+pub use shape::Shape;
 pub use texture::Texture;

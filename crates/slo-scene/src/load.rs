@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
-use super::SceneDescription;
-use super::files::{ContentHash, Files};
-use super::kinds::{self, Kind};
-use super::mesh::{self, BYTE_ORDER_MARK};
-use super::resolve::resolve;
+use crate::description::SceneDescription;
 use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
+use crate::file_kinds::{self, Kind};
+use crate::files::{ContentHash, Files};
+use crate::mesh::{self, BYTE_ORDER_MARK};
+use crate::resolve::resolve;
 
 /// What came out of a scene text.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub fn load(text_name: &str, text: impl AsRef<[u8]>, files: &Files) -> Loaded {
 fn load_bytes(text_name: &str, bytes: &[u8], files: &Files) -> Loaded {
     let mut diagnostics = Diagnostics::default();
     let text = decode(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
-    let is_text = !text.contains('\0') && kinds::kind_of_text(bytes).is_none();
+    let is_text = !text.contains('\0') && file_kinds::kind_of_text(bytes).is_none();
     let shown = if is_text { text.replace("\r\n", " \n") } else { String::new() };
     let source =
         diagnostics.add_source(Source { name: text_name.to_owned(), text: shown, first_line: 1 });
@@ -61,7 +61,7 @@ fn decode(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 fn not_a_text(bytes: &[u8]) -> Diagnostic {
-    match kinds::kind_of_text(bytes) {
+    match file_kinds::kind_of_text(bytes) {
         Some(Kind { name, help }) => Diagnostic::error(format!("the scene is {name}")).help(help),
         None => Diagnostic::error("the scene is not a text, but a binary file"),
     }

@@ -10,7 +10,7 @@ use crate::format::syntax::Word;
 const MOST_CANDIDATES: usize = 2000;
 
 /// The candidate that a misspelt word was most probably meant to be; `None` where none is near.
-pub(super) fn closest<'c>(
+pub(crate) fn closest<'c>(
     word: &str,
     candidates: impl Iterator<Item = &'c str>,
 ) -> Option<&'c str> {
@@ -43,14 +43,14 @@ fn is_invisible(c: char) -> bool {
 }
 
 /// Why a word is not what it seems to be: a help for the error about it.
-pub(super) fn invisible(word: &str) -> Option<String> {
+pub(crate) fn invisible(word: &str) -> Option<String> {
     let c = word.chars().find(|c| is_invisible(*c))?;
     Some(format!("the word holds an invisible character, U+{:04X}: type it anew", u32::from(c)))
 }
 
 /// The elements of one kind that can be referred to.
 #[derive(Debug)]
-pub(super) struct Names<'a> {
+pub(crate) struct Names<'a> {
     /// As in "no material is called ...".
     kind: &'static str,
     entries: Vec<Named<'a>>,
@@ -64,12 +64,12 @@ struct Named<'a> {
 }
 
 impl<'a> Names<'a> {
-    pub(super) fn new(kind: &'static str) -> Self {
+    pub(crate) fn new(kind: &'static str) -> Self {
         Self { kind, entries: Vec::new(), by_name: HashMap::new() }
     }
 
     /// Adds the next element; its index is the number of elements before it.
-    pub(super) fn declare(&mut self, word: Word<'a>) -> Option<Redefinition> {
+    pub(crate) fn declare(&mut self, word: Word<'a>) -> Option<Redefinition> {
         let index = self.entries.len();
         self.entries.push(Named { word, used: false });
         let first = *self.by_name.entry(word.text).or_insert(index);
@@ -77,29 +77,29 @@ impl<'a> Names<'a> {
         is_double.then(|| Redefinition { first: self.entries[first].word.span, again: word.span })
     }
 
-    pub(super) fn contains(&self, name: &str) -> bool {
+    pub(crate) fn contains(&self, name: &str) -> bool {
         self.by_name.contains_key(name)
     }
 
     /// Index of the element of a name; marks it as used.
-    pub(super) fn find(&mut self, name: &str) -> Option<usize> {
+    pub(crate) fn find(&mut self, name: &str) -> Option<usize> {
         let index = *self.by_name.get(name)?;
         self.entries[index].used = true;
         Some(index)
     }
 
     /// The most similar name, of the first thousands.
-    pub(super) fn closest(&self, name: &str) -> Option<&'a str> {
+    pub(crate) fn closest(&self, name: &str) -> Option<&'a str> {
         closest(name, self.entries.iter().take(MOST_CANDIDATES).map(|e| e.word.text))
     }
 
     /// All names, for a help that lists them.
-    pub(super) fn all(&self) -> impl Iterator<Item = &'a str> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = &'a str> {
         self.entries.iter().map(|e| e.word.text)
     }
 
     /// Warns of what nothing refers to.
-    pub(super) fn warn_unused(&self, diagnostics: &mut Diagnostics) {
+    pub(crate) fn warn_unused(&self, diagnostics: &mut Diagnostics) {
         for named in self.entries.iter().filter(|e| !e.used) {
             let message = format!("unused {} `{}`", self.kind, named.word.text);
             diagnostics
@@ -107,16 +107,16 @@ impl<'a> Names<'a> {
         }
     }
 
-    pub(super) fn kind(&self) -> &'static str {
+    pub(crate) fn kind(&self) -> &'static str {
         self.kind
     }
 }
 
 /// Two elements of one kind with the same name.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Redefinition {
-    pub(super) first: Span,
-    pub(super) again: Span,
+pub(crate) struct Redefinition {
+    pub(crate) first: Span,
+    pub(crate) again: Span,
 }
 
 #[cfg(test)]

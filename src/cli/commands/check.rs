@@ -4,7 +4,7 @@ use crate::cli::base::{Problem, Terminal, counted};
 use crate::cli::files::load;
 use crate::cli::options::Job;
 use slo_scene::animation::Clock;
-use slo_scene::{Camera, LightShape, Object, SceneDescription, Settings, Shape, Texture};
+use slo_scene::{Camera, Object, SceneDescription, Settings, Texture};
 
 /// Reports on the job's scene; renders nothing.
 pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
@@ -62,24 +62,13 @@ fn segments(camera: &Camera) -> Vec<String> {
 
 fn objects(objects: &[Object]) -> String {
     let moving = objects.iter().filter(|object| object.key_frames.len() > 1).count();
-    let triangles: usize = objects.iter().map(|object| triangles(&object.shape)).sum();
+    let triangles: usize = objects.iter().map(|object| object.shape.triangle_count()).sum();
     let triangles = counted(triangles, "triangle");
     format!("objects: {}, {moving} of them animated; {triangles}", objects.len())
 }
 
-fn triangles(shape: &Shape) -> usize {
-    match shape {
-        Shape::Mesh { mesh, .. } => mesh.faces.len(),
-        Shape::Triangle { .. } => 1,
-        Shape::Plane { .. } | Shape::Rectangle { .. } => 2,
-        Shape::Box { .. } => 12,
-        Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => 0,
-    }
-}
-
 fn lights_and_materials(scene: &SceneDescription) -> String {
-    let is_area = |shape: &LightShape| matches!(shape, LightShape::Rectangle { .. });
-    let areas = scene.lights.iter().filter(|light| is_area(&light.shape)).count();
+    let areas = scene.lights.iter().filter(|light| light.kind.surface().is_some()).count();
     let texels = |texture: &Texture| u64::from(texture.width()) * u64::from(texture.height());
     let texels: u64 = scene.textures.iter().map(|texture| texels(texture)).sum();
     format!(

@@ -9,15 +9,15 @@ use super::looks::Looks;
 use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
-use super::tessellate::{CurvedShape, Geometry, geometry, light_rectangle};
+use super::shapes::{Geometry, geometry};
 use super::world::{Instance, World};
 use super::{FrameObject, FrameScene, Look};
 use crate::camera::{Camera, DegenerateView};
 use crate::sampling::Sampler;
-use crate::shading::{Light, Material, MaterialTable};
-use slo_accel::{Accelerator, BuildOptions, Curved, Isa, Primitives, Structure};
+use crate::shading::{Light, MaterialTable, material};
+use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure};
 use slo_scene::animation::{Clock, DRigid, KeyFrameError, KeyFrames, NoSegment, Shutter};
-use slo_scene::{CamSegment, LightShape, Object, SceneDescription, Settings};
+use slo_scene::{CamSegment, Object, SceneDescription, Settings};
 
 /// Units that a camera moves along an axis before the origin of render space follows it. Within
 /// half of it, where the camera is, an f32 resolves 2^-14 units or better. What is still is built anew
@@ -107,9 +107,9 @@ impl FrameScene {
             parts.add(object, scene, &seen, isa)?;
         }
         for (number, light) in scene.lights.iter().enumerate() {
-            if let LightShape::Rectangle { vertices } = light.shape {
+            if let Some(surface) = light.kind.surface() {
                 let look = Look::Light(number as u32);
-                parts.add_still(look, light_rectangle(vertices), &DRigid::IDENTITY, &seen);
+                parts.add_still(look, geometry(&surface), &DRigid::IDENTITY, &seen);
             }
         }
         let still = match before {
@@ -124,7 +124,7 @@ impl FrameScene {
             parts.looks.into_iter(),
             parts.instances.iter().map(|instance| instance.object),
         );
-        let materials: Vec<_> = scene.materials.iter().map(Material::from).collect();
+        let materials: Vec<_> = scene.materials.iter().map(material::ready).collect();
         Ok(Self {
             camera,
             world: World::new(still, parts.instances, isa),
@@ -275,17 +275,7 @@ fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DRig
             let triangle = |face: &[u32; 3]| face.map(|i| positions[i as usize]);
             primitives.triangles.extend(mesh.faces.iter().map(triangle));
         }
-        Geometry::Curved(shape) => primitives.curved.push(match *shape {
-            CurvedShape::Sphere { center, radius } => {
-                Curved::Sphere { center: point(center), radius: radius as f32 }
-            }
-            CurvedShape::Cylinder { base, top, radius } => {
-                Curved::Cylinder { base: point(base), top: point(top), radius: radius as f32 }
-            }
-            CurvedShape::Cone { base, apex, radius } => {
-                Curved::Cone { base: point(base), apex: point(apex), radius: radius as f32 }
-            }
-        }),
+        Geometry::Curved(surface) => primitives.curved.push(surface.primitive(place)),
     }
 }
 
@@ -302,23 +292,9 @@ fn vertex_normals(geometry: &Geometry, place: &DRigid) -> Vec<Vec3> {
 
 /// The box of a geometry in object space.
 fn object_box(geometry: &Geometry) -> ObjectBox {
-    let of = |points: &mut dyn Iterator<Item = DVec3>| {
-        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for p in points {
-            (min, max) = (min.min(p), max.max(p));
-        }
-        ObjectBox { min, max }
-    };
-    let balls = |centers: &[DVec3], radius: f64| {
-        of(&mut centers.iter().flat_map(|&c| [c - DVec3::splat(radius), c + DVec3::splat(radius)]))
-    };
-    match *geometry {
-        Geometry::Mesh(ref mesh, _) => of(&mut mesh.positions.iter().copied()),
-        Geometry::Curved(CurvedShape::Sphere { center, radius }) => balls(&[center], radius),
-        Geometry::Curved(
-            CurvedShape::Cylinder { base, top, radius }
-            | CurvedShape::Cone { base, apex: top, radius },
-        ) => balls(&[base, top], radius),
+    match geometry {
+        Geometry::Mesh(mesh, _) => ObjectBox::about(mesh.positions.iter().copied()),
+        Geometry::Curved(surface) => surface.bounds(),
     }
 }
 

@@ -6,8 +6,8 @@ mod rigid;
 mod sampled;
 mod sampled_camera;
 mod sampled_motion;
+mod shapes;
 mod surfaces;
-mod tessellate;
 mod world;
 
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use glam::Vec3;
 
 use crate::camera::Camera;
 use crate::sampling::Sampler;
-use crate::shading::{Light, Material, MaterialTable};
+use crate::shading::{Lights, Material, MaterialTable};
 use rigid::Rigid;
 use slo_accel::{Isa, Structure};
 use slo_scene::animation::DRigid;
@@ -25,8 +25,8 @@ use slo_scene::{Settings, ShadowMode, Texture};
 pub use build::FrameError;
 pub(crate) use looks::Look;
 use looks::Looks;
+use shapes::Geometry;
 pub(crate) use surfaces::{NO_MATERIAL, SurfaceScratch, Surfaces};
-use tessellate::Geometry;
 pub(crate) use world::{World, WorldHits, WorldScratch};
 
 /// A scene as one shutter sees it.
@@ -39,7 +39,7 @@ pub struct FrameScene {
     pub(crate) materials: Vec<Material>,
     /// The same in columns.
     pub(crate) material_table: MaterialTable,
-    pub(crate) lights: Vec<Light>,
+    pub(crate) lights: Lights,
     pub(crate) sampler: Sampler,
     pub(crate) settings: Settings,
     /// Instruction set of everything that is done in bulk.

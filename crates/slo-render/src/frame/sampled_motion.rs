@@ -68,6 +68,12 @@ impl SampledMotion {
 }
 
 impl ObjectBox {
+    /// The box about points.
+    pub(super) fn about(points: impl Iterator<Item = DVec3>) -> Self {
+        let nothing = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+        points.fold(nothing, |all, p| Self { min: all.min.min(p), max: all.max.max(p) })
+    }
+
     /// The eight corners.
     pub(super) fn corners(&self) -> [DVec3; 8] {
         let ends = [self.min, self.max];

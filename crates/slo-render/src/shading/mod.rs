@@ -2,10 +2,8 @@
 
 pub mod light;
 pub mod lobe;
-pub mod phong;
-pub mod table;
+pub mod material;
 pub mod texture;
 
-pub use light::Light;
-pub use phong::Material;
-pub use table::MaterialTable;
+pub use light::{Lamp, Light, Lights, WithLamp, WithLamps};
+pub use material::{Material, MaterialTable, phong};

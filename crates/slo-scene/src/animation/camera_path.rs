@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
-use crate::CamSegment;
+use crate::description::CamSegment;
 
+use super::bezier::bezier;
+use super::mix::mix;
 use super::orientation::{perpendicular, unit};
-use super::{bezier, mix};
 
 /// What the camera is at one time, in scene space, before rays can be made from it.
 #[derive(Clone, Copy, Debug, PartialEq)]

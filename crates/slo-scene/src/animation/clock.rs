@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use crate::{CamSegment, Camera};
+use crate::description::{CamSegment, Camera};
 
-use super::mix;
+use super::mix::mix;
 
 /// How near, in frames, a frame must be to the border of a segment to count as lying on it.
 ///
@@ -207,7 +207,7 @@ pub(super) mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::{Encoding, Film, OutputFormat};
+    use crate::settings::{Encoding, Film, OutputFormat};
 
     /// A segment that looks from (0, -10, 0) to the origin.
     pub(in crate::animation) fn segment(

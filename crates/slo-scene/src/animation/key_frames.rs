@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use crate::{KeyFrame, Placement};
+use crate::description::{KeyFrame, Placement};
 
 use super::orientation::orientation;
 use super::piece::Piece;

@@ -10,6 +10,7 @@ mod bezier;
 mod camera_path;
 mod clock;
 mod key_frames;
+mod mix;
 mod orientation;
 mod piece;
 mod rigid;
@@ -18,10 +19,6 @@ pub use bezier::{bezier, cubic};
 pub use camera_path::{View, axes, between, view_at};
 pub use clock::{Clock, NoSegment, SegmentFrames, Shutter};
 pub use key_frames::{Jump, KeyFrameError, KeyFrames};
+pub use mix::mix;
 pub use orientation::have_orientation;
 pub use rigid::DRigid;
-
-/// `a` at 0 and `b` at 1, exactly; also exactly `a` all the way where both are equal.
-pub fn mix(a: f64, b: f64, u: f64) -> f64 {
-    if u == 1.0 { b } else { a + (b - a) * u }
-}

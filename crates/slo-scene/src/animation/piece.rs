@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::cubic;
+use super::bezier::cubic;
 use super::orientation::{DEGENERATE, orientation, perpendicular, unit};
 use super::rigid::DRigid;
 

@@ -1,6 +1,6 @@
 //! Words and numbers of a file that is read as bytes, by the rules of scene texts.
 
-use super::{NumberError, parse_number};
+use super::number::{NumberError, parse_number};
 
 /// Characters of a word that a message quotes.
 pub(crate) const QUOTED: usize = 60;

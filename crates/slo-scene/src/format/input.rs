@@ -2,8 +2,8 @@
 
 use std::io::{ErrorKind, Read};
 
-use super::FileError;
 use super::bytes::word_len;
+use super::error::FileError;
 use super::place::{EXCERPT_REACH, Place, count_characters, count_newlines, last_newline};
 
 /// Bytes of the window: within the second-level cache of every processor of today.

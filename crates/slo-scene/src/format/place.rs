@@ -1,6 +1,6 @@
 //! A place in a text file, cut out of whatever is at hand of its line.
 
-use super::FileError;
+use super::error::FileError;
 
 /// Bytes of a line that are shown on either side of a fault.
 pub(crate) const EXCERPT_REACH: usize = 100;

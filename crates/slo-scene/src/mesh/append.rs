@@ -1,8 +1,8 @@
 //! Several files that make one mesh.
 
 use super::normals::vertex_normals;
-use crate::Mesh;
 use crate::format::FileError;
+use crate::mesh::data::Mesh;
 
 impl Mesh {
     /// Adds the triangles of another mesh, with vertices, normals and uvs of their own.

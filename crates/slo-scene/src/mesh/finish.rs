@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::LoadedMesh;
+use super::data::LoadedMesh;
 use super::normals::{corners, triangle_normal, unit, vertex_normals};
-use crate::Mesh;
 use crate::format::FileError;
+use crate::mesh::data::Mesh;
 
 /// The largest coordinate. Its square is still an f32, and the area of a triangle an f64.
 const MAX_COORDINATE: f64 = 1e18;

@@ -2,13 +2,42 @@
 
 use glam::DVec3;
 
-use super::fields::{Element, Field, Fields, Value};
-use super::schema::{CAM_SEGMENT, FILM};
-use super::values::{Bound, Found};
 use super::{oddities, settings};
+use crate::attributes::schema::{Attribute, Schema, attributes, inner, number, point};
+use crate::attributes::{Bound, Field, Fields, Found};
+use crate::description::{CamSegment, Camera};
 use crate::diagnostics::{Diagnostic, Span};
 use crate::settings::{Entries, Film};
-use crate::{CamSegment, Camera};
+
+/// `Camera`
+pub(super) const CAMERA: Schema = Schema::new(
+    "Camera",
+    &[number("fps").required(), inner(&FILM).required(), inner(&CAM_SEGMENT).required().repeated()],
+);
+
+const FILM_ATTRIBUTES: [Attribute; Film::ENTRIES.len()] = attributes(Film::ENTRIES);
+const FILM: Schema = Schema::new("Film", &FILM_ATTRIBUTES);
+
+const CAM_SEGMENT: Schema = Schema::new(
+    "CamSegment",
+    &[
+        number("videoStart").required(),
+        number("videoEnd").required(),
+        number("sceneStart"),
+        number("sceneEnd"),
+        point("addPosition").required().repeated(),
+        point("addTarget").required().repeated(),
+        point("skyStart"),
+        point("skyEnd"),
+        number("fovStart").required(),
+        number("fovEnd"),
+        number("dofStart"),
+        number("dofEnd"),
+        number("lensRadiusStart"),
+        number("lensRadiusEnd"),
+        number("blurDuration"),
+    ],
+);
 
 /// Control points of one curve: what a frame takes grows with them.
 const MOST_CONTROL_POINTS: usize = 10_000;
@@ -22,27 +51,23 @@ const WIDEST_VIEW: f64 = 10.0;
 /// `Camera`
 pub(super) fn camera(fields: &mut Fields<'_, '_, '_>) -> Option<Camera> {
     let fps = fields.number("fps", Bound::Positive);
-    let film = fields.get("Film").and_then(|field| inner(fields, field, film));
+    let film = fields.get("Film").and_then(|field| read_inner(fields, field, film));
     let segments: Vec<_> = fields.all("CamSegment");
     let segments: Vec<_> = segments
         .into_iter()
-        .filter_map(|field| Some((inner(fields, field, segment)?, field.keyword.span)))
+        .filter_map(|field| Some((read_inner(fields, field, segment)?, field.keyword.span)))
         .collect();
     let segments = in_order(segments, fields);
     Some(Camera { fps: fps?.value, film: film?, segments })
 }
 
 /// Reads an element in this one.
-fn inner<T>(
-    fields: &mut Fields<'_, '_, '_>,
-    field: Field<'_, '_>,
+fn read_inner<'t, 'a, T>(
+    fields: &mut Fields<'t, 'a, '_>,
+    field: Field<'t, 'a>,
     read: fn(&mut Fields<'_, '_, '_>) -> Option<T>,
 ) -> Option<T> {
-    let Value::Element(name, block) = field.value else { return None };
-    let schema = if field.attribute.name == FILM.keyword { &FILM } else { &CAM_SEGMENT };
-    let damaged = fields.element.damaged || block.damaged;
-    let element = Element { schema, keyword: field.keyword, name, block, damaged };
-    read(&mut Fields::read(element, fields.scale, fields.diagnostics))
+    read(&mut fields.open(field)?)
 }
 
 fn film(fields: &mut Fields<'_, '_, '_>) -> Option<Film> {

@@ -1,23 +1,15 @@
 //! The elements at the top of a scene, by type.
 
-use super::fields::{Element, nameless};
-use super::schema::{ELEMENTS, owners};
-use super::{AllNames, quoted_list};
+use super::elements::{ELEMENTS, LANGUAGE, Role};
+use crate::attributes::{Element, References, nameless, quoted_list};
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::format::syntax::{Entry, Form, Item, Tree, Word};
 use crate::names::{Names, closest, invisible};
-
-/// Elements that can be seen, in the order of messages.
-const OBJECTS: [&str; 8] =
-    ["plane", "sphere", "triangle", "rectangle", "box", "cylinder", "cone", "mesh"];
-
-/// Elements without positions; everything else is scaled.
-const UNSCALED: [&str; 6] =
-    ["Scaling", "settings", "phong_info", "material_phong", "texture", "material_texture"];
+use crate::shape::ReadShape;
 
 /// The elements of a scene in the order of the text.
 pub(super) struct Scene<'t, 'a> {
-    elements: Vec<Element<'t, 'a>>,
+    elements: Vec<(Role, Element<'t, 'a>)>,
     /// Names of elements of unknown types.
     unknown: Vec<Word<'a>>,
     /// Whether the end of the text is lost, so that elements may be.
@@ -36,7 +28,7 @@ impl<'t, 'a> Scene<'t, 'a> {
             match entry {
                 Entry::Item(item) => {
                     in_numbers = !scene.item(item, in_strangers, diagnostics);
-                    in_strangers = in_numbers && owners(item.keyword.text).is_empty();
+                    in_strangers = in_numbers && LANGUAGE.owners(item.keyword.text).is_empty();
                 }
                 Entry::Number(number) if !in_numbers && number.value.is_some() => {
                     in_numbers = true;
@@ -57,30 +49,30 @@ impl<'t, 'a> Scene<'t, 'a> {
         diagnostics: &mut Diagnostics,
     ) -> bool {
         let keyword = item.keyword;
-        let schema = ELEMENTS.iter().find(|s| s.keyword == keyword.text);
+        let known = ELEMENTS.iter().find(|known| known.schema.keyword == keyword.text);
         let (name, block) = match &item.form {
             Form::Element(name, block) => (*name, block),
-            Form::Block(block) if schema.is_some() => {
+            Form::Block(block) if known.is_some() => {
                 diagnostics.push(nameless(keyword));
                 (Word { text: "", span: keyword.span }, block)
             }
             _ => {
-                if !in_strangers || !owners(keyword.text).is_empty() {
+                if !in_strangers || !LANGUAGE.owners(keyword.text).is_empty() {
                     diagnostics.push(not_an_element(item));
                 }
                 return false;
             }
         };
         // One that is misspelt is taken for what was meant, so that what is in it is looked at too.
-        let schema = schema.or_else(|| {
+        let known = known.or_else(|| {
             diagnostics.push(unknown_type(keyword));
-            let near = closest(keyword.text, ELEMENTS.iter().map(|s| s.keyword))?;
-            ELEMENTS.iter().find(|s| s.keyword == near)
+            let near = closest(keyword.text, LANGUAGE.keywords())?;
+            ELEMENTS.iter().find(|known| known.schema.keyword == near)
         });
-        match schema {
-            Some(schema) => {
-                let damaged = block.damaged;
-                self.elements.push(Element { schema, keyword, name, block, damaged });
+        match known {
+            Some(known) => {
+                let (schema, damaged) = (&known.schema, block.damaged);
+                self.elements.push((known.role, Element { schema, keyword, name, block, damaged }));
             }
             None => self.unknown.push(name),
         }
@@ -92,31 +84,35 @@ impl<'t, 'a> Scene<'t, 'a> {
         self.elements.is_empty()
     }
 
-    /// All elements of some types.
-    pub(super) fn of(&self, keywords: &[&str]) -> Vec<Element<'t, 'a>> {
-        let elements = self.elements.iter();
-        elements.filter(|e| keywords.contains(&e.schema.keyword)).copied().collect()
+    /// All elements of a role, by what `of` makes of it.
+    pub(super) fn of<T>(&self, of: impl Fn(Role) -> Option<T>) -> Vec<(T, Element<'t, 'a>)> {
+        self.elements.iter().filter_map(|(role, element)| Some((of(*role)?, *element))).collect()
     }
 
-    /// All that can be seen.
-    pub(super) fn objects(&self) -> Vec<Element<'t, 'a>> {
-        self.of(&OBJECTS)
+    /// All objects.
+    pub(super) fn objects(&self) -> Vec<(ReadShape, Element<'t, 'a>)> {
+        self.of(|role| match role {
+            Role::Object(read) => Some(read),
+            _ => None,
+        })
     }
 
     /// The first element that `Scaling` changes.
     pub(super) fn first_with_positions(&self) -> Option<&Element<'t, 'a>> {
-        self.elements.iter().find(|e| !UNSCALED.contains(&e.schema.keyword))
+        let (_, element) = self.elements.iter().find(|(role, _)| role.has_positions())?;
+        Some(element)
     }
 
-    /// The one element of a type; reports all but the first.
+    /// The one element of a role; reports all but the first.
     pub(super) fn only(
         &self,
-        keyword: &str,
+        of: impl Fn(Role) -> bool,
         diagnostics: &mut Diagnostics,
     ) -> Option<Element<'t, 'a>> {
-        let elements = self.of(&[keyword]);
-        let (first, others) = elements.split_first()?;
-        for other in others {
+        let elements = self.of(|role| of(role).then_some(()));
+        let ((_, first), others) = elements.split_first()?;
+        for (_, other) in others {
+            let keyword = first.schema.keyword;
             diagnostics.push(
                 Diagnostic::error(format!("the scene has more than one `{keyword}`"))
                     .at(other.head(), "one too many")
@@ -127,75 +123,47 @@ impl<'t, 'a> Scene<'t, 'a> {
     }
 
     /// What can be referred to; reports names that are given twice.
-    pub(super) fn names(&self, diagnostics: &mut Diagnostics) -> AllNames<'a> {
-        let mut unknown = Names::new("element");
-        self.unknown.iter().for_each(|word| _ = unknown.declare(*word));
-        let lights = ["light_point", "light_rectangle"];
-        self.warn_of_doubles("light", &lights, diagnostics);
-        self.warn_of_doubles("object", &OBJECTS, diagnostics);
-        AllNames {
-            phong_infos: self.declare("phong_info", &["phong_info"], diagnostics),
-            materials: self.declare(
-                "material",
-                &["material_phong", "material_texture"],
-                diagnostics,
-            ),
-            textures: self.declare("texture", &["texture"], diagnostics),
-            unknown,
-        }
-    }
-
-    fn declare(
-        &self,
-        kind: &'static str,
-        keywords: &[&str],
-        diagnostics: &mut Diagnostics,
-    ) -> Names<'a> {
-        let mut names = Names::new(kind);
-        for element in self.of(keywords) {
-            if let Some(double) = names.declare(element.name) {
-                let message = format!("two {kind}s are called `{}`", element.name.text);
-                diagnostics.push(
-                    Diagnostic::error(message)
-                        .at(double.again, "again")
-                        .also(double.first, "first here"),
-                );
+    pub(super) fn references(&self, diagnostics: &mut Diagnostics) -> References<'a> {
+        let mut references = References::new(&self.unknown, self.is_truncated);
+        let [mut lights, mut objects] = ["light", "object"].map(Names::new);
+        for (role, element) in &self.elements {
+            if let Some(referred) = role.referred() {
+                references.declare(referred, element.name, diagnostics);
+            }
+            match role {
+                Role::Light(_) => warn_of_double(&mut lights, element.name, diagnostics),
+                Role::Object(_) => warn_of_double(&mut objects, element.name, diagnostics),
+                Role::Scaling
+                | Role::Settings
+                | Role::Camera
+                | Role::PhongInfo
+                | Role::Material(_)
+                | Role::Texture => {}
             }
         }
-        names
+        references
     }
+}
 
-    /// Nothing refers to objects and lights, so their names matter only to people.
-    fn warn_of_doubles(
-        &self,
-        kind: &'static str,
-        keywords: &[&str],
-        diagnostics: &mut Diagnostics,
-    ) {
-        let mut names = Names::new(kind);
-        for element in self.of(keywords) {
-            if let Some(double) = names.declare(element.name) {
-                let message = format!("two {kind}s are called `{}`", element.name.text);
-                diagnostics.push(
-                    Diagnostic::warning(message)
-                        .at(double.again, "again")
-                        .also(double.first, "first here"),
-                );
-            }
-        }
+/// Nothing refers to objects and lights, so their names matter only to people.
+fn warn_of_double<'a>(names: &mut Names<'a>, name: Word<'a>, diagnostics: &mut Diagnostics) {
+    if let Some(double) = names.declare(name) {
+        let message = format!("two {}s are called `{}`", names.kind(), name.text);
+        let warning = Diagnostic::warning(message).at(double.again, "again");
+        diagnostics.push(warning.also(double.first, "first here"));
     }
 }
 
 fn unknown_type(keyword: Word<'_>) -> Diagnostic {
     let word = keyword.text;
-    let types = ELEMENTS.iter().map(|s| s.keyword);
+    let types = LANGUAGE.keywords();
     if let Some(near) = closest(word, types.clone()) {
         let message = format!("unknown element `{word}`, did you mean `{near}`?");
         let help = invisible(word);
         return Diagnostic { help, ..Diagnostic::error(message).at(keyword.span, "") };
     }
     let diagnostic = Diagnostic::error(format!("unknown element `{word}`"));
-    match owners(word).as_slice() {
+    match LANGUAGE.owners(word).as_slice() {
         [] => diagnostic
             .at(keyword.span, "")
             .help(format!("a scene takes {}", quoted_list(types, usize::MAX))),
@@ -208,12 +176,12 @@ fn not_an_element(item: &Item<'_>) -> Diagnostic {
     let Item { keyword, form } = item;
     let word = keyword.text;
     if let Form::Block(_) = form
-        && owners(word).is_empty()
+        && LANGUAGE.owners(word).is_empty()
     {
         return unknown_type(*keyword);
     }
     let diagnostic = Diagnostic::error(format!("expected an element, found `{word}`"));
-    match owners(word).as_slice() {
+    match LANGUAGE.owners(word).as_slice() {
         [] => diagnostic.at(keyword.span, "").help("an element is written `TYPE NAME { ... }`"),
         owners => {
             let list = quoted_list(owners.iter().copied(), 3);

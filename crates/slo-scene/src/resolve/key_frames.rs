@@ -2,13 +2,20 @@
 
 use glam::DVec3;
 
-use super::fields::{Element, Field, Fields, Value};
-use super::schema::{ADD_KFRAME, KEY, NEX, PRE, Schema};
-use super::values::Bound;
 use crate::animation::{KeyFrames, have_orientation};
+use crate::attributes::schema::{Attribute, Schema, block, number, point};
+use crate::attributes::{Bound, Field, Fields};
+use crate::description::{KeyFrame, Placement};
 use crate::diagnostics::{Diagnostic, Span};
-use crate::format::syntax::Word;
-use crate::{KeyFrame, Placement};
+
+/// `addKframe`
+pub(super) const ADD_KFRAME: Schema =
+    Schema::new("addKframe", &[number("time").required(), block(&PRE), block(&KEY), block(&NEX)]);
+
+const PLACEMENT: [Attribute; 3] = [point("pivot"), point("up"), point("right")];
+const PRE: Schema = Schema::new("pre", &PLACEMENT);
+const KEY: Schema = Schema::new("key", &PLACEMENT);
+const NEX: Schema = Schema::new("nex", &PLACEMENT);
 
 /// A key frame with its places in the text.
 struct Written {
@@ -26,19 +33,18 @@ pub(super) fn key_frames(fields: &mut Fields<'_, '_, '_>) -> Vec<KeyFrame> {
     written.into_iter().map(|w| w.key_frame).collect()
 }
 
-fn key_frame(fields: &mut Fields<'_, '_, '_>, field: Field<'_, '_>) -> Option<Written> {
-    let mut fields = open(fields, field, &ADD_KFRAME)?;
+fn key_frame<'t, 'a>(fields: &mut Fields<'t, 'a, '_>, field: Field<'t, 'a>) -> Option<Written> {
+    let mut fields = fields.open(field)?;
     let time = fields.number("time", Bound::Any);
-    let [pre, key, nex] = [("pre", &PRE), ("key", &KEY), ("nex", &NEX)]
-        .map(|(name, schema)| placement(&mut fields, name, schema));
+    let [pre, key, nex] = ["pre", "key", "nex"].map(|name| placement(&mut fields, name));
     let time = time?;
     let key_frame = KeyFrame { time: time.value, pre, key, nex };
     Some(Written { key_frame, time: time.span, keyword: field.keyword.span })
 }
 
-fn placement(fields: &mut Fields<'_, '_, '_>, name: &str, schema: &'static Schema) -> Placement {
+fn placement(fields: &mut Fields<'_, '_, '_>, name: &str) -> Placement {
     let field = fields.get(name);
-    let Some(mut fields) = field.and_then(|field| open(fields, field, schema)) else {
+    let Some(mut fields) = field.and_then(|field| fields.open(field)) else {
         return Placement::default();
     };
     Placement {
@@ -46,19 +52,6 @@ fn placement(fields: &mut Fields<'_, '_, '_>, name: &str, schema: &'static Schem
         up: fields.direction("up").map(|f| f.value),
         right: fields.direction("right").map(|f| f.value),
     }
-}
-
-/// The attributes of a block in this one.
-fn open<'t, 'a, 'f>(
-    fields: &'f mut Fields<'_, '_, '_>,
-    field: Field<'t, 'a>,
-    schema: &'static Schema,
-) -> Option<Fields<'t, 'a, 'f>> {
-    let Value::Block(block) = field.value else { return None };
-    let name = Word { text: "", span: field.keyword.span };
-    let damaged = fields.element.damaged || block.damaged;
-    let element = Element { schema, keyword: field.keyword, name, block, damaged };
-    Some(Fields::read(element, fields.scale, fields.diagnostics))
 }
 
 fn sort(written: &mut [Written], fields: &mut Fields<'_, '_, '_>) {

@@ -5,16 +5,18 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
 
-use crate::animation::KeyFrames;
+use crate::animation::{DRigid, KeyFrames};
+use crate::description::{Camera, Object};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
-use crate::{Camera, Light, LightShape, Object, Shape};
+use crate::light::Light;
+use crate::shape::{Shape, axes_about};
 
 /// Flat faces that are looked at; scenes of more are not checked.
 const MOST_FACES: usize = 100_000;
 
-/// Faces of a mesh up to which it is looked at: one of more has hardly flat faces that lie on others,
-/// and takes long.
-const MOST_MESH_FACES: usize = 1000;
+/// Triangles of a shape up to which it is looked at: one of more has hardly flat faces that lie on
+/// others, and takes long.
+const MOST_SHAPE_FACES: usize = 1000;
 
 /// Pairs of faces of about one plane that are held against each other.
 const MOST_PAIRS: usize = 10_000_000;
@@ -31,9 +33,6 @@ const LEAST_SHARE: f64 = 1e-6;
 
 /// Cells for components of normals, over a range of 2.
 const NORMAL_CELLS: f64 = 512.0;
-
-/// Corners that stand for the rim of a disc.
-const DISC_CORNERS: usize = 12;
 
 /// Warns of still objects and lights that overlap in one plane where the camera may see both.
 pub(super) fn check(
@@ -97,27 +96,34 @@ fn faces(objects: &[(Object, Span)], lights: &[(Light, Span)]) -> Option<Vec<Fac
         }
         let Ok(path) = KeyFrames::new(&object.key_frames) else { continue };
         let place = path.pose(0.0);
-        let two_sided = !matches!(
-            object.shape,
-            Shape::Box { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } | Shape::Mesh { .. }
-        );
-        let look = Look::Material(object.material.0);
-        for_flat_parts(&object.shape, &mut |corners| {
-            let corners = corners.iter().map(|corner| place.point(*corner)).collect();
-            faces.extend(face(owner, look, corners, two_sided));
-            faces.len() <= MOST_FACES
-        });
-        if faces.len() > MOST_FACES {
-            return None;
-        }
+        add_faces(&mut faces, owner, Look::Material(object.material.0), &object.shape, &place)?;
     }
     for (number, (light, _)) in lights.iter().enumerate() {
-        if let LightShape::Rectangle { vertices } = light.shape {
-            let corners = parallelogram(vertices).to_vec();
-            faces.extend(face(objects.len() + number, Look::Light(number), corners, true));
+        if let Some(surface) = light.kind.surface() {
+            let (owner, look) = (objects.len() + number, Look::Light(number));
+            add_faces(&mut faces, owner, look, &surface, &DRigid::IDENTITY)?;
         }
     }
-    (faces.len() <= MOST_FACES).then_some(faces)
+    Some(faces)
+}
+
+/// Adds the flat parts of a surface, placed; `None` if there are too many.
+fn add_faces(
+    faces: &mut Vec<Face>,
+    owner: usize,
+    look: Look,
+    shape: &Shape,
+    place: &DRigid,
+) -> Option<()> {
+    if shape.triangle_count() > MOST_SHAPE_FACES {
+        return Some(());
+    }
+    shape.for_flat_parts(&mut |corners| {
+        let corners = corners.iter().map(|corner| place.point(*corner)).collect();
+        faces.extend(face(owner, look, corners, !shape.is_closed()));
+        faces.len() <= MOST_FACES
+    });
+    (faces.len() <= MOST_FACES).then_some(())
 }
 
 fn face(owner: usize, look: Look, corners: Vec<DVec3>, two_sided: bool) -> Option<Face> {
@@ -126,69 +132,6 @@ fn face(owner: usize, look: Look, corners: Vec<DVec3>, two_sided: bool) -> Optio
     let center = corners.iter().sum::<DVec3>() / corners.len() as f64;
     let radius = corners.iter().map(|corner| corner.distance(center)).fold(0.0, f64::max);
     Some(Face { owner, look, corners, center, radius, normal, two_sided })
-}
-
-/// The flat parts of a shape in object space, counter-clockwise seen from outside, for as long as
-/// `put` wants more.
-fn for_flat_parts(shape: &Shape, put: &mut dyn FnMut(&[DVec3]) -> bool) {
-    match shape {
-        Shape::Plane { normal, position, side } => {
-            let normal = normal.normalize_or_zero();
-            let [x, y] = axes_about(normal).map(|axis| axis * (0.5 * side));
-            put(&[-x - y, x - y, x + y, y - x].map(|offset| *position + offset));
-        }
-        Shape::Triangle { vertices } => _ = put(vertices),
-        Shape::Rectangle { vertices } => _ = put(&parallelogram(*vertices)),
-        Shape::Box { vertices, height } => {
-            let [a, b, c, d] = parallelogram(*vertices);
-            let up = (c - b).cross(a - b).normalize_or_zero() * *height;
-            let sides = [[a, b], [b, c], [c, d], [d, a]];
-            // The base is counter-clockwise seen from above if the box rises.
-            let faces = sides.map(|[p, q]| [p, q, q + up, p + up]);
-            let caps = [[d, c, b, a], [a + up, b + up, c + up, d + up]];
-            for mut face in faces.into_iter().chain(caps) {
-                if *height < 0.0 {
-                    face.reverse();
-                }
-                if !put(&face) {
-                    return;
-                }
-            }
-        }
-        Shape::Cylinder { base, top, radius } => {
-            if put(&disc(*base, *base - *top, *radius)) {
-                put(&disc(*top, *top - *base, *radius));
-            }
-        }
-        Shape::Cone { base, apex, radius } => _ = put(&disc(*base, *base - *apex, *radius)),
-        Shape::Mesh { mesh, .. } if mesh.faces.len() > MOST_MESH_FACES => {}
-        Shape::Mesh { mesh, .. } => {
-            for face in &mesh.faces {
-                if !put(&face.map(|i| mesh.positions[i as usize])) {
-                    return;
-                }
-            }
-        }
-        Shape::Sphere { .. } => {}
-    }
-}
-
-fn parallelogram([a, b, c]: [DVec3; 3]) -> [DVec3; 4] {
-    [a, b, c, a + c - b]
-}
-
-/// Two unit vectors at right angles to a unit vector and to each other; the three are right-handed.
-fn axes_about(normal: DVec3) -> [DVec3; 2] {
-    let x = normal.any_orthonormal_vector();
-    [x, normal.cross(x)]
-}
-
-fn disc(center: DVec3, normal: DVec3, radius: f64) -> [DVec3; DISC_CORNERS] {
-    let [x, y] = axes_about(normal.normalize_or_zero());
-    std::array::from_fn(|i| {
-        let (sin, cos) = libm::sincos(i as f64 * std::f64::consts::TAU / DISC_CORNERS as f64);
-        center + (x * cos + y * sin) * radius
-    })
 }
 
 /// Pairs of elements, the first one first, of which two faces overlap.

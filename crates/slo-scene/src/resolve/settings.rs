@@ -1,8 +1,14 @@
 //! The `settings` element, and elements that are lists of settings as it is.
 
-use super::fields::Fields;
+use crate::attributes::Fields;
+use crate::attributes::schema::{Attribute, Schema, attributes};
 use crate::diagnostics::Diagnostic;
 use crate::settings::{Entries, Form, MOST_CAMERA_SAMPLES, Settings, Value};
+
+const ATTRIBUTES: [Attribute; Settings::ENTRIES.len()] = attributes(Settings::ENTRIES);
+
+/// `settings`
+pub(super) const SETTINGS: Schema = Schema::new("settings", &ATTRIBUTES);
 
 /// Sets all that an element says; the names of what it says without a mistake.
 pub(super) fn read<S: Entries>(fields: &mut Fields<'_, '_, '_>, to: &mut S) -> Vec<&'static str> {

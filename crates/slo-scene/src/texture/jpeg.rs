@@ -6,9 +6,10 @@ mod tests;
 
 use jpeg_decoder::{Decoder, Error, PixelFormat};
 
-use super::{Channels, LoadedTexture, check_size, damaged, texture};
+use super::decoded::{LoadedTexture, check_size, damaged, texture};
+use super::image::Channels;
 use crate::format::FileError;
-use structure::Structure;
+use structure::{Structure, unsupported};
 
 /// Decodes an image. Pixels that are turned by EXIF data stay as they are stored, with a warning.
 ///
@@ -59,12 +60,6 @@ fn failed(error: &Error) -> FileError {
         Error::Io(_) => damaged("JPEG", "it is cut off"),
         Error::Internal(reason) => damaged("JPEG", &reason.to_string()),
     }
-}
-
-/// What to say about a JPEG image of a rare kind.
-fn unsupported(what: &str) -> FileError {
-    FileError::whole_file(format!("the JPEG image can't be read: {what}"))
-        .with_help("save it as a baseline or progressive JPEG of 8 bits a channel, or as PNG")
 }
 
 /// Whether EXIF data (from the TIFF header on) ask for another orientation than the stored one.

@@ -4,7 +4,8 @@ use std::io::Cursor;
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Transformations};
 
-use super::{Channels, LoadedTexture, NEVER_SHOWN, check_size, damaged, texture};
+use super::decoded::{LoadedTexture, NEVER_SHOWN, check_size, damaged, texture};
+use super::image::Channels;
 use crate::format::FileError;
 
 /// How many times larger than its data an image can be: what the compression does at best, over

@@ -44,7 +44,7 @@ fn everything() {
 
 fn mesh<'s>(scene: &'s SceneDescription, object: &str) -> &'s Arc<Mesh> {
     match &scene.objects.iter().find(|o| o.name == object).expect("it is there").shape {
-        Shape::Mesh { mesh, .. } => mesh,
+        Shape::Mesh(surface) => &surface.mesh,
         other => panic!("{other:?} is no mesh"),
     }
 }

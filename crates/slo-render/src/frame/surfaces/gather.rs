@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DVec3, Mat3, Vec3};
 
 use super::Surfaces;
-use crate::frame::tessellate::Geometry;
+use crate::frame::shapes::Geometry;
 use crate::frame::world::{Instance, STILL, WorldHits};
 use crate::frame::{FrameObject, FrameScene, Look};
 use crate::shading::texture::sample_bilinear;

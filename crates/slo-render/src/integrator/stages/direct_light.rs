@@ -17,7 +17,7 @@ use crate::integrator::work::Job;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::phong::local_light;
-use crate::shading::{Light, lobe};
+use crate::shading::{Lamp, WithLamp, WithLamps, lobe};
 
 /// One ray from every point to a light.
 #[derive(Clone, Copy, Debug)]
@@ -76,20 +76,19 @@ impl DirectLight {
         } else {
             set.take::<3>(&frame.sampler, frame.isa, &names);
         }
-        // A copy, which no column can overlap.
-        let first = frame.lights[light.unwrap_or(0) as usize];
-        let tries = mean_rays_to(frame, &first, depth);
+        let first = &frame.lights[light.unwrap_or(0) as usize];
+        let tries = mean_rays_to(frame, first, depth);
         let rays = [Purpose::Reflection, Purpose::Refraction]
             .map(|purpose| glossy_samples(&frame.settings, purpose, depth) as f32);
         if light.is_some() {
             let survival = &set.numbers[2];
             let from = Asking { points, lobes, set, survival, tries, rays, least };
-            ask(frame, glossy, from, |_| (first, 1.0), sent);
+            first.with(AskOne { frame, glossy, from, to: sent });
         } else {
             choice.choose(job, points, &set.numbers[2])?;
             let survival = choice.rest();
             let from = Asking { points, lobes, set, survival, tries, rays, least };
-            ask(frame, glossy, from, |i| choice.of(&frame.lights, i), sent);
+            frame.lights.for_each_kind(&mut AskChosen { frame, glossy, from, choice, to: sent });
         }
         chosen.set(frame.isa, points.len(), |i| sent.weight.get(i) != Vec3::ZERO);
         Some(())
@@ -113,12 +112,53 @@ struct Asking<'a> {
     least: f32,
 }
 
-/// Makes a ray from every point `i` to the light `choose(i)`, with the weight of that choice.
-fn ask(
+/// Rays from all points to one light.
+struct AskOne<'a> {
+    frame: &'a FrameScene,
+    glossy: bool,
+    from: Asking<'a>,
+    to: &'a mut Sent,
+}
+
+impl WithLamp for AskOne<'_> {
+    type Output = ();
+
+    fn run<L: Lamp>(self, lamp: L) {
+        let Self { frame, glossy, from, to } = self;
+        // A copy, which no column can overlap.
+        ask(frame, glossy, from, |_| (lamp, 1.0, true), to);
+    }
+}
+
+/// Rays from each point to the light that was chosen for it.
+struct AskChosen<'a> {
+    frame: &'a FrameScene,
+    glossy: bool,
+    from: Asking<'a>,
+    choice: &'a LightChoice,
+    to: &'a mut Sent,
+}
+
+impl WithLamps for AskChosen<'_> {
+    fn run<L: Lamp>(
+        &mut self,
+        lamps: &[L],
+        mine: impl Fn(u32) -> bool,
+        place: impl Fn(u32) -> usize,
+    ) {
+        let (light, times) = (self.choice.light(), self.choice.times());
+        let choose = |i: usize| (lamps[place(light[i])], times[i], mine(light[i]));
+        ask(self.frame, self.glossy, self.from, choose, self.to);
+    }
+}
+
+/// Makes a ray from every point `i` to a light: `choose(i)` is that light, the weight of its choice,
+/// and whether it is to be asked; if not, the point keeps the ray that it has.
+fn ask<L: Lamp>(
     frame: &FrameScene,
     glossy: bool,
     from: Asking<'_>,
-    choose: impl Fn(usize) -> (Light, f32),
+    choose: impl Fn(usize) -> (L, f32, bool),
     to: &mut Sent,
 ) {
     match (glossy, from.points.shines) {
@@ -134,30 +174,31 @@ struct Ask<'a, const SHINES: bool, const GLOSSY: bool, C> {
     to: &'a mut Sent,
 }
 
-impl<const SHINES: bool, const GLOSSY: bool, C> Lanewise for Ask<'_, SHINES, GLOSSY, C>
+impl<L: Lamp, const SHINES: bool, const GLOSSY: bool, C> Lanewise for Ask<'_, SHINES, GLOSSY, C>
 where
-    C: Fn(usize) -> (Light, f32),
+    C: Fn(usize) -> (L, f32, bool),
 {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        ask_lanes::<SHINES, GLOSSY, C>(&self.from, &self.choose, self.to);
+        ask_lanes::<SHINES, GLOSSY, L>(&self.from, &self.choose, self.to);
     }
 }
 
 #[inline(always)]
-fn ask_lanes<const SHINES: bool, const GLOSSY: bool, C: Fn(usize) -> (Light, f32)>(
+fn ask_lanes<const SHINES: bool, const GLOSSY: bool, L: Lamp>(
     &Asking { points, lobes, set, survival, tries, rays, least }: &Asking<'_>,
-    choose: &C,
+    choose: &impl Fn(usize) -> (L, f32, bool),
     to: &mut Sent,
 ) {
     let surfaces = &points.surfaces;
     let share = 1.0 / tries;
     for i in lanes(surfaces.len) {
-        let (light, times) = choose(i);
-        let target = light.point([set.numbers[0][i], set.numbers[1][i]]);
-        let way = target - surfaces.point.get(i);
+        let (light, times, is_asked) = choose(i);
+        let hit = surfaces.point.get(i);
+        let target = light.point(hit, [set.numbers[0][i], set.numbers[1][i]]);
+        let way = target - hit;
         let distance = way.length();
         let toward = way * (1.0 / distance);
         let n_shade = surfaces.n_shade.get(i);
@@ -179,13 +220,15 @@ fn ask_lanes<const SHINES: bool, const GLOSSY: bool, C: Fn(usize) -> (Light, f32
         }
         let origin = surfaces.leave(i, toward);
         let (direction, t_max) = light.shadow_ray(origin, target);
-        to.origin.set(i, origin);
-        to.direction.set(i, direction);
-        to.t_max[i] = t_max;
+        to.origin.set(i, if is_asked { origin } else { to.origin.get(i) });
+        to.direction.set(i, if is_asked { direction } else { to.direction.get(i) });
+        to.t_max[i] = if is_asked { t_max } else { to.t_max[i] };
         // A dim light must not be left to chance more than a bright one.
-        let least = least * light.color.max_element().min(1.0);
-        let weight = roulette(added * light.color * times, least, survival[i]);
-        to.weight.set(i, if to.is_ray(i) { weight } else { Vec3::ZERO });
+        let radiance = light.radiance(way);
+        let least = least * radiance.max_element().min(1.0);
+        let weight = roulette(added * radiance * times, least, survival[i]);
+        let weight = if to.is_ray(i) { weight } else { Vec3::ZERO };
+        to.weight.set(i, if is_asked { weight } else { to.weight.get(i) });
     }
 }
 

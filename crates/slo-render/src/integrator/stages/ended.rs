@@ -40,7 +40,7 @@ impl Ended {
                 Look::Light(light) => {
                     let light = &frame.lights[light as usize];
                     let way = batch.rays.direction(i) * hits.found.hits.t[i];
-                    (light.color, lobe_share(frame, light, way, batch.density[i], depth))
+                    (light.radiance(way), lobe_share(frame, light, way, batch.density[i], depth))
                 }
                 _ => (background, 1.0),
             };

@@ -51,7 +51,10 @@ impl FeatureSums {
         for (i, &look) in hits.looks.iter().enumerate().take(batch.len()) {
             let color = match Look::of_word(look) {
                 Look::Nothing => background,
-                Look::Light(light) => frame.lights[light as usize].color,
+                Look::Light(light) => {
+                    let way = batch.rays.direction(i) * hits.found.hits.t[i];
+                    frame.lights[light as usize].radiance(way)
+                }
                 Look::Material(_) => continue,
             };
             let albedo = batch.weight.get(i) * color.clamp(Vec3::ZERO, Vec3::ONE);

@@ -4,8 +4,9 @@ use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, lanes};
 
 use super::points::Points;
+use crate::frame::FrameScene;
 use crate::integrator::work::Job;
-use crate::shading::Light;
+use crate::shading::{Lamp, WithLamp};
 
 /// A light for each hit, chosen at random in proportion to the light expected from it, in columns.
 #[derive(Debug)]
@@ -47,26 +48,30 @@ impl LightChoice {
         let frame = job.frame;
         let expect = Expect { points, through: frame.receives_through(), alike: !frame.clever };
         self.total = [0.0; BATCH];
-        for light in &frame.lights {
+        for light in frame.lights.iter() {
             job.goes_on()?;
-            frame.isa.run(AddUp { expect, light, total: &mut self.total });
+            light.with(AddUp { frame, expect, total: &mut self.total });
         }
         self.below = [0.0; BATCH];
         self.kept = [0.0; BATCH];
         self.light = [0; BATCH];
-        for (number, light) in (0..).zip(&frame.lights) {
+        for (number, light) in (0..).zip(frame.lights.iter()) {
             job.goes_on()?;
-            frame.isa.run(Pass { expect, light, number, u, to: self });
+            light.with(Pass { frame, expect, number, u, to: self });
         }
         let (len, count) = (points.surfaces.len, frame.lights.len() as f32);
         frame.isa.run(Finish { len, count, u, to: self });
         Some(())
     }
 
-    /// The light of point `i`, and its weight relative to a uniform choice.
-    #[inline(always)]
-    pub(super) fn of(&self, lights: &[Light], i: usize) -> (Light, f32) {
-        (lights[self.light[i] as usize], self.times[i])
+    /// The light of each point.
+    pub(super) fn light(&self) -> &Column<u32> {
+        &self.light
+    }
+
+    /// The weight of the light of each point, relative to a uniform choice.
+    pub(super) fn times(&self) -> &Column<f32> {
+        &self.times
     }
 
     /// The random numbers rescaled after the choice: uniform again, and nearly independent of it.
@@ -79,7 +84,7 @@ impl LightChoice {
 #[derive(Clone, Copy)]
 struct Expect<'a> {
     points: &'a Points,
-    /// See [`Light::expected`].
+    /// See [`Lamp::expected`].
     through: bool,
     /// Whether all lights count the same.
     alike: bool,
@@ -87,7 +92,7 @@ struct Expect<'a> {
 
 impl Expect<'_> {
     #[inline(always)]
-    fn of(&self, light: &Light, i: usize) -> f32 {
+    fn of(&self, light: &impl Lamp, i: usize) -> f32 {
         let surfaces = &self.points.surfaces;
         let normals = [surfaces.n_shade.get(i), surfaces.n_geo.get(i)];
         let expected = light.expected(surfaces.point.get(i), normals, self.through);
@@ -96,43 +101,62 @@ impl Expect<'_> {
 }
 
 struct AddUp<'a> {
+    frame: &'a FrameScene,
     expect: Expect<'a>,
-    light: &'a Light,
     total: &'a mut Column<f32>,
 }
 
-impl Lanewise for AddUp<'_> {
+impl WithLamp for AddUp<'_> {
     type Output = ();
 
-    #[inline(always)]
-    fn run(self) {
-        let Self { expect, light, total } = self;
-        // A copy, which no column can overlap.
-        let light = *light;
-        for i in lanes(expect.points.surfaces.len) {
-            total[i] += expect.of(&light, i);
-        }
+    fn run<L: Lamp>(self, lamp: L) {
+        self.frame.isa.run(OfLamp { lamp, work: self });
     }
 }
 
 /// Moves the choice to this light if the random number is not below the end of the one before.
 struct Pass<'a> {
+    frame: &'a FrameScene,
     expect: Expect<'a>,
-    light: &'a Light,
     number: u32,
     u: &'a Column<f32>,
     to: &'a mut LightChoice,
 }
 
-impl Lanewise for Pass<'_> {
+impl WithLamp for Pass<'_> {
+    type Output = ();
+
+    fn run<L: Lamp>(self, lamp: L) {
+        self.frame.isa.run(OfLamp { lamp, work: self });
+    }
+}
+
+/// Work for a light of a known kind. The light is a copy, which no column can overlap.
+struct OfLamp<L, W> {
+    lamp: L,
+    work: W,
+}
+
+impl<L: Lamp> Lanewise for OfLamp<L, AddUp<'_>> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { expect, light, number, u, to } = self;
-        let light = *light;
+        let Self { lamp, work: AddUp { expect, total, .. } } = self;
         for i in lanes(expect.points.surfaces.len) {
-            let expected = expect.of(&light, i);
+            total[i] += expect.of(&lamp, i);
+        }
+    }
+}
+
+impl<L: Lamp> Lanewise for OfLamp<L, Pass<'_>> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lamp, work: Pass { expect, number, u, to, .. } } = self;
+        for i in lanes(expect.points.surfaces.len) {
+            let expected = expect.of(&lamp, i);
             let passes = u[i] * to.total[i] >= to.below[i] && expected > 0.0;
             to.light[i] = if passes { number } else { to.light[i] };
             to.kept[i] = if passes { expected } else { to.kept[i] };

@@ -3,8 +3,9 @@
 use glam::{DVec2, DVec3};
 
 use slo_render::sampling::{Hit as Vertex, Key, PixelSeed, Purpose, Sampler};
+use slo_scene::material::Phong;
 use slo_scene::{
-    KeyFrame, Light, LightSampling, LightShape, Material, SceneDescription, ShadowMode,
+    KeyFrame, Light, LightKind, LightSampling, Material, MaterialKind, SceneDescription, ShadowMode,
 };
 
 use super::motion::{Shutter, camera_ray};
@@ -81,12 +82,25 @@ struct Hit<'a> {
     n_geo: DVec3,
     n_shade: DVec3,
     from_outside: bool,
-    material: &'a Material,
+    material: &'a Phong,
     tint: DVec3,
 }
 
 fn color(rgb: [f32; 3]) -> DVec3 {
     DVec3::from_array(rgb.map(f64::from))
+}
+
+fn light_color(light: &Light) -> DVec3 {
+    color(match &light.kind {
+        LightKind::Point(light) => light.color,
+        LightKind::Rectangle(light) => light.color,
+    })
+}
+
+fn phong_of(material: &Material) -> &Phong {
+    match &material.kind {
+        MaterialKind::Phong(phong) => phong,
+    }
 }
 
 impl<'a> Oracle<'a> {
@@ -97,7 +111,7 @@ impl<'a> Oracle<'a> {
             Thing { solids, keys: &object.key_frames, look, open }
         });
         let lights = scene.lights.iter().enumerate().map(|(i, light)| Thing {
-            solids: light_solids(&light.shape),
+            solids: light_solids(&light.kind),
             keys: &[],
             look: Look::Light(i),
             open: true,
@@ -133,11 +147,11 @@ impl<'a> Oracle<'a> {
         match thing.look {
             Look::Light(light) => {
                 let way = ray.direction * meeting.t;
-                color(self.scene.lights[light].color) * self.lobe_share(light, way, branch)
+                light_color(&self.scene.lights[light]) * self.lobe_share(light, way, branch)
             }
             Look::Material(material) => {
-                let hit = self.hit(ray, &self.scene.materials[material], &meeting);
-                let ambient = color(hit.material.ambient) * hit.tint;
+                let hit = self.hit(ray, phong_of(&self.scene.materials[material]), &meeting);
+                let ambient = color(hit.material.info.ambient) * hit.tint;
                 let lobes = self.lobes(&hit, branch.depth);
                 let bounces = lobes.iter().map(|lobe| self.glossy(&hit, branch, lobe));
                 ambient + self.lights(&hit, branch, &lobes) + bounces.sum::<DVec3>()
@@ -166,7 +180,7 @@ impl<'a> Oracle<'a> {
         })
     }
 
-    fn hit(&self, ray: &Ray, material: &'a Material, meeting: &Meeting) -> Hit<'a> {
+    fn hit(&self, ray: &Ray, material: &'a Phong, meeting: &Meeting) -> Hit<'a> {
         let toward = |n: DVec3, side: DVec3| if n.dot(side) < 0.0 { -n } else { n };
         let eye = -ray.direction;
         let n_geo = toward(meeting.outward, eye);
@@ -183,7 +197,7 @@ impl<'a> Oracle<'a> {
     }
 
     /// The image at uv: it repeats, v grows upward, and between the centres of texels it is linear.
-    fn tint(&self, material: &Material, uv: DVec2) -> DVec3 {
+    fn tint(&self, material: &Phong, uv: DVec2) -> DVec3 {
         let Some(used) = material.texture else { return DVec3::ONE };
         let image = &self.scene.textures[used.texture.0 as usize];
         let size = DVec2::new(f64::from(image.width()), f64::from(image.height()));
@@ -202,7 +216,7 @@ impl<'a> Oracle<'a> {
     fn tries(&self, number: usize, depth: u32) -> (u32, f64) {
         let settings = &self.scene.settings;
         let one = settings.light_sampling == LightSampling::One;
-        let area = matches!(self.scene.lights[number].shape, LightShape::Rectangle { .. });
+        let area = matches!(self.scene.lights[number].kind, LightKind::Rectangle(_));
         let many = depth == 0 && (one || area);
         let count = if many { settings.soft_shadow_samples } else { 1 };
         let among = if one { self.scene.lights.len() } else { 1 };
@@ -265,18 +279,24 @@ impl<'a> Oracle<'a> {
 
     /// About how bright a light makes a hit.
     fn expected(&self, light: &Light, hit: &Hit<'_>) -> f64 {
-        let (corner, sides) = match light.shape {
-            LightShape::Point { position } => (position, [DVec3::ZERO; 2]),
-            LightShape::Rectangle { vertices: [a, b, c] } => (a, [b - a, c - b]),
+        let (corner, sides) = match &light.kind {
+            LightKind::Point(light) => (light.position, [DVec3::ZERO; 2]),
+            LightKind::Rectangle(light) => {
+                let [a, b, c] = light.rectangle.vertices;
+                (a, [b - a, c - b])
+            }
         };
         let middle = corner + (sides[0] + sides[1]) / 2.0 - hit.point;
         let reach = sides.map(|side| side.dot(hit.n_geo).abs() / 2.0).iter().sum::<f64>();
-        let rough = |m: &Material| m.refraction > 0.0 && m.diffuse_refraction > 0.0;
+        let rough = |m: &Material| {
+            let info = &phong_of(m).info;
+            info.refraction > 0.0 && info.diffuse_refraction > 0.0
+        };
         let through = self.combines() && self.scene.materials.iter().any(rough);
         if !through && middle.dot(hit.n_geo) + reach <= 0.0 {
             return 0.0;
         }
-        let luminance = color(light.color).dot(DVec3::new(0.2126, 0.7152, 0.0722));
+        let luminance = light_color(light).dot(DVec3::new(0.2126, 0.7152, 0.0722));
         luminance * (0.1 + middle.normalize().dot(hit.n_shade).max(0.0))
     }
 
@@ -285,9 +305,10 @@ impl<'a> Oracle<'a> {
     fn light(&self, hit: &Hit<'_>, branch: Branch, ask: &Ask, lobes: &[Glossy]) -> DVec3 {
         let &Ask { number, u, tries, times, survival } = ask;
         let light = &self.scene.lights[number];
-        let target = match light.shape {
-            LightShape::Point { position } => position,
-            LightShape::Rectangle { vertices: [a, b, c] } => {
+        let target = match &light.kind {
+            LightKind::Point(light) => light.position,
+            LightKind::Rectangle(light) => {
+                let [a, b, c] = light.rectangle.vertices;
                 a + (b - a) * f64::from(u[0]) + (c - b) * f64::from(u[1])
             }
         };
@@ -301,7 +322,7 @@ impl<'a> Oracle<'a> {
             if combined { lobe.weight * density / (by_light + rays * density) } else { 0.0 }
         };
         let lobes = DVec3::splat(lobes.iter().map(glossy).sum());
-        let color = color(light.color);
+        let color = light_color(light);
         let sent = (phong(hit, l) / tries + lobes) * color * times;
         if sent == DVec3::ZERO {
             return DVec3::ZERO;
@@ -340,7 +361,7 @@ impl<'a> Oracle<'a> {
             return 1.0;
         }
         let Look::Material(material) = thing.look else { return 0.0 };
-        let refraction = f64::from(self.scene.materials[material].refraction);
+        let refraction = f64::from(phong_of(&self.scene.materials[material]).info.refraction);
         if self.scene.settings.shadow == ShadowMode::Opaque || refraction == 0.0 {
             return 0.0;
         }
@@ -355,7 +376,7 @@ impl<'a> Oracle<'a> {
         if depth == settings.recursion {
             return Vec::new();
         }
-        let material = hit.material;
+        let material = &hit.material.info;
         let [k_r, k_t] = [material.reflectance, material.refraction].map(f64::from);
         let refracted = refracted(hit).filter(|_| k_t > 0.0);
         let samples =
@@ -413,7 +434,7 @@ fn phong(hit: &Hit<'_>, l: DVec3) -> DVec3 {
     if cos <= 0.0 || hit.n_geo.dot(l) <= 0.0 {
         return DVec3::ZERO;
     }
-    let material = hit.material;
+    let material = &hit.material.info;
     let mirrored = 2.0 * cos * hit.n_shade - l;
     let highlight = libm::pow(hit.eye.dot(mirrored).max(0.0), f64::from(material.shininess));
     color(material.diffuse) * hit.tint * cos + color(material.specular) * highlight
@@ -421,7 +442,10 @@ fn phong(hit: &Hit<'_>, l: DVec3) -> DVec3 {
 
 /// Density by solid angle of the point of a light that is `way` from a hit, uniform by area.
 fn density_of_light(light: &Light, way: DVec3) -> f64 {
-    let LightShape::Rectangle { vertices: [a, b, c] } = light.shape else { return f64::INFINITY };
+    let [a, b, c] = match &light.kind {
+        LightKind::Point(_) => return f64::INFINITY,
+        LightKind::Rectangle(light) => light.rectangle.vertices,
+    };
     // Twice the area of the triangle: the rectangle, along its normal.
     let normal = (b - a).cross(c - b);
     way.length_squared() * way.length() / way.dot(normal).abs()
@@ -455,7 +479,7 @@ impl Glossy {
 
 /// Snell's law, (2.13) and (2.14); `None` under total internal reflection.
 fn refracted(hit: &Hit<'_>) -> Option<DVec3> {
-    let index = f64::from(hit.material.refraction_index);
+    let index = f64::from(hit.material.info.refraction_index);
     let eta = if hit.from_outside { 1.0 / index } else { index };
     // An interpolated normal that looks away from the ray can't bend it.
     let n = if hit.n_shade.dot(hit.eye) > 0.0 { hit.n_shade } else { hit.n_geo };

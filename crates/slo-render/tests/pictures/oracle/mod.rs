@@ -13,7 +13,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use slo_accel::Isa;
-use slo_scene::{Files, SceneDescription, load};
+use slo_scene::{Files, LightKind, MaterialKind, SceneDescription, load};
 
 use crate::support::{describe, expose, material};
 use light::Oracle;
@@ -244,8 +244,13 @@ fn the_comparison_finds_small_mistakes() {
     let changes: [fn(&mut SceneDescription); 4] = [
         |scene| scene.settings.seed = 1,
         |scene| scene.settings.recursion = 2,
-        |scene| scene.lights[1].color[0] *= 1.02,
-        |scene| scene.materials[3].diffuse_reflection *= 1.02,
+        |scene| match &mut scene.lights[1].kind {
+            LightKind::Point(light) => light.color[0] *= 1.02,
+            LightKind::Rectangle(light) => light.color[0] *= 1.02,
+        },
+        |scene| match &mut scene.materials[3].kind {
+            MaterialKind::Phong(phong) => phong.info.diffuse_reflection *= 1.02,
+        },
     ];
     for (number, change) in changes.into_iter().enumerate() {
         let mut wrong = right.clone();

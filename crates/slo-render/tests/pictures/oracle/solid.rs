@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use slo_scene::{LightShape, Mesh, Shape};
+use slo_scene::shape::{Cone, Cuboid, Cylinder, Plane, Rectangle, Sphere, Triangle};
+use slo_scene::{LightKind, Mesh, Shape};
 
 /// A ray in f64; the direction is unit.
 #[derive(Clone, Copy)]
@@ -41,32 +42,34 @@ pub(super) enum Solid {
 /// The surfaces of a shape, and whether it has no inside.
 pub(super) fn solids(shape: &Shape) -> (Vec<Solid>, bool) {
     match *shape {
-        Shape::Plane { normal, position, side } => {
+        Shape::Plane(Plane { normal, position, side }) => {
             let across = if normal.x == 0.0 && normal.y == 0.0 { DVec3::X } else { DVec3::Z };
             let x = across.reject_from(normal).normalize() * side / 2.0;
             let y = normal.normalize().cross(x);
             (rectangle([position - x - y, position + x - y, position + x + y]), true)
         }
-        Shape::Triangle { vertices } => {
+        Shape::Triangle(Triangle { vertices }) => {
             let uvs = [DVec2::ZERO, DVec2::X, DVec2::ONE];
             (vec![Solid::Triangle { corners: vertices, uvs, normals: None }], true)
         }
-        Shape::Rectangle { vertices } => (rectangle(vertices), true),
-        Shape::Box { vertices, height } => (cuboid(vertices, height), false),
-        Shape::Sphere { center, radius } => (vec![Solid::Sphere { center, radius }], false),
-        Shape::Cylinder { base, top, radius } => {
+        Shape::Rectangle(Rectangle { vertices }) => (rectangle(vertices), true),
+        Shape::Box(Cuboid { vertices, height }) => (cuboid(vertices, height), false),
+        Shape::Sphere(Sphere { center, radius }) => (vec![Solid::Sphere { center, radius }], false),
+        Shape::Cylinder(Cylinder { base, top, radius }) => {
             (vec![Solid::Cylinder { base, top, radius }], false)
         }
-        Shape::Cone { base, apex, radius } => (vec![Solid::Cone { base, apex, radius }], false),
-        Shape::Mesh { ref mesh, smooth } => (triangles(mesh, smooth), false),
+        Shape::Cone(Cone { base, apex, radius }) => {
+            (vec![Solid::Cone { base, apex, radius }], false)
+        }
+        Shape::Mesh(ref surface) => (triangles(&surface.mesh, surface.smooth), false),
     }
 }
 
 /// The surface of a light that has one.
-pub(super) fn light_solids(shape: &LightShape) -> Vec<Solid> {
-    match *shape {
-        LightShape::Point { .. } => vec![],
-        LightShape::Rectangle { vertices } => rectangle(vertices),
+pub(super) fn light_solids(light: &LightKind) -> Vec<Solid> {
+    match light {
+        LightKind::Point(_) => vec![],
+        LightKind::Rectangle(light) => rectangle(light.rectangle.vertices),
     }
 }
 

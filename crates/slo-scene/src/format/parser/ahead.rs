@@ -1,6 +1,6 @@
 //! What follows in the text, which shows what a brace was meant to be.
 
-use super::Parser;
+use super::state::Parser;
 use crate::format::lexer::{Token, TokenKind};
 use crate::format::number::looks_like_number;
 use crate::format::syntax::Follows;

@@ -1,21 +1,11 @@
 //! Braces that are missing or too many: where each should have been.
 
-use super::{Head, Parser};
+use super::state::{Forced, Head, Parser};
 use crate::diagnostics::{Diagnostic, Span};
 use crate::format::syntax::{Entry, Follows, Form, Item, Word};
 
 /// How far back a line's indentation is looked for, in bytes.
 const LONGEST_LINE: usize = 400;
-
-/// Blocks that were closed in front of a word that belongs further out.
-pub(super) struct Forced {
-    /// The error if their `}` are missing.
-    unclosed: Diagnostic,
-    /// The error if their `}` follow, so that the word was meant to stand in them.
-    misplaced: Diagnostic,
-    /// How many blocks.
-    count: usize,
-}
 
 impl Parser<'_, '_> {
     pub(super) fn close(&mut self, close: Span) {

@@ -1,6 +1,6 @@
 //! `(`, `[` or `<` in the place of a brace.
 
-use super::Parser;
+use super::state::Parser;
 use crate::diagnostics::{Diagnostic, Span};
 use crate::format::lexer::{Token, TokenKind};
 use crate::format::number::looks_like_number;

@@ -1,6 +1,6 @@
 //! What other languages have, and this one has not.
 
-use super::{Head, Parser};
+use super::state::{Head, Parser};
 use crate::diagnostics::{Diagnostic, Span};
 use crate::format::lexer::TokenKind;
 use crate::format::number::looks_like_number;

@@ -1,10 +1,10 @@
 //! Names of the user's own: in quotes, or wrongly of several words.
 
-use super::Parser;
 use super::foreign::is_sign;
+use super::state::Parser;
 use crate::diagnostics::Diagnostic;
 use crate::format::lexer::TokenKind;
-use crate::format::looks_like_number;
+use crate::format::number::looks_like_number;
 use crate::format::syntax::{Follows, Word};
 
 /// Words that a name may wrongly consist of.

@@ -1,6 +1,8 @@
 //! Texts and their trees.
 
-use super::*;
+use super::parse;
+use crate::diagnostics::{Diagnostics, SourceId};
+use crate::format::syntax::{Block, Entry, Follows, Form, Grammar, Item};
 
 /// Spheres and cameras with films.
 struct Toy;

@@ -17,8 +17,8 @@ use file::File;
 use lines::Lines;
 use statement::Statement;
 
-use super::LoadedMesh;
 use crate::format::FileError;
+use crate::mesh::data::LoadedMesh;
 
 /// Reads an `.obj` mesh. Normals are kept only if `smooth` is set: a vertex with several of
 /// them is then split, so that hard edges stay hard. Uvs have indices of their own.

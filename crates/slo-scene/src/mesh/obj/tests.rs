@@ -4,8 +4,8 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
 use super::read;
-use crate::Mesh;
-use crate::mesh::LoadedMesh;
+use crate::mesh::data::LoadedMesh;
+use crate::mesh::data::Mesh;
 
 fn mesh_of(text: &str, smooth: bool) -> Mesh {
     read(&mut text.as_bytes(), smooth).unwrap_or_else(|e| panic!("{e}\n{text}")).mesh

@@ -1,13 +1,14 @@
 //! Elements of a `.ply` file, put together to a mesh.
 
 use super::faces::Faces;
-use super::header::{Element, Header, Property};
+use super::header::{Element, Header};
 use super::left_out;
-use super::values::{Context, Values};
+use super::properties::skip_property;
+use super::values::Values;
 use super::vertices::read_vertices;
-use crate::Mesh;
 use crate::format::FileError;
-use crate::mesh::LoadedMesh;
+use crate::mesh::data::LoadedMesh;
+use crate::mesh::data::Mesh;
 use crate::mesh::not_finite::NotFinite;
 use crate::mesh::warnings::{few_corners, odd_numbers};
 
@@ -74,25 +75,6 @@ fn clean_normals(mesh: &mut Mesh) -> usize {
     odd
 }
 
-/// What is read.
-pub(super) fn context<'h>(element: &'h Element, item: u64, property: &'h Property) -> Context<'h> {
-    Context { element: &element.name, item, property: &property.name }
-}
-
-/// The length at the start of a list.
-///
-/// # Errors
-/// There is something else.
-pub(super) fn list_len(
-    property: &Property,
-    values: &mut Values<'_>,
-    context: Context<'_>,
-) -> Result<u32, FileError> {
-    let value = values.next(property.list.unwrap_or(property.scalar), context)?;
-    let len = value as u32;
-    if f64::from(len) == value { Ok(len) } else { Err(values.fault(context, "has no length")) }
-}
-
 /// Skips an element that is of no use.
 fn skip(element: &Element, values: &mut Values<'_>) -> Result<(), FileError> {
     if element.properties.is_empty() {
@@ -102,27 +84,6 @@ fn skip(element: &Element, values: &mut Values<'_>) -> Result<(), FileError> {
         for property in &element.properties {
             skip_property(element, item, property, values)?;
         }
-    }
-    Ok(())
-}
-
-/// Skips a property of one item.
-///
-/// # Errors
-/// The file ends.
-pub(super) fn skip_property(
-    element: &Element,
-    item: u64,
-    property: &Property,
-    values: &mut Values<'_>,
-) -> Result<(), FileError> {
-    let context = context(element, item, property);
-    let len = match property.list {
-        None => 1,
-        Some(_) => list_len(property, values, context)?,
-    };
-    for _ in 0..len {
-        values.skip(property.scalar, context)?;
     }
     Ok(())
 }

@@ -1,11 +1,11 @@
 //! Faces of a `.ply` file.
 
-use super::elements::{context, list_len, skip_property};
 use super::header::{Element, Property, Scalar};
+use super::properties::{context, list_len, skip_property};
 use super::values::{Context, Values};
 use super::vertices::{MAX_RESERVE, finite_f32};
-use crate::Mesh;
 use crate::format::FileError;
+use crate::mesh::data::Mesh;
 use crate::mesh::polygons::Polygons;
 
 /// Faces that are being read.

@@ -4,6 +4,7 @@ mod elements;
 mod faces;
 mod header;
 mod left_out;
+mod properties;
 #[cfg(test)]
 mod tests;
 mod values;
@@ -14,8 +15,8 @@ use std::io::Read;
 use header::Header;
 use values::Values;
 
-use super::LoadedMesh;
 use crate::format::{FileError, Input};
+use crate::mesh::data::LoadedMesh;
 
 /// Reads a `.ply` mesh: element `vertex` with `x y z`, and `nx ny nz` and uvs if they are there
 /// (`s t`, `u v`, `texture_u texture_v`, `texture_s texture_t`); element `face` with a list

@@ -4,9 +4,9 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
 use super::read;
-use crate::Mesh;
 use crate::format::FileError;
-use crate::mesh::LoadedMesh;
+use crate::mesh::data::LoadedMesh;
+use crate::mesh::data::Mesh;
 
 /// A quad and a triangle with everything that is read, and some things that are not.
 const ASCII: &str = "ply

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use super::elements::{context, skip_property};
 use super::header::{Element, Property};
+use super::properties::{context, skip_property};
 use super::values::Values;
-use crate::Mesh;
 use crate::format::FileError;
+use crate::mesh::data::Mesh;
 use crate::mesh::not_finite::NotFinite;
 
 /// Items that memory is set aside for on the word of the header alone.

@@ -7,8 +7,8 @@ use super::indices::Indices;
 use super::section::{Pinned, Section};
 use super::values::{next_f32, next_f64};
 use super::words::{Token, Words};
-use crate::Mesh;
 use crate::format::FileError;
+use crate::mesh::data::Mesh;
 
 /// Reads a `.slo` mesh as it is written: degenerate triangles are still there, normals have any
 /// length and may be missing, positions are in the file's units.

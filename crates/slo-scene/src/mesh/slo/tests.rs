@@ -7,8 +7,8 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
 use super::{read, write_slo};
-use crate::Mesh;
 use crate::format::FileError;
+use crate::mesh::data::Mesh;
 
 const TETRAHEDRON: &str = "slo_mesh 1
 vertices { 0 0 0  1 0 0  0 1 0  0 0 1 }

@@ -3,7 +3,7 @@
 use std::io::{self, BufWriter, Write};
 
 use super::section::Section;
-use crate::Mesh;
+use crate::mesh::data::Mesh;
 
 /// Writes a mesh with the shortest numbers that read back as the same ones.
 ///

@@ -1,8 +1,7 @@
 //! The parts of a JPEG file, looked at before anything is decoded.
 
-use super::unsupported;
 use crate::format::FileError;
-use crate::texture::damaged;
+use crate::texture::decoded::damaged;
 
 /// Scans that an image may have: more make a small file take hours.
 const MAX_SCANS: usize = 1000;
@@ -175,4 +174,10 @@ fn data_len(bytes: &[u8]) -> usize {
         }
     }
     bytes.len()
+}
+
+/// What to say about a JPEG image of a rare kind.
+pub(super) fn unsupported(what: &str) -> FileError {
+    FileError::whole_file(format!("the JPEG image can't be read: {what}"))
+        .with_help("save it as a baseline or progressive JPEG of 8 bits a channel, or as PNG")
 }

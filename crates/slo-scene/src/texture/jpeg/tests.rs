@@ -5,7 +5,7 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
 use super::load;
-use crate::texture::LoadedTexture;
+use crate::texture::decoded::LoadedTexture;
 
 /// The colours of the squares, row by row.
 const SQUARES: [[i32; 3]; 6] =

@@ -2,28 +2,28 @@
 
 use std::fmt::Display;
 
-use super::ELEMENTS;
-use super::schema::{Attribute, Kind, Schema, owners};
+use super::language::Language;
+use super::schema::{Attribute, Kind, Schema};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::format::syntax::{Block, Entry, Form, Item, Number, Word};
 use crate::names::{closest, invisible};
 
 /// An element, or a block of an element, as it was written.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Element<'t, 'a> {
-    pub(super) schema: &'static Schema,
-    pub(super) keyword: Word<'a>,
+pub(crate) struct Element<'t, 'a> {
+    pub(crate) schema: &'static Schema,
+    pub(crate) keyword: Word<'a>,
     /// Empty where the block has or needs no name.
-    pub(super) name: Word<'a>,
-    pub(super) block: &'t Block<'a>,
+    pub(crate) name: Word<'a>,
+    pub(crate) block: &'t Block<'a>,
     /// Whether braces are wrong in the block or about it, so that what belongs here may stand
     /// elsewhere and the other way round.
-    pub(super) damaged: bool,
+    pub(crate) damaged: bool,
 }
 
 impl Element<'_, '_> {
     /// As messages call it: "sphere `ball`".
-    pub(super) fn title(&self) -> String {
+    pub(crate) fn title(&self) -> String {
         match self.name.text {
             "" => format!("`{}`", self.keyword.text),
             name => format!("{} `{name}`", self.keyword.text),
@@ -31,7 +31,7 @@ impl Element<'_, '_> {
     }
 
     /// Keyword and name.
-    pub(super) fn head(&self) -> Span {
+    pub(crate) fn head(&self) -> Span {
         if self.name.text.is_empty() {
             self.keyword.span
         } else {
@@ -42,7 +42,7 @@ impl Element<'_, '_> {
 
 /// What stands behind an attribute, in the form that it takes.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Value<'t, 'a> {
+pub(crate) enum Value<'t, 'a> {
     Word(Word<'a>),
     Block(&'t Block<'a>),
     Element(Word<'a>, &'t Block<'a>),
@@ -52,18 +52,19 @@ pub(super) enum Value<'t, 'a> {
 
 /// An attribute that was written.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Field<'t, 'a> {
-    pub(super) attribute: &'static Attribute,
-    pub(super) keyword: Word<'a>,
-    pub(super) value: Value<'t, 'a>,
+pub(crate) struct Field<'t, 'a> {
+    pub(crate) attribute: &'static Attribute,
+    pub(crate) keyword: Word<'a>,
+    pub(crate) value: Value<'t, 'a>,
 }
 
 /// The attributes of one element.
-pub(super) struct Fields<'t, 'a, 'd> {
-    pub(super) element: Element<'t, 'a>,
-    pub(super) diagnostics: &'d mut Diagnostics,
+pub(crate) struct Fields<'t, 'a, 'd> {
+    pub(crate) element: Element<'t, 'a>,
+    pub(crate) diagnostics: &'d mut Diagnostics,
     /// `Scaling`.
-    pub(super) scale: f64,
+    pub(crate) scale: f64,
+    language: &'static Language,
     found: Vec<Field<'t, 'a>>,
     /// Attributes that this element does not take, and that resemble none that it does.
     strangers: usize,
@@ -72,12 +73,13 @@ pub(super) struct Fields<'t, 'a, 'd> {
 impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
     /// Reads the block of an element; reports what does not belong there, what is there twice, what
     /// has another form than it should, and what is missing.
-    pub(super) fn read(
+    pub(crate) fn read(
         element: Element<'t, 'a>,
+        language: &'static Language,
         scale: f64,
         diagnostics: &'d mut Diagnostics,
     ) -> Self {
-        let mut fields = Self { element, diagnostics, scale, found: Vec::new(), strangers: 0 };
+        let mut fields = Self { scale, ..Self::bare(element, language, diagnostics) };
         let mut entries = element.block.entries.iter().peekable();
         while let Some(entry) = entries.next() {
             let mut numbers = Vec::new();
@@ -92,18 +94,44 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
     }
 
     /// An element without attributes: nothing is read yet.
-    pub(super) fn bare(element: Element<'t, 'a>, diagnostics: &'d mut Diagnostics) -> Self {
-        Self { element, diagnostics, scale: 1.0, found: Vec::new(), strangers: 0 }
+    pub(crate) fn bare(
+        element: Element<'t, 'a>,
+        language: &'static Language,
+        diagnostics: &'d mut Diagnostics,
+    ) -> Self {
+        Self { element, diagnostics, scale: 1.0, language, found: Vec::new(), strangers: 0 }
+    }
+
+    /// The attributes of a block or element in this one; `None` if it is broken, which was reported.
+    pub(crate) fn open(&mut self, field: Field<'t, 'a>) -> Option<Fields<'t, 'a, '_>> {
+        let nameless = Word { text: "", span: field.keyword.span };
+        let (schema, name, block) = match (field.attribute.kind, field.value) {
+            (Kind::Block(schema), Value::Block(block)) => (schema, nameless, block),
+            (Kind::Element(schema), Value::Element(name, block)) => (schema, name, block),
+            _ => return None,
+        };
+        let damaged = self.element.damaged || block.damaged;
+        let element = Element { schema, keyword: field.keyword, name, block, damaged };
+        Some(Fields::read(element, self.language, self.scale, self.diagnostics))
     }
 
     /// The first attribute of that name.
-    pub(super) fn get(&self, name: &str) -> Option<Field<'t, 'a>> {
+    pub(crate) fn get(&self, name: &str) -> Option<Field<'t, 'a>> {
         self.found.iter().find(|f| f.attribute.name == name).copied()
     }
 
     /// All attributes of that name.
-    pub(super) fn all(&self, name: &str) -> Vec<Field<'t, 'a>> {
+    pub(crate) fn all(&self, name: &str) -> Vec<Field<'t, 'a>> {
         self.found.iter().filter(|f| f.attribute.name == name).copied().collect()
+    }
+
+    /// The words behind all attributes of that name; `None` if one of them is broken.
+    pub(crate) fn words(&self, name: &str) -> Option<Vec<Word<'a>>> {
+        let words = self.all(name).into_iter().map(|field| match field.value {
+            Value::Word(word) => Some(word),
+            _ => None,
+        });
+        words.collect()
     }
 
     /// An entry and the numbers that follow it, which are one too many or lack their braces.
@@ -157,7 +185,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
 
     fn unknown(&mut self, item: &Item<'a>) {
         let (word, schema) = (item.keyword, self.element.schema);
-        let near = closest(word.text, schema.attributes.iter().map(|a| a.name));
+        let near = closest(word.text, schema.attributes().map(|a| a.name));
         let attribute = near.and_then(|name| schema.attribute(name));
         let diagnostic = if let Some(attribute) = attribute {
             let help = invisible(word.text);
@@ -169,7 +197,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             ));
             Diagnostic { help, ..error.at(word.span, "") }
         } else {
-            if self.element.damaged && !owners(word.text).is_empty() {
+            if self.element.damaged && !self.language.owners(word.text).is_empty() {
                 return;
             }
             self.strangers += 1;
@@ -180,12 +208,12 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
 
     fn misplaced(&self, word: Word<'_>, form: &Form<'_>) -> Diagnostic {
         let keyword = self.element.schema.keyword;
-        if matches!(form, Form::Element(..)) && ELEMENTS.iter().any(|s| s.keyword == word.text) {
+        if matches!(form, Form::Element(..)) && self.language.has_element(word.text) {
             return Diagnostic::error(format!("`{}` can't stand in `{keyword}`", word.text))
                 .at(word.span, "this is an element of the scene")
                 .help(format!("write it outside of {}", self.element.title()));
         }
-        let owners = owners(word.text);
+        let owners = self.language.owners(word.text);
         let label = match owners.as_slice() {
             [] => String::new(),
             owners => format!("this is an attribute of {}", quoted_list(owners.iter().copied(), 3)),
@@ -197,7 +225,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
 
     /// What may stand in this element, as help.
     fn takes(&self) -> String {
-        let names = self.element.schema.attributes.iter().map(|a| a.name);
+        let names = self.element.schema.attributes().map(|a| a.name);
         format!("`{}` takes {}", self.element.schema.keyword, quoted_list(names, usize::MAX))
     }
 
@@ -221,13 +249,13 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
                 Value::Broken
             }
             (Kind::Number | Kind::Choice | Kind::Word(_), Form::Value(word)) => Value::Word(*word),
-            (Kind::Vector(_) | Kind::Block, Form::Block(block)) => Value::Block(block),
-            (Kind::Element, Form::Element(name, block)) => Value::Element(*name, block),
-            (Kind::Element, Form::Block(block)) => {
+            (Kind::Vector(_) | Kind::Block(_), Form::Block(block)) => Value::Block(block),
+            (Kind::Element(_), Form::Element(name, block)) => Value::Element(*name, block),
+            (Kind::Element(_), Form::Block(block)) => {
                 self.diagnostics.push(nameless(item.keyword));
                 Value::Element(Word { text: "", span: item.keyword.span }, block)
             }
-            (Kind::Vector(_) | Kind::Block, Form::Element(name, block)) => {
+            (Kind::Vector(_) | Kind::Block(_), Form::Element(name, block)) => {
                 let message = format!("`{}` takes no name", item.keyword.text);
                 self.diagnostics.push(
                     Diagnostic::error(message)
@@ -268,8 +296,8 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             Kind::Choice => "one word",
             Kind::Word(_) => "one word without braces",
             Kind::Vector(_) => "three numbers in braces",
-            Kind::Block => "a block in braces",
-            Kind::Element => "a name and a block in braces",
+            Kind::Block(_) => "a block in braces",
+            Kind::Element(_) => "a name and a block in braces",
         };
         let help = rewritten(attribute.kind, keyword, form, numbers)
             .unwrap_or_else(|| format!("write {}", attribute.usage()));
@@ -284,7 +312,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         if self.element.damaged {
             return;
         }
-        let attributes = self.element.schema.attributes.iter();
+        let attributes = self.element.schema.attributes();
         let missing: Vec<_> =
             attributes.filter(|a| a.required && self.get(a.name).is_none()).collect();
         // What is missing and what is not known are most probably the same.
@@ -305,7 +333,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
 }
 
 /// The error about an element without a name.
-pub(super) fn nameless(keyword: Word<'_>) -> Diagnostic {
+pub(crate) fn nameless(keyword: Word<'_>) -> Diagnostic {
     Diagnostic::error(format!("this `{}` has no name", keyword.text))
         .at(keyword.span, "expected a name after this")
         .help(format!("write `{} NAME {{ ... }}`", keyword.text))
@@ -335,7 +363,7 @@ fn rewritten(
 }
 
 /// "`a`, `b` and 3 others"
-pub(super) fn quoted_list<S: Display>(names: impl Iterator<Item = S>, most: usize) -> String {
+pub(crate) fn quoted_list<S: Display>(names: impl Iterator<Item = S>, most: usize) -> String {
     let names: Vec<_> = names.map(|n| format!("`{n}`")).collect();
     match names.len() {
         n if n > most => format!("{} and {} others", names[..most].join(", "), n - most),

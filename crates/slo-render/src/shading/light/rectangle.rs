@@ -1,104 +1,82 @@
-//! Lights in render space.
+//! `light_rectangle`: a rectangle that shines on both sides.
 
 use glam::{DVec3, Vec3};
 
+use super::lamp::{Lamp, expected};
 use slo_accel::math::rounding::gamma;
-use slo_scene::{self, LightShape};
+use slo_scene::light::RectangleLight;
 
-/// A light.
+/// A rectangle.
 #[derive(Clone, Copy, Debug)]
-pub struct Light {
-    /// Radiance that reaches a hit, whatever its distance.
-    pub color: Vec3,
-    /// First corner, or the position of a point light.
-    corner: Vec3,
-    /// Sides of the rectangle; 0 for a point light.
-    sides: [Vec3; 2],
-    /// Unit normal of the rectangle.
-    normal: Vec3,
-    /// `|normal|`, by components, times the roundings of [`shadow_ray`](Self::shadow_ray).
-    sensitivity: Vec3,
+pub struct Rectangle {
+    /// Radiance that reaches a hit, at any distance.
+    pub(super) color: Vec3,
+    /// First corner.
+    pub(super) corner: Vec3,
+    pub(super) sides: [Vec3; 2],
+    /// Unit.
+    pub(super) normal: Vec3,
+    /// `|normal|`, by components, times the roundings of [`shadow_ray`](Lamp::shadow_ray).
+    pub(super) sensitivity: Vec3,
     /// Coordinates that the points of the light are computed from, at most.
-    magnitude: Vec3,
-    /// Of the rectangle; 0 for a point light.
-    area: f32,
+    pub(super) magnitude: Vec3,
+    pub(super) area: f32,
 }
 
-impl Light {
+impl Rectangle {
     /// The light with the origin of render space at `origin` of scene space.
-    pub fn new(light: &slo_scene::Light, origin: DVec3) -> Self {
-        let color = light.color.into();
-        match light.shape {
-            LightShape::Point { position } => Self {
-                color,
-                corner: (position - origin).as_vec3(),
-                sides: [Vec3::ZERO; 2],
-                normal: Vec3::Z,
-                sensitivity: Vec3::ZERO,
-                magnitude: Vec3::ZERO,
-                area: 0.0,
-            },
-            LightShape::Rectangle { vertices: [v0, v1, v2] } => {
-                let sides = [v1 - v0, v2 - v1];
-                let normal = sides[0].cross(sides[1]).normalize_or(DVec3::Z).as_vec3();
-                let far = (v0 - origin).abs() + sides[0].abs() + sides[1].abs();
-                Self {
-                    color,
-                    corner: (v0 - origin).as_vec3(),
-                    sides: sides.map(|s| s.as_vec3()),
-                    normal,
-                    sensitivity: normal.abs() * gamma(32),
-                    magnitude: far.as_vec3(),
-                    area: sides[0].cross(sides[1]).length() as f32,
-                }
-            }
+    pub fn new(light: &RectangleLight, origin: DVec3) -> Self {
+        let [v0, v1, v2] = light.rectangle.vertices;
+        let sides = [v1 - v0, v2 - v1];
+        let normal = sides[0].cross(sides[1]).normalize_or(DVec3::Z).as_vec3();
+        let far = (v0 - origin).abs() + sides[0].abs() + sides[1].abs();
+        Self {
+            color: light.color.into(),
+            corner: (v0 - origin).as_vec3(),
+            sides: sides.map(|s| s.as_vec3()),
+            normal,
+            sensitivity: normal.abs() * gamma(32),
+            magnitude: far.as_vec3(),
+            area: sides[0].cross(sides[1]).length() as f32,
         }
     }
+}
 
-    /// Whether the light has an area to be sampled.
+impl Lamp for Rectangle {
+    const IS_AREA: bool = true;
+
     #[inline(always)]
-    pub fn is_area(&self) -> bool {
-        self.sides[0] != Vec3::ZERO
+    fn radiance(&self, _way: Vec3) -> Vec3 {
+        self.color
     }
 
-    /// The point `(u, v)` of the light, uniform by area. Source: thesis 5.11.
+    /// Uniform by area. Source: thesis 5.11.
     #[inline(always)]
-    pub fn point(&self, u: [f32; 2]) -> Vec3 {
+    fn point(&self, _from: Vec3, u: [f32; 2]) -> Vec3 {
         self.corner + self.sides[0] * u[0] + self.sides[1] * u[1]
     }
 
-    /// `pdf_solid_angle`, as seen from a hit, of the point of the light that lies `way` from it,
-    /// when points are uniform by area; infinite for a point light.
     #[inline(always)]
-    pub fn density(&self, way: Vec3) -> f32 {
+    fn density(&self, way: Vec3) -> f32 {
         let square = way.length_squared();
         square * square.sqrt() / (way.dot(self.normal).abs() * self.area)
     }
 
-    /// About how bright the light makes a hit: its luminance times the cosine of its middle, and a
-    /// little more, since a highlight or a lobe may see it better. 0 where all of it lies behind the
-    /// surface, unless light from there counts (`through`).
     #[inline(always)]
-    pub fn expected(&self, hit: Vec3, [n_shade, n_geo]: [Vec3; 2], through: bool) -> f32 {
-        const LEAST: f32 = 0.1;
+    fn expected(&self, hit: Vec3, [n_shade, n_geo]: [Vec3; 2], through: bool) -> f32 {
         let middle = self.corner + (self.sides[0] + self.sides[1]) * 0.5 - hit;
         let cos = middle.dot(n_shade) / middle.length();
         let reach = (self.sides[0].dot(n_geo).abs() + self.sides[1].dot(n_geo).abs()) * 0.5;
-        let luminance = self.color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        let seen = through || middle.dot(n_geo) + reach > 0.0;
-        if seen { luminance * (LEAST + cos.max(0.0)) } else { 0.0 }
+        expected(self.color, cos, through || middle.dot(n_geo) + reach > 0.0)
     }
 
-    /// Direction of a shadow ray from `from` to a `point` of the light, and the t at which it ends:
-    /// 1, less what keeps the light's own rectangle from being hit.
-    ///
     /// Point and rectangle differ by roundings of coordinates, and the test of the rectangle by
     /// roundings of its corners as seen from `from`, sheared along the ray. Both count along the
     /// normal only, so that a flat ray ends no earlier than it must: 6 roundings of the point and
     /// the direction, 10 of the test, and as many again for the slope of the ray, which is rounded
     /// too. The rest is for a ray that starts again behind what lets it pass.
     #[inline(always)]
-    pub fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32) {
+    fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32) {
         let direction = point - from;
         let far = (self.corner - from).abs() + self.sides[0].abs() + self.sides[1].abs();
         let along = direction.abs();
@@ -106,8 +84,7 @@ impl Light {
         let sheared = along * (far.max_element() / along.max_element());
         let error = self.sensitivity.dot(self.magnitude + far + sheared);
         // A ray in the rectangle's plane is kept as long as half its way.
-        let before = (1.0 - error / direction.dot(self.normal).abs()).max(0.5);
-        (direction, if self.is_area() { before } else { 1.0 })
+        (direction, (1.0 - error / direction.dot(self.normal).abs()).max(0.5))
     }
 }
 
@@ -118,19 +95,18 @@ mod tests {
     use super::*;
     use slo_accel::triangle::{ShearedRay, intersect};
 
+    fn light(vertices: [DVec3; 3]) -> Rectangle {
+        let rectangle = slo_scene::shape::Rectangle { vertices };
+        Rectangle::new(&RectangleLight { color: [1.0; 3], rectangle }, DVec3::ZERO)
+    }
+
     #[test]
     fn points_fill_the_rectangle_and_shadow_rays_end_before_it() {
         let vertices =
             [DVec3::new(1.0, 1.0, 5.0), DVec3::new(3.0, 1.0, 5.0), DVec3::new(3.0, 4.0, 5.0)];
-        let light = slo_scene::Light {
-            name: "l".into(),
-            color: [1.0; 3],
-            shape: LightShape::Rectangle { vertices },
-        };
-        let light = Light::new(&light, DVec3::ZERO);
-        assert!(light.is_area());
-        assert_eq!(light.point([1.0, 1.0]), Vec3::new(3.0, 4.0, 5.0));
-        let p = light.point([0.5, 0.5]);
+        let light = light(vertices);
+        assert_eq!(light.point(Vec3::ZERO, [1.0, 1.0]), Vec3::new(3.0, 4.0, 5.0));
+        let p = light.point(Vec3::ZERO, [0.5, 0.5]);
         assert_eq!(p, Vec3::new(2.0, 2.5, 5.0));
         for from in [Vec3::ZERO, Vec3::new(0.0, 0.0, 9.0), Vec3::new(-50.0, 70.0, 4.9)] {
             let (direction, t_max) = light.shadow_ray(from, p);
@@ -156,9 +132,7 @@ mod tests {
             let size = [1e-2, 1.0, 30.0][i % 3];
             let (a, b) = (vector(size), vector(size));
             let vertices = [place, place + a, place + a + a.cross(b).normalize() * a.length()];
-            let shape = LightShape::Rectangle { vertices };
-            let light = slo_scene::Light { name: "l".into(), color: [1.0; 3], shape };
-            let light = Light::new(&light, DVec3::ZERO);
+            let light = light(vertices);
             let fourth = vertices[0] + vertices[2] - vertices[1];
             let [v0, v1, v2, v3] =
                 [vertices[0], vertices[1], vertices[2], fourth].map(|v| v.as_vec3());
@@ -166,7 +140,7 @@ mod tests {
             let away = if i % 7 < 3 { away * 1e-3 + a * number(9.0) } else { away };
             let from = (place + away).as_vec3();
             let u = [number(0.5) + 0.5, number(0.5) + 0.5].map(|u| u as f32);
-            let (direction, t_max) = light.shadow_ray(from, light.point(u));
+            let (direction, t_max) = light.shadow_ray(from, light.point(from, u));
             let ray = ShearedRay::new(from, direction);
             // An edge-on ray, which ends half way, may meet it.
             for triangle in [[v0, v1, v2], [v0, v2, v3]].iter().filter(|_| t_max > 0.5) {

@@ -1,50 +1,25 @@
-//! The local part of the thesis's lighting model.
+//! `material_phong`, `material_texture`: the local part of the thesis's lighting model.
 
 use glam::Vec3;
 
+use super::row::Material;
 use crate::sampling::warp::lobe_inverse;
 use slo_accel::math::elementary::power;
-use slo_scene::{self, TextureUse};
+use slo_scene::material::Phong;
 
-/// A material, ready for shading.
-#[derive(Clone, Copy, Debug)]
-pub struct Material {
-    /// k_a
-    pub ambient: Vec3,
-    /// k_d
-    pub diffuse: Vec3,
-    /// k_s
-    pub specular: Vec3,
-    /// Exponent of the highlight.
-    pub shininess: f32,
-    /// k_r
-    pub reflectance: f32,
-    /// k_t
-    pub refraction: f32,
-    /// `1 / (n + 1)` of the reflected lobe cos^n; 0: mirror.
-    pub reflection_lobe: f32,
-    /// `1 / (n + 1)` of the refracted lobe cos^n; 0: clear.
-    pub refraction_lobe: f32,
-    /// Index of refraction inside, 1 outside.
-    pub refraction_index: f32,
-    /// Multiplies ambient and diffuse.
-    pub texture: Option<TextureUse>,
-}
-
-impl From<&slo_scene::Material> for Material {
-    fn from(m: &slo_scene::Material) -> Self {
-        Self {
-            ambient: m.ambient.into(),
-            diffuse: m.diffuse.into(),
-            specular: m.specular.into(),
-            shininess: m.shininess,
-            reflectance: m.reflectance,
-            refraction: m.refraction,
-            reflection_lobe: lobe_inverse(m.diffuse_reflection),
-            refraction_lobe: lobe_inverse(m.diffuse_refraction),
-            refraction_index: m.refraction_index,
-            texture: m.texture,
-        }
+/// What the columns of materials hold of it.
+pub(super) fn row(Phong { info, texture }: &Phong) -> Material {
+    Material {
+        ambient: info.ambient.into(),
+        diffuse: info.diffuse.into(),
+        specular: info.specular.into(),
+        shininess: info.shininess,
+        reflectance: info.reflectance,
+        refraction: info.refraction,
+        reflection_lobe: lobe_inverse(info.diffuse_reflection),
+        refraction_lobe: lobe_inverse(info.diffuse_refraction),
+        refraction_index: info.refraction_index,
+        texture: *texture,
     }
 }
 

@@ -3,34 +3,36 @@
 use glam::DVec3;
 
 use super::fields::{Field, Fields, Value, quoted_list};
-use super::oddities::check_color;
 use crate::diagnostics::{Diagnostic, Span};
 use crate::format::syntax::{Block, Entry, Word};
 use crate::format::{looks_like_number, parse_number};
 use crate::names::closest;
-pub(super) use crate::settings::Bound;
+use crate::settings::Bound;
 
 /// Positions and lengths past this would overflow the f32 arithmetic of the triangle test, which
 /// multiplies four of them.
-pub(super) const FARTHEST: f64 = 1e9;
+pub(crate) const FARTHEST: f64 = 1e9;
 
 /// The shortest length that is more than 0: the least of which a fourth power is still a normal
 /// f32.
-pub(super) const SHORTEST: f64 = 1e-9;
+pub(crate) const SHORTEST: f64 = 1e-9;
 
 /// What is said of directions that are too short or too long: squares of others leave f64.
 const LENGTHS: &str = "expected a length from 1e-150 to 1e150";
 
+/// The brightest channel past which a colour of whole numbers was probably meant to go up to 255.
+const DIMMEST_BYTE: f64 = 32.0;
+
 /// A value with its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Found<T> {
-    pub(super) value: T,
-    pub(super) span: Span,
+pub(crate) struct Found<T> {
+    pub(crate) value: T,
+    pub(crate) span: Span,
 }
 
 impl<'t, 'a> Fields<'t, 'a, '_> {
     /// The word behind an attribute.
-    pub(super) fn word(&self, name: &str) -> Option<Word<'a>> {
+    pub(crate) fn word(&self, name: &str) -> Option<Word<'a>> {
         match self.get(name)?.value {
             Value::Word(word) => Some(word),
             _ => None,
@@ -38,7 +40,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// A number within a bound.
-    pub(super) fn number(&mut self, name: &str, bound: Bound) -> Option<Found<f64>> {
+    pub(crate) fn number(&mut self, name: &str, bound: Bound) -> Option<Found<f64>> {
         let word = self.word(name)?;
         let value = self.parse(word)?;
         if let Some(rule) = bound.broken_by(value) {
@@ -49,7 +51,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// A number within a bound that is kept in f32.
-    pub(super) fn number_f32(&mut self, name: &str, bound: Bound) -> Option<f32> {
+    pub(crate) fn number_f32(&mut self, name: &str, bound: Bound) -> Option<f32> {
         let found = self.number(name, bound)?;
         let value = self.fit_f32(found)?;
         if matches!(bound, Bound::Positive | Bound::Error) && value == 0.0 {
@@ -71,7 +73,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// A length, scaled.
-    pub(super) fn length(&mut self, name: &str, bound: Bound) -> Option<Found<f64>> {
+    pub(crate) fn length(&mut self, name: &str, bound: Bound) -> Option<Found<f64>> {
         let found = self.number(name, bound)?;
         let value = found.value * self.scale;
         self.check_distance(value, found.span)?;
@@ -84,7 +86,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// A whole number in a range.
-    pub(super) fn count(&mut self, name: &str, least: u32, most: u32) -> Option<Found<u32>> {
+    pub(crate) fn count(&mut self, name: &str, least: u32, most: u32) -> Option<Found<u32>> {
         let word = self.word(name)?;
         let value = self.parse(word)?;
         if value.fract() != 0.0 {
@@ -100,7 +102,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// A whole number of 64 bits.
-    pub(super) fn seed(&mut self, name: &str) -> Option<u64> {
+    pub(crate) fn seed(&mut self, name: &str) -> Option<u64> {
         let word = self.word(name)?;
         if let Ok(seed) = word.text.parse() {
             return Some(seed);
@@ -114,7 +116,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// One of several words.
-    pub(super) fn choice(&mut self, name: &str, words: &[&'static str]) -> Option<&'static str> {
+    pub(crate) fn choice(&mut self, name: &str, words: &[&'static str]) -> Option<&'static str> {
         let word = self.word(name)?;
         if let Some(found) = words.iter().find(|known| **known == word.text) {
             return Some(found);
@@ -130,12 +132,12 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// Three numbers as they are.
-    pub(super) fn vector(&mut self, name: &str) -> Option<Found<DVec3>> {
+    pub(crate) fn vector(&mut self, name: &str) -> Option<Found<DVec3>> {
         self.get(name).and_then(|field| self.vector_of(field))
     }
 
     /// Three numbers that are not all 0, of a length that can be squared.
-    pub(super) fn direction(&mut self, name: &str) -> Option<Found<DVec3>> {
+    pub(crate) fn direction(&mut self, name: &str) -> Option<Found<DVec3>> {
         let found = self.vector(name)?;
         if found.value.try_normalize().is_none() {
             let largest = found.value.abs().max_element();
@@ -152,17 +154,17 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// A position, scaled.
-    pub(super) fn point(&mut self, name: &str) -> Option<Found<DVec3>> {
+    pub(crate) fn point(&mut self, name: &str) -> Option<Found<DVec3>> {
         self.get(name).and_then(|field| self.point_of(field))
     }
 
     /// Positions of an attribute that may be repeated, scaled.
-    pub(super) fn points(&mut self, name: &str) -> Vec<Found<DVec3>> {
+    pub(crate) fn points(&mut self, name: &str) -> Vec<Found<DVec3>> {
         self.all(name).into_iter().filter_map(|field| self.point_of(field)).collect()
     }
 
     /// Red, green and blue, none below 0.
-    pub(super) fn color(&mut self, name: &str) -> Option<[f32; 3]> {
+    pub(crate) fn color(&mut self, name: &str) -> Option<[f32; 3]> {
         let found = self.vector(name)?;
         if found.value.min_element() < 0.0 {
             let message = format!("`{name}` must not be negative");
@@ -190,7 +192,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 
     /// Exactly `N` numbers in braces.
-    pub(super) fn numbers<const N: usize>(
+    pub(crate) fn numbers<const N: usize>(
         &mut self,
         keyword: Word<'_>,
         block: &Block<'_>,
@@ -268,4 +270,21 @@ fn not_a_number(word: &str) -> Diagnostic {
 
 fn numbers_in_words(n: usize) -> &'static str {
     if n == 1 { "one number in braces" } else { "three numbers in braces" }
+}
+
+/// Warns of a colour whose channels seem to go from 0 to 255.
+fn check_color(fields: &mut Fields<'_, '_, '_>, name: &str, span: Span, color: [f32; 3]) {
+    if looks_like_bytes(color) {
+        let message = format!("`{name}` seems to be given from 0 to 255");
+        let [r, g, b] = color.map(|c| format!("{:.3}", f64::from(c) / 255.0));
+        let help = format!("full intensity is 1: write `{name} {{ {r} {g} {b} }}`");
+        fields.diagnostics.push(Diagnostic::warning(message).at(span, "").help(help));
+    }
+}
+
+/// Whether the channels of a colour seem to go from 0 to 255.
+pub(crate) fn looks_like_bytes(color: [f32; 3]) -> bool {
+    let color = color.map(f64::from);
+    let largest = color.into_iter().fold(0.0, f64::max);
+    (DIMMEST_BYTE..=255.0).contains(&largest) && color.iter().all(|c| c.fract() == 0.0)
 }

@@ -4,22 +4,23 @@ use std::collections::{HashMap, HashSet};
 use std::io::Read;
 use std::sync::Arc;
 
-use super::values::FARTHEST;
+use crate::attributes::FARTHEST;
 use crate::diagnostics::{Diagnostic, Diagnostics, Source, Span};
 use crate::files::{ContentHash, Files, HashingReader, OpenError};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
-use crate::{Mesh, Texture, mesh, texture};
+use crate::mesh::{self, Mesh};
+use crate::texture::{self, Texture};
 
 /// Spaces that are put in front of the excerpt of a long line, so that its column comes out right.
 const MOST_PADDING: usize = 100_000;
 
 /// The files of a scene.
-pub(super) struct Assets<'f> {
+pub(crate) struct Assets<'f> {
     files: &'f Files,
     /// Folder of the scene as the user gave it, with a `/`; for messages.
     folder: String,
-    pub(super) hash: ContentHash,
+    pub(crate) hash: ContentHash,
     textures: HashMap<String, Option<Arc<Texture>>>,
     meshes: HashMap<(Vec<String>, bool), Option<Arc<Mesh>>>,
     /// Paths of files that can't be had, which were reported.
@@ -30,7 +31,7 @@ pub(super) struct Assets<'f> {
 
 impl<'f> Assets<'f> {
     /// No file is read yet.
-    pub(super) fn new(files: &'f Files, text_name: &str, hash: ContentHash) -> Self {
+    pub(crate) fn new(files: &'f Files, text_name: &str, hash: ContentHash) -> Self {
         let end = text_name.rfind(['/', '\\']).map_or(0, |i| i + 1);
         let folder = text_name[..end].to_owned();
         Self {
@@ -45,7 +46,7 @@ impl<'f> Assets<'f> {
     }
 
     /// The image at a path; `None` where it can't be had, which is reported once.
-    pub(super) fn texture(
+    pub(crate) fn texture(
         &mut self,
         path: Word<'_>,
         diagnostics: &mut Diagnostics,
@@ -66,7 +67,7 @@ impl<'f> Assets<'f> {
     }
 
     /// The mesh that one or more files make together; `None` where one of them can't be had.
-    pub(super) fn mesh(
+    pub(crate) fn mesh(
         &mut self,
         paths: &[Word<'_>],
         smooth: bool,
@@ -131,7 +132,7 @@ impl<'f> Assets<'f> {
     }
 
     /// Warns that a texture is put on meshes without uvs, of each of which that is said once.
-    pub(super) fn warn_without_uvs(&mut self, paths: &[Word<'_>], diagnostics: &mut Diagnostics) {
+    pub(crate) fn warn_without_uvs(&mut self, paths: &[Word<'_>], diagnostics: &mut Diagnostics) {
         for path in paths {
             if self.without_uvs.remove(path.text) {
                 let message = format!("mesh `{}` has no uvs (texture coordinates)", path.text);

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Material;
+use super::row::Material;
 
 /// One number of every material, by its index.
 type Entries = Vec<f32>;

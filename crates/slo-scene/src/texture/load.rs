@@ -1,105 +1,15 @@
-//! Images, as their files have them.
-
-mod jpeg;
-mod png;
+//! Which decoder an image file is for, and what files of other kinds are told.
 
 use std::io::Read;
 
-pub use self::png::png_reason;
-use super::kinds::{self, Kind};
-use super::mesh;
+use super::decoded::LoadedTexture;
+use super::{jpeg, png};
+use crate::file_kinds::{self, Kind};
 use crate::format::FileError;
-
-/// Texels that an image may have: 16384 x 16384, which takes 0.8 GB at 8 bits a channel.
-const MAX_TEXELS: u64 = 1 << 28;
+use crate::mesh;
 
 /// Bytes that an image file may have.
 const MAX_FILE_BYTES: u64 = 1 << 31;
-
-/// An RGB image with the file's values as they are (no transfer curve is removed), kept at the
-/// file's precision: 3 bytes a texel, or 6 where the file has 16 bits a channel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Texture {
-    width: u32,
-    height: u32,
-    channels: Channels,
-}
-
-/// Red, green and blue in turn, row-major, the top row of the image first.
-#[derive(Clone, Debug, PartialEq)]
-enum Channels {
-    Bits8(Vec<u8>),
-    Bits16(Vec<u16>),
-}
-
-impl Texture {
-    /// An image of 8-bit channels: red, green, blue in turn, the top row first. `None` unless
-    /// there are `3 * width * height` of them and the image has a texel.
-    pub fn from_rgb8(width: u32, height: u32, channels: Vec<u8>) -> Option<Self> {
-        fits(width, height, channels.len()).then_some(Self {
-            width,
-            height,
-            channels: Channels::Bits8(channels),
-        })
-    }
-
-    /// As [`from_rgb8`](Self::from_rgb8), of 16-bit channels.
-    pub fn from_rgb16(width: u32, height: u32, channels: Vec<u16>) -> Option<Self> {
-        fits(width, height, channels.len()).then_some(Self {
-            width,
-            height,
-            channels: Channels::Bits16(channels),
-        })
-    }
-
-    /// Pixels, 1 or more.
-    pub fn width(&self) -> u32 {
-        self.width
-    }
-
-    /// Pixels, 1 or more.
-    pub fn height(&self) -> u32 {
-        self.height
-    }
-
-    /// Red, green and blue in `[0, 1]` of the texel in column `x` from the left and row `y` from
-    /// the top; columns and rows past the edge give the last one.
-    #[inline(always)]
-    pub fn texel(&self, x: u32, y: u32) -> [f32; 3] {
-        let x = x.min(self.width - 1) as usize;
-        let y = y.min(self.height - 1) as usize;
-        let start = 3 * (y * self.width as usize + x);
-        match &self.channels {
-            Channels::Bits8(c) => color(&c[start..], 255.0),
-            Channels::Bits16(c) => color(&c[start..], 65535.0),
-        }
-    }
-}
-
-/// The first three channels over the largest value of one.
-#[inline(always)]
-fn color<C: Copy + Into<f32>>(channels: &[C], most: f32) -> [f32; 3] {
-    [channels[0].into() / most, channels[1].into() / most, channels[2].into() / most]
-}
-
-/// Whether so many channels make an image of that size.
-fn fits(width: u32, height: u32, channels: usize) -> bool {
-    let texels = u64::from(width) * u64::from(height);
-    texels > 0 && u128::from(texels) * 3 == channels as u128
-}
-
-/// An image, and what is odd about its file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LoadedTexture {
-    /// The image.
-    pub texture: Texture,
-    /// What is not as its author may expect, one line each.
-    pub warnings: Vec<String>,
-}
-
-/// What a transparent image is told.
-const NEVER_SHOWN: &str =
-    "it has transparent pixels, but alpha is not used: they show their colour";
 
 /// Reads a PNG or JPEG image; its first bytes say which it is, whatever `path_name` ends in.
 ///
@@ -133,9 +43,9 @@ fn read_image_file(reader: &mut dyn Read) -> Result<Vec<u8>, FileError> {
 /// What to say about a file that starts like neither format.
 fn other_kind(path_name: &str, bytes: &[u8]) -> FileError {
     const HELP: &str = "textures are PNG or JPEG files";
-    let (name, help) = if let Some(Kind { name, help }) = kinds::kind(bytes) {
+    let (name, help) = if let Some(Kind { name, help }) = file_kinds::kind(bytes) {
         (name.to_owned(), help)
-    } else if let Some(kind) = mesh::kind(&bytes[..bytes.len().min(kinds::LOOKED_AT)]) {
+    } else if let Some(kind) = mesh::kind(&bytes[..bytes.len().min(file_kinds::LOOKED_AT)]) {
         (format!("a .{kind} mesh"), HELP)
     } else {
         (format!("no image, although it is called `{path_name}`"), HELP)
@@ -143,41 +53,11 @@ fn other_kind(path_name: &str, bytes: &[u8]) -> FileError {
     FileError::whole_file(format!("the file is {name}")).with_help(help)
 }
 
-/// Refuses images that would take more memory than a texture is worth.
-fn check_size(width: u32, height: u32) -> Result<(), FileError> {
-    let texels = u64::from(width) * u64::from(height);
-    if texels <= MAX_TEXELS {
-        return Ok(());
-    }
-    Err(FileError::whole_file(format!(
-        "the image has {width} x {height} pixels, more than {MAX_TEXELS}"
-    ))
-    .with_help("scale it down: 16384 x 16384 pixels are the most that a texture may have"))
-}
-
-/// What to say about a file that starts right but can't be decoded.
-fn damaged(format: &str, reason: &str) -> FileError {
-    FileError::whole_file(format!("the {format} image is damaged: {}", reason.trim()))
-}
-
-/// A decoded image.
-fn texture(
-    width: u32,
-    height: u32,
-    channels: Channels,
-    warnings: Vec<String>,
-) -> Result<LoadedTexture, FileError> {
-    let texture = match channels {
-        Channels::Bits8(channels) => Texture::from_rgb8(width, height, channels),
-        Channels::Bits16(channels) => Texture::from_rgb16(width, height, channels),
-    };
-    let texture = texture.ok_or_else(|| FileError::whole_file("the image has no pixels"))?;
-    Ok(LoadedTexture { texture, warnings })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::texture::decoded::NEVER_SHOWN;
+    use crate::texture::png::png_reason;
 
     /// Of a JPEG file everything up to its first scan, or less.
     const START: &[u8] = b"\xff\xd8\xff\xe0\x00\x10JFIF\x00\x01\x01\x00\x00\x01\x00\x01\x00\x00\

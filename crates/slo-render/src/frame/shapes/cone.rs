@@ -1,0 +1,27 @@
+//! `cone`
+
+use glam::Vec3;
+
+use super::geometry::CurvedSurface;
+use super::round::{about_balls, uv_about};
+use crate::frame::sampled_motion::ObjectBox;
+use slo_accel::Curved;
+use slo_accel::curved::Part;
+use slo_scene::animation::DRigid;
+use slo_scene::shape::Cone;
+
+impl CurvedSurface for Cone {
+    fn primitive(&self, place: &DRigid) -> Curved {
+        let [base, apex] = [self.base, self.apex].map(|p| place.point(p).as_vec3());
+        Curved::Cone { base, apex, radius: self.radius as f32 }
+    }
+
+    fn bounds(&self) -> ObjectBox {
+        about_balls(&[self.base, self.apex], self.radius)
+    }
+
+    fn uv_at(&self, point: Vec3, part: Part) -> [f32; 2] {
+        let axis = [self.base, self.apex - self.base];
+        uv_about(axis, self.radius, point, part, |along, length| along / length)
+    }
+}

@@ -1,0 +1,27 @@
+//! `cylinder`
+
+use glam::Vec3;
+
+use super::geometry::CurvedSurface;
+use super::round::{about_balls, uv_about};
+use crate::frame::sampled_motion::ObjectBox;
+use slo_accel::Curved;
+use slo_accel::curved::Part;
+use slo_scene::animation::DRigid;
+use slo_scene::shape::Cylinder;
+
+impl CurvedSurface for Cylinder {
+    fn primitive(&self, place: &DRigid) -> Curved {
+        let [base, top] = [self.base, self.top].map(|p| place.point(p).as_vec3());
+        Curved::Cylinder { base, top, radius: self.radius as f32 }
+    }
+
+    fn bounds(&self) -> ObjectBox {
+        about_balls(&[self.base, self.top], self.radius)
+    }
+
+    fn uv_at(&self, point: Vec3, part: Part) -> [f32; 2] {
+        let axis = [self.base, self.top - self.base];
+        uv_about(axis, self.radius, point, part, |along, length| along / length)
+    }
+}

@@ -1,0 +1,33 @@
+//! Shapes as primitives, one file each: flat shapes become small meshes, curved ones stay what they
+//! are.
+
+mod cone;
+mod cuboid;
+mod cylinder;
+mod geometry;
+mod plane;
+mod quads;
+mod rectangle;
+mod round;
+mod sphere;
+mod triangle;
+
+use std::sync::Arc;
+
+use slo_scene::Shape;
+
+pub(super) use geometry::Geometry;
+
+/// The geometry of a shape.
+pub(super) fn geometry(shape: &Shape) -> Geometry {
+    match shape {
+        Shape::Plane(shape) => plane::geometry(shape),
+        Shape::Sphere(shape) => Geometry::Curved(Box::new(*shape)),
+        Shape::Triangle(shape) => triangle::geometry(shape),
+        Shape::Rectangle(shape) => rectangle::geometry(shape),
+        Shape::Box(shape) => cuboid::geometry(shape),
+        Shape::Cylinder(shape) => Geometry::Curved(Box::new(*shape)),
+        Shape::Cone(shape) => Geometry::Curved(Box::new(*shape)),
+        Shape::Mesh(surface) => Geometry::Mesh(Arc::clone(&surface.mesh), surface.smooth),
+    }
+}

@@ -1,0 +1,33 @@
+//! Surfaces about an axis.
+
+use glam::{DVec3, Vec3};
+
+use crate::frame::sampled_motion::ObjectBox;
+use slo_accel::curved::Part;
+
+/// uv at a point of a surface about an axis, or of a disc at one of its ends. `v` says how high a
+/// point of the surface is, by how far along the axis it lies, and how long that is.
+pub(super) fn uv_about(
+    [base, axis]: [DVec3; 2],
+    radius: f64,
+    point: Vec3,
+    part: Part,
+    v: impl FnOnce(f64, f64) -> f64,
+) -> [f32; 2] {
+    let length = axis.length();
+    let axis = axis / length;
+    let x = if axis.z.abs() > 1.0 - 1e-9 { DVec3::X } else { DVec3::Z.cross(axis).normalize() };
+    let y = axis.cross(x);
+    let p = point.as_dvec3() - base;
+    if part != Part::Side {
+        return [p.dot(x), p.dot(y)].map(|c| (0.5 + 0.5 * c / radius) as f32);
+    }
+    let turns = libm::atan2(p.dot(y), p.dot(x)) / std::f64::consts::TAU;
+    [(turns - turns.floor()) as f32, v(p.dot(axis), length) as f32]
+}
+
+/// The box about balls of one radius.
+pub(super) fn about_balls(centers: &[DVec3], radius: f64) -> ObjectBox {
+    let radius = DVec3::splat(radius);
+    ObjectBox::about(centers.iter().flat_map(|&center| [center - radius, center + radius]))
+}

@@ -1,0 +1,54 @@
+//! `light_point`: a light without an area.
+
+use glam::{DVec3, Vec3};
+
+use super::lamp::{Lamp, expected};
+use slo_scene::light::PointLight;
+
+/// A point.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Radiance that reaches a hit, at any distance.
+    pub(super) color: Vec3,
+    pub(super) position: Vec3,
+}
+
+impl Point {
+    /// The light with the origin of render space at `origin` of scene space.
+    pub fn new(light: &PointLight, origin: DVec3) -> Self {
+        let position = (light.position - origin).as_vec3();
+        // No coordinate is -0: a sum with products of sides that are 0 has none either.
+        Self { color: light.color.into(), position: position + Vec3::ZERO }
+    }
+}
+
+impl Lamp for Point {
+    const IS_AREA: bool = false;
+
+    #[inline(always)]
+    fn radiance(&self, _way: Vec3) -> Vec3 {
+        self.color
+    }
+
+    #[inline(always)]
+    fn point(&self, _from: Vec3, _u: [f32; 2]) -> Vec3 {
+        self.position
+    }
+
+    #[inline(always)]
+    fn density(&self, _way: Vec3) -> f32 {
+        f32::INFINITY
+    }
+
+    #[inline(always)]
+    fn expected(&self, hit: Vec3, [n_shade, n_geo]: [Vec3; 2], through: bool) -> f32 {
+        let way = self.position - hit;
+        let cos = way.dot(n_shade) / way.length();
+        expected(self.color, cos, through || way.dot(n_geo) > 0.0)
+    }
+
+    #[inline(always)]
+    fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32) {
+        (point - from, 1.0)
+    }
+}

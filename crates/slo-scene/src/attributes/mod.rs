@@ -1,0 +1,16 @@
+//! Elements as they are written: which attributes each takes, and their values, checked.
+//!
+//! Nothing here knows a single element: a [`Schema`] says what one takes, a [`Language`] holds all of
+//! them, [`Fields`] reads one.
+
+mod fields;
+mod language;
+mod references;
+pub(crate) mod schema;
+mod values;
+
+pub(crate) use crate::settings::Bound;
+pub(crate) use fields::{Element, Field, Fields, Value, nameless, quoted_list};
+pub(crate) use language::Language;
+pub(crate) use references::{References, Referred};
+pub(crate) use values::{FARTHEST, Found, SHORTEST, looks_like_bytes};

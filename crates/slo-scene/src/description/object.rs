@@ -1,0 +1,21 @@
+//! Objects: what can be seen, of what it is made, and where it is when.
+
+use super::key_frame::KeyFrame;
+use crate::shape::Shape;
+
+/// Index into [`SceneDescription::materials`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MaterialId(pub u32);
+
+/// A thing that can be seen.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// The name in the text.
+    pub name: String,
+    /// What it is made of.
+    pub material: MaterialId,
+    /// What it looks like, in object space (scene space where there are no key frames).
+    pub shape: Shape,
+    /// In order of time; none: object space is scene space. One: a placed, still object.
+    pub key_frames: Vec<KeyFrame>,
+}

@@ -1,0 +1,41 @@
+//! `light_point`
+
+use glam::DVec3;
+
+use super::lamp::{Lamp, WrittenLight};
+use crate::attributes::Fields;
+use crate::attributes::schema::{color, point};
+use crate::kinds::Keyword;
+use crate::shape::Shape;
+
+/// A light without a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointLight {
+    /// Radiance that reaches a hit, at any distance.
+    pub color: [f32; 3],
+    /// Position.
+    pub position: DVec3,
+}
+
+impl WrittenLight for PointLight {
+    const KEYWORDS: &'static [Keyword] = &[Keyword {
+        keyword: "light_point",
+        attributes: &[color("color").required(), point("position").required()],
+    }];
+
+    fn read(fields: &mut Fields<'_, '_, '_>, _: &mut ()) -> Option<Self> {
+        let color = fields.color("color");
+        let position = fields.point("position");
+        Some(Self { color: color?, position: position?.value })
+    }
+}
+
+impl Lamp for PointLight {
+    fn is_dark(&self) -> bool {
+        self.color == [0.0; 3]
+    }
+
+    fn surface(&self) -> Option<Shape> {
+        None
+    }
+}

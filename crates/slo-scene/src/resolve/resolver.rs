@@ -1,0 +1,220 @@
+//! Syntax tree -> scene, element by element.
+
+use std::sync::Arc;
+
+use super::collect::Scene;
+use super::elements::{LANGUAGE, Role};
+use super::{camera, key_frames, oddities, overlaps, settings};
+use crate::assets::Assets;
+use crate::attributes::{Element, Fields, References, Referred};
+use crate::description::{Camera, MaterialId, Object, SceneDescription};
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
+use crate::files::{ContentHash, Files};
+use crate::format::parse;
+use crate::light::{Light, ReadLight};
+use crate::material::{Material, Palette, PhongInfo, ReadMaterial, phong_info};
+use crate::settings::Settings;
+use crate::shape::ReadShape;
+use crate::texture::Texture;
+
+/// The scene of a text that is a source of `diagnostics`; a scene without meaning where there are
+/// errors.
+pub(crate) fn resolve(
+    text: &str,
+    source: SourceId,
+    files: &Files,
+    hash: ContentHash,
+    diagnostics: &mut Diagnostics,
+) -> Option<SceneDescription> {
+    let tree = parse(text, source, &*LANGUAGE, diagnostics);
+    let name = diagnostics.source(source).name.clone();
+    let scene = Scene::collect(&tree, diagnostics);
+    let scale = scaling(&scene, diagnostics);
+    let references = scene.references(diagnostics);
+    let assets = Assets::new(files, &name, hash);
+    let mut resolver = Resolver { scene, scale, references, assets, diagnostics };
+    let description = resolver.description();
+    resolver.references.report_dangling(resolver.diagnostics);
+    if !resolver.diagnostics.has_errors() {
+        resolver.warn_unused();
+    }
+    description
+}
+
+/// `Scaling`, which stands before everything that it scales.
+fn scaling(scene: &Scene<'_, '_>, diagnostics: &mut Diagnostics) -> f64 {
+    let element = scene.only(|role| matches!(role, Role::Scaling), diagnostics);
+    let Some(element) = element else { return 1.0 };
+    if let Some(first) = scene.first_with_positions()
+        && first.keyword.span < element.keyword.span
+    {
+        diagnostics.push(
+            Diagnostic::error("`Scaling` stands after an element with positions")
+                .at(element.head(), "")
+                .also(first.head(), "this would not be scaled")
+                .help("write it at the top of the scene"),
+        );
+    }
+    let mut fields = Fields::bare(element, &LANGUAGE, diagnostics);
+    let Some([factor]) = fields.numbers(element.keyword, element.block) else { return 1.0 };
+    if factor > 0.0 {
+        return factor;
+    }
+    let span = element.block.open.to(element.block.close);
+    diagnostics.push(Diagnostic::error("`Scaling` must be more than 0").at(span, ""));
+    1.0
+}
+
+struct Resolver<'t, 'a, 'd> {
+    scene: Scene<'t, 'a>,
+    scale: f64,
+    references: References<'a>,
+    assets: Assets<'d>,
+    diagnostics: &'d mut Diagnostics,
+}
+
+impl<'t, 'a> Resolver<'t, 'a, '_> {
+    fn description(&mut self) -> Option<SceneDescription> {
+        let settings = self.settings();
+        let camera = self.camera();
+        let lights = self.lights();
+        let phong_infos = self.phong_infos();
+        let textures = self.textures();
+        let materials = self.materials(&phong_infos);
+        let objects = self.objects(camera.as_ref(), &materials);
+        let scene = SceneDescription {
+            settings,
+            camera: camera?,
+            lights: lights.iter().map(|(light, _)| light.clone()).collect(),
+            materials,
+            textures: textures.into_iter().collect::<Option<_>>()?,
+            objects: objects.iter().map(|(object, _)| object.clone()).collect(),
+            content_hash: self.assets.hash.finish(),
+        };
+        if !self.references.are_dangling() && !self.diagnostics.has_errors() {
+            oddities::check_light(&scene, self.diagnostics);
+            overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
+        }
+        Some(scene)
+    }
+
+    fn fields(&mut self, element: Element<'t, 'a>) -> Fields<'t, 'a, '_> {
+        Fields::read(element, &LANGUAGE, self.scale, self.diagnostics)
+    }
+
+    fn settings(&mut self) -> Settings {
+        match self.scene.only(|role| matches!(role, Role::Settings), self.diagnostics) {
+            Some(element) => settings::settings(&mut self.fields(element)),
+            None => Settings::default(),
+        }
+    }
+
+    fn camera(&mut self) -> Option<Camera> {
+        let element = self.scene.only(|role| matches!(role, Role::Camera), self.diagnostics);
+        let Some(element) = element else {
+            // Where nothing is an element, what is there has been reported.
+            let is_known = self.scene.is_empty() && self.diagnostics.has_errors();
+            if !self.scene.is_truncated && !is_known {
+                let what = if self.scene.is_empty() { "is empty" } else { "has no `Camera`" };
+                self.diagnostics.push(
+                    Diagnostic::error(format!("the scene {what}"))
+                        .help("write `Camera NAME { fps NUMBER  Film NAME { ... }  CamSegment NAME { ... } }`"),
+                );
+            }
+            return None;
+        };
+        camera::camera(&mut self.fields(element))
+    }
+
+    /// Lights, with the places that they are defined at.
+    fn lights(&mut self) -> Vec<(Light, Span)> {
+        let elements = self.scene.of(|role| match role {
+            Role::Light(read) => Some(read),
+            _ => None,
+        });
+        let light = |(read, element): (ReadLight, Element<'t, 'a>)| {
+            let kind = read(&mut self.fields(element), &mut ())?;
+            Some((Light { name: element.name.text.to_owned(), kind }, element.head()))
+        };
+        elements.into_iter().filter_map(light).collect()
+    }
+
+    fn phong_infos(&mut self) -> Vec<PhongInfo> {
+        let elements = self.scene.of(|role| matches!(role, Role::PhongInfo).then_some(()));
+        elements.into_iter().map(|(_, e)| phong_info(&mut self.fields(e))).collect()
+    }
+
+    fn textures(&mut self) -> Vec<Option<Arc<Texture>>> {
+        let mut textures = Vec::new();
+        for (_, element) in self.scene.of(|role| matches!(role, Role::Texture).then_some(())) {
+            let path = self.fields(element).word("filename");
+            textures.push(path.and_then(|path| self.assets.texture(path, self.diagnostics)));
+        }
+        textures
+    }
+
+    fn materials(&mut self, phong_infos: &[PhongInfo]) -> Vec<Material> {
+        let elements = self.scene.of(|role| match role {
+            Role::Material(read) => Some(read),
+            _ => None,
+        });
+        let material = |(read, element)| self.material(read, element, phong_infos);
+        elements.into_iter().filter_map(material).collect()
+    }
+
+    fn material(
+        &mut self,
+        read: ReadMaterial,
+        element: Element<'t, 'a>,
+        phong_infos: &[PhongInfo],
+    ) -> Option<Material> {
+        let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+        let mut palette = Palette { references: &mut self.references, phong_infos };
+        let kind = read(&mut fields, &mut palette)?;
+        Some(Material { name: element.name.text.to_owned(), kind })
+    }
+
+    /// Objects, with the places that they are defined at.
+    fn objects(&mut self, camera: Option<&Camera>, materials: &[Material]) -> Vec<(Object, Span)> {
+        let elements = self.scene.objects();
+        let object = |(read, element): (ReadShape, Element<'t, 'a>)| {
+            Some((self.object(read, element, camera, materials)?, element.head()))
+        };
+        elements.into_iter().filter_map(object).collect()
+    }
+
+    fn object(
+        &mut self,
+        read: ReadShape,
+        element: Element<'t, 'a>,
+        camera: Option<&Camera>,
+        materials: &[Material],
+    ) -> Option<Object> {
+        let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+        let material = fields.word("material");
+        let key_frames = key_frames::key_frames(&mut fields);
+        if let Some(camera) = camera {
+            oddities::check_key_times(&mut fields, &key_frames, camera);
+        }
+        let shape = read(&mut fields, &mut self.assets);
+        let files = fields.words("filename").unwrap_or_default();
+        let find = |name| self.references.find(Referred::Material, name);
+        let material = material.and_then(find);
+        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.kind.has_image()) {
+            self.assets.warn_without_uvs(&files, self.diagnostics);
+        }
+        Some(Object {
+            name: element.name.text.to_owned(),
+            material: MaterialId(material? as u32),
+            shape: shape?,
+            key_frames,
+        })
+    }
+
+    fn warn_unused(&mut self) {
+        self.references.warn_unused(self.diagnostics);
+        if self.scene.objects().is_empty() {
+            self.diagnostics.push(Diagnostic::warning("the scene has no objects"));
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! What decoders of all formats have in common.
+
+use super::image::{Channels, Texture};
+use crate::format::FileError;
+
+/// Texels that an image may have: 16384 x 16384, which takes 0.8 GB at 8 bits a channel.
+const MAX_TEXELS: u64 = 1 << 28;
+
+/// An image, and what is odd about its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedTexture {
+    /// The image.
+    pub texture: Texture,
+    /// What is not as its author may expect, one line each.
+    pub warnings: Vec<String>,
+}
+
+/// What a transparent image is told.
+pub(super) const NEVER_SHOWN: &str =
+    "it has transparent pixels, but alpha is not used: they show their colour";
+
+/// Refuses images that would take more memory than a texture is worth.
+pub(super) fn check_size(width: u32, height: u32) -> Result<(), FileError> {
+    let texels = u64::from(width) * u64::from(height);
+    if texels <= MAX_TEXELS {
+        return Ok(());
+    }
+    Err(FileError::whole_file(format!(
+        "the image has {width} x {height} pixels, more than {MAX_TEXELS}"
+    ))
+    .with_help("scale it down: 16384 x 16384 pixels are the most that a texture may have"))
+}
+
+/// What to say about a file that starts right but can't be decoded.
+pub(super) fn damaged(format: &str, reason: &str) -> FileError {
+    FileError::whole_file(format!("the {format} image is damaged: {}", reason.trim()))
+}
+
+/// A decoded image.
+pub(super) fn texture(
+    width: u32,
+    height: u32,
+    channels: Channels,
+    warnings: Vec<String>,
+) -> Result<LoadedTexture, FileError> {
+    let texture = match channels {
+        Channels::Bits8(channels) => Texture::from_rgb8(width, height, channels),
+        Channels::Bits16(channels) => Texture::from_rgb16(width, height, channels),
+    };
+    let texture = texture.ok_or_else(|| FileError::whole_file("the image has no pixels"))?;
+    Ok(LoadedTexture { texture, warnings })
+}
