@@ -1,3 +1,55 @@
 //! slo-rt: a distributed ray tracer for animations.
+//!
+//! ```no_run
+//! use slo_rt::{Render, Scene};
+//!
+//! fn main() -> Result<(), slo_rt::Error> {
+//!     let scene = Scene::open("scenes/table.txt")?;
+//!     Render::new(&scene)
+//!         .frame(15)
+//!         .size(640, 360)
+//!         .samples(16)
+//!         .progress(|done| eprint!("\r{:3.0} %", done * 100.0))
+//!         .save("table.png")
+//! }
+//! ```
+//!
+//! A picture depends on the scene, the frame, the settings and the version of slo-rt, and on nothing
+//! else: any number of threads, on any machine, makes the same bytes.
+//!
+//! | to | use |
+//! |---|---|
+//! | open a scene, or build one in memory | [`Scene`], [`description`] |
+//! | render one frame, watch and cancel it | [`Render`] |
+//! | read pixels, save PNG or EXR with the recipe | [`Picture`] |
+//! | trace rays without a scene | the crate `slo-accel` |
+//! | run the program | [`cli`] |
+//!
+//! [`Scene`], [`Render`], [`Picture`], [`Error`] and [`description`] are the library. The crates
+//! `slo-scene`, `slo-picture` and `slo-render` below them are its parts, and may change with any version.
 
 pub mod cli;
+mod error;
+mod picture;
+mod render;
+mod scene;
+
+/// What a scene says, as plain data, for programs that build scenes in memory.
+pub mod description {
+    pub use slo_scene::animation::View;
+    pub use slo_scene::settings::{
+        Accelerator, Contrast, Encoding, Film, Generator, Layer, LightSampling, OutputFormat,
+        Settings, ShadowMode,
+    };
+    pub use slo_scene::{
+        CamSegment, Camera, KeyFrame, Light, LightKind, Material, MaterialId, MaterialKind, Mesh,
+        Object, Placement, SceneDescription, Shape, Texture, TextureId, TextureUse,
+    };
+    pub use slo_scene::{light, material, mesh, shape, texture};
+}
+
+pub use error::Error;
+pub use picture::Picture;
+pub use render::Render;
+pub use scene::Scene;
+pub use slo_scene::{Layer, OutputFormat};

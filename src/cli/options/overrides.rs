@@ -42,11 +42,7 @@ impl Overrides {
         settings.noise = noise.or(settings.noise);
         let open = (noise.is_some() || self.is_stepwise).then_some(MOST_FOR_NOISE);
         if let Some(samples) = samples.or(open) {
-            let adaptive = settings.image_min_samples < settings.image_samples;
-            let least = if adaptive { settings.image_min_samples } else { samples };
-            settings.image_min_samples = least.min(samples);
-            settings.image_samples = samples;
-            settings.dof_samples = 1;
+            settings.set_camera_samples(samples);
         }
         settings.seed = seed.unwrap_or(settings.seed);
         settings.accelerator = accelerator.map_or(settings.accelerator, |name| name.0);

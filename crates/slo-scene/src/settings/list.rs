@@ -82,6 +82,16 @@ impl Settings {
         u64::from(self.image_samples) * u64::from(self.dof_samples)
     }
 
+    /// Sets the camera samples of a pixel: `samples` replaces the product of `imageSamples` and
+    /// `dofSamples`. Adaptive settings keep their least number of samples if it fits.
+    pub fn set_camera_samples(&mut self, samples: u32) {
+        let adaptive = self.image_min_samples < self.image_samples;
+        let least = if adaptive { self.image_min_samples } else { samples };
+        self.image_min_samples = least.min(samples);
+        self.image_samples = samples;
+        self.dof_samples = 1;
+    }
+
     /// Whether settings that depend on each other go together.
     pub fn are_consistent(&self) -> bool {
         self.camera_samples() <= u64::from(MOST_CAMERA_SAMPLES)

@@ -1,0 +1,73 @@
+//! Why a scene cannot be opened, or a picture not made.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+use slo_render::frame::FrameError;
+use slo_scene::diagnostics::Diagnostics;
+
+/// Why a scene cannot be opened, rendered, or saved.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file cannot be read or written.
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The scene has errors. Each has a place in the text; [`fmt::Display`] shows them as the program
+    /// does.
+    Scene(Diagnostics),
+    /// The scene has no such frame, or nothing can be rendered in it.
+    Frame(FrameError),
+    /// No picture format has this file name extension.
+    Format(PathBuf),
+    /// There is no memory for a picture of this size.
+    TooLarge {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+    },
+    /// The system refuses to start so many threads.
+    Threads(String),
+    /// The caller cancelled rendering.
+    Cancelled,
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io { path, source } => write!(f, "{}: {source}", path.display()),
+            Self::Scene(diagnostics) => f.write_str(diagnostics.render(false).trim_end()),
+            Self::Frame(error) => write!(f, "{error}"),
+            Self::Format(path) => {
+                write!(f, "{}: no picture format has this extension", path.display())
+            }
+            Self::TooLarge { width, height } => {
+                write!(f, "there is no memory for a picture of {width} x {height} pixels")
+            }
+            Self::Threads(why) => write!(f, "cannot start the threads: {why}"),
+            Self::Cancelled => f.write_str("rendering was cancelled"),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Io { source, .. } => Some(source),
+            Self::Frame(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<FrameError> for Error {
+    fn from(error: FrameError) -> Self {
+        Self::Frame(error)
+    }
+}

@@ -1,0 +1,90 @@
+//! Rendered pictures, in memory and as files.
+
+use std::path::Path;
+
+use slo_picture::film::{Film, Image, srgb};
+use slo_picture::output::{self, Recipe};
+use slo_scene::{Layer, OutputFormat, SceneDescription};
+
+use crate::Error;
+
+/// A rendered picture.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    scene: SceneDescription,
+    frame: i64,
+    image: Image,
+    layers: Vec<(Layer, Image)>,
+}
+
+impl Picture {
+    pub(crate) fn new(scene: SceneDescription, frame: i64, film: &Film) -> Self {
+        let layers = &scene.camera.film.layers;
+        let layers = layers.iter().map(|&layer| (layer, film.layer_of(film.area(), layer)));
+        Self { layers: layers.collect(), image: film.image(), scene, frame }
+    }
+
+    /// Pixels.
+    pub fn width(&self) -> u32 {
+        self.scene.camera.film.width
+    }
+
+    /// Pixels.
+    pub fn height(&self) -> u32 {
+        self.scene.camera.film.height
+    }
+
+    /// Radiance of the pixels, red, green and blue, linear and unclamped; row by row from the top.
+    pub fn pixels(&self) -> &[[f32; 3]] {
+        &self.image.rgb
+    }
+
+    /// The pixels clamped and encoded as sRGB: red, green and blue bytes, row by row from the top.
+    pub fn srgb8(&self) -> Vec<u8> {
+        let byte = |value: f32| (srgb(value.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
+        self.image.rgb.iter().flatten().map(|&value| byte(value)).collect()
+    }
+
+    /// A layer that was [asked for](crate::Render::layers), row by row from the top.
+    pub fn layer(&self, layer: Layer) -> Option<&[[f32; 3]]> {
+        let found = self.layers.iter().find(|(name, _)| *name == layer);
+        found.map(|(_, image)| &image.rgb[..])
+    }
+
+    /// How the picture was made, as JSON: what files hold, and what `slo-rt verify` renders again.
+    pub fn recipe(&self) -> String {
+        Recipe { scene: &self.scene, frame: self.frame }.to_json()
+    }
+
+    /// Writes the picture with its recipe. The extension of `path` chooses the format: that of the scene
+    /// if it fits, or else the first that has this extension. The file is complete or absent, and has
+    /// the bytes that the program writes.
+    ///
+    /// # Errors
+    /// [`Error::Format`] if no format has the extension, and [`Error::Io`].
+    pub fn save(mut self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref();
+        let format = self.format_for(path).ok_or_else(|| Error::Format(path.into()))?;
+        self.scene.camera.film.output = format;
+        let recipe = self.recipe();
+        let picture = output::Picture {
+            image: &self.image,
+            format,
+            encoding: self.scene.camera.film.encoding,
+            recipe: &recipe,
+            crop: None,
+        };
+        picture
+            .save_with(path, &self.layers)
+            .map_err(|source| Error::Io { path: path.into(), source })
+    }
+
+    fn format_for(&self, path: &Path) -> Option<OutputFormat> {
+        let extension = path.extension()?.to_str()?;
+        let ours = self.scene.camera.film.output;
+        if ours.extension().eq_ignore_ascii_case(extension) {
+            return Some(ours);
+        }
+        OutputFormat::by_extension(extension)
+    }
+}
