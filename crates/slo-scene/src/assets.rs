@@ -1,4 +1,4 @@
-//! Meshes and textures: each file is read once, whoever names it.
+//! Meshes and textures: each file is read once, however many elements name it.
 
 use std::collections::{HashMap, HashSet};
 use std::io::Read;
@@ -12,7 +12,7 @@ use crate::format::{FileError, written};
 use crate::mesh::{self, Mesh};
 use crate::texture::{self, Texture};
 
-/// Spaces that are put in front of the excerpt of a long line, so that its column comes out right.
+/// Most spaces in front of the excerpt of a long line, which make its column number right.
 const MOST_PADDING: usize = 100_000;
 
 /// The files of a scene.
@@ -23,9 +23,9 @@ pub(crate) struct Assets<'f> {
     pub(crate) hash: ContentHash,
     textures: HashMap<String, Option<Arc<Texture>>>,
     meshes: HashMap<(Vec<String>, bool), Option<Arc<Mesh>>>,
-    /// Paths of files that can't be had, which were reported.
+    /// Paths of files that can't be loaded, which were reported.
     failed: HashSet<String>,
-    /// Paths of meshes without uvs, until that was reported.
+    /// Paths of meshes without uvs that have not been reported yet.
     without_uvs: HashSet<String>,
 }
 
@@ -45,7 +45,7 @@ impl<'f> Assets<'f> {
         }
     }
 
-    /// The image at a path; `None` where it can't be had, which is reported once.
+    /// The image at a path; `None` if it can't be loaded, which is reported once.
     pub(crate) fn texture(
         &mut self,
         path: Word<'_>,
@@ -66,7 +66,7 @@ impl<'f> Assets<'f> {
         loaded
     }
 
-    /// The mesh that one or more files make together; `None` where one of them can't be had.
+    /// The mesh that one or more files make together; `None` if one of them can't be loaded.
     pub(crate) fn mesh(
         &mut self,
         paths: &[Word<'_>],
@@ -131,12 +131,12 @@ impl<'f> Assets<'f> {
         Some(loaded.mesh)
     }
 
-    /// Warns that a texture is put on meshes without uvs, of each of which that is said once.
+    /// Warns once for each mesh that has a texture but no uvs.
     pub(crate) fn warn_without_uvs(&mut self, paths: &[Word<'_>], diagnostics: &mut Diagnostics) {
         for path in paths {
             if self.without_uvs.remove(path.text) {
                 let message = format!("mesh `{}` has no uvs (texture coordinates)", path.text);
-                let label = "its texture shows one colour, that of uv 0 0";
+                let label = "its texture shows a single colour, the one at uv 0 0";
                 diagnostics.push(Diagnostic::warning(message).at(path.span, label));
             }
         }
@@ -177,7 +177,7 @@ impl<'f> Assets<'f> {
         Some(loaded)
     }
 
-    /// Reports what is wrong inside a file, with the line of the file where there is one.
+    /// Reports what is wrong inside a file, with the line of the file if there is one.
     fn report_content(&self, path: Word<'_>, e: FileError, diagnostics: &mut Diagnostics) {
         let mut diagnostic = if e.line > 0 {
             let span = self.excerpt(path.text, &e, diagnostics);
@@ -189,7 +189,7 @@ impl<'f> Assets<'f> {
         diagnostics.push(diagnostic);
     }
 
-    /// Adds the excerpt of a file as a source; the place at fault in it.
+    /// Adds the excerpt of a file as a source; returns the place of the fault in it.
     fn excerpt(&self, path: &str, e: &FileError, diagnostics: &mut Diagnostics) -> Span {
         let before = e.line_text.get(..e.span_start).map_or(0, |t| t.chars().count());
         let cut = e.column.saturating_sub(1 + before).min(MOST_PADDING);

@@ -1,4 +1,5 @@
-//! What is wrong with an input, with places: values that are collected, never printed in passing.
+//! Errors and warnings about an input, with their places: values that are collected, never printed
+//! in passing.
 
 use annotate_snippets::{
     Annotation, AnnotationKind, Group, Level, Origin, Renderer, Snippet, normalize_untrusted_str,
@@ -43,7 +44,7 @@ impl Span {
     }
 }
 
-/// Whether rendering may go on.
+/// Whether the scene can be rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
     /// The scene can't be rendered.
@@ -52,7 +53,7 @@ pub enum Severity {
     Warning,
 }
 
-/// A place that a diagnostic shows, with what is to be seen there.
+/// A place that a diagnostic shows, with words about it.
 #[derive(Clone, Debug)]
 pub struct Label {
     /// What is underlined.
@@ -64,17 +65,17 @@ pub struct Label {
 /// One error or warning.
 #[derive(Clone, Debug)]
 pub struct Diagnostic {
-    /// Whether rendering may go on.
+    /// Whether the scene can be rendered.
     pub severity: Severity,
     /// What is wrong, in one line.
     pub message: String,
-    /// The place at fault; `None`: the first source as a whole.
+    /// The place of the fault; `None`: the first source as a whole.
     pub primary: Option<Label>,
     /// Other places that explain it (the first definition, the element that refers here).
     pub secondary: Vec<Label>,
     /// What to write instead.
     pub help: Option<String>,
-    /// Whether a file that the input names can't be opened, rather than that its content is wrong.
+    /// Whether an input file can't be opened, as opposed to wrong content.
     pub missing_input: bool,
 }
 
@@ -100,7 +101,7 @@ impl Diagnostic {
         }
     }
 
-    /// Underlines the place at fault.
+    /// Underlines the place of the fault.
     #[must_use]
     pub fn at(mut self, span: Span, label: impl Into<String>) -> Self {
         self.primary = Some(Label { span, text: label.into() });
@@ -178,7 +179,7 @@ impl Diagnostics {
         self.warnings
     }
 
-    /// Whether missing files are all that is wrong: there are errors, and each is one.
+    /// Whether every error is about a missing file, and there is one.
     pub fn missing_input(&self) -> bool {
         self.missing > 0 && self.missing == self.errors
     }
@@ -191,7 +192,7 @@ impl Diagnostics {
     }
 
     /// The report for the user, in the order of the text: at most [`SHOWN`] errors and as many
-    /// warnings, then a line that counts them. Empty where there is nothing to say. Colours are
+    /// warnings, then a line that counts them. Empty if there is nothing to say. Colours are
     /// ANSI escape sequences.
     pub fn render(&self, color: bool) -> String {
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };

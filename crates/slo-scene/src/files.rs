@@ -23,7 +23,7 @@ type Table = &'static [(&'static str, &'static [u8])];
 /// Why a file can't be read.
 #[derive(Debug)]
 pub enum OpenError {
-    /// The path is not written as paths are; with what to write instead.
+    /// The path has the wrong separators; with what to write instead.
     Spelling(String),
     /// The path leaves the input folder.
     Outside,
@@ -74,7 +74,7 @@ fn is_absolute(path: &str) -> bool {
     path.starts_with('/') || path.as_bytes().get(1) == Some(&b':')
 }
 
-/// Where a path as a scene writes it leads from a folder, without `.` and `..`.
+/// The file that a path of a scene leads to from a folder, without `.` and `..`.
 fn resolve(folder: &Path, path: &str) -> PathBuf {
     if is_absolute(path) {
         return normal(Path::new(path));
@@ -85,7 +85,7 @@ fn resolve(folder: &Path, path: &str) -> PathBuf {
     normal(&full)
 }
 
-/// The path from the root of the file system, without links where it exists.
+/// The path from the root of the file system, without links if it exists.
 fn absolute(path: &Path) -> PathBuf {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     let absolute = path.canonicalize().or_else(|_| std::path::absolute(path));
@@ -108,7 +108,7 @@ fn normal(path: &Path) -> PathBuf {
 }
 
 fn open_on_disk(full: &Path, path: &str) -> Result<Box<dyn Read>, OpenError> {
-    // Asked before opening, which waits for ever on a pipe that nobody writes to.
+    // Asked before opening: opening a pipe that nobody writes to would wait for ever.
     let opened = full.metadata().and_then(|data| match refusal(&data.file_type()) {
         Some(refusal) => Err(refusal),
         None => File::open(full),
@@ -122,7 +122,7 @@ fn open_on_disk(full: &Path, path: &str) -> Result<Box<dyn Read>, OpenError> {
     }
 }
 
-/// Why what is there is no file.
+/// Why a path leads to something other than a file.
 fn refusal(kind: &FileType) -> Option<io::Error> {
     if kind.is_dir() {
         return Some(io::Error::from(io::ErrorKind::IsADirectory));
@@ -141,7 +141,7 @@ fn neighbour(full: &Path, path: &str) -> Option<String> {
     Some(format!("{folder}{name}"))
 }
 
-/// The name that differs in its extension alone, or else the most similar one of that extension.
+/// The name that differs only in its extension, or else the most similar one with that extension.
 fn similar<'n>(name: &str, names: &'n [String]) -> Option<&'n str> {
     let split = |name: &str| {
         let name = name.to_lowercase();
@@ -215,7 +215,7 @@ impl<R: Read> HashingReader<R> {
         Self { inner, hasher: blake3::Hasher::new() }
     }
 
-    /// The hash of the whole file, also of what its loader left unread.
+    /// The hash of the whole file, including what its loader left unread.
     pub(crate) fn finish(mut self) -> io::Result<blake3::Hasher> {
         io::copy(&mut self, &mut io::sink())?;
         Ok(self.hasher)

@@ -1,7 +1,7 @@
 //! The scene language of slo-rt: text, meshes and images become a [`SceneDescription`].
 //!
 //! ```text
-//! text --format--> syntax tree --resolve, with meshes and textures--> SceneDescription --animation--> where things are when
+//! text --format--> syntax tree --resolve, with meshes and textures--> SceneDescription --animation--> where things are at a time
 //! ```
 //!
 //! Everything is plain data in scene space: right-handed, f64, in the user's own units. Nothing here

@@ -1,4 +1,4 @@
-//! From the bytes of a scene text to a scene and everything that is wrong with it.
+//! From the bytes of a scene text to a scene with its errors and warnings.
 
 use std::borrow::Cow;
 
@@ -9,10 +9,10 @@ use crate::files::{ContentHash, Files};
 use crate::mesh::{self, BYTE_ORDER_MARK};
 use crate::resolve::resolve;
 
-/// What came out of a scene text.
+/// The result of loading a scene text.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// `None` where there are errors.
+    /// `None` if there are errors.
     pub scene: Option<SceneDescription>,
     /// Errors and warnings, with the texts that they point into.
     pub diagnostics: Diagnostics,
@@ -21,7 +21,7 @@ pub struct Loaded {
 /// The scene that a text describes, with its meshes and textures loaded.
 ///
 /// `text_name` is what messages call the text: its path as the user gave it. Everything that is
-/// wrong is found in one go; `files` says where meshes and textures are.
+/// wrong is found in one pass; `files` says where meshes and textures are.
 pub fn load(text_name: &str, text: impl AsRef<[u8]>, files: &Files) -> Loaded {
     load_bytes(text_name, text.as_ref(), files)
 }
@@ -55,7 +55,7 @@ fn not_a_scene(kind: &str, source: SourceId) -> Diagnostic {
         .help("a scene loads it with `mesh NAME { filename PATH material NAME }`")
 }
 
-/// The text, with U+FFFD where it is not UTF-8.
+/// The text, with U+FFFD in place of bytes that are not UTF-8.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(bytes)
 }

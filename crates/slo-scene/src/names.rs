@@ -1,15 +1,15 @@
-//! Names that stand for things, and names that were perhaps meant.
+//! Names of elements, and the names that were probably meant.
 
 use std::collections::HashMap;
 
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::format::syntax::Word;
 
-/// Names that are looked through for one that was meant: a scene of a hundred thousand elements
-/// that all refer to nothing still ends.
+/// Most names that are compared with a misspelt one: this bounds the time of a scene with a hundred
+/// thousand dangling references.
 const MOST_CANDIDATES: usize = 2000;
 
-/// The candidate that a misspelt word was most probably meant to be; `None` where none is near.
+/// The candidate that a misspelt word was most probably meant to be; `None` if none is near.
 pub(crate) fn closest<'c>(
     word: &str,
     candidates: impl Iterator<Item = &'c str>,
@@ -24,14 +24,13 @@ pub(crate) fn closest<'c>(
         .map(|(_, candidate)| candidate)
 }
 
-/// Edits from one to the other, where lengths alone don't rule it out.
+/// Edits from one to the other, unless lengths alone rule them out.
 fn distance(a: &str, b: &str, allowed: usize) -> usize {
     let difference = a.chars().count().abs_diff(b.chars().count());
     if difference > allowed { usize::MAX } else { strsim::osa_distance(a, b) }
 }
 
-/// Without capitals, underscores, quotes and punctuation; a word too long to be a slip of the keys
-/// is cut.
+/// Without capitals, underscores, quotes and punctuation; a word too long to be a typo is cut.
 fn simplified(word: &str) -> String {
     const SKIPPED: &str = "_-,;:=\"'`´‘’‚“”„«»";
     let is_kept = |c: &char| !SKIPPED.contains(*c) && !is_invisible(*c);
@@ -42,10 +41,10 @@ fn is_invisible(c: char) -> bool {
     matches!(c, '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{2060}'..='\u{2064}' | '\u{feff}')
 }
 
-/// Why a word is not what it seems to be: a help for the error about it.
+/// Why a word is not what it seems to be: help for the error about it.
 pub(crate) fn invisible(word: &str) -> Option<String> {
     let c = word.chars().find(|c| is_invisible(*c))?;
-    Some(format!("the word holds an invisible character, U+{:04X}: type it anew", u32::from(c)))
+    Some(format!("the word holds an invisible character, U+{:04X}: type it again", u32::from(c)))
 }
 
 /// The elements of one kind that can be referred to.

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::looks::Looks;
+use super::looks::{Look, Looks};
 use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
+use super::scene::{FrameObject, FrameScene};
 use super::shapes::{Geometry, geometry};
 use super::world::{Instance, World};
-use super::{FrameObject, FrameScene, Look};
 use crate::camera::{Camera, DegenerateView};
 use crate::sampling::Sampler;
 use crate::shading::{Light, MaterialTable, material};

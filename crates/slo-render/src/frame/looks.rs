@@ -1,9 +1,8 @@
 //! What hits show, for whole batches: each look is one word.
 
-use super::FrameScene;
 use super::world::{STILL, WorldHits};
 use slo_accel::math::columns::Column;
-use slo_accel::{Lanewise, NO_HIT};
+use slo_accel::{Isa, Lanewise, NO_HIT};
 
 /// What a surface shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,21 +60,27 @@ impl Looks {
         Self { words, of_instances: of_instances.collect() }
     }
 
+    /// The looks of what the rays of a batch hit, as words. `still_objects` has the index of the
+    /// object of each still primitive.
+    pub(super) fn find(
+        &self,
+        isa: Isa,
+        still_objects: &[u32],
+        found: &WorldHits,
+        to: &mut Column<u32>,
+    ) {
+        isa.run(FindLooks { looks: self, still_objects, found, to });
+    }
+
     /// Of the object of an index.
     pub(super) fn of(&self, object: u32) -> Look {
         Look::of_word(self.words[object as usize])
     }
 }
 
-impl FrameScene {
-    /// The looks of what the rays of a batch hit, as words.
-    pub(crate) fn find_looks(&self, found: &WorldHits, to: &mut Column<u32>) {
-        self.isa.run(FindLooks { frame: self, found, to });
-    }
-}
-
 struct FindLooks<'a> {
-    frame: &'a FrameScene,
+    looks: &'a Looks,
+    still_objects: &'a [u32],
     found: &'a WorldHits,
     to: &'a mut Column<u32>,
 }
@@ -85,13 +90,13 @@ impl Lanewise for FindLooks<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { frame, found, to } = self;
-        let Looks { words, of_instances } = &frame.looks;
+        let Self { looks, still_objects, found, to } = self;
+        let Looks { words, of_instances } = looks;
         let primitives = &found.hits.primitive[..];
         // Objects first.
-        if let Some(last) = frame.still_objects.len().checked_sub(1) {
+        if let Some(last) = still_objects.len().checked_sub(1) {
             for (to, &primitive) in to.iter_mut().zip(primitives) {
-                *to = frame.still_objects[(primitive as usize).min(last)];
+                *to = still_objects[(primitive as usize).min(last)];
             }
         }
         if let Some(last) = of_instances.len().checked_sub(1) {

@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 
-/// Control points up to which de Casteljau's algorithm is used, whose time grows with their square.
+/// Most control points for de Casteljau's algorithm, whose time grows with their square.
 const MOST_FOR_DE_CASTELJAU: usize = 64;
 
 /// The share below which a control point, and all behind it, moves the point of the curve by nothing.
-/// What would follow are numbers too small for f64, with which processors are slow.
+/// The next numbers would be denormal, which makes processors slow.
 const VANISHED: f64 = 1e-60;
 
 /// The point at `u` of the Bézier curve with these control points: a curve of degree
 /// `control.len() - 1`, so that one point rests and two make a straight line.
 ///
-/// The curve meets its ends exactly, and rests exactly where all control points are equal.
+/// The curve meets its ends exactly, and rests exactly if all control points are equal.
 /// No control point at all gives the origin.
 ///
 /// Source: de Casteljau's algorithm; Farin, Curves and Surfaces for CAGD, chapter 4. Beyond 64

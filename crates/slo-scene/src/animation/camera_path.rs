@@ -1,4 +1,4 @@
-//! Where the camera is and how it looks, along a camera segment.
+//! Position and orientation of the camera along a camera segment.
 
 use glam::DVec3;
 
@@ -8,12 +8,12 @@ use super::bezier::bezier;
 use super::mix::mix;
 use super::orientation::{perpendicular, unit};
 
-/// What the camera is at one time, in scene space, before rays can be made from it.
+/// The camera at one time, in scene space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Centre of the lens.
     pub position: DVec3,
-    /// Point that is looked at.
+    /// Point that the camera looks at.
     pub target: DVec3,
     /// Upward direction; need not be unit.
     pub sky: DVec3,
@@ -43,8 +43,8 @@ pub fn view_at(segment: &CamSegment, parameter: f64) -> View {
     }
 }
 
-/// The axes nearest to a place of the path where there are none: the last before it, or else the
-/// first behind it.
+/// The axes near a place of the path that has none: the last ones before it, or else the first ones
+/// after it.
 fn last_axes(segment: &CamSegment, parameter: f64) -> Option<[DVec3; 3]> {
     let axes_at = |parameter: f64| axes(&free_view_at(segment, parameter));
     for sign in [-1.0, 1.0] {
@@ -69,8 +69,8 @@ fn last_axes(segment: &CamSegment, parameter: f64) -> Option<[DVec3; 3]> {
     None
 }
 
-/// The last number for which something holds on the way from one for which it does to one for which
-/// it does not.
+/// The last number for which a condition holds, between one for which it holds and one for which it
+/// does not.
 fn edge(mut with: f64, mut without: f64, holds: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = with + (without - with) * 0.5;
@@ -113,7 +113,7 @@ pub fn between(a: &View, b: &View, u: f64) -> View {
 /// Unit vectors to the right of the picture, to its top, and into it: R = D x sky, U = R x D,
 /// D = target - position (thesis 5.6 to 5.9).
 ///
-/// `None` where the camera looks at its own place, or straight along its sky.
+/// `None` if the camera looks at its own place, or straight along its sky.
 pub fn axes(view: &View) -> Option<[DVec3; 3]> {
     let forward = unit(view.target - view.position)?;
     let up = perpendicular(forward, view.sky)?;

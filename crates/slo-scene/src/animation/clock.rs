@@ -10,10 +10,10 @@ use super::mix::mix;
 ///
 /// Borders are decimal seconds: a border that falls on a frame may miss it by the rounding of its
 /// digits (`0.333333333` at 3 frames per second) and of `border * fps`. A millionth of a frame is
-/// far above the second, and below any difference that is meant.
+/// far above the second, and below any intended difference.
 const BORDER_TOLERANCE_FRAMES: f64 = 1e-6;
 
-/// Tells which camera segment a frame lies in, and what its shutter sees of time.
+/// Finds the camera segment of a frame, and the times at which its shutter is open.
 #[derive(Clone, Debug)]
 pub struct Clock {
     fps: f64,
@@ -36,7 +36,7 @@ pub struct SegmentFrames {
     pub name: String,
     /// Seconds of the finished video.
     pub video: [f64; 2],
-    /// First frame; larger than `last` where no frame falls into the segment.
+    /// First frame; larger than `last` if no frame falls into the segment.
     pub first: i64,
     /// Last frame.
     pub last: i64,

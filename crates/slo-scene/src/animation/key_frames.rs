@@ -21,7 +21,7 @@ pub struct KeyFrames {
     pieces: Vec<Piece>,
 }
 
-/// A key with nothing missing.
+/// A key with all parts filled in.
 #[derive(Clone, Copy, Debug)]
 struct Key {
     time: f64,
@@ -36,19 +36,19 @@ type Control = [DVec3; 3];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyFrameError {
     /// `up` of the key with this index is parallel to its `right`, or one of them is zero (or was
-    /// taken from the key before, where this one leaves it out).
+    /// taken from the key before, if this one leaves it out).
     NoOrientation(usize),
     /// The key with this index has an earlier time than the one before it, or a time that is not
     /// finite.
     OutOfOrder(usize),
 }
 
-/// A moment at which a path leaps.
+/// A moment at which a path jumps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
-    /// Index of the key before the leap.
+    /// Index of the key before the jump.
     pub key: usize,
-    /// Scene time of the leap.
+    /// Scene time of the jump.
     pub time: f64,
     /// Whether `up` and `right` pass through a state without orientation (as in a half turn in
     /// one piece) there; otherwise the next key has the same time.
@@ -56,7 +56,7 @@ pub struct Jump {
 }
 
 impl KeyFrames {
-    /// The path through some key frames; none at all rests where scene space is.
+    /// The path through some key frames; without any, object space is scene space.
     ///
     /// A missing pivot, up or right of a key comes from the key before it (the first key: pivot 0,
     /// up z, right x); a missing handle lies at a third of the straight line between the keys.
@@ -111,8 +111,8 @@ impl KeyFrames {
         start < end && (0..self.pieces.len()).any(moving)
     }
 
-    /// The moments within an interval of scene time, ends included, at which the path leaps, in
-    /// order of time: mostly not what was meant.
+    /// The moments within an interval of scene time, ends included, at which the path jumps, in
+    /// order of time: usually not what was meant.
     pub fn jumps(&self, interval: [f64; 2]) -> Vec<Jump> {
         let near =
             |i: &usize| self.keys[*i].time <= interval[1] && interval[0] <= self.keys[i + 1].time;

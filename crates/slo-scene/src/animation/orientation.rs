@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 /// Sine of the angle below which two directions count as parallel, and length (of the control
-/// points') below which a vector counts as gone.
+/// points') below which a vector counts as zero.
 ///
 /// What is left of a vector after a part of it was subtracted is wrong by about 1e-16 of the
 /// vector; above this limit its direction is good to 1e-7 radians, far below a pixel.
@@ -16,7 +16,7 @@ pub(super) fn unit(v: DVec3) -> Option<DVec3> {
     (largest > 0.0 && v.is_finite()).then(|| (v / largest).normalize())
 }
 
-/// The part of `v` at right angles to the unit vector `axis`, at length 1; `None` where they are
+/// The part of `v` at right angles to the unit vector `axis`, at length 1; `None` if they are
 /// parallel or `v` is 0.
 pub(super) fn perpendicular(axis: DVec3, v: DVec3) -> Option<DVec3> {
     let direction = unit(v)?;
@@ -29,7 +29,7 @@ pub(super) fn perpendicular(axis: DVec3, v: DVec3) -> Option<DVec3> {
 }
 
 /// The rotation with columns (right, forward, up): `right` normalised, `up` made orthogonal to
-/// it, forward = up x right. `None` where up is parallel to right, or one of them is 0.
+/// it, forward = up x right. `None` if up is parallel to right, or one of them is 0.
 pub(super) fn orientation(right: DVec3, up: DVec3) -> Option<DMat3> {
     let right = unit(right)?;
     let up = perpendicular(right, up)?;

@@ -33,7 +33,7 @@ impl Piece {
         (1..24).rev().find_map(|k| self.orientation(u - u / (1_u64 << k) as f64 / 4.0))
     }
 
-    /// How far up and right are from a state without orientation: the smaller of the length of
+    /// Distance of up and right from a state without orientation: the smaller of the length of
     /// right and of what of up is perpendicular to it, in lengths of the control points.
     fn health(&self, u: f64) -> f64 {
         let scale = |curve: &[DVec3; 4]| curve.iter().fold(0.0, |m: f64, p| m.max(p.length()));
@@ -43,12 +43,12 @@ impl Piece {
         (right.length() / scale(&self.right)).min(up.dot(direction) / scale(&self.up))
     }
 
-    /// Whether nothing changes along it.
+    /// Whether nothing changes along the piece.
     pub(super) fn rests(&self) -> bool {
         [self.pivot, self.up, self.right].iter().all(is_constant)
     }
 
-    /// Parameters in (0, 1) between which the orientation leaps.
+    /// Parameters in (0, 1) between which the orientation jumps.
     pub(super) fn collapses(&self) -> Vec<f64> {
         const STEPS: usize = 128;
         if is_constant(&self.up) && is_constant(&self.right) {

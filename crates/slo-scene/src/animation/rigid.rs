@@ -15,7 +15,7 @@ impl DRigid {
     /// Moves nothing.
     pub const IDENTITY: Self = Self { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
 
-    /// Where a point goes.
+    /// Image of a point.
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.rotation * p + self.translation
     }

@@ -1,4 +1,4 @@
-//! The attributes of one element, held against what the element takes.
+//! The attributes of one element, checked against what the element takes.
 
 use std::fmt::Display;
 
@@ -13,11 +13,11 @@ use crate::names::{closest, invisible};
 pub(crate) struct Element<'t, 'a> {
     pub(crate) schema: &'static Schema,
     pub(crate) keyword: Word<'a>,
-    /// Empty where the block has or needs no name.
+    /// Empty if the block has or needs no name.
     pub(crate) name: Word<'a>,
     pub(crate) block: &'t Block<'a>,
-    /// Whether braces are wrong in the block or about it, so that what belongs here may stand
-    /// elsewhere and the other way round.
+    /// Whether braces are wrong in the block or around it: attributes of this element may stand
+    /// elsewhere, and foreign ones here.
     pub(crate) damaged: bool,
 }
 
@@ -40,7 +40,7 @@ impl Element<'_, '_> {
     }
 }
 
-/// What stands behind an attribute, in the form that it takes.
+/// The value of an attribute, in the form that the attribute takes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Value<'t, 'a> {
     Word(Word<'a>),
@@ -66,13 +66,13 @@ pub(crate) struct Fields<'t, 'a, 'd> {
     pub(crate) scale: f64,
     language: &'static Language,
     found: Vec<Field<'t, 'a>>,
-    /// Attributes that this element does not take, and that resemble none that it does.
+    /// Number of attributes that this element does not take and that resemble none of its own.
     strangers: usize,
 }
 
 impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
-    /// Reads the block of an element; reports what does not belong there, what is there twice, what
-    /// has another form than it should, and what is missing.
+    /// Reads the block of an element; reports attributes that do not belong there, are given twice,
+    /// have the wrong form, or are missing.
     pub(crate) fn read(
         element: Element<'t, 'a>,
         language: &'static Language,
@@ -134,7 +134,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         words.collect()
     }
 
-    /// An entry and the numbers that follow it, which are one too many or lack their braces.
+    /// Reads an entry and the numbers that follow it, which are surplus or lack their braces.
     fn entry(&mut self, entry: &'t Entry<'a>, numbers: &[&Number<'a>]) {
         match entry {
             Entry::Number(first) => self.stray_numbers(first, numbers),
@@ -159,7 +159,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Whether the item is as it should be; if not, this was reported.
+    /// Reads an attribute. Returns whether it is correct; if not, this was reported.
     fn item(&mut self, item: &'t Item<'a>, numbers: &[&Number<'a>]) -> bool {
         let keyword = item.keyword;
         let Some(attribute) = self.element.schema.attribute(keyword.text) else {
@@ -189,7 +189,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         let attribute = near.and_then(|name| schema.attribute(name));
         let diagnostic = if let Some(attribute) = attribute {
             let help = invisible(word.text);
-            // What was misspelt is not missing.
+            // A misspelt attribute is not missing.
             self.found.push(Field { attribute, keyword: word, value: Value::Broken });
             let error = Diagnostic::error(format!(
                 "unknown attribute `{}` in `{}`, did you mean `{}`?",
@@ -315,7 +315,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         let attributes = self.element.schema.attributes();
         let missing: Vec<_> =
             attributes.filter(|a| a.required && self.get(a.name).is_none()).collect();
-        // What is missing and what is not known are most probably the same.
+        // The unknown attributes are probably the missing ones, misspelt.
         if missing.len() <= self.strangers {
             return;
         }
@@ -339,7 +339,7 @@ pub(crate) fn nameless(keyword: Word<'_>) -> Diagnostic {
         .help(format!("write `{} NAME {{ ... }}`", keyword.text))
 }
 
-/// What was most probably meant by a value in a wrong form.
+/// What a value in the wrong form was probably meant to be.
 fn rewritten(
     kind: Kind,
     keyword: Word<'_>,

@@ -6,7 +6,7 @@ use crate::format::syntax::Word;
 use crate::format::written;
 use crate::names::{Names, invisible};
 
-/// Missing names that are told apart and explained; beyond, each place counts by itself.
+/// Missing names that are distinguished and explained; beyond that, each reference is reported by itself.
 const MOST_DANGLING: usize = 100;
 
 /// Kinds of elements that others refer to.
@@ -49,7 +49,7 @@ pub(crate) struct References<'a> {
 }
 
 impl<'a> References<'a> {
-    /// No element is known but some of unknown types.
+    /// Knows only the names of elements of unknown types.
     pub(crate) fn new(unknown: &[Word<'a>], is_truncated: bool) -> Self {
         let names = Referred::ALL.map(|referred| Names::new(referred.name()));
         let mut unknown_names = Names::new("element");
@@ -111,8 +111,8 @@ impl<'a> References<'a> {
         }
     }
 
-    /// The error about a missing element; with the name that was probably meant, if it
-    /// `is_explained`.
+    /// The error about a missing element. If it `is_explained`, it says which name was probably
+    /// meant.
     fn dangling(&self, referred: Referred, word: Word<'_>, is_explained: bool) -> Diagnostic {
         let names = &self.names[referred as usize];
         let kind = names.kind();

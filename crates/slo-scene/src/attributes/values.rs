@@ -13,14 +13,14 @@ use crate::settings::Bound;
 /// multiplies four of them.
 pub(crate) const FARTHEST: f64 = 1e9;
 
-/// The shortest length that is more than 0: the least of which a fourth power is still a normal
-/// f32.
+/// The shortest length that is not 0: its fourth power is still a normal f32.
 pub(crate) const SHORTEST: f64 = 1e-9;
 
-/// What is said of directions that are too short or too long: squares of others leave f64.
+/// The label of directions that are too short or too long: their squares would leave f64.
 const LENGTHS: &str = "expected a length from 1e-150 to 1e150";
 
-/// The brightest channel past which a colour of whole numbers was probably meant to go up to 255.
+/// If the brightest channel of a colour of whole numbers is more than this, its channels were
+/// probably meant to go up to 255.
 const DIMMEST_BYTE: f64 = 32.0;
 
 /// A value with its place.
@@ -44,7 +44,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         let word = self.word(name)?;
         let value = self.parse(word)?;
         if let Some(rule) = bound.broken_by(value) {
-            self.out_of_range(name, word, &format!("must be {rule}"));
+            self.out_of_range(name, word, rule);
             return None;
         }
         Some(Found { value, span: word.span })
@@ -142,7 +142,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         if found.value.try_normalize().is_none() {
             let largest = found.value.abs().max_element();
             let (what, label) = match largest {
-                0.0 => ("has no direction", "expected a vector of some length"),
+                0.0 => ("has no direction", "expected a vector that is not zero"),
                 ..1.0 => ("is too short", LENGTHS),
                 _ => ("is too long", LENGTHS),
             };
@@ -216,7 +216,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
             }
         }
         let Ok(numbers) = <[Option<f64>; N]>::try_from(numbers.as_slice()) else {
-            // What is no number may have been meant as several.
+            // A word that is not a number may have been meant as several.
             if numbers.contains(&None) {
                 return None;
             }
@@ -257,7 +257,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
     }
 }
 
-/// The error about a word in the place of a number.
+/// The error about a word instead of a number.
 fn not_a_number(word: &str) -> Diagnostic {
     let error = Diagnostic::error(format!("expected a number, found `{word}`"));
     match word.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {

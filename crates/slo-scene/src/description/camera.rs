@@ -32,7 +32,7 @@ pub struct CamSegment {
     pub sky: [DVec3; 2],
     /// Half height of the view at distance 1 (not an angle), at the start and the end; more than 0.
     pub fov: [f64; 2],
-    /// Distance of the sharp plane at the start and the end; more than 0 where the lens is open.
+    /// Distance of the sharp plane at the start and the end; more than 0 if the lens is open.
     pub dof: [f64; 2],
     /// Radius of the lens at the start and the end; 0 is a pinhole.
     pub lens_radius: [f64; 2],

@@ -1,8 +1,8 @@
-//! Key frames: where an object is when.
+//! Key frames: the position of an object over time.
 
 use glam::DVec3;
 
-/// `addKframe`: where an object is at one time, and how its path bends there.
+/// `addKframe`: the position of an object at one time, and how its path bends there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KeyFrame {
     /// Scene time.

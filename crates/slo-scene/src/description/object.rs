@@ -1,4 +1,4 @@
-//! Objects: what can be seen, of what it is made, and where it is when.
+//! Objects: their shape, material and motion.
 
 use super::key_frame::KeyFrame;
 use crate::shape::Shape;
@@ -14,7 +14,7 @@ pub struct Object {
     pub name: String,
     /// What it is made of.
     pub material: MaterialId,
-    /// What it looks like, in object space (scene space where there are no key frames).
+    /// What it looks like, in object space (scene space if there are no key frames).
     pub shape: Shape,
     /// In order of time; none: object space is scene space. One: a placed, still object.
     pub key_frames: Vec<KeyFrame>,

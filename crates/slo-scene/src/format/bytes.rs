@@ -47,8 +47,8 @@ fn wide_space_len(bytes: &[u8]) -> usize {
     (2..=3).find(is_wide_space).unwrap_or(0)
 }
 
-/// The number at the start of `bytes` and its length, where it is finite and the end of its word
-/// can be seen. `None` does not mean that it is none.
+/// The number at the start of `bytes` and its length, if it is finite and the end of its word
+/// can be seen. `None` does not mean that it is not a number.
 #[inline]
 pub(crate) fn quick_f64(bytes: &[u8]) -> Option<(f64, usize)> {
     let (value, len) = fast_float2::parse_partial::<f64, _>(bytes).ok()?;

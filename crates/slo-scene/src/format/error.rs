@@ -2,21 +2,21 @@
 
 use std::fmt;
 
-/// Why a mesh or a texture can't be used, with the place where that shows.
+/// Why a mesh or a texture can't be used, with the place of the fault.
 ///
 /// The file itself may be gigabytes long, so the error carries the part of the line that is
 /// worth showing. [`Display`](fmt::Display) gives one line without the excerpt.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FileError {
-    /// Line from 1; 0 where the error has no place (binary files, missing sections).
+    /// Line from 1; 0 if the error has no place (binary files, missing sections).
     pub line: usize,
-    /// Column from 1, in characters of the whole line; 0 where the error has no place.
+    /// Column from 1, in characters of the whole line; 0 if the error has no place.
     pub column: usize,
-    /// The line, or the part of a long line around the column; empty where there is no place.
+    /// The line, or the part of a long line around the column; empty if there is no place.
     pub line_text: String,
     /// Byte of `line_text` at which the fault starts: a character boundary, at most its length.
     pub span_start: usize,
-    /// Bytes of `line_text` that are at fault; may be 0 at the end of the file.
+    /// Length of the fault in `line_text`, in bytes; may be 0 at the end of the file.
     pub span_len: usize,
     /// What is wrong, in one line.
     pub message: String,

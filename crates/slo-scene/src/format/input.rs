@@ -1,4 +1,4 @@
-//! A file through a window of fixed size that knows what line it is on.
+//! A file, read through a window of fixed size that knows its line number.
 
 use std::io::{ErrorKind, Read};
 
@@ -6,7 +6,7 @@ use super::bytes::word_len;
 use super::error::FileError;
 use super::place::{EXCERPT_REACH, Place, count_characters, count_newlines, last_newline};
 
-/// Bytes of the window: within the second-level cache of every processor of today.
+/// Bytes of the window: it fits the second-level cache of every current processor.
 const WINDOW: usize = 1 << 18;
 
 /// Bytes that stay in the window behind the reading position, for excerpts.
@@ -131,7 +131,7 @@ impl<'r> Input<'r> {
     /// As [`here`](Self::here), after more of the line was read so that the excerpt is whole.
     pub(crate) fn fault(&mut self, len: usize) -> Place {
         if self.rest().len() < len + EXCERPT_REACH {
-            // An error of reading would be a second one: the first is told.
+            // An error of reading would be a second one: the first is reported.
             let _ = self.refill();
         }
         self.here(len)
@@ -141,7 +141,7 @@ impl<'r> Input<'r> {
     pub(crate) fn behind(&mut self, len: usize) -> Place {
         let offset = self.offset().saturating_sub(len as u64);
         if self.rest().len() < EXCERPT_REACH {
-            // An error of reading would be a second one: the first is told.
+            // An error of reading would be a second one: the first is reported.
             let _ = self.refill();
         }
         self.place(offset.max(self.offset), len)
@@ -168,7 +168,7 @@ impl<'r> Input<'r> {
         }
     }
 
-    /// The place of the word that was pinned; the reading position where none was.
+    /// The place of the word that was pinned; the reading position if no word was.
     pub(crate) fn pinned(&self, pin: usize) -> Place {
         match self.pins.get(pin) {
             None | Some(Pin::Unset) => self.here(0),

@@ -36,7 +36,7 @@ impl<'a> Lexer<'a> {
         Self { text, at: 0 }
     }
 
-    /// Goes on at a byte that was passed, or at the next.
+    /// Continues at a byte that was passed, or at the next.
     pub(crate) fn rewind(&mut self, at: usize) {
         self.at = at;
     }
@@ -84,7 +84,7 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// The bytes of a name in quotes, which ends in its line; those of a plain word if it does not.
+/// The bytes of a name in quotes, which ends in its line; otherwise those of a plain word.
 fn quoted_length(rest: &str) -> usize {
     let line = &rest[..rest.find(['\n', '\r']).unwrap_or(rest.len())];
     match line[1..].find('"') {

@@ -1,4 +1,4 @@
-//! What is a number, and what was meant by a word that is not.
+//! Numbers, and what a word that is not a number was meant to be.
 
 /// Why a word is no number, in words for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub struct NumberError {
     pub help: Option<String>,
 }
 
-/// Whether a word stands where a number is meant: no keyword starts like this.
+/// Whether a word is meant as a number: no keyword starts like this.
 pub fn looks_like_number(word: &str) -> bool {
     let unsigned = word.trim_start_matches(['+', '-']).trim_start_matches(DASHES);
     match unsigned.chars().next() {

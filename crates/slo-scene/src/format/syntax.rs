@@ -34,7 +34,7 @@ pub enum Entry<'a> {
 pub struct Number<'a> {
     /// As written.
     pub word: Word<'a>,
-    /// Finite; `None` where the word is no number, which the parser has reported.
+    /// Finite; `None` if the word is no number, which the parser has reported.
     pub value: Option<f64>,
 }
 
@@ -76,11 +76,11 @@ pub struct Block<'a> {
     pub damaged: bool,
 }
 
-/// What the language allows where. It never changes what a correct text means; it tells the parser
-/// where a brace should have been that is missing.
+/// What the language allows, and where. It never changes what a correct text means; it tells the parser
+/// where a missing brace should have been.
 pub trait Grammar {
     /// What follows a word that may begin something in the block of `owner` (`None`: at the top of a
-    /// scene); `None` where it may not.
+    /// scene); `None` if it may not.
     fn follows(&self, owner: Option<&str>, word: &str) -> Option<Follows>;
 }
 

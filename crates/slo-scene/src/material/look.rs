@@ -6,7 +6,7 @@ use crate::kinds::Keyword;
 
 /// A material of some kind.
 pub(super) trait Look {
-    /// Whether a surface can be seen where no light falls on it.
+    /// Whether a surface can be seen without light on it.
     fn glows(&self) -> bool;
 
     /// Whether it shows an image.

@@ -40,7 +40,7 @@ kinds! {
 }
 
 impl MaterialKind {
-    /// Whether a surface can be seen where no light falls on it.
+    /// Whether a surface can be seen without light on it.
     pub(crate) fn glows(&self) -> bool {
         self.common().glows()
     }

@@ -97,7 +97,7 @@ fn check(fields: &mut Fields<'_, '_, '_>, material: &PhongInfo) {
         && f64::from(diffuse) > 1.0 + ROUNDING
         && !looks_like_bytes(material.diffuse)
     {
-        let message = format!("`diffuse` gives back {diffuse} times the light that arrives");
+        let message = format!("`diffuse` reflects {diffuse} times the light that arrives");
         let warning = Diagnostic::warning(message).at(field.keyword.span, "");
         fields.diagnostics.push(warning.help("colours of surfaces are from 0 to 1"));
     }
@@ -107,7 +107,7 @@ fn check(fields: &mut Fields<'_, '_, '_>, material: &PhongInfo) {
             ["reflectance", "refraction"].map(|name| fields.get(name)).into_iter().flatten();
         let mut spans = spans.map(|field| field.keyword.span);
         let Some(first) = spans.next() else { return };
-        let message = format!("this sends on {sent:.3} times the light that arrives");
+        let message = format!("this passes on {sent:.3} times the light that arrives");
         let warning = Diagnostic::warning(message).at(first, "");
         let warning = spans.fold(warning, |warning, span| warning.also(span, "and this"));
         let help = "the picture gets brighter with each bounce; the sum should be 1 or less";

@@ -7,8 +7,8 @@ use crate::mesh::data::Mesh;
 impl Mesh {
     /// Adds the triangles of another mesh, with vertices, normals and uvs of their own.
     ///
-    /// Where only one of the two has uvs, all corners of the other get uv (0, 0); where only one
-    /// has normals, those of the other are computed.
+    /// If only one of the two has uvs, all corners of the other get uv (0, 0); if only one
+    /// has normals, the normals of the other are computed.
     ///
     /// # Errors
     /// The sum has more vertices, uvs or triangles than 32-bit indices can count; `self` is then
@@ -39,7 +39,7 @@ impl Mesh {
         Ok(())
     }
 
-    /// Gives every corner uv (0, 0) where the mesh has no uvs.
+    /// Gives every corner uv (0, 0) if the mesh has no uvs.
     fn fill_uvs(&mut self) {
         if self.uvs.is_empty() {
             self.uvs.push([0.0; 2]);
@@ -47,7 +47,7 @@ impl Mesh {
         }
     }
 
-    /// Computes normals where the mesh has none.
+    /// Computes normals if the mesh has none.
     fn fill_normals(&mut self) {
         if self.normals.is_empty() {
             self.normals = vertex_normals(&self.positions, &self.faces);

@@ -11,11 +11,11 @@ pub struct Mesh {
     pub positions: Vec<DVec3>,
     /// Vertex indices, counter-clockwise seen from outside; no degenerate triangle is left.
     pub faces: Vec<[u32; 3]>,
-    /// Unit, one per vertex, or empty where the mesh is not smooth.
+    /// Unit, one per vertex; empty if the mesh is not smooth.
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates; v grows upwards in the image. Empty: the mesh has none.
     pub uvs: Vec<[f32; 2]>,
-    /// Indices into `uvs`, one triple per face; empty where `uvs` is.
+    /// Indices into `uvs`, one triple per face; empty if `uvs` is.
     pub face_uvs: Vec<[u32; 3]>,
 }
 
@@ -24,6 +24,6 @@ pub struct Mesh {
 pub struct LoadedMesh {
     /// The triangles.
     pub mesh: Mesh,
-    /// What was put right, one line each.
+    /// What was corrected, one line each.
     pub warnings: Vec<String>,
 }

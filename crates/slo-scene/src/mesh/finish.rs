@@ -1,4 +1,4 @@
-//! From what a file says to a mesh that can be rendered.
+//! From the content of a file to a mesh that can be rendered.
 
 use glam::DVec3;
 
@@ -10,8 +10,8 @@ use crate::mesh::data::Mesh;
 /// The largest coordinate. Its square is still an f32, and the area of a triangle an f64.
 const MAX_COORDINATE: f64 = 1e18;
 
-/// Scales a mesh, drops its degenerate triangles, and sees to its normals: none unless `smooth`,
-/// otherwise those of the file with length 1, and computed ones where the file has none.
+/// Scales a mesh, drops its degenerate triangles, and prepares its normals: none unless `smooth`,
+/// otherwise the normals of the file, normalised, or computed ones if the file has none.
 ///
 /// All indices must be in range.
 ///
@@ -61,7 +61,7 @@ fn too_far(vertex: usize, p: DVec3) -> FileError {
     ))
 }
 
-/// Drops triangles without area; says how many these were.
+/// Drops triangles without area; returns a warning with their number.
 fn drop_degenerate(mesh: &mut Mesh) -> Result<Option<String>, FileError> {
     let has_area = |face| triangle_normal(corners(&mesh.positions, face)).is_some();
     let before = mesh.faces.len();

@@ -1,4 +1,4 @@
-//! Which reader a mesh file is for, and what files of other kinds are told.
+//! Which reader a mesh file is for, and the errors about files of other kinds.
 
 use std::io::{self, Cursor, Read};
 
@@ -81,7 +81,7 @@ fn has_old_lines(extension: &str, start: &[u8]) -> bool {
     is_text && line_end.is_some_and(is_cr_alone)
 }
 
-/// A text with LF in the place of CR.
+/// A text with LF instead of CR.
 struct OldLines<R>(R);
 
 impl<R: Read> Read for OldLines<R> {
@@ -107,13 +107,13 @@ fn start(reader: &mut dyn Read) -> Result<Cursor<Vec<u8>>, FileError> {
     Ok(Cursor::new(bytes))
 }
 
-/// What follows the last point of the file's name, in lower case; empty where there is none.
+/// What follows the last point of the file's name, in lower case; empty if there is none.
 fn extension(path_name: &str) -> String {
     let name = path_name.rsplit(['/', '\\']).next().unwrap_or_default();
     name.rsplit_once('.').map(|(_, extension)| extension.to_lowercase()).unwrap_or_default()
 }
 
-/// The extension that the first word of a file asks for, where it is one of a mesh.
+/// The extension that the first word of a file asks for, if it begins a mesh.
 pub(crate) fn kind(start: &[u8]) -> Option<&'static str> {
     let first = start.split(|byte| byte.is_ascii_whitespace()).next()?;
     match first {

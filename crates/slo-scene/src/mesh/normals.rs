@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// The unit normal of a counter-clockwise triangle; `None` where its area is zero in f64.
+/// The unit normal of a counter-clockwise triangle; `None` if its area is zero in f64.
 pub(super) fn triangle_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
     (b - a).cross(c - a).try_normalize()
 }
@@ -47,7 +47,7 @@ fn add_face_normals(positions: &[DVec3], faces: &[[u32; 3]], mut add: impl FnMut
     }
 }
 
-/// The vector with length 1, in f32; `None` where it has no direction.
+/// The vector with length 1, in f32; `None` if it has no direction.
 pub(super) fn unit(v: DVec3) -> Option<[f32; 3]> {
     v.try_normalize().map(|v| v.as_vec3().to_array())
 }

@@ -1,6 +1,6 @@
-//! Numbers that are none: what programs write for NaN and infinity.
+//! Words that programs write for NaN and infinity.
 
-/// Characters of the longest number that is looked at.
+/// Characters of the longest word that is checked.
 const MOST: usize = 1000;
 
 /// Whether the word stands for NaN, infinity or a number that is too large for f64: `nan`, `-inf`,

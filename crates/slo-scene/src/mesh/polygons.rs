@@ -1,9 +1,9 @@
 //! Faces of more than three corners, cut into triangles.
 //!
-//! Readers cut every polygon into a fan around its first corner, and say where. Where a fan covers
-//! what lies outside of its polygon, because that has an inner corner, ears are cut instead: as
-//! many triangles, of the same corners. No library does the cutting: those that are around drop
-//! corners on straight edges, where neighbours then no longer meet.
+//! Readers cut every polygon into a fan around its first corner, and note its place. If a fan covers
+//! something outside of its polygon, because that has a concave corner, ears are cut instead: as
+//! many triangles, of the same corners. No library does the cutting: those available drop
+//! corners on straight edges, and then neighbours no longer meet.
 
 mod ears;
 #[cfg(test)]
@@ -45,7 +45,7 @@ pub(super) struct Polygons {
 enum Flaw {
     /// Its edges cross.
     Crossing,
-    /// It has too many inner corners.
+    /// It has too many concave corners.
     Effort,
 }
 
@@ -63,7 +63,7 @@ impl Polygons {
     /// file, whose vertices are finite; `others` has what else belongs to their corners, where
     /// that is not empty. Says which polygons could not be cut well.
     ///
-    /// Takes a time proportional to the file but for a bound: what is beyond stays a fan.
+    /// Takes a time proportional to the file plus a bound: polygons beyond the bound stay fans.
     pub(super) fn cut(
         &self,
         positions: &[DVec3],
@@ -109,7 +109,7 @@ impl Polygons {
     }
 }
 
-/// What to tell about so many polygons with a flaw, the first of which is that face.
+/// The warning about polygons with a flaw, by their number and the first face.
 fn warning((count, face): (usize, u32), one: &str, many: &str) -> Option<String> {
     match count {
         0 => None,
@@ -177,7 +177,7 @@ fn fan_corner(fan: &[[u32; 3]], corner: u32) -> u32 {
     }
 }
 
-/// Puts other triangles of the same corners in the place of a fan.
+/// Replaces a fan by other triangles of the same corners.
 fn rearrange(fan: &mut [[u32; 3]], triangles: &[[u32; 3]]) {
     let corners: Vec<u32> = (0..fan.len() as u32 + 2).map(|c| fan_corner(fan, c)).collect();
     for (slot, triangle) in fan.iter_mut().zip(triangles) {

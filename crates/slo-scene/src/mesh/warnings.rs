@@ -1,4 +1,4 @@
-//! What readers of several formats say about a file.
+//! Warnings that readers of several formats share.
 
 /// Parts of a sentence: "a", "a and b", "a, b and c".
 pub(super) fn sentence(parts: &[String]) -> String {
@@ -9,7 +9,7 @@ pub(super) fn sentence(parts: &[String]) -> String {
     }
 }
 
-/// About faces of fewer than three corners; `place` is where the first of them is.
+/// About faces of fewer than three corners; `place` says where the first one is.
 pub(super) fn few_corners(count: usize, place: &str) -> Option<String> {
     match count {
         0 => None,

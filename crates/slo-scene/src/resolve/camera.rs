@@ -39,7 +39,7 @@ const CAM_SEGMENT: Schema = Schema::new(
     ],
 );
 
-/// Control points of one curve: what a frame takes grows with them.
+/// Most control points of one curve: the time of a frame grows with them.
 const MOST_CONTROL_POINTS: usize = 10_000;
 
 /// Sine between the view and the sky below which the camera has no right-hand side.
@@ -84,7 +84,7 @@ fn check_prefix(fields: &mut Fields<'_, '_, '_>) {
         fields.diagnostics.push(
             Diagnostic::error("`prefix` is part of a file's name and can't name a folder")
                 .at(word.span, "")
-                .help("the folder is given by --outdir"),
+                .help("set the folder with --outdir"),
         );
     }
 }
@@ -158,7 +158,7 @@ fn scene_range(fields: &mut Fields<'_, '_, '_>, video: Option<[f64; 2]>) -> Opti
     Some([start, end.map_or(start + (video_end - video_start), |f| f.value)])
 }
 
-/// Two attributes, the second of which is as the first where it is missing.
+/// Two attributes; if the second is missing, it is as the first.
 fn from_to<T: Copy>(
     fields: &mut Fields<'_, '_, '_>,
     get: impl Fn(&mut Fields<'_, '_, '_>, &str) -> Option<T>,
@@ -196,7 +196,7 @@ fn warn_of_wide_view(fields: &mut Fields<'_, '_, '_>, fov: Found<f64>) {
     fields.diagnostics.push(warning);
 }
 
-/// Sharp distance and lens radius; the sharp plane must lie in front of an open lens.
+/// Focus distance and lens radius; the plane of focus must lie in front of an open lens.
 fn lens(fields: &mut Fields<'_, '_, '_>) -> ([f64; 2], [f64; 2]) {
     let radius =
         end_as_start(fields, Bound::NotNegative, ["lensRadiusStart", "lensRadiusEnd"], 0.0);
@@ -228,7 +228,8 @@ fn end_as_start(
     [start, fields.length(end, bound).map_or(start, |f| f.value)]
 }
 
-/// Reports a camera that looks nowhere, or straight along its sky, at an end of its path.
+/// Reports a camera that has no direction of view, or looks straight along its sky, at an end of
+/// its path.
 fn check_view(
     fields: &mut Fields<'_, '_, '_>,
     positions: &[Found<DVec3>],
@@ -244,7 +245,7 @@ fn check_view(
         let (Some(position), Some(target)) = (position, target) else { return };
         let view = (target.value - position.value).normalize_or_zero();
         if view == DVec3::ZERO {
-            report_view(fields, position.span, target.span, "stands where it looks at");
+            report_view(fields, position.span, target.span, "stands at its own target");
         } else if view.cross(sky.normalize()).length() < LEAST_SINE {
             report_view(fields, position.span, target.span, "looks along its sky");
         }
@@ -258,7 +259,7 @@ fn report_view(fields: &mut Fields<'_, '_, '_>, position: Span, target: Span, wh
         .push(Diagnostic::error(message).at(target, "the target").also(position, "the position"));
 }
 
-/// The segments by their start; reports those that overlap.
+/// The segments by their start; reports overlaps.
 fn in_order(
     mut segments: Vec<(CamSegment, Span)>,
     fields: &mut Fields<'_, '_, '_>,

@@ -12,17 +12,17 @@ pub(super) struct Scene<'t, 'a> {
     elements: Vec<(Role, Element<'t, 'a>)>,
     /// Names of elements of unknown types.
     unknown: Vec<Word<'a>>,
-    /// Whether the end of the text is lost, so that elements may be.
+    /// Whether the end of the text is lost, and perhaps elements with it.
     pub(super) is_truncated: bool,
 }
 
 impl<'t, 'a> Scene<'t, 'a> {
-    /// Sorts out what is no element.
+    /// Collects the elements; reports everything else.
     pub(super) fn collect(tree: &'t Tree<'a>, diagnostics: &mut Diagnostics) -> Self {
         let is_truncated = tree.truncated;
         let mut scene = Self { elements: Vec::new(), unknown: Vec::new(), is_truncated };
         let mut in_numbers = false;
-        // Of words in a row that mean nothing only the first is reported.
+        // Of several unknown words in a row only the first is reported.
         let mut in_strangers = false;
         for entry in &tree.entries {
             match entry {
@@ -41,7 +41,7 @@ impl<'t, 'a> Scene<'t, 'a> {
         scene
     }
 
-    /// Whether the item is an element; if not, this was reported.
+    /// Adds an element. Returns whether the item is one; if not, this was reported.
     fn item(
         &mut self,
         item: &'t Item<'a>,
@@ -63,7 +63,7 @@ impl<'t, 'a> Scene<'t, 'a> {
                 return false;
             }
         };
-        // One that is misspelt is taken for what was meant, so that what is in it is looked at too.
+        // A misspelt element is read as the one that was meant, so that its block is checked too.
         let known = known.or_else(|| {
             diagnostics.push(unknown_type(keyword));
             let near = closest(keyword.text, LANGUAGE.keywords())?;

@@ -38,7 +38,7 @@ impl Role {
         }
     }
 
-    /// What elements refer to it as, if any does.
+    /// The kind of reference that leads to such an element, if there is one.
     pub(super) fn referred(self) -> Option<Referred> {
         match self {
             Self::PhongInfo => Some(Referred::PhongInfo),
@@ -96,4 +96,27 @@ fn written<R: Copy>(
         let role = role(kind.read);
         kind.keywords.iter().map(move |keyword| Known { schema: keyword.schema(common), role })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn every_element_has_a_keyword_of_its_own() {
+        let keywords: HashSet<_> = LANGUAGE.keywords().collect();
+        assert_eq!(keywords.len(), ELEMENTS.len());
+    }
+
+    #[test]
+    fn blocks_follow_from_the_elements_that_take_them() {
+        assert_eq!(LANGUAGE.owners("pivot"), ["pre", "key", "nex"]);
+        assert_eq!(LANGUAGE.owners("width"), ["Film"]);
+        assert_eq!(LANGUAGE.owners("radius"), ["sphere", "cylinder", "cone"]);
+        let objects = ELEMENTS.iter().filter(|known| matches!(known.role, Role::Object(_)));
+        let objects: Vec<_> = objects.map(|known| known.schema.keyword).collect();
+        assert_eq!(LANGUAGE.owners("addKframe"), objects);
+    }
 }

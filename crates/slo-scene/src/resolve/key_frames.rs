@@ -1,4 +1,4 @@
-//! `addKframe`: where an object is when.
+//! `addKframe`: the position of an object over time.
 
 use glam::DVec3;
 
@@ -62,7 +62,7 @@ fn sort(written: &mut [Written], fields: &mut Fields<'_, '_, '_>) {
             Diagnostic::warning(message)
                 .at(after.time, "earlier than the key frame before it")
                 .also(before.time, "")
-                .help("they are sorted"),
+                .help("they are used in order of time"),
         );
     }
     written.sort_by(|a, b| a.key_frame.time.total_cmp(&b.key_frame.time));
@@ -98,7 +98,7 @@ impl Orientation {
     }
 }
 
-/// Reports key frames without an orientation, and warns where it is lost between two.
+/// Reports key frames without an orientation, and warns if it is lost between two.
 fn check_orientations(written: &[Written], fields: &mut Fields<'_, '_, '_>) {
     let mut last = Orientation { up: DVec3::Z, right: DVec3::X };
     let complete = |one: &Written| {
@@ -142,11 +142,11 @@ fn report_flat(fields: &mut Fields<'_, '_, '_>, written: &Written, which: &str) 
     fields.diagnostics.push(
         Diagnostic::error(message)
             .at(written.keyword, "together they must span a plane")
-            .help("what a key frame leaves out is as in the one before it; at first up is z and right is x"),
+            .help("what a key frame leaves out stays as in the key frame before it; initially up is z and right is x"),
     );
 }
 
-/// Warns where up and right become parallel on the way between two keys.
+/// Warns if up and right become parallel between two keys.
 fn warn_of_collapse(fields: &mut Fields<'_, '_, '_>, written: &[Written]) {
     let key_frames: Vec<_> = written.iter().map(|w| w.key_frame).collect();
     let Ok(path) = KeyFrames::new(&key_frames) else { return };

@@ -1,4 +1,4 @@
-//! Syntax tree -> scene: every element in its room, references followed.
+//! Syntax tree -> scene: every element is read, every reference followed.
 
 mod camera;
 mod collect;

@@ -1,4 +1,4 @@
-//! Warnings about scenes that the language allows and that nobody means.
+//! Warnings about scenes that the language allows but nobody means.
 
 use crate::attributes::Fields;
 use crate::description::{CamSegment, Camera, KeyFrame, SceneDescription};
@@ -53,7 +53,7 @@ pub(super) fn check_key_times(
     fields.diagnostics.push(warning);
 }
 
-/// What a segment sees of scene time, in order.
+/// The scene time that a segment shows, in ascending order.
 fn scene_time(segment: &CamSegment) -> [f64; 2] {
     let [start, end] = segment.scene;
     [start.min(end), start.max(end)]

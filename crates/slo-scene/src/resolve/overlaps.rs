@@ -1,5 +1,5 @@
-//! Surfaces that overlap in one plane: which of them a ray meets first is left to rounding, so that
-//! both come out in specks.
+//! Surfaces that overlap in one plane: rounding decides which one a ray meets first, so the picture
+//! shows specks of both.
 
 use std::collections::HashMap;
 
@@ -11,20 +11,20 @@ use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::light::Light;
 use crate::shape::{Shape, axes_about};
 
-/// Flat faces that are looked at; scenes of more are not checked.
+/// Most flat faces that are compared; scenes with more are not checked.
 const MOST_FACES: usize = 100_000;
 
-/// Triangles of a shape up to which it is looked at: one of more has hardly flat faces that lie on
+/// Most triangles of a shape that is checked: a larger shape hardly has flat faces that lie on
 /// others, and takes long.
 const MOST_SHAPE_FACES: usize = 1000;
 
-/// Pairs of faces of about one plane that are held against each other.
+/// Most pairs of nearly coplanar faces that are compared.
 const MOST_PAIRS: usize = 10_000_000;
 
-/// Pairs of elements that are reported.
+/// Most pairs of elements that are reported.
 const MOST_REPORTED: usize = 5;
 
-/// Distance between two planes that rounding may bridge, as a part of how far they are from the
+/// Distance between two planes that rounding may bridge, relative to their distance from the
 /// camera: 8 units in the last place of an f32.
 const TOLERANCE: f64 = 8.0 / (1 << 24) as f64;
 
@@ -34,7 +34,7 @@ const LEAST_SHARE: f64 = 1e-6;
 /// Cells for components of normals, over a range of 2.
 const NORMAL_CELLS: f64 = 512.0;
 
-/// Warns of still objects and lights that overlap in one plane where the camera may see both.
+/// Warns of still objects and lights that overlap in one plane if the camera may see both.
 pub(super) fn check(
     objects: &[(Object, Span)],
     lights: &[(Light, Span)],
@@ -55,12 +55,12 @@ pub(super) fn check(
     for (i, [first, again]) in pairs.iter().enumerate().take(MOST_REPORTED) {
         let ((a, a_span), (b, b_span)) = (span_of(*first), span_of(*again));
         let mut warning = Diagnostic::warning(format!("`{a}` and `{b}` overlap in one plane"))
-            .at(b_span, "which of the two is seen is left to rounding")
+            .at(b_span, "rounding decides which of the two is seen")
             .also(a_span, "this lies in the same plane")
             .help("move one of them a little, so that it lies in front of the other");
         if i + 1 == MOST_REPORTED && pairs.len() > MOST_REPORTED {
             let others = pairs.len() - MOST_REPORTED;
-            warning = warning.help(format!("so do {others} more pairs of objects"));
+            warning = warning.help(format!("{others} more pairs of objects overlap too"));
         }
         diagnostics.push(warning);
     }
@@ -68,7 +68,7 @@ pub(super) fn check(
 
 /// A flat, convex piece of a surface.
 struct Face {
-    /// Number of the object, or of the light behind all objects.
+    /// Index of the object, or of the light counted on after all objects.
     owner: usize,
     /// What it shows: faces that look the same may overlap.
     look: Look,
@@ -87,7 +87,7 @@ enum Look {
     Light(usize),
 }
 
-/// All flat faces of what does not move; `None` if there are too many.
+/// All flat faces of still objects and lights; `None` if there are too many.
 fn faces(objects: &[(Object, Span)], lights: &[(Light, Span)]) -> Option<Vec<Face>> {
     let mut faces = Vec::new();
     for (owner, (object, _)) in objects.iter().enumerate() {
@@ -188,7 +188,7 @@ fn overlaps(faces: &[Face], eyes: &[DVec3]) -> Vec<[usize; 2]> {
 /// Cells of planes: by their normal, whatever its sign, and their distance from a point.
 struct Grid {
     center: DVec3,
-    /// How far planes that are one may seem to be apart.
+    /// Largest computed distance of planes that are the same.
     margin: f64,
     cell: f64,
 }

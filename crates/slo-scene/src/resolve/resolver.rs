@@ -17,7 +17,7 @@ use crate::settings::Settings;
 use crate::shape::ReadShape;
 use crate::texture::Texture;
 
-/// The scene of a text that is a source of `diagnostics`; a scene without meaning where there are
+/// The scene of a text that is a source of `diagnostics`; its content means nothing if there are
 /// errors.
 pub(crate) fn resolve(
     text: &str,
@@ -112,7 +112,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
     fn camera(&mut self) -> Option<Camera> {
         let element = self.scene.only(|role| matches!(role, Role::Camera), self.diagnostics);
         let Some(element) = element else {
-            // Where nothing is an element, what is there has been reported.
+            // If the text has no element at all, its content has been reported.
             let is_known = self.scene.is_empty() && self.diagnostics.has_errors();
             if !self.scene.is_truncated && !is_known {
                 let what = if self.scene.is_empty() { "is empty" } else { "has no `Camera`" };

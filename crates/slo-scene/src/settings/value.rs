@@ -85,10 +85,10 @@ impl Bound {
     pub fn broken_by(self, value: f64) -> Option<&'static str> {
         let (is_kept, rule) = match self {
             Self::Any => (true, ""),
-            Self::NotNegative => (value >= 0.0, "0 or more"),
-            Self::Positive => (value > 0.0, "more than 0"),
-            Self::NotZero => (value != 0.0, "other than 0"),
-            Self::Error => (value > 0.0 && value <= 1.0, "more than 0 and at most 1"),
+            Self::NotNegative => (value >= 0.0, "must be 0 or more"),
+            Self::Positive => (value > 0.0, "must be more than 0"),
+            Self::NotZero => (value != 0.0, "must not be 0"),
+            Self::Error => (value > 0.0 && value <= 1.0, "must be more than 0 and at most 1"),
         };
         (!is_kept).then_some(rule)
     }

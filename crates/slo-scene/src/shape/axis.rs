@@ -13,7 +13,7 @@ pub(super) fn axis(fields: &mut Fields<'_, '_, '_>, from: &str, to: &str) -> Opt
         let message = format!("{} has no height", fields.element.title());
         fields.diagnostics.push(
             Diagnostic::error(message)
-                .at(end.span, format!("`{to}` is where `{from}` is"))
+                .at(end.span, format!("`{to}` is the same point as `{from}`"))
                 .also(start.span, format!("`{from}`")),
         );
         return None;

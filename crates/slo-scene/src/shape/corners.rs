@@ -17,7 +17,7 @@ const LEAST_SINE: f64 = 1e-9;
 pub(crate) const CORNERS: [Attribute; 3] =
     [point("vertex0").required(), point("vertex1").required(), point("vertex2").required()];
 
-/// `vertex0`, `vertex1` and `vertex2`, checked for an area and, where they are corners of a
+/// `vertex0`, `vertex1` and `vertex2`, checked for an area and, if they are corners of a
 /// rectangle, for its right angle.
 pub(super) fn corners(fields: &mut Fields<'_, '_, '_>, of_rectangle: bool) -> Option<[DVec3; 3]> {
     let [a, b, c] = ["vertex0", "vertex1", "vertex2"].map(|name| fields.point(name));

@@ -15,7 +15,7 @@ pub struct LoadedTexture {
     pub warnings: Vec<String>,
 }
 
-/// What a transparent image is told.
+/// The warning about a transparent image.
 pub(super) const NEVER_SHOWN: &str =
     "it has transparent pixels, but alpha is not used: they show their colour";
 

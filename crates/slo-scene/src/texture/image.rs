@@ -1,7 +1,7 @@
 //! Images in memory.
 
 /// An RGB image with the file's values as they are (no transfer curve is removed), kept at the
-/// file's precision: 3 bytes a texel, or 6 where the file has 16 bits a channel.
+/// file's precision: 3 bytes a texel, or 6 if the file has 16 bits a channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     width: u32,

@@ -1,4 +1,4 @@
-//! Which decoder an image file is for, and what files of other kinds are told.
+//! Which decoder an image file is for, and the errors about files of other kinds.
 
 use std::io::Read;
 

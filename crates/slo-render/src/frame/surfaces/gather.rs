@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use glam::{DVec3, Mat3, Vec3};
 
-use super::Surfaces;
+use super::columns::Surfaces;
+use crate::frame::looks::Look;
+use crate::frame::scene::{FrameObject, FrameScene};
 use crate::frame::shapes::Geometry;
 use crate::frame::world::{Instance, STILL, WorldHits};
-use crate::frame::{FrameObject, FrameScene, Look};
 use crate::shading::texture::sample_bilinear;
 use slo_accel::curved::Part;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};

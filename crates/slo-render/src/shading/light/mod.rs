@@ -1,56 +1,40 @@
 //! Lights in render space: one file for each kind.
 
+mod kinds;
 mod lamp;
-mod lights;
 mod point;
 mod rectangle;
 
-use glam::{DVec3, Vec3};
+use std::ops::Deref;
 
-use slo_scene::LightKind;
+use glam::Vec3;
 
+use kinds::lamps;
+
+pub use kinds::{WithLamp, WithLamps};
 pub use lamp::Lamp;
-pub use lights::{Lights, WithLamps};
 pub use point::Point;
 pub use rectangle::Rectangle;
 
-/// A light.
-#[derive(Clone, Copy, Debug)]
-pub enum Light {
-    /// `light_point`
-    Point(Point),
-    /// `light_rectangle`
-    Rectangle(Rectangle),
+lamps! {
+    /// A light.
+    pub enum Light, all in Lights {
+        /// `light_point`
+        Point(Point) in points,
+        /// `light_rectangle`
+        Rectangle(Rectangle) in rectangles,
+    }
 }
 
-/// Work for one light that is compiled for each kind, so that it handles a whole column of hits
-/// without asking for the kind.
-pub trait WithLamp {
-    /// Result of the work.
-    type Output;
+impl Deref for Lights {
+    type Target = [Light];
 
-    /// Does the work.
-    fn run<L: Lamp>(self, lamp: L) -> Self::Output;
+    fn deref(&self) -> &[Light] {
+        &self.all
+    }
 }
 
 impl Light {
-    /// The light with the origin of render space at `origin` of scene space.
-    pub fn new(light: &slo_scene::Light, origin: DVec3) -> Self {
-        match &light.kind {
-            LightKind::Point(light) => Self::Point(Point::new(light, origin)),
-            LightKind::Rectangle(light) => Self::Rectangle(Rectangle::new(light, origin)),
-        }
-    }
-
-    /// Does work for this light.
-    #[inline(always)]
-    pub fn with<W: WithLamp>(&self, work: W) -> W::Output {
-        match *self {
-            Self::Point(lamp) => work.run(lamp),
-            Self::Rectangle(lamp) => work.run(lamp),
-        }
-    }
-
     /// See [`Lamp::IS_AREA`].
     pub fn is_area(&self) -> bool {
         struct IsArea;
@@ -88,5 +72,60 @@ impl Light {
             }
         }
         self.with(Density(way))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+    use slo_scene::LightKind;
+    use slo_scene::light::{PointLight, RectangleLight};
+    use slo_scene::shape;
+
+    use super::*;
+
+    /// Radiance of each light of a frame, found through the tables.
+    struct Colors(Vec<Option<Vec3>>);
+
+    impl WithLamps for Colors {
+        fn run<L: Lamp>(
+            &mut self,
+            lamps: &[L],
+            mine: impl Fn(u32) -> bool,
+            place: impl Fn(u32) -> usize,
+        ) {
+            for light in 0..self.0.len() as u32 {
+                let lamp = lamps[place(light)];
+                if mine(light) {
+                    let before = self.0[light as usize].replace(lamp.radiance(Vec3::X));
+                    assert_eq!(before, None, "light {light} is in two tables");
+                }
+            }
+        }
+    }
+
+    fn light(number: usize, is_point: bool) -> Light {
+        let color = [number as f32, 0.0, 0.0];
+        let vertices = [DVec3::ZERO, DVec3::X, DVec3::ONE];
+        let kind = if is_point {
+            LightKind::Point(PointLight { color, position: DVec3::ZERO })
+        } else {
+            LightKind::Rectangle(RectangleLight { color, rectangle: shape::Rectangle { vertices } })
+        };
+        Light::new(&slo_scene::Light { name: "l".into(), kind }, DVec3::ZERO)
+    }
+
+    #[test]
+    fn every_light_is_in_the_table_of_its_kind() {
+        for kinds in ["", "p", "r", "pp", "rr", "prprr", "rpp"] {
+            let one = |(number, kind)| light(number, kind == 'p');
+            let lights: Lights = kinds.chars().enumerate().map(one).collect();
+            let mut colors = Colors(vec![None; kinds.len()]);
+            lights.for_each_kind(&mut colors);
+            for (number, color) in colors.0.into_iter().enumerate() {
+                assert_eq!(color, Some(Vec3::X * number as f32), "light {number} of {kinds}");
+                assert_eq!(lights[number].is_area(), &kinds[number..=number] == "r");
+            }
+        }
     }
 }

@@ -17,7 +17,7 @@ impl Point {
     /// The light with the origin of render space at `origin` of scene space.
     pub fn new(light: &PointLight, origin: DVec3) -> Self {
         let position = (light.position - origin).as_vec3();
-        // No coordinate is -0: a sum with products of sides that are 0 has none either.
+        // The sum turns -0 into 0, so that rays do not depend on the sign of a zero.
         Self { color: light.color.into(), position: position + Vec3::ZERO }
     }
 }

@@ -1,19 +1,19 @@
-//! What follows in the text, which shows what a brace was meant to be.
+//! Looking ahead: what follows shows what a brace was meant to be.
 
 use super::state::Parser;
 use crate::format::lexer::{Token, TokenKind};
 use crate::format::number::looks_like_number;
 use crate::format::syntax::Follows;
 
-/// Tokens that are looked at to find the end of a block. A block that is longer counts as one
-/// without end, so that looking ahead takes no time worth speaking of.
+/// Most tokens that are read to find the end of a block. A longer block counts as one without end,
+/// so that looking ahead takes no noticeable time.
 const MOST_TOKENS: usize = 1000;
 
 /// The `}` that follow at once, and what comes behind them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ahead<'a> {
     pub(super) closes: usize,
-    /// Empty at the end of the text, and where something else than a word follows.
+    /// Empty at the end of the text, and if something other than a word follows.
     pub(super) word: &'a str,
     /// Whether the word is followed by another one and `{`.
     pub(super) is_element: bool,
@@ -61,7 +61,7 @@ impl<'a> Parser<'a, '_> {
         }
         let word = if token.0 == TokenKind::Word { token.1 } else { "" };
         let is_element = !word.is_empty() && self.is_name_and_block(word, &mut next);
-        // What is neither a word nor the end fits nowhere.
+        // Only a word or the end of the text fits anywhere.
         let word = if matches!(token.0, TokenKind::Word | TokenKind::End) { word } else { "{" };
         Ahead { closes, word, is_element }
     }

@@ -1,4 +1,4 @@
-//! Braces that are missing or too many: where each should have been.
+//! Missing and surplus braces: where each should have been.
 
 use super::state::{Forced, Head, Parser};
 use crate::diagnostics::{Diagnostic, Span};
@@ -53,8 +53,8 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Closes the blocks that a word can't stand in, if it can further out. Whether their `}` are
-    /// missing or follow later will show.
+    /// Closes the blocks that a word can't stand in, if it can stand further out. Whether their `}`
+    /// are missing or come later is decided later.
     pub(super) fn close_up_to_owner(&mut self, word: Word<'_>) {
         let depth = self.stack.len();
         let here = self.follows(depth, word.text);
@@ -83,7 +83,7 @@ impl Parser<'_, '_> {
         self.close_damaged(owner);
     }
 
-    /// An element in a block that it can't stand in: it will go where it belongs.
+    /// Reports an element in a block that it can't stand in; it will be put where it belongs.
     fn report_misplaced(&mut self, owner: usize, word: Word<'_>) {
         let Some(head) = self.stack.last().and_then(|frame| frame.head) else { return };
         self.diagnostics.push(misplaced(word, head));
@@ -123,7 +123,7 @@ impl Parser<'_, '_> {
         })
     }
 
-    /// Reports blocks that were closed in front of a word, and indeed had no `}`.
+    /// Reports blocks that were closed before a word and indeed had no `}`.
     fn report_forced(&mut self) {
         self.forced.take().into_iter().for_each(|forced| self.diagnostics.push(forced.unclosed));
     }

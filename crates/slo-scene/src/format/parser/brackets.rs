@@ -1,4 +1,4 @@
-//! `(`, `[` or `<` in the place of a brace.
+//! `(`, `[` or `<` instead of a brace.
 
 use super::state::Parser;
 use crate::diagnostics::{Diagnostic, Span};
@@ -6,11 +6,11 @@ use crate::format::lexer::{Token, TokenKind};
 use crate::format::number::looks_like_number;
 use crate::format::syntax::{Follows, Word};
 
-/// What people write for `{` and `}`.
+/// Brackets that people write instead of `{` and `}`.
 const PAIRS: [(char, char); 3] = [('(', ')'), ('[', ']'), ('<', '>')];
 
 impl<'a> Parser<'a, '_> {
-    /// Takes a bracket that comes next, where there should be `{`, for that. Reports it; the bracket
+    /// Takes a bracket that comes next for the expected `{`. Reports it; the bracket
     /// that closes the block is the same mistake.
     pub(super) fn take_bracket(&mut self) {
         let text = &self.text[self.next.range.clone()];
@@ -29,7 +29,7 @@ impl<'a> Parser<'a, '_> {
         if takes_block { self.cut_word(word, at) } else { word }
     }
 
-    /// The name of an element, cut at a bracket where `{` is missing.
+    /// The name of an element, cut at a bracket if `{` is missing.
     pub(super) fn cut_name(&mut self, word: Word<'a>) -> Word<'a> {
         match bracket_behind(word.text) {
             Some(at) if self.next.kind != TokenKind::Open => self.cut_word(word, at),
@@ -37,7 +37,7 @@ impl<'a> Parser<'a, '_> {
         }
     }
 
-    /// Whether a word that can't be an attribute is a bracket in the place of `}`; if so, closes the
+    /// Whether a word that can't be an attribute is a bracket instead of `}`; if so, closes the
     /// block.
     pub(super) fn closes_as_bracket(&mut self, word: Word<'_>) -> bool {
         let found = match word.text {
@@ -105,7 +105,7 @@ impl<'a> Parser<'a, '_> {
         self.next = Token { kind, range: start..start + length };
     }
 
-    /// Makes two words of the one just read.
+    /// Splits the word just read in two.
     fn cut_word(&mut self, word: Word<'a>, length: usize) -> Word<'a> {
         let end = word.span.start + length;
         self.reread(end);
@@ -113,7 +113,7 @@ impl<'a> Parser<'a, '_> {
     }
 }
 
-/// Where in a word there is a bracket behind something else.
+/// Position of a bracket in a word that begins with something else.
 fn bracket_behind(word: &str) -> Option<usize> {
     let is_quoted = word.starts_with('"');
     word.find(['(', '[', '<']).filter(|at| !is_quoted && *at > 0 && may_open(&word[*at..]))

@@ -1,4 +1,4 @@
-//! What other languages have, and this one has not.
+//! Notations of other languages that this one does not have.
 
 use super::state::{Head, Parser};
 use crate::diagnostics::{Diagnostic, Span};
@@ -10,7 +10,7 @@ use crate::format::syntax::{Block, Form, Word};
 const HEX_DIGITS: [usize; 3] = [3, 6, 8];
 
 impl<'a> Parser<'a, '_> {
-    /// Whether a word that stands where something begins is of another language; if so, reports it
+    /// Whether the first word of an entry belongs to another language; if so, reports it
     /// and passes over it.
     pub(super) fn is_foreign(&mut self, word: Word<'_>) -> bool {
         let error = match word.text {
@@ -22,7 +22,7 @@ impl<'a> Parser<'a, '_> {
                     .help("write `# ...`, or `/* ... */` over several lines")
             }
             text @ (";" | ",") => Diagnostic::error(format!("unexpected `{text}`"))
-                .help("white space alone separates what stands in a scene"),
+                .help("use white space alone between words and numbers"),
             _ => return false,
         };
         if !word.text.starts_with("//") && self.repeats(&error.message) {
@@ -62,7 +62,7 @@ impl<'a> Parser<'a, '_> {
         lexer.next_token().kind == TokenKind::Open
     }
 
-    /// An element without its block, where what follows does not belong in it.
+    /// An element without its block, if what follows does not belong in it.
     pub(super) fn element_without_block(&mut self, keyword: Word<'a>, name: Word<'a>) -> bool {
         let next = &self.text[self.next.range.clone()];
         let is_inside = self.next.kind == TokenKind::Open
@@ -87,7 +87,7 @@ impl<'a> Parser<'a, '_> {
         true
     }
 
-    /// Passes over a colour such as `#cc1111`, which comes next where a vector should and is read as
+    /// Passes over a colour such as `#cc1111`, which stands for a vector and is read as
     /// a comment. Returns whether there is one.
     pub(super) fn skip_hex_color(&mut self, behind: usize) -> bool {
         let is_vector = match self.next.kind {
@@ -111,7 +111,7 @@ impl<'a> Parser<'a, '_> {
         true
     }
 
-    /// Goes on reading at a byte behind the token just read.
+    /// Continues reading at a byte behind the token just read.
     pub(super) fn reread(&mut self, at: usize) {
         self.lexer.rewind(at);
         self.next = self.lexer.next_token();

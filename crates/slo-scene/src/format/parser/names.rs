@@ -1,4 +1,4 @@
-//! Names of the user's own: in quotes, or wrongly of several words.
+//! Names that the user chose: in quotes, or wrongly of several words.
 
 use super::foreign::is_sign;
 use super::state::Parser;
@@ -7,10 +7,10 @@ use crate::format::lexer::TokenKind;
 use crate::format::number::looks_like_number;
 use crate::format::syntax::{Follows, Word};
 
-/// Words that a name may wrongly consist of.
+/// Most words that a name may wrongly consist of.
 const MOST_WORDS: usize = 8;
 
-/// How many values of several words are looked up in the text.
+/// Most values of several words that are looked up in the text.
 const MOST_LOOKUPS: usize = 20;
 
 /// The longest extension of a file's name, without its point.

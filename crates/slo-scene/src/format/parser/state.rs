@@ -42,7 +42,7 @@ pub fn parse<'a>(
 
 /// A block that is not closed yet.
 pub(super) struct Frame<'a> {
-    /// `None`: a block without anything in front of it, which leads nowhere.
+    /// `None`: a block with nothing in front of it, which is dropped.
     pub(super) head: Option<Head<'a>>,
     pub(super) block: Block<'a>,
     /// Whether the block holds anything but numbers.
@@ -53,14 +53,14 @@ pub(super) struct Frame<'a> {
     pub(super) unopened: bool,
     /// What closes it, if it was opened with a bracket.
     pub(super) closer: Option<char>,
-    /// The depth that it belongs at, if not here.
+    /// The depth at which it belongs, if not here.
     pub(super) home: Option<usize>,
-    /// What was wrong with the last word that is wrong by itself, without the word.
+    /// The fault of the last faulty word, without the word.
     pub(super) word_fault: Option<String>,
 }
 
 impl Frame<'_> {
-    /// The first word of what the block belongs to.
+    /// The keyword in front of the block.
     pub(super) fn owner(&self) -> &str {
         self.head.map_or("", |head| head.keyword.text)
     }
@@ -80,11 +80,11 @@ impl Head<'_> {
     }
 }
 
-/// Blocks that were closed in front of a word that belongs further out.
+/// Blocks that were closed before a word that belongs further out.
 pub(super) struct Forced {
     /// The error if their `}` are missing.
     pub(super) unclosed: Diagnostic,
-    /// The error if their `}` follow, so that the word was meant to stand in them.
+    /// The error if their `}` follow, so that the word was meant to be inside.
     pub(super) misplaced: Diagnostic,
     /// How many blocks.
     pub(super) count: usize,
@@ -102,7 +102,7 @@ pub(super) struct Parser<'a, 'v> {
     /// The first block whose `}` stands further left than the line of its `{`.
     pub(super) suspect: Option<[Span; 2]>,
     pub(super) forced: Option<Forced>,
-    /// The depth that the element belongs at whose block comes next, if it stands too deep.
+    /// The depth at which the element whose block comes next belongs, if it stands too deep.
     pub(super) misplaced: Option<usize>,
     /// What closes the block that comes next, if it is opened with a bracket.
     pub(super) closer: Option<char>,
@@ -225,15 +225,15 @@ impl<'a> Parser<'a, '_> {
             .ok()
     }
 
-    /// Whether the last word in this block that is wrong had the same fault: who writes commas writes
-    /// them throughout.
+    /// Whether the last faulty word in this block had the same fault: whoever writes commas
+    /// writes them throughout.
     pub(super) fn repeats(&mut self, fault: &str) -> bool {
         let Some(frame) = self.stack.last_mut() else { return false };
         frame.word_fault.replace(fault.to_owned()).is_some_and(|last| last == fault)
     }
 
-    /// Whether what follows a word can't be meant as its value: something else that belongs here,
-    /// or, at the top of the scene where there are no values, a word on another line.
+    /// Whether what follows a word can't be its value: something else that belongs here,
+    /// or, at the top of the scene, which has no values, a word on another line.
     pub(super) fn lacks_value(&self, word: Word<'_>) -> bool {
         let depth = self.stack.len();
         let follows = self.follows(depth, word.text);
@@ -364,7 +364,7 @@ impl<'a> Parser<'a, '_> {
         self.cut_closer();
     }
 
-    /// Passes over a block that is too deep to be meant.
+    /// Skips a block that is nested too deeply.
     pub(super) fn skip_block(&mut self, open: Span) {
         self.diagnostics.push(
             Diagnostic::error(format!("blocks are nested more than {MAX_DEPTH} deep"))

@@ -22,8 +22,8 @@ pub(super) struct File {
     pub(super) positions: Vec<DVec3>,
     pub(super) not_finite: NotFinite,
     pub(super) uvs: Vec<[f32; 2]>,
-    /// With length 1; zero if it has no direction, NaN if a coordinate is not finite. Empty where
-    /// normals are of no use.
+    /// With length 1; zero if it has no direction, NaN if a coordinate is not finite. Empty if
+    /// normals are not needed.
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) normal_count: u64,
     pub(super) left_out: LeftOut,
@@ -43,7 +43,7 @@ pub(super) struct File {
 struct CornerIndices(Vec<[u32; 3]>);
 
 impl CornerIndices {
-    /// Adds those of triangle number `before`.
+    /// Adds the uvs of triangle number `before`.
     fn push(&mut self, before: usize, triangle: [u32; 3]) {
         if !self.0.is_empty() || triangle[0] > 0 {
             self.0.resize(before, [0; 3]);

@@ -8,20 +8,20 @@ const KINDS: [&str; 3] = ["vertex", "uv", "normal"];
 /// Their plurals.
 const PLURALS: [&str; 3] = ["vertices", "uvs", "normals"];
 
-/// Indices of vertex, uv and normal, from 1; 0 where there is none.
+/// Indices of vertex, uv and normal, from 1; 0 if there is none.
 pub(super) type Corner = [u32; 3];
 
-/// A reference to something that is not there (yet).
+/// A reference to something that is not defined (yet).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Missing {
     /// Of vertices, uvs or normals: 0, 1, 2.
     pub(super) kind: usize,
-    /// Index from 1; 0 where it lies in front of the first one.
+    /// Index from 1; 0 if it lies in front of the first one.
     index: u64,
     message: String,
 }
 
-/// The corner that a word describes, and its references to what is not there so far. Negative
+/// The corner that a word describes, and its references to what is not defined so far. Negative
 /// indices count back from the last of the `counts` vertices, uvs and normals.
 ///
 /// # Errors
@@ -80,17 +80,17 @@ fn there_are(count: u64, kind: usize) -> String {
     }
 }
 
-/// The references of a file to what was not there when they were read.
+/// The references of a file to what was not defined yet when they were read.
 #[derive(Debug, Default)]
 pub(super) struct References {
     /// Of each kind the first one that counts back too far.
     behind: [Option<FileError>; 3],
-    /// Of each kind the largest index that was not there yet.
+    /// Of each kind the largest index that was not defined yet.
     ahead: [Option<(u64, Place)>; 3],
 }
 
 impl References {
-    /// Takes note of the references of one face; `place` tells where those of a corner are.
+    /// Takes note of the references of one face; `place` gives the place of a corner's references.
     ///
     /// A place costs as much as the line is long, so there is one for each kind at most.
     pub(super) fn note<'m>(
@@ -115,11 +115,11 @@ impl References {
         }
     }
 
-    /// Refuses references to what is still not there at the end of the file. Uvs and normals of a
+    /// Refuses references to what is still not defined at the end of the file. Uvs and normals of a
     /// file that has none at all may be referred to: the place of one such reference, by kind.
     ///
     /// # Errors
-    /// The first that leads nowhere.
+    /// The first reference to something that does not exist.
     pub(super) fn check(self, counts: [u64; 3]) -> Result<[Option<usize>; 3], FileError> {
         let mut to_nothing = [None; 3];
         for (kind, (behind, ahead)) in self.behind.into_iter().zip(self.ahead).enumerate() {

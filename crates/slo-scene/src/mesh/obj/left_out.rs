@@ -1,9 +1,9 @@
-//! What is in an `.obj` file and not in its mesh.
+//! Content of an `.obj` file that its mesh leaves out.
 
 use crate::format::QUOTED;
 use crate::mesh::warnings::sentence;
 
-/// Statements that shape nothing and that nobody misses.
+/// Statements that do not change the shape; leaving them out needs no warning.
 const SILENT: [&[u8]; 16] = [
     b"o",
     b"g",
@@ -32,7 +32,7 @@ const FREE_FORM: [&[u8]; 11] = [
 /// Statements that say what a surface looks like, beside `mtllib` and `usemtl`.
 const LOOKS: [&[u8]; 4] = [b"usemap", b"maplib", b"shadow_obj", b"trace_obj"];
 
-/// What was met of it.
+/// Content that was found and left out.
 #[derive(Debug, Default)]
 pub(super) struct LeftOut {
     /// What the file says first of its materials.
@@ -79,7 +79,7 @@ impl LeftOut {
         self.unknown.as_ref()
     }
 
-    /// One line for the user, if anything that shows was left out.
+    /// One line for the user, if anything visible was left out.
     pub(super) fn warning(&self) -> Option<String> {
         let counted = |count: usize, what: &str| match count {
             0 => None,

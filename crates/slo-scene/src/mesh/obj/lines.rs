@@ -1,4 +1,4 @@
-//! The lines of an `.obj` file, those that a backslash joins put together.
+//! The lines of an `.obj` file; lines that a backslash joins are one.
 
 use std::io::{BufRead, BufReader, Read};
 
@@ -11,7 +11,7 @@ const MAX_LINE: usize = 1 << 24;
 /// The lines of a file, one at a time. They end with LF, CR LF or CR.
 pub(super) struct Lines<'r> {
     reader: BufReader<&'r mut dyn Read>,
-    /// The line as it is in the file, with those that a backslash joins to it. Each ends with LF.
+    /// The line as it is in the file, with the lines that a backslash joins to it. Each ends with LF.
     raw: Vec<u8>,
     /// Bytes of `raw` in front of its comment.
     len: usize,

@@ -21,7 +21,7 @@ pub(super) struct WrittenCorner {
     pub(super) corner: Corner,
     pub(super) start: usize,
     pub(super) len: usize,
-    /// What it refers to that was not there yet.
+    /// References to what was not defined yet.
     pub(super) missing: Vec<Missing>,
 }
 
@@ -41,10 +41,10 @@ pub(super) enum Statement<'l> {
 }
 
 /// Reads a line without its comment; `None` if it is blank.
-/// `counts` are those of the vertices, uvs and normals so far.
+/// `counts` are the numbers of vertices, uvs and normals so far.
 ///
 /// # Errors
-/// The first word at fault.
+/// The first faulty word.
 pub(super) fn parse(line: &[u8], counts: [u64; 3]) -> Result<Option<Statement<'_>>, Fault> {
     let start = line.len() - line.trim_ascii_start().len();
     let keyword_len = line[start..].iter().take_while(|b| !b.is_ascii_whitespace()).count();
@@ -103,7 +103,7 @@ impl Line<'_> {
         Ok(Statement::Position { position, is_colored: self.words.len() >= 6, fault })
     }
 
-    /// `vt u`, `vt u v` or `vt u v w`, whose third number is of no use.
+    /// `vt u`, `vt u v` or `vt u v w`, whose third number is ignored.
     fn uv(&self) -> Result<Statement<'static>, Fault> {
         let ([u, v, _], _) = self.numbers("a uv", 1)?;
         let uv = [u as f32, v as f32];

@@ -11,7 +11,7 @@ fn mesh_of(text: &str, smooth: bool) -> Mesh {
     read(&mut text.as_bytes(), smooth).unwrap_or_else(|e| panic!("{e}\n{text}")).mesh
 }
 
-/// The error, with its place where it has one.
+/// The error, with its place if it has one.
 fn error_of(text: &str) -> String {
     let error = read(&mut text.as_bytes(), true).expect_err(text);
     if error.line == 0 { error.message } else { error.to_string() }

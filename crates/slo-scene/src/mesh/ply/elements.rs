@@ -75,7 +75,7 @@ fn clean_normals(mesh: &mut Mesh) -> usize {
     odd
 }
 
-/// Skips an element that is of no use.
+/// Skips an element that meshes do not need.
 fn skip(element: &Element, values: &mut Values<'_>) -> Result<(), FileError> {
     if element.properties.is_empty() {
         return Ok(());

@@ -120,7 +120,7 @@ impl Faces {
         *count += 1;
     }
 
-    /// Gives the mesh its uvs: those of the corners of a face, or else those of its vertices, or
+    /// Gives the mesh its uvs: from the corners of faces, or else from the vertices, or
     /// else (0, 0). How many are not finite: these are (0, 0) too.
     pub(super) fn finish_uvs(self, mesh: &mut Mesh) -> usize {
         let own = mesh.uvs.len() as u32;

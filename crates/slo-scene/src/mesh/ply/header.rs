@@ -65,13 +65,13 @@ impl Scalar {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Property {
     pub(super) name: String,
-    /// Type of the number, or of those in the list.
+    /// Type of the number, or of the numbers in the list.
     pub(super) scalar: Scalar,
     /// Type of the length of a list; `None`: one number.
     pub(super) list: Option<Scalar>,
 }
 
-/// A kind of things that a file lists.
+/// A list of items in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Element {
     pub(super) name: String,
@@ -90,7 +90,7 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads up to and with the line `end_header`.
+    /// Reads up to and including the line `end_header`.
     ///
     /// # Errors
     /// The first line that is not understood.

@@ -1,4 +1,4 @@
-//! What is in a `.ply` file and not in its mesh.
+//! Content of a `.ply` file that its mesh leaves out.
 
 use super::header::{Element, Header};
 use crate::format::QUOTED;
@@ -7,10 +7,10 @@ use crate::mesh::warnings::sentence;
 /// Properties that show that vertices or faces have colours.
 const COLORS: [&str; 3] = ["red", "diffuse_red", "ambient_red"];
 
-/// Elements that say how a mesh was made, and that nobody misses.
+/// Elements that say how a mesh was made; leaving them out needs no warning.
 const SILENT: [&str; 3] = ["camera", "range_grid", "face_metadata"];
 
-/// One line for the user, if anything that shows was left out.
+/// One line for the user, if anything visible was left out.
 pub(super) fn warning(header: &Header) -> Option<String> {
     let colored = |element: &str, what: &str| {
         let has_color =

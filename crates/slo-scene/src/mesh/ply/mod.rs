@@ -21,11 +21,11 @@ use crate::mesh::data::LoadedMesh;
 /// Reads a `.ply` mesh: element `vertex` with `x y z`, and `nx ny nz` and uvs if they are there
 /// (`s t`, `u v`, `texture_u texture_v`, `texture_s texture_t`); element `face` with a list
 /// `vertex_indices` or `vertex_index`, where polygons are cut into triangles, and a list
-/// `texcoord` of the uvs of its corners. Other elements and properties are skipped; what shows of
-/// them is in a warning. Normals matter only if `smooth` is set.
+/// `texcoord` of the uvs of its corners. Other elements and properties are skipped; a warning names
+/// the visible ones. Normals matter only if `smooth` is set.
 ///
 /// # Errors
-/// The first fault in the file, with its place where that is text.
+/// The first fault in the file, with its place if the file is text.
 pub(super) fn read(reader: &mut dyn Read, smooth: bool) -> Result<LoadedMesh, FileError> {
     let mut input = Input::new(reader, 0);
     let header = Header::read(&mut input)?;

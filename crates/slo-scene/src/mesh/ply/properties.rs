@@ -4,7 +4,7 @@ use super::header::{Element, Property};
 use super::values::{Context, Values};
 use crate::format::FileError;
 
-/// What is read.
+/// The property that is read, for messages.
 pub(super) fn context<'h>(element: &'h Element, item: u64, property: &'h Property) -> Context<'h> {
     Context { element: &element.name, item, property: &property.name }
 }
@@ -12,7 +12,7 @@ pub(super) fn context<'h>(element: &'h Element, item: u64, property: &'h Propert
 /// The length at the start of a list.
 ///
 /// # Errors
-/// There is something else.
+/// The next word is something else.
 pub(super) fn list_len(
     property: &Property,
     values: &mut Values<'_>,

@@ -45,7 +45,7 @@ fn mesh_of(bytes: &[u8]) -> Mesh {
     read(&mut &*bytes, true).unwrap_or_else(|e| panic!("{e}")).mesh
 }
 
-/// The error, with its place where it has one.
+/// The error, with its place if it has one.
 fn error_of(text: &str) -> String {
     let FileError { line, column, message, .. } = read(&mut text.as_bytes(), true).expect_err(text);
     if line > 0 { format!("{line}:{column}: {message}") } else { message }

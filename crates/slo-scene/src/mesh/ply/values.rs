@@ -29,7 +29,7 @@ impl<'r> Values<'r> {
     /// The next number, which is finite. Every type fits f64.
     ///
     /// # Errors
-    /// The file ends, or there is something else.
+    /// The file ends, or the next word is something else.
     #[inline]
     pub(super) fn next(&mut self, scalar: Scalar, context: Context<'_>) -> Result<f64, FileError> {
         let value = self.next_or_nan(scalar, context)?;
@@ -39,7 +39,7 @@ impl<'r> Values<'r> {
     /// The next number as f64, which is NaN if the file says NaN, infinity or too large a number.
     ///
     /// # Errors
-    /// The file ends, or there is something else.
+    /// The file ends, or the next word is something else.
     #[inline]
     pub(super) fn next_or_nan(
         &mut self,
@@ -53,7 +53,7 @@ impl<'r> Values<'r> {
         Ok(if value.is_finite() { value } else { f64::NAN })
     }
 
-    /// Passes over a number, which need not be finite, nor one at all where the file is text.
+    /// Passes over a number, which need not be finite, nor a number at all if the file is text.
     ///
     /// # Errors
     /// The file ends.

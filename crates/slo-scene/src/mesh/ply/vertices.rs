@@ -9,7 +9,7 @@ use crate::format::FileError;
 use crate::mesh::data::Mesh;
 use crate::mesh::not_finite::NotFinite;
 
-/// Items that memory is set aside for on the word of the header alone.
+/// Most items that memory is reserved for by the header alone.
 pub(super) const MAX_RESERVE: u64 = 1 << 16;
 
 /// What a number of a vertex is for; the axis is an index into the vector.

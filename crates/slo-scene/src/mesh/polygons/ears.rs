@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-/// How much is asked of an ear; each level is used when the one before it finds none.
+/// How strictly an ear is judged; each level is used if the one before finds none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Level {
     /// It has an area, and no other corner is in it or at its edge.
@@ -108,7 +108,7 @@ impl Ears {
         let [before, _, after] = self.ear(corner);
         self.next[before as usize] = after;
         self.previous[after as usize] = before;
-        // So that it is known to be gone.
+        // Marks it as removed.
         self.next[corner as usize] = corner;
     }
 

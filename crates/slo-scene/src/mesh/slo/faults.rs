@@ -4,7 +4,7 @@ use super::section::Section;
 use super::words::{Token, Words};
 use crate::format::{FileError, NumberError, Place, QUOTED, parse_word};
 
-/// What was found, quoted, and where it is.
+/// What was found, quoted, and its place.
 fn found(words: &mut Words<'_>, token: Token) -> (String, Place) {
     let text = match token {
         Token::Open => "`{`".to_owned(),
@@ -15,7 +15,7 @@ fn found(words: &mut Words<'_>, token: Token) -> (String, Place) {
     (text, words.input.fault(token.len()))
 }
 
-/// A word in back quotes, cut where it is long.
+/// A word in back quotes, cut if it is long.
 fn quote(word: &[u8]) -> String {
     let text = String::from_utf8_lossy(&word[..word.len().min(4 * QUOTED)]).into_owned();
     let visible = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
@@ -109,7 +109,7 @@ pub(super) fn no_brace(words: &mut Words<'_>, section: Section, token: Token) ->
     place.error(message, "expected `{`")
 }
 
-/// A brace or the end of the file where a section goes on.
+/// A brace or the end of the file inside a section.
 pub(super) fn no_number(words: &mut Words<'_>, section: Section, token: Token) -> FileError {
     let name = section.name();
     let line = words.input.pinned(section.pin()).line;

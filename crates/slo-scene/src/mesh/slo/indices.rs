@@ -77,7 +77,7 @@ impl Indices {
         Ok(Some(index))
     }
 
-    /// Refuses an index where the count is known, and remembers where it is otherwise.
+    /// Refuses an index if the count is known; otherwise remembers its place.
     fn past_bound(
         &mut self,
         words: &mut Words<'_>,

@@ -13,7 +13,7 @@ use crate::mesh::data::Mesh;
 /// Reads a `.slo` mesh as it is written: degenerate triangles are still there, normals have any
 /// length and may be missing, positions are in the file's units.
 ///
-/// Memory: the mesh and a window of 256 KB on the file. Every position is the f64 nearest to the
+/// Memory: the mesh, and a window of 256 KB over the file. Every position is the f64 nearest to the
 /// decimal number in the file; uvs and normals are then rounded to f32.
 ///
 /// # Errors
@@ -43,7 +43,7 @@ fn read_header(words: &mut Words<'_>) -> Result<(), FileError> {
     Ok(())
 }
 
-/// What was read of the file.
+/// The part of the file read so far.
 struct File {
     mesh: Mesh,
     /// Line of each section that was met, in the order of [`Section::ALL`].
@@ -137,7 +137,7 @@ impl File {
         self.lines[section as usize].is_some()
     }
 
-    /// How many things a section lists.
+    /// Number of items in a section.
     fn count(&self, section: Section) -> usize {
         match section {
             Section::Vertices => self.mesh.positions.len(),

@@ -49,7 +49,7 @@ impl Section {
         Self::ALL.into_iter().find(|section| section.name().as_bytes() == word)
     }
 
-    /// One of the things that it lists.
+    /// Name of one of its items.
     pub(super) fn item(self) -> &'static str {
         match self {
             Self::Vertices => "vertex",

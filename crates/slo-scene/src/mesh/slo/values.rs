@@ -8,7 +8,7 @@ use crate::format::{FileError, parse_word, quick_f64};
 /// The next number of a section; `None` in front of the closing brace.
 ///
 /// # Errors
-/// There is something else.
+/// The next word is something else.
 #[inline]
 pub(super) fn next_f64(words: &mut Words<'_>, section: Section) -> Result<Option<f64>, FileError> {
     match words.quick(quick_f64) {
@@ -30,7 +30,7 @@ pub(super) fn next_f32(words: &mut Words<'_>, section: Section) -> Result<Option
     Err(faults::too_large_for_f32(words, section, value))
 }
 
-/// The next number of a section, whatever is in front of it.
+/// The next number of a section, whatever precedes it.
 #[cold]
 fn thorough_f64(words: &mut Words<'_>, section: Section) -> Result<Option<f64>, FileError> {
     let token = words.peek()?;

@@ -11,7 +11,7 @@ use crate::mesh::data::Mesh;
 /// in order and its numbers finite; a mesh without triangles is written, but can't be read.
 ///
 /// # Errors
-/// `InvalidData` where a number is not finite; otherwise what writing to `out` fails with.
+/// `InvalidData` if a number is not finite; otherwise the error of writing to `out`.
 pub fn write_slo(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     writeln!(out, "slo_mesh 1")?;
@@ -69,7 +69,7 @@ fn write_numbers<T: Copy + Into<f64>>(
     writeln!(out)
 }
 
-/// The fewest digits that are read as this number, with an exponent where that is shorter.
+/// The fewest digits that are read as this number, with an exponent if that is shorter.
 fn shortest_f64(number: f64) -> String {
     let plain = number.to_string();
     // Most numbers have few digits in front of and after the point: no second try for them.
@@ -81,7 +81,7 @@ fn shortest_f64(number: f64) -> String {
 }
 
 /// As [`shortest_f64`]. Readers make an f64 first and round again, which on rare numbers is not
-/// the nearest f32: those are written as the f64 that they are.
+/// the nearest f32: such numbers are written as f64.
 fn shortest_f32(number: f32) -> String {
     let plain = number.to_string();
     let with_exponent = format!("{number:e}");

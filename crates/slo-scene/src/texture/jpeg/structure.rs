@@ -17,7 +17,7 @@ pub(super) struct Structure {
     /// Whether the file has the marker of its end.
     pub(super) has_end: bool,
     /// The file for the decoder. Behind the data of each scan are ones, which begin no code: the
-    /// standard reserves them. Data that ends early is then an error, where the decoder would go on
+    /// standard reserves them. Data that ends early is then an error, while the decoder alone would continue
     /// with zeros; data that is whole is not touched.
     pub(super) stream: Vec<u8>,
     is_progressive: bool,

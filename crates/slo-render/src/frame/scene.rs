@@ -1,0 +1,140 @@
+//! A scene as one shutter sees it.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::looks::Looks;
+use super::rigid::Rigid;
+use super::shapes::Geometry;
+use super::world::{World, WorldHits};
+use crate::camera::Camera;
+use crate::sampling::Sampler;
+use crate::shading::{Lights, Material, MaterialTable};
+use slo_accel::math::columns::Column;
+use slo_accel::{Isa, Structure};
+use slo_scene::animation::DRigid;
+use slo_scene::{Settings, ShadowMode, Texture};
+
+/// A scene as one shutter sees it.
+///
+/// Its space is *render space*: scene space moved so that its origin lies near the camera, in f32.
+#[derive(Debug)]
+pub struct FrameScene {
+    pub(crate) camera: Camera,
+    pub(crate) world: World,
+    pub(crate) materials: Vec<Material>,
+    /// The same in columns.
+    pub(crate) material_table: MaterialTable,
+    pub(crate) lights: Lights,
+    pub(crate) sampler: Sampler,
+    pub(crate) settings: Settings,
+    /// Instruction set of everything that is done in bulk.
+    pub(crate) isa: Isa,
+    /// Whether variance is reduced by more than good sample points; see [`plain`](Self::plain).
+    pub(crate) clever: bool,
+    pub(super) textures: Vec<Arc<Texture>>,
+    pub(super) objects: Vec<FrameObject>,
+    pub(super) looks: Looks,
+    /// Where each still object lies: what the still structure was built of.
+    pub(super) still_places: Vec<(u32, DRigid)>,
+    /// For each primitive of the still structure its index in `objects`.
+    pub(super) still_objects: Vec<u32>,
+}
+
+/// An object, as shading asks for it.
+#[derive(Debug)]
+pub(super) struct FrameObject {
+    pub(super) geometry: Geometry,
+    /// `render_from_object` while it is still.
+    pub(super) place: Rigid,
+    /// Id of its first triangle in its structure.
+    pub(super) first_triangle: u32,
+    /// Unit normals of the vertices, turned as the object is while it is still; empty where it is
+    /// not smooth.
+    pub(super) normals: Vec<Vec3>,
+}
+
+impl FrameScene {
+    /// The same frame with every estimator in its plainest form: lamps in glossy surfaces are found
+    /// by the lobe's rays only, one light of many is any of them, and no ray is left out for its
+    /// small weight. The expected picture is the same, its noise is not.
+    #[must_use]
+    pub fn plain(self) -> Self {
+        Self { clever: false, ..self }
+    }
+
+    /// Whether light that glossy lobes receive from lamps is sought by rays to the lamps too.
+    ///
+    /// Rays to lights pass through transparent objects straight where rays of lobes do not.
+    pub(crate) fn combines(&self) -> bool {
+        self.clever && self.settings.shadow == ShadowMode::Opaque
+    }
+
+    /// Whether rays to lights behind a surface may bring something.
+    pub(crate) fn receives_through(&self) -> bool {
+        let rough = |m: &Material| m.refraction > 0.0 && m.refraction_lobe > 0.0;
+        self.combines() && self.materials.iter().any(rough)
+    }
+
+    /// The looks of what the rays of a batch hit, as words.
+    pub(crate) fn find_looks(&self, found: &WorldHits, to: &mut Column<u32>) {
+        self.looks.find(self.isa, &self.still_objects, found, to);
+    }
+
+    /// Bytes of the structures and tables of this frame, meshes and textures not counted.
+    pub fn memory(&self) -> usize {
+        let normals: usize = self.objects.iter().map(|object| object.normals.capacity()).sum();
+        self.world.memory()
+            + self.still_objects.len() * size_of::<u32>()
+            + normals * size_of::<Vec3>()
+    }
+
+    /// How many objects move within the shutter.
+    pub fn moving_objects(&self) -> usize {
+        self.world.instances.len()
+    }
+
+    /// How many primitives there are, in all structures.
+    pub fn primitives(&self) -> usize {
+        let of = |s: &Structure| s.triangle_count() + s.curved().len();
+        let moving: usize = self.world.instances.iter().map(|i| of(&i.structure)).sum();
+        of(&self.world.still) + moving
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slo_scene::{Files, load};
+
+    const SCENE: &str = "
+        settings s {}
+        Camera c {
+            fps 25
+            Film f { width 16 height 9 prefix a_ output PNG_IMAGE }
+            CamSegment only {
+                videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1
+                addPosition { 0 -5 1 } addTarget { 0 0 0 } skyStart { 0 0 1 } fovStart 0.4
+            }
+        }
+        light_point lamp { color { 1 1 1 } position { 2 -3 4 } }
+        phong_info matte { diffuse { .7 .6 .5 } }
+        material_phong matte { phong_info matte }
+        mesh m { filename tetra.slo smooth_normals 1 material matte }";
+    const TETRA: &[u8] = b"slo_mesh 1
+        vertices { 0 0 0 1 0 0 0 1 0 0 0 1 }
+        faces { 0 2 1 0 1 3 1 2 3 2 0 3 }";
+
+    fn memory(text: &str) -> usize {
+        let loaded = load("scene.txt", text, &Files::built_in("", &[("tetra.slo", TETRA)]));
+        let scene = loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
+        FrameScene::build(&scene, 0, Isa::Portable).unwrap().memory()
+    }
+
+    #[test]
+    fn normals_of_vertices_take_memory() {
+        let flat = memory(&SCENE.replace("smooth_normals 1", "smooth_normals 0"));
+        assert_eq!(memory(SCENE), flat + 4 * size_of::<Vec3>());
+    }
+}

@@ -1,0 +1,115 @@
+//! What is at the hits of a batch.
+
+use glam::Vec3;
+
+use slo_accel::math::columns::{BATCH, Column, Vec3s};
+
+/// Index of the material of hits whose colour nobody asks for.
+pub(crate) const NO_MATERIAL: u32 = u32::MAX;
+
+/// What is at the hits of a batch. Render space.
+#[derive(Debug)]
+pub(crate) struct Surfaces {
+    /// How many hits there are.
+    pub(crate) len: usize,
+    /// Number of the ray in its batch.
+    pub(crate) ray: Column<u32>,
+    /// Index of the material.
+    pub(crate) material: Column<u32>,
+    /// The hits.
+    pub(crate) point: Vec3s,
+    /// Bound of the rounding errors of `point`, and of those that a test of a ray from there
+    /// makes, along the normal.
+    pub(super) offset: Column<f32>,
+    /// Unit normals of the surfaces themselves, on the sides that the rays came from.
+    pub(crate) n_geo: Vec3s,
+    /// Unit normals for shading, within 90 degrees of `n_geo`.
+    pub(crate) n_shade: Vec3s,
+    /// 1 where the ray came from outside, 0 elsewhere.
+    pub(crate) from_outside: Column<u32>,
+    /// Colours of the materials' images; white where there is none.
+    pub(crate) tint: Vec3s,
+    /// Largest coordinates that points were computed from.
+    pub(super) magnitude: Vec3s,
+}
+
+impl Default for Surfaces {
+    fn default() -> Self {
+        Self {
+            len: 0,
+            ray: [0; BATCH],
+            material: [0; BATCH],
+            point: Vec3s::default(),
+            offset: [0.0; BATCH],
+            n_geo: Vec3s::default(),
+            n_shade: Vec3s::default(),
+            from_outside: [0; BATCH],
+            tint: Vec3s::default(),
+            magnitude: Vec3s::default(),
+        }
+    }
+}
+
+impl Surfaces {
+    /// Adds a hit: the number of its ray and its material, or [`NO_MATERIAL`].
+    #[inline(always)]
+    pub(crate) fn push(&mut self, ray: usize, material: u32) {
+        self.ray[self.len] = ray as u32;
+        self.material[self.len] = material;
+        self.len += 1;
+    }
+
+    /// Where a ray from hit `i` toward `direction` starts, so that it can't hit the surface that
+    /// it leaves.
+    ///
+    /// Source: Wächter and Binder (Ray Tracing Gems 6) for the problem; as in pbrt 3.9.5 the
+    /// offset is the error bound of this very hit, not a constant.
+    #[inline(always)]
+    pub(crate) fn leave(&self, i: usize, direction: Vec3) -> Vec3 {
+        let n_geo = self.n_geo.get(i);
+        let side = if direction.dot(n_geo) < 0.0 { -n_geo } else { n_geo };
+        let moved = self.point.get(i) + side * self.offset[i];
+        // The sum is rounded too: away from the surface.
+        Vec3::new(away(moved.x, side.x), away(moved.y, side.y), away(moved.z, side.z))
+    }
+}
+
+#[cfg(test)]
+impl Surfaces {
+    /// Gives hit `i` one normal, as if it were flat.
+    pub(crate) fn set_normals(&mut self, i: usize, n: Vec3) {
+        self.n_geo.set(i, n);
+        self.n_shade.set(i, n);
+    }
+}
+
+/// The next number after `p` on the side that `n` points to; `p` where `n` is 0 or `p` is not
+/// finite. Without branches.
+#[inline(always)]
+fn away(p: f32, n: f32) -> f32 {
+    const SIGN: u32 = 1 << 31;
+    let bits = p.to_bits();
+    let size = bits & !SIGN;
+    // Counted so that the next number is one more, through both zeros.
+    let count = if bits & SIGN == 0 { size as i32 } else { -(size as i32) };
+    let step = i32::from(n > 0.0) - i32::from(n < 0.0);
+    let moved = count + step;
+    let result = if moved < 0 { moved.unsigned_abs() | SIGN } else { moved as u32 };
+    let stays = step == 0 || size >= 0x7f80_0000;
+    f32::from_bits(if stays { bits } else { result })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::away;
+
+    #[test]
+    fn away_is_the_next_number_on_that_side() {
+        let numbers = [0.0, -0.0, 1.0, -1.0, 1e-45, -1e-45, f32::MAX, f32::MIN, f32::MIN_POSITIVE];
+        for p in numbers.into_iter().chain((1..1000).map(|i| (i as f32 - 500.5) * 0.37)) {
+            assert_eq!(away(p, 0.3), p.next_up(), "{p}");
+            assert_eq!(away(p, -1e-9), p.next_down(), "{p}");
+            assert_eq!(away(p, 0.0).to_bits(), p.to_bits(), "{p}");
+        }
+    }
+}
