@@ -148,7 +148,7 @@ fn structures(triangles: &[Triangle]) -> Vec<(String, Structure)> {
     for (name, accelerator, spatial_splits) in WAYS {
         for isa in Isa::available() {
             let primitives = Primitives { triangles: triangles.to_vec(), curved: vec![] };
-            let options = BuildOptions { isa, spatial_splits };
+            let options = BuildOptions::new(isa).with_spatial_splits(spatial_splits);
             let structure = Structure::build(accelerator, primitives, options);
             all.push((format!("{name} {isa:?}"), structure));
         }
@@ -161,7 +161,7 @@ fn build(c: &mut Criterion) {
     let mut group = c.benchmark_group("build");
     group.throughput(Throughput::Elements(triangles.len() as u64)).sample_size(10);
     for (name, accelerator, spatial_splits) in WAYS {
-        let options = BuildOptions { isa: Isa::best(), spatial_splits };
+        let options = BuildOptions::new(Isa::best()).with_spatial_splits(spatial_splits);
         group.bench_function(name, |b| {
             b.iter(|| {
                 let primitives = Primitives { triangles: triangles.clone(), curved: vec![] };

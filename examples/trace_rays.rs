@@ -197,7 +197,7 @@ fn trace(structure: &Structure, set: &RaySet, coherence: Coherence, threads: usi
 fn run(options: &Options) -> Result<(), String> {
     let accelerator = Accelerator::by_name(&options.accelerator)?;
     let isa = Isa::by_name(&options.isa)?;
-    let how = BuildOptions { isa, spatial_splits: options.spatial_splits };
+    let how = BuildOptions::new(isa).with_spatial_splits(options.spatial_splits);
     let threads = options.threads.max(1);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

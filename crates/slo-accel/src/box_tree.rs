@@ -3,8 +3,10 @@
 
 use glam::Vec3;
 
-use super::{GROUP, Isa, LANES, Lanewise, Rays};
+use crate::isa::compress::GROUP;
+use crate::isa::{Isa, Lanewise};
 use crate::math::{Bounds, rounding::gamma};
+use crate::rays::{LANES, Rays};
 
 /// A binary tree over boxes, split at the median centre of the longest axis.
 #[derive(Debug, Default)]

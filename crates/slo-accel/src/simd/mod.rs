@@ -8,7 +8,7 @@ pub(crate) mod sets;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use super::{Hits, LANES};
+use crate::rays::{Hits, LANES};
 
 /// A vector of `COUNT` numbers.
 ///
