@@ -1,14 +1,14 @@
-//! Packing: some entries of a column, one behind the other.
+//! Packing: chosen entries of a column, one behind the other.
 
 use super::Isa;
 
-/// Entries of a column that one word of bits tells of.
+/// Entries of a column for which one word of bits says whether they are chosen.
 pub const GROUP: usize = 16;
 
-/// A number of 32 bits.
+/// A number of 32 bits, as [`Isa::compress`] packs them.
 ///
 /// # Safety
-/// It must have a size of four bytes, and every pattern of bits must be one.
+/// The type must have a size of four bytes, and every pattern of bits must be a value of it.
 pub unsafe trait Word: Copy {}
 
 // SAFETY: four bytes, and every pattern of them is a number.
@@ -18,16 +18,16 @@ unsafe impl Word for f32 {}
 unsafe impl Word for u32 {}
 
 impl Isa {
-    /// Copies entry `16 g + i` of `from` for every bit `i` of `bits[g]`, in order, to the front of
-    /// `to`; comes back with how many there were.
+    /// Copies entry `16 g + i` of `from` for each bit `i` that is set in `bits[g]`, in order, to the
+    /// front of `to`. Returns the number of entries copied.
     ///
     /// # Panics
-    /// Where a bit stands for no entry, or `to` has no room.
+    /// If `from` has fewer than [`GROUP`] entries for each of `bits`, or `to` has no room.
     pub fn compress<T: Word>(self, bits: &[u16], from: &[T], to: &mut [T]) -> usize {
         let count = bits.iter().map(|group| group.count_ones() as usize).sum();
         assert!(bits.len() * GROUP <= from.len() && count <= to.len());
         match self {
-            // SAFETY: the CPU has AVX-512, and there is room, which was just looked at.
+            // SAFETY: the CPU has AVX-512, and the assertion above checks the room.
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => unsafe { compress_avx512(bits, from, to, count) },
             _ => compress_portable(bits, from, to),
@@ -53,8 +53,8 @@ fn compress_portable<T: Word>(bits: &[u16], from: &[T], to: &mut [T]) {
     }
 }
 
-/// The packed entries of a group are stored with whatever is behind them where that is overwritten
-/// later, since masked stores are slow.
+/// While sixteen entries or more are left to be written, a whole register is stored: what lies
+/// behind the packed entries is overwritten later, and masked stores are slow.
 ///
 /// # Safety
 /// `from` has 16 entries for each of `bits`, and `to` one for each bit that is set: `count`.

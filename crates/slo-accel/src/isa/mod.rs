@@ -1,26 +1,58 @@
-//! Which instruction set the kernels run on: decided once, passed down, never asked per ray.
+//! Which instruction set kernels run on: chosen once, passed down, never asked for each ray.
 
 pub(crate) mod compress;
 
-/// An instruction set that kernels are compiled for. All give the same hits.
+/// An instruction set that kernels are compiled for. All sets give the same bits.
+///
+/// Outside this crate a set other than [`Portable`](Self::Portable) comes only from functions that
+/// ask the CPU for it, so a value is proof that the CPU can run it:
+///
+/// ```compile_fail,E0603
+/// let isa = slo_accel::Isa::Avx512;
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Isa {
-    /// Plain Rust; the reference of the others.
+    /// Plain Rust, the reference of the others. Fused operations are calls of a library here, which
+    /// is several times slower.
     Portable,
-    /// AVX2, FMA, and BMI: 8 lanes.
+    /// AVX2, FMA, BMI, LZCNT and POPCNT: 8 lanes.
+    #[non_exhaustive]
     Avx2,
-    /// AVX-512 F, BW, DQ, VL, with AVX2 and FMA: 16 lanes.
+    /// AVX-512 F, BW, DQ and VL, with all of [`Avx2`](Self::Avx2): 16 lanes.
+    #[non_exhaustive]
     Avx512,
 }
 
-/// Work over whole columns of numbers, written in plain Rust: [`Isa::run`] compiles it once for each
-/// instruction set, and the compiler makes vector code of its loops.
+/// Work over whole columns of numbers, written in plain Rust. [`Isa::run`] is compiled once for each
+/// instruction set, so that the compiler makes vector code of the loops.
 ///
-/// It must be `#[inline(always)]`, and so must be what it calls: what is not inlined is compiled
-/// without the set's instructions. Rust neither reorders nor fuses operations, so that every set
-/// gives the same bits.
+/// `run` must be `#[inline(always)]`, and so must everything that it calls: a function that is not
+/// inlined is compiled without the set's instructions. This holds for closures of `array::map`, too.
+/// Rust neither reorders nor fuses operations, so every set gives the same bits.
+///
+/// ```
+/// use slo_accel::{Isa, Lanewise};
+///
+/// struct Halve<'a>(&'a mut [f32]);
+///
+/// impl Lanewise for Halve<'_> {
+///     type Output = ();
+///
+///     #[inline(always)]
+///     fn run(self) {
+///         for x in self.0 {
+///             *x *= 0.5;
+///         }
+///     }
+/// }
+///
+/// let mut column = [3.0; 100];
+/// Isa::best().run(Halve(&mut column));
+/// assert_eq!(column, [1.5; 100]);
+/// ```
 pub trait Lanewise {
-    /// What comes back.
+    /// Result of the work.
     type Output;
 
     /// Does the work.
@@ -28,12 +60,12 @@ pub trait Lanewise {
 }
 
 impl Isa {
-    /// Does lanewise work with this set's instructions, which the CPU must have.
+    /// Does the work with this set's instructions, and returns its result.
     #[inline]
     pub fn run<W: Lanewise>(self, work: W) -> W::Output {
         debug_assert!(self.is_available());
         match self {
-            // SAFETY: a set is chosen only where the CPU has it.
+            // SAFETY: there is a value of a set only if the CPU has it.
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => unsafe { run_avx512(work) },
             // SAFETY: as above.
@@ -67,11 +99,12 @@ impl std::fmt::Display for Isa {
 }
 
 impl Isa {
-    /// The best set that this CPU has, or what `SLO_RT_ISA` asks for (`avx512`, `avx2`,
-    /// `portable`).
+    /// The set that the environment variable `SLO_RT_ISA` names, as [`by_name`](Self::by_name) knows
+    /// it; the best one if the variable is not set.
     ///
     /// # Errors
-    /// A value of `SLO_RT_ISA` that is no set, or a set that the CPU lacks.
+    /// If the variable names no set, or one that the CPU lacks.
+    #[doc(hidden)]
     pub fn from_env() -> Result<Self, String> {
         match std::env::var("SLO_RT_ISA") {
             Ok(name) => Self::by_name(&name),
@@ -79,10 +112,10 @@ impl Isa {
         }
     }
 
-    /// The set of that name: `avx512`, `avx2`, `portable`, or `auto` for the best.
+    /// The set of a name: `avx512`, `avx2`, `portable`, or `auto` for the best.
     ///
     /// # Errors
-    /// A name that is no set, or a set that the CPU lacks.
+    /// If the name is none of these, or the CPU lacks the set.
     pub fn by_name(name: &str) -> Result<Self, String> {
         let isa = match name {
             "auto" | "" => return Ok(Self::best()),
@@ -110,7 +143,7 @@ impl Isa {
             .unwrap_or(Self::Portable)
     }
 
-    /// Every set that this CPU has, the reference first.
+    /// All sets that this CPU has, [`Portable`](Self::Portable) first.
     pub fn available() -> Vec<Self> {
         [Self::Portable, Self::Avx2, Self::Avx512]
             .into_iter()
@@ -118,8 +151,8 @@ impl Isa {
             .collect()
     }
 
-    /// Whether this CPU can run it.
-    pub fn is_available(self) -> bool {
+    /// Whether this CPU has the instructions.
+    pub(crate) fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
             #[cfg(target_arch = "x86_64")]

@@ -1,16 +1,20 @@
-//! Curved surfaces: exact tests, in f64.
+//! Curved surfaces, tested in f64.
 //!
-//! Each test first moves the origin along the ray to where it passes the surface's centre, so that
-//! the roots keep their digits however far the ray comes from (Haines et al., *Precision
-//! Improvements for Ray/Sphere Intersection*, Ray Tracing Gems, 2019).
+//! Each test first moves the ray's origin along the ray to where it passes the surface's centre, so
+//! that the roots keep their digits however far away the ray starts. Source: Haines et al.,
+//! *Precision Improvements for Ray/Sphere Intersection*, Ray Tracing Gems, 2019; here in f64, and for
+//! cylinders and cones too.
 
 use glam::{DVec2, DVec3, Vec3, swizzles::Vec3Swizzles as _};
 
 use crate::math::Bounds;
 use crate::math::rounding::{round_down, round_up};
 
-/// A closed surface that is not tessellated; tests of it are made in f64.
+/// A closed curved surface. It is not tessellated, and tested in f64.
+///
+/// Cylinders and cones whose axis has no length are never hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Curved {
     /// A sphere.
     Sphere {
@@ -39,19 +43,20 @@ pub enum Curved {
     },
 }
 
-/// Which part of a curved surface was hit, as [`Hits::u`](super::Hits::u) tells it.
+/// The part of a curved surface that was hit, stored in [`Hits::u`](crate::Hits::u).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The curved side; all of a sphere.
+    /// The curved side, all of a sphere: 0.
     Side = 0,
-    /// The disc at `base`.
+    /// The disc at `base`: 1.
     Base = 1,
-    /// The disc at `top`.
+    /// The disc at `top`: 2.
     Top = 2,
 }
 
 impl Part {
-    /// The part that a hit's `u` tells.
+    /// The part for a hit's `u`.
+    #[inline]
     pub fn from_u(u: f32) -> Self {
         match u {
             1.0 => Self::Base,
@@ -60,7 +65,8 @@ impl Part {
         }
     }
 
-    /// The hit's `u` that tells the part.
+    /// The `u` of hits on the part.
+    #[inline]
     pub fn to_u(self) -> f32 {
         self as u8 as f32
     }
@@ -74,7 +80,8 @@ struct Line {
 }
 
 impl Line {
-    /// The same line, its origin moved next to `center` and counted from there; and by which t.
+    /// The same line with its origin moved next to `center` and measured from there, and the t by
+    /// which it was moved.
     fn near(self, center: DVec3) -> (Self, f64) {
         let offset = center - self.origin;
         let t = offset.dot(self.direction) / self.direction.length_squared();
@@ -86,7 +93,7 @@ impl Line {
     }
 }
 
-/// The nearest of what was offered.
+/// The nearest hit that was offered.
 struct Nearest {
     t_max: f32,
     hit: Option<(f32, Part)>,
@@ -103,7 +110,7 @@ impl Nearest {
 }
 
 impl Curved {
-    /// The first hit with `0 < t < t_max`, and the part that is hit.
+    /// The `t` of the first hit with `0 < t < t_max`, in lengths of the direction, and the part hit.
     pub fn intersect(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<(f32, Part)> {
         let line = Line { origin: origin.as_dvec3(), direction: direction.as_dvec3() };
         let mut nearest = Nearest { t_max, hit: None };
@@ -117,7 +124,8 @@ impl Curved {
         nearest.hit
     }
 
-    /// The unit normal that points outward, at a point of a part of the surface.
+    /// The outward unit normal at a point on a part of the surface.
+    #[inline]
     pub fn normal_at(&self, point: Vec3, part: Part) -> Vec3 {
         let point = point.as_dvec3();
         let normal = match (*self, part) {
@@ -138,8 +146,9 @@ impl Curved {
         normal.normalize_or(DVec3::Z).as_vec3()
     }
 
-    /// How far a point near a part of the surface lies outside of it, along its normal; negative
-    /// inside.
+    /// Distance of a point from the part of the surface that it is close to, along the normal;
+    /// negative inside.
+    #[inline]
     pub fn signed_distance(&self, point: DVec3, part: Part) -> f64 {
         match (*self, part) {
             (Self::Sphere { center, radius }, _) => {
@@ -167,7 +176,7 @@ impl Curved {
         }
     }
 
-    /// The smallest box, rounded outward; finite.
+    /// The smallest box about the surface, rounded outward to f32 and kept finite.
     pub fn bounds(&self) -> Bounds {
         match *self {
             Self::Sphere { center, radius } => {
@@ -244,14 +253,15 @@ fn cone(line: Line, base: Vec3, apex: Vec3, radius: f32, nearest: &mut Nearest) 
     }
 }
 
-/// The roots of `a t^2 + 2 b t + c`, where they are real; may be infinite or NaN where `a` is 0.
+/// The roots of `a t^2 + 2 b t + c`; NaN unless they are real, infinite or NaN if `a` is 0.
 fn roots(a: f64, b: f64, c: f64) -> [f64; 2] {
     let q = -(b + (b * b - a * c).sqrt().copysign(b));
     [q / a, c / q]
 }
 
-/// Unit vector from one point to another, and their distance; NaN where they are the same, so
-/// that such a surface has no hits.
+/// Unit vector from one point to another, and their distance. The vector is NaN if the points are the
+/// same, so such a surface has no hits.
+#[inline]
 fn axis_of(from: Vec3, to: Vec3) -> (DVec3, f64) {
     let axis = to.as_dvec3() - from.as_dvec3();
     let length = axis.length();

@@ -8,28 +8,42 @@ pub use self::curved::Curved;
 pub use self::triangle::Triangle;
 use crate::math::Bounds;
 
-/// The primitives of one space. A primitive's id is its index: triangles come first
-/// (`0..triangles.len()`), curved surfaces follow.
+/// The primitives of one space. The id of a triangle is its index; the ids of curved surfaces
+/// follow those of the triangles.
+///
+/// A `Vec` of triangles becomes primitives by `into`. With curved surfaces:
+///
+/// ```
+/// use slo_accel::{Curved, Primitives, glam::Vec3};
+///
+/// let mut primitives = Primitives::default();
+/// primitives.curved.push(Curved::Sphere { center: Vec3::ZERO, radius: 0.5 });
+/// assert_eq!(primitives.bounds(0).max, Vec3::splat(0.5));
+/// ```
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Primitives {
-    /// Ids from 0.
+    /// Triangles, ids from 0.
     pub triangles: Vec<Triangle>,
-    /// Ids from `triangles.len()`.
+    /// Curved surfaces, ids from `triangles.len()`.
     pub curved: Vec<Curved>,
 }
 
 impl Primitives {
-    /// How many ids there are.
+    /// Number of primitives.
     pub fn len(&self) -> usize {
         self.triangles.len() + self.curved.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no primitives.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The smallest box about the primitive `id`, in f32 rounded outward.
+    /// The smallest box about a primitive, rounded outward to f32.
+    ///
+    /// # Panics
+    /// If `id` is not below [`len`](Self::len).
     pub fn bounds(&self, id: u32) -> Bounds {
         let id = id as usize;
         match self.triangles.get(id) {
@@ -38,13 +52,19 @@ impl Primitives {
         }
     }
 
-    /// The smallest box about all of them.
+    /// The smallest box about all primitives; empty if there are none.
     pub fn all_bounds(&self) -> Bounds {
         (0..self.len() as u32).fold(Bounds::EMPTY, |b, id| b.union(self.bounds(id)))
     }
 
-    /// Bytes of the primitives themselves.
+    /// Bytes that the primitives take.
     pub fn memory(&self) -> usize {
         size_of_val(self.triangles.as_slice()) + size_of_val(self.curved.as_slice())
+    }
+}
+
+impl From<Vec<Triangle>> for Primitives {
+    fn from(triangles: Vec<Triangle>) -> Self {
+        Self { triangles, curved: vec![] }
     }
 }

@@ -127,7 +127,7 @@ impl Structure {
     /// Builds a structure over `primitives`, on all threads of the current rayon pool. The same
     /// primitives give the same structure for any number of threads.
     ///
-    /// `options` are [`BuildOptions`], or just an [`Isa`](crate::Isa). Coordinates are finite;
+    /// `primitives` may be just a `Vec` of triangles, and `options` just an [`Isa`](crate::Isa). Coordinates are finite;
     /// triangles without area (their corners lie on a line) and triangles with coordinates that
     /// are not finite are never hit.
     ///
@@ -135,9 +135,10 @@ impl Structure {
     /// If there are more than [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES).
     pub fn build(
         accelerator: Accelerator,
-        primitives: Primitives,
+        primitives: impl Into<Primitives>,
         options: impl Into<BuildOptions>,
     ) -> Self {
+        let primitives = primitives.into();
         assert!(primitives.len() <= Self::MAX_PRIMITIVES, "at most 2^28 primitives");
         Self { built: Built::new(accelerator, primitives, options.into()) }
     }

@@ -1,17 +1,16 @@
 //! The triangle test: one arithmetic for every structure, every instruction set, every answer.
 //!
 //! The ray is sheared so that it runs along an axis; three signed areas then tell on which side of
-//! each edge it passes. Corners are taken relative to the ray's origin, so that a scene far from
-//! the world's origin loses nothing, and each area is a difference of products that is right to
-//! 1.5 units in the last place, so that its sign is right: two triangles that share an edge never
-//! leave a gap between them.
+//! each edge it passes. Corners are taken relative to the ray's origin, so a scene far from the
+//! origin of space loses no digits. Each area is a difference of products that is right to 1.5 units in
+//! the last place, so its sign is right: two triangles that share an edge leave no gap.
 //!
 //! Source: Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection*, JCGT 2013. Here the areas
 //! are summed by Kahan's fused scheme (Jeannerod, Louvet, Muller, *Further analysis of Kahan's
-//! algorithm*, Math. Comp. 2013) instead of being recomputed in f64 where they vanish.
+//! algorithm*, Math. Comp. 2013) instead of being recomputed in f64 if they vanish.
 //!
-//! Every operation below is one correctly rounded operation of IEEE 754, fused multiply-add
-//! included; a kernel that makes the same operations in the same order gives the same bits.
+//! Every operation is one correctly rounded operation of IEEE 754, fused multiply-add included. A
+//! kernel that does the same operations in the same order gives the same bits.
 
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 pub(crate) mod lanes;
@@ -19,30 +18,30 @@ pub(crate) mod turned;
 
 use glam::{DVec3, Vec3};
 
-/// Three corners. A point of it is `(1 - u - v) p0 + u p1 + v p2`.
+/// Three corners. Its points are `(1 - u - v) p0 + u p1 + v p2`.
 pub type Triangle = [Vec3; 3];
 
-/// Areas that sum to less are not hit: below it underflow may spoil an area.
+/// Least size of the sum of the three areas for a hit: below it, underflow may spoil an area.
 ///
 /// Products lose at most 2^-149 each, which is one rounding of this.
 pub const MIN_DETERMINANT: f32 = f32::from_bits((127 - 120) << 23);
 
-/// How far the point `origin + t direction` may lie from the point of the triangle that a hit
-/// tells, on each axis, in units of the largest coordinate of a corner relative to the origin.
+/// Bound of the distance on each axis between `origin + t direction` of a hit and the point that its
+/// weights give, in units of the largest coordinate of a corner relative to the ray's origin.
 ///
-/// Counted in roundings: 5 of the sheared corner, 6 of the weights, 4 of t, 3 of t's use, and as
+/// It counts roundings: 5 of the sheared corner, 6 of the weights, 4 of t, 3 of the use of t, and as
 /// many again for the traversal that relies on it.
 pub const POSITION_ERROR: f32 = 32.0 * crate::math::rounding::UNIT_ROUNDOFF;
 
-/// Where t is at least so much of the largest distance of a corner along the sheared axis, its
-/// sign is certain: weights are right to 2^-22 of the triangle's size over its height, and a
+/// If t is at least this part of the largest distance of a corner along the sheared axis, its sign is
+/// certain: weights are right to 2^-22 of the triangle's size over its height, and a
 /// triangle a thousand times as long as high still leaves two bits to spare.
 const SURE_OF_SIGN: f32 = 1.0 / 4096.0;
 
-/// A ray made ready for the test.
+/// A ray prepared for the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShearedRay {
-    /// Origin, axes not permuted.
+    /// Origin, in the axes of space.
     pub origin: Vec3,
     /// Which axes of space are x, y and z of the sheared one; z is that of the largest direction
     /// component (the first of equals), x and y follow it in cyclic order.
@@ -53,7 +52,7 @@ pub struct ShearedRay {
 }
 
 impl ShearedRay {
-    /// Makes a ray ready.
+    /// Prepares a ray. The direction has any length but 0.
     #[inline(always)]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         let z = largest_axis(direction);
@@ -71,7 +70,7 @@ impl ShearedRay {
     }
 }
 
-/// Where a ray meets a triangle.
+/// A hit of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleHit {
     /// Distance in lengths of the direction.
@@ -82,9 +81,9 @@ pub struct TriangleHit {
     pub v: f32,
 }
 
-/// The hit with `0 < t < t_max`; edges and corners belong to the triangle, from both sides.
+/// The hit with `0 < t < t_max`, on either side of the triangle; edges and corners belong to it.
 ///
-/// Asks for a triangle that [is not degenerate](is_degenerate).
+/// The triangle must not be [degenerate](is_degenerate).
 #[inline(always)]
 pub fn intersect(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<TriangleHit> {
     let [a, b, c] = [ray.corner(triangle[0]), ray.corner(triangle[1]), ray.corner(triangle[2])];
@@ -114,11 +113,11 @@ pub fn intersect(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<Tr
     })
 }
 
-/// Whether a ray that hits a triangle starts before its plane, not in it nor behind.
+/// Whether a ray that hits a triangle starts before the triangle's plane: not on it, and not behind.
 ///
-/// The t of a hit is off by roundings of the triangle's coordinates along the ray, which are large
-/// for a large triangle that the ray grazes: a ray that leaves a floor of 1000 units from a
-/// millionth above it could hit that floor again. The sign of the origin's distance from the plane
+/// The t of a hit is off by roundings of the triangle's coordinates along the ray. These are large for
+/// a large triangle that the ray grazes: a ray that leaves a floor of 1000 units from a millionth
+/// above it could hit that floor again. The sign of the origin's distance from the plane
 /// is right in f64, whose roundings are a billionth of those. It is taken from the edges, so that
 /// it is right for small triangles far away too. `negative` is the sign of the determinant.
 #[cold]
@@ -135,8 +134,8 @@ pub(super) fn lies_ahead(ray: &ShearedRay, triangle: &Triangle, negative: bool) 
     volume != 0.0 && (volume < 0.0) ^ negative ^ (ray.shear[2] < 0.0)
 }
 
-/// Whether a triangle has no area (its corners, as they are in f32, lie on a line). Such triangles
-/// are never hit; structures leave them out.
+/// Whether a triangle has no area (its corners lie on a line) or a coordinate that is not finite. Such
+/// triangles are never hit; structures leave them out.
 pub fn is_degenerate(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.map(Vec3::as_dvec3);
     let normal = (b - a).cross(c - a);

@@ -202,6 +202,7 @@ impl Corners {
     }
 
     /// One triangle of the block of `count` that begins at `slot`.
+    #[inline]
     pub(super) fn triangle(&self, slot: usize, count: usize, lane: usize) -> Triangle {
         block_triangle(&self.rows[slot * Self::PER_TRIANGLE..], count, lane)
     }
@@ -247,14 +248,17 @@ impl Place {
         Self(slot << 4 | (count - 1) << 2 | lane)
     }
 
+    #[inline]
     pub(super) fn slot(self) -> usize {
         (self.0 >> 4) as usize
     }
 
+    #[inline]
     pub(super) fn count(self) -> usize {
         (self.0 >> 2 & 3) as usize + 1
     }
 
+    #[inline]
     pub(super) fn lane(self) -> usize {
         (self.0 & 3) as usize
     }

@@ -71,6 +71,7 @@ unsafe impl<T: Sync> Sync for Array<T> {}
 impl<T> Deref for Array<T> {
     type Target = [T];
 
+    #[inline]
     fn deref(&self) -> &[T] {
         // SAFETY: all elements were filled.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.len) }

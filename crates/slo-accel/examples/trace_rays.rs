@@ -23,8 +23,7 @@ use std::time::Instant;
 use clap::Parser;
 use glam::Vec3;
 use slo_accel::{
-    Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Primitives, Rays, Scratch, Structure,
-    Triangle,
+    Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Rays, Scratch, Structure, Triangle,
 };
 
 /// Rays that one call answers.
@@ -207,7 +206,7 @@ fn run(options: &Options) -> Result<(), String> {
     let sets = read_rays(&options.rays)?;
     let count = triangles.len();
     let start = Instant::now();
-    let structure = Structure::build(accelerator, Primitives { triangles, curved: vec![] }, how);
+    let structure = Structure::build(accelerator, triangles, how);
     let build = start.elapsed().as_secs_f64();
     let bytes = structure.memory() as f64 / count.max(1) as f64;
     print(&format!(r#"{{"build_s":{build:.4},"bytes_per_triangle":{bytes:.1}}}"#))?;

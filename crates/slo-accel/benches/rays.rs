@@ -9,8 +9,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use slo_accel::{
-    Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Primitives, Rays, Scratch, Structure,
-    Triangle,
+    Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Rays, Scratch, Structure, Triangle,
 };
 
 /// Rays of one call.
@@ -147,9 +146,8 @@ fn structures(triangles: &[Triangle]) -> Vec<(String, Structure)> {
     let mut all = vec![];
     for (name, accelerator, spatial_splits) in WAYS {
         for isa in Isa::available() {
-            let primitives = Primitives { triangles: triangles.to_vec(), curved: vec![] };
             let options = BuildOptions::new(isa).with_spatial_splits(spatial_splits);
-            let structure = Structure::build(accelerator, primitives, options);
+            let structure = Structure::build(accelerator, triangles.to_vec(), options);
             all.push((format!("{name} {isa:?}"), structure));
         }
     }
@@ -163,10 +161,7 @@ fn build(c: &mut Criterion) {
     for (name, accelerator, spatial_splits) in WAYS {
         let options = BuildOptions::new(Isa::best()).with_spatial_splits(spatial_splits);
         group.bench_function(name, |b| {
-            b.iter(|| {
-                let primitives = Primitives { triangles: triangles.clone(), curved: vec![] };
-                black_box(Structure::build(accelerator, primitives, options))
-            });
+            b.iter(|| black_box(Structure::build(accelerator, triangles.clone(), options)));
         });
     }
 }
@@ -174,8 +169,7 @@ fn build(c: &mut Criterion) {
 fn trace(c: &mut Criterion) {
     let triangles = scene();
     let structures = structures(&triangles);
-    let primitives = Primitives { triangles, curved: vec![] };
-    let oracle = Structure::build(Accelerator::None, primitives, Isa::best());
+    let oracle = Structure::build(Accelerator::None, triangles, Isa::best());
     for kind in kinds(&structures[0].1) {
         let mut group = c.benchmark_group(kind.name);
         group.throughput(Throughput::Elements((BATCH * BATCHES) as u64)).sample_size(10);
