@@ -1,4 +1,5 @@
-//! A tree over boxes, which lists the rays that enter each: the upper level of a two-level structure.
+//! A tree over boxes, which lists the rays that enter each: the upper level of a two-level
+//! structure.
 
 use glam::Vec3;
 
@@ -71,11 +72,11 @@ impl BoxTree {
     }
 
     /// Writes to `entering[b]` the indices of the rays that enter box `b` at a `t` of at most their
-    /// `reach`, in ascending order; what the lists held before is dropped. Rays that miss a box by a
-    /// rounding error may be listed too. A ray whose reach is negative enters no box.
+    /// `reach`, in ascending order; what the lists held before is dropped. Rays that miss a box by
+    /// a rounding error may be listed too. A ray whose reach is negative enters no box.
     ///
-    /// `reach` has as many elements as the rays, rounded up to a multiple of [`LANES`]; those behind
-    /// the last ray are negative.
+    /// `reach` has as many elements as the rays, rounded up to a multiple of [`LANES`]; those
+    /// behind the last ray are negative.
     ///
     /// # Panics
     /// If `reach` is shorter, or `entering` has fewer lists than there are boxes.
@@ -113,8 +114,8 @@ impl BoxTree {
         }
     }
 
-    /// Calls `visit` with the number of each box that the ray enters before `t_max`, and perhaps of some
-    /// that it misses by a rounding error, in the order of the tree.
+    /// Calls `visit` with the number of each box that the ray enters before `t_max`, and perhaps of
+    /// some that it misses by a rounding error, in the order of the tree.
     #[inline]
     fn visit(&self, origin: Vec3, direction: Vec3, t_max: f32, mut visit: impl FnMut(u32)) {
         if self.nodes.is_empty() {

@@ -61,8 +61,8 @@ impl Rays {
         self.len == 0
     }
 
-    /// Makes the batch `len` rays long. Elements keep their values; those of new ones are 0, or left
-    /// over from longer batches.
+    /// Makes the batch `len` rays long. Elements keep their values; those of new ones are 0, or
+    /// left over from longer batches.
     #[inline]
     pub fn set_len(&mut self, len: usize) {
         self.len = len;

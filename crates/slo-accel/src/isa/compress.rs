@@ -18,8 +18,8 @@ unsafe impl Word for f32 {}
 unsafe impl Word for u32 {}
 
 impl Isa {
-    /// Copies entry `16 g + i` of `from` for each bit `i` that is set in `bits[g]`, in order, to the
-    /// front of `to`. Returns the number of entries copied.
+    /// Copies entry `16 g + i` of `from` for each bit `i` that is set in `bits[g]`, in order, to
+    /// the front of `to`. Returns the number of entries copied.
     ///
     /// # Panics
     /// If `from` has fewer than [`GROUP`] entries for each of `bits`, or `to` has no room.

@@ -24,12 +24,12 @@ pub enum Isa {
     Avx512,
 }
 
-/// Work over whole columns of numbers, written in plain Rust. [`Isa::run`] is compiled once for each
-/// instruction set, so that the compiler makes vector code of the loops.
+/// Work over whole columns of numbers, written in plain Rust. [`Isa::run`] is compiled once for
+/// each instruction set, so that the compiler makes vector code of the loops.
 ///
 /// `run` must be `#[inline(always)]`, and so must everything that it calls: a function that is not
-/// inlined is compiled without the set's instructions. This holds for closures of `array::map`, too.
-/// Rust neither reorders nor fuses operations, so every set gives the same bits.
+/// inlined is compiled without the set's instructions. This holds for closures of `array::map`,
+/// too. Rust neither reorders nor fuses operations, so every set gives the same bits.
 ///
 /// ```
 /// use slo_accel::{Isa, Lanewise};
@@ -99,8 +99,8 @@ impl std::fmt::Display for Isa {
 }
 
 impl Isa {
-    /// The set that the environment variable `SLO_RT_ISA` names, as [`by_name`](Self::by_name) knows
-    /// it; the best one if the variable is not set.
+    /// The set that the environment variable `SLO_RT_ISA` names, as [`by_name`](Self::by_name)
+    /// knows it; the best one if the variable is not set.
     ///
     /// # Errors
     /// If the variable names no set, or one that the CPU lacks.

@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-/// Entries of a column: enough to hide latencies, few enough for the second-level cache. The number is
-/// no power of two, since entries `i` of all columns would then share a set of the first-level cache.
+/// Entries of a column: enough to hide latencies, few enough for the second-level cache. The number
+/// is no power of two, since entries `i` of all columns would then share a set of the first-level
+/// cache.
 pub const BATCH: usize = 1008;
 
 /// One value for each entry of a batch.
@@ -89,8 +90,8 @@ pub fn look_up<T: Copy, U>(
 const TOGETHER: usize = 16;
 
 /// Writes the entry of each of several tables of one length for each index to the table's column in
-/// `to`; for an index beyond the tables, their last entry. Leaves `to` as it is if a table is empty.
-/// Neighbouring indices are mostly the same, and then looked up once.
+/// `to`; for an index beyond the tables, their last entry. Leaves `to` as it is if a table is
+/// empty. Neighbouring indices are mostly the same, and then looked up once.
 #[inline(always)]
 pub fn look_up_each<const N: usize>(
     tables: [&[f32]; N],

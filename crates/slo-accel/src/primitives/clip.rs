@@ -1,5 +1,4 @@
-//! The box of what a triangle leaves inside a cell: perfect splits, in the kd-tree and in the
-//! hierarchy.
+//! The box about the part of a triangle inside a cell: perfect splits of both builders.
 
 use glam::{DVec3, Vec3};
 
@@ -23,7 +22,7 @@ impl Polygon {
         }
     }
 
-    /// What lies on one side of the plane `axis = at`: below for `side` 1, above for -1.
+    /// The part on one side of the plane `axis = at`: below for `side` 1, above for -1.
     ///
     /// Source: Sutherland, Hodgman, *Reentrant Polygon Clipping*, CACM 1974.
     fn clipped(&self, axis: usize, at: f64, side: f64) -> Self {
@@ -45,7 +44,7 @@ impl Polygon {
 }
 
 /// The box about the part of a triangle inside a cell, rounded outward but not beyond the cell;
-/// none where they are apart.
+/// none if they are apart.
 pub(crate) fn clipped_bounds(triangle: &Triangle, cell: &Bounds) -> Option<Bounds> {
     let whole = Bounds::of_points(*triangle);
     let mut polygon = Polygon { corners: [DVec3::ZERO; 9], len: 3 };

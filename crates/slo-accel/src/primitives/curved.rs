@@ -2,8 +2,8 @@
 //!
 //! Each test first moves the ray's origin along the ray to where it passes the surface's centre, so
 //! that the roots keep their digits however far away the ray starts. Source: Haines et al.,
-//! *Precision Improvements for Ray/Sphere Intersection*, Ray Tracing Gems, 2019; here in f64, and for
-//! cylinders and cones too.
+//! *Precision Improvements for Ray/Sphere Intersection*, Ray Tracing Gems, 2019; here in f64, and
+//! for cylinders and cones too.
 
 use glam::{DVec2, DVec3, Vec3, swizzles::Vec3Swizzles as _};
 
@@ -110,7 +110,8 @@ impl Nearest {
 }
 
 impl Curved {
-    /// The `t` of the first hit with `0 < t < t_max`, in lengths of the direction, and the part hit.
+    /// The `t` of the first hit with `0 < t < t_max`, in lengths of the direction, and the part
+    /// hit.
     pub fn intersect(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<(f32, Part)> {
         let line = Line { origin: origin.as_dvec3(), direction: direction.as_dvec3() };
         let mut nearest = Nearest { t_max, hit: None };
@@ -259,8 +260,8 @@ fn roots(a: f64, b: f64, c: f64) -> [f64; 2] {
     [q / a, c / q]
 }
 
-/// Unit vector from one point to another, and their distance. The vector is NaN if the points are the
-/// same, so such a surface has no hits.
+/// Unit vector from one point to another, and their distance. The vector is NaN if the points are
+/// the same, so such a surface has no hits.
 #[inline]
 fn axis_of(from: Vec3, to: Vec3) -> (DVec3, f64) {
     let axis = to.as_dvec3() - from.as_dvec3();

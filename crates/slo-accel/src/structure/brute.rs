@@ -1,4 +1,4 @@
-//! Tests every primitive: the oracle that the structures are held against.
+//! No structure: tests every primitive, as the reference of the structures.
 
 use crate::primitives::triangle::{self, ShearedRay};
 use crate::primitives::{Curved, Primitives};
@@ -71,7 +71,7 @@ impl SpatialIndex for Brute {
 }
 
 impl Brute {
-    /// The same bits as without the instruction, which then is a call of a library.
+    /// The same bits as without the instruction, for which a library is called otherwise.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "fma")]
     fn intersect_by_fma(&self, rays: &Rays, hits: &mut Hits) {

@@ -1,11 +1,10 @@
-//! obvhs's compressed wide hierarchy behind our interface: the yardstick that our own structures
-//! are held against.
+//! The compressed wide hierarchy of the library obvhs, as a yardstick for the other structures.
 //!
-//! The library builds and traverses; primitives are tested by our own tests, so that hits are the
-//! same; but its own tests of boxes are not conservative, so that a few rays in a hundred thousand
-//! that run along faces of boxes may miss a hit, which the other structures do not. Rays are
-//! answered one by one. Source: Ylitie, Karras, Laine, *Efficient Incoherent Ray
-//! Traversal on GPUs Through Compressed Wide BVHs* (HPG 2017).
+//! The library builds and traverses. Primitives are tested by our own tests, so hits are the same;
+//! but the library's tests of boxes are not conservative, so rays that run along faces of boxes may
+//! miss a hit: a few in a hundred thousand, if directions are random. Rays are traced one by one.
+//! Source: Ylitie, Karras, Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed
+//! Wide BVHs* (HPG 2017).
 
 use std::time::Duration;
 
@@ -32,7 +31,7 @@ pub(crate) struct Cwbvh {
     isa: Isa,
 }
 
-/// The box of a primitive, widened by what a hit may lie outside.
+/// The box of a primitive, widened by the error of hits.
 struct Widened(Aabb);
 
 impl Boundable for Widened {
@@ -127,7 +126,7 @@ impl Cwbvh {
             let index = self.hierarchy.primitive_indices[number] as usize;
             let id = self.ids[index];
             let (limit, lowest) = best.map_or((t_max, 0), |(hit, id)| (hit.t, id));
-            // What is as near as the best counts if its id is lower.
+            // A hit as near as the best counts if its id is lower.
             let limit = if id < lowest { limit.next_up() } else { limit };
             let hit = self.test(id, &sheared, origin, direction, limit)?;
             best = Some((hit, id));
@@ -137,7 +136,7 @@ impl Cwbvh {
         best
     }
 
-    /// Shows the primitives on a ray's way to `test`, which tells where the ray ends from then on.
+    /// Calls `test` with the primitives on a ray's way; it returns the ray's new end.
     fn walk(&self, ray: Ray, any: bool, mut test: impl FnMut(usize) -> Option<f32>) {
         let mut test = |_: &Ray, number: usize| test(number).unwrap_or(f32::INFINITY);
         if any {
@@ -171,7 +170,7 @@ impl Cwbvh {
     }
 }
 
-/// The same bits as without the instruction, which then is a call of a library.
+/// The same bits as without the instruction, for which a library is called otherwise.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "fma")]
 fn intersect_by_fma(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<TriangleHit> {

@@ -21,9 +21,9 @@ pub struct BuildOptions {
     /// Instruction set of builder and queries.
     pub isa: Isa,
     /// Whether triangles may be cut where boxes would overlap. Among long triangles this speeds up
-    /// incoherent rays, but slows down packets of shadow rays and doubles the time to build. At most
-    /// a quarter of the triangles is added as pieces. Only [`Bvh`](crate::Accelerator::Bvh) cuts
-    /// triangles; the other structures ignore the option.
+    /// incoherent rays, but slows down packets of shadow rays and doubles the time to build. At
+    /// most a quarter of the triangles is added as pieces. Only [`Bvh`](crate::Accelerator::Bvh)
+    /// cuts triangles; the other structures ignore the option.
     pub spatial_splits: bool,
 }
 
@@ -59,8 +59,8 @@ pub(crate) trait SpatialIndex: Debug + Sized + Send + Sync {
     /// Working memory of queries, one per thread; holds nothing between calls.
     type Scratch: Debug + Default;
 
-    /// Builds the structure, on all threads of the current rayon pool; it is the same for any number
-    /// of threads.
+    /// Builds the structure, on all threads of the current rayon pool; it is the same for any
+    /// number of threads.
     fn build(primitives: Primitives, options: BuildOptions) -> Self;
 
     /// The primitives, as they were given.
@@ -69,8 +69,9 @@ pub(crate) trait SpatialIndex: Debug + Sized + Send + Sync {
     /// Bytes held beyond the geometry.
     fn overhead(&self) -> usize;
 
-    /// Writes the first hit of each ray to `hits`, which are as many as the rays and all of nothing.
-    /// Returns how alike the rays turned out to be, or `coherence` if the structure cannot tell.
+    /// Writes the first hit of each ray to `hits`, which are as many as the rays and all of
+    /// nothing. Returns how alike the rays turned out to be, or `coherence` if the structure cannot
+    /// tell.
     fn intersect(
         &self,
         rays: &Rays,

@@ -1,8 +1,9 @@
 //! The structures, and how a batch of rays gets to the one that was built.
 //!
-//! To add a structure: a folder with a type that implements [`SpatialIndex`](interface::SpatialIndex),
-//! its `mod` below, and one line of the list. The compiler then asks for nothing else in this crate,
-//! and the tests of this file hold it against brute force.
+//! To add a structure: a folder with a type that implements
+//! [`SpatialIndex`](interface::SpatialIndex), its `mod` below, and one line of the list. The
+//! compiler then asks for nothing else in this crate, and the tests of this file hold it against
+//! brute force.
 
 mod brute;
 mod bvh;
@@ -21,8 +22,8 @@ use crate::math::Bounds;
 use crate::primitives::{Curved, Primitives, Triangle};
 use crate::rays::{Coherence, Hits, LANES, Rays};
 
-/// Makes of the list of structures what differs from one to the other: their names, the one that was
-/// built, and the working memory of each.
+/// Makes of the list of structures what differs from one to the other: their names, the one that
+/// was built, and the working memory of each.
 macro_rules! structures {
     ($($(#[$attribute:meta])* $name:ident, $text:literal: $folder:ident::$type:ident;)*) => {
         /// Which structure is built.
@@ -127,9 +128,9 @@ impl Structure {
     /// Builds a structure over `primitives`, on all threads of the current rayon pool. The same
     /// primitives give the same structure for any number of threads.
     ///
-    /// `primitives` may be just a `Vec` of triangles, and `options` just an [`Isa`](crate::Isa). Coordinates are finite;
-    /// triangles without area (their corners lie on a line) and triangles with coordinates that
-    /// are not finite are never hit.
+    /// `primitives` may be just a `Vec` of triangles, and `options` just an [`Isa`](crate::Isa).
+    /// Coordinates are finite; triangles without area (their corners lie on a line) and triangles
+    /// with coordinates that are not finite are never hit.
     ///
     /// # Panics
     /// If there are more than [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES).
@@ -178,9 +179,9 @@ impl Structure {
     /// Writes the first hit of each ray with `0 < t < t_max` to `hits[0..rays.len()]`; what `hits`
     /// held before is dropped.
     ///
-    /// `coherence` tells how alike neighbouring rays are expected to be, for the structure to choose
-    /// a kernel by. Returns how alike they turned out to be, or `coherence` if the structure cannot
-    /// tell: pass that on for the next batch of the same kind.
+    /// `coherence` tells how alike neighbouring rays are expected to be, for the structure to
+    /// choose a kernel by. Returns how alike they turned out to be, or `coherence` if the structure
+    /// cannot tell: pass that on for the next batch of the same kind.
     pub fn intersect(
         &self,
         rays: &Rays,
@@ -194,8 +195,8 @@ impl Structure {
         })
     }
 
-    /// Writes to `blocked[0..rays.len()]` whether anything lies on each ray with `0 < t < t_max`; what
-    /// `blocked` held before is dropped. `coherence` and what comes back are as for
+    /// Writes to `blocked[0..rays.len()]` whether anything lies on each ray with `0 < t < t_max`;
+    /// what `blocked` held before is dropped. `coherence` and what comes back are as for
     /// [`intersect`](Self::intersect).
     pub fn occluded(
         &self,

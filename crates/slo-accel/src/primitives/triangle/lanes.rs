@@ -5,18 +5,18 @@
 use super::{MIN_DETERMINANT, SURE_OF_SIGN, ShearedRay, Triangle, lies_ahead};
 use crate::simd::Lanes;
 
-/// What a lane's test found so far.
+/// Results of the test so far, by lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Tested<L> {
     area_b: L,
     area_c: L,
     determinant: L,
-    /// Distances, where there are hits.
+    /// Distances, in lanes with hits.
     pub(crate) t: L,
-    /// Lanes where the line of the ray meets the triangle at `0 < t <= t_max`, bit by bit; in lanes
-    /// of `doubtful` the sign of t is not certain.
+    /// The lanes whose ray hits the triangle at `0 < t <= t_max`; in lanes of `doubtful` the sign
+    /// of t is not certain.
     pub(crate) hits: u32,
-    /// Hits that count only if [`lies_ahead`] says so.
+    /// Hits that count only if [`lies_ahead`] confirms them.
     doubtful: u32,
 }
 
@@ -72,8 +72,8 @@ impl<L: Lanes> Tested<L> {
         unsafe { Self::test::<false, false>(corners, origin, shear, t_max, lanes) }
     }
 
-    /// As [`without_branch`](Self::without_branch), of corners that are [`sheared`] already; of the shear
-    /// only its last number is asked for.
+    /// As [`without_branch`](Self::without_branch), of corners that are [`sheared`] already; of the
+    /// shear only its last number is asked for.
     ///
     /// # Safety
     /// The CPU has the instructions of `L`.
@@ -138,7 +138,7 @@ impl<L: Lanes> Tested<L> {
         }
     }
 
-    /// Leaves of the doubtful hits those that count; `pair` tells a lane's ray and triangle.
+    /// Drops the doubtful hits that do not count; `pair` returns a lane's ray and triangle.
     ///
     /// # Safety
     /// The CPU has the instructions of `L`.
@@ -157,7 +157,7 @@ impl<L: Lanes> Tested<L> {
         self
     }
 
-    /// Weights of the second and third corner, where there are hits.
+    /// Weights of the second and third corner, in lanes with hits.
     ///
     /// # Safety
     /// The CPU has the instructions of `L`.

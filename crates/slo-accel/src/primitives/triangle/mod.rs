@@ -2,8 +2,8 @@
 //!
 //! The ray is sheared so that it runs along an axis; three signed areas then tell on which side of
 //! each edge it passes. Corners are taken relative to the ray's origin, so a scene far from the
-//! origin of space loses no digits. Each area is a difference of products that is right to 1.5 units in
-//! the last place, so its sign is right: two triangles that share an edge leave no gap.
+//! origin of space loses no digits. Each area is a difference of products that is right to 1.5
+//! units in the last place, so its sign is right: two triangles that share an edge leave no gap.
 //!
 //! Source: Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection*, JCGT 2013. Here the areas
 //! are summed by Kahan's fused scheme (Jeannerod, Louvet, Muller, *Further analysis of Kahan's
@@ -26,16 +26,16 @@ pub type Triangle = [Vec3; 3];
 /// Products lose at most 2^-149 each, which is one rounding of this.
 pub const MIN_DETERMINANT: f32 = f32::from_bits((127 - 120) << 23);
 
-/// Bound of the distance on each axis between `origin + t direction` of a hit and the point that its
-/// weights give, in units of the largest coordinate of a corner relative to the ray's origin.
+/// Bound of the distance on each axis between `origin + t direction` of a hit and the point that
+/// its weights give, in units of the largest coordinate of a corner relative to the ray's origin.
 ///
-/// It counts roundings: 5 of the sheared corner, 6 of the weights, 4 of t, 3 of the use of t, and as
-/// many again for the traversal that relies on it.
+/// It counts roundings: 5 of the sheared corner, 6 of the weights, 4 of t, 3 of the use of t, and
+/// as many again for the traversal that relies on it.
 pub const POSITION_ERROR: f32 = 32.0 * crate::math::rounding::UNIT_ROUNDOFF;
 
-/// If t is at least this part of the largest distance of a corner along the sheared axis, its sign is
-/// certain: weights are right to 2^-22 of the triangle's size over its height, and a
-/// triangle a thousand times as long as high still leaves two bits to spare.
+/// If t is at least this part of the largest distance of a corner along the sheared axis, its sign
+/// is certain: weights are right to 2^-22 of the triangle's size over its height, and a triangle a
+/// thousand times as long as high still leaves two bits to spare.
 const SURE_OF_SIGN: f32 = 1.0 / 4096.0;
 
 /// A ray prepared for the test.
@@ -113,11 +113,12 @@ pub fn intersect(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<Tr
     })
 }
 
-/// Whether a ray that hits a triangle starts before the triangle's plane: not on it, and not behind.
+/// Whether a ray that hits a triangle starts before the triangle's plane: not on it, and not
+/// behind.
 ///
-/// The t of a hit is off by roundings of the triangle's coordinates along the ray. These are large for
-/// a large triangle that the ray grazes: a ray that leaves a floor of 1000 units from a millionth
-/// above it could hit that floor again. The sign of the origin's distance from the plane
+/// The t of a hit is off by roundings of the triangle's coordinates along the ray. These are large
+/// for a large triangle that the ray grazes: a ray that leaves a floor of 1000 units from a
+/// millionth above it could hit that floor again. The sign of the origin's distance from the plane
 /// is right in f64, whose roundings are a billionth of those. It is taken from the edges, so that
 /// it is right for small triangles far away too. `negative` is the sign of the determinant.
 #[cold]
@@ -134,8 +135,8 @@ pub(super) fn lies_ahead(ray: &ShearedRay, triangle: &Triangle, negative: bool) 
     volume != 0.0 && (volume < 0.0) ^ negative ^ (ray.shear[2] < 0.0)
 }
 
-/// Whether a triangle has no area (its corners lie on a line) or a coordinate that is not finite. Such
-/// triangles are never hit; structures leave them out.
+/// Whether a triangle has no area (its corners lie on a line) or a coordinate that is not finite.
+/// Such triangles are never hit; structures leave them out.
 pub fn is_degenerate(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.map(Vec3::as_dvec3);
     let normal = (b - a).cross(c - a);

@@ -1,5 +1,5 @@
-//! Rays made ready for the [test](super) of triangles in bulk: plain arithmetic on one lane, inlined
-//! into loops over all of them, so that they become vectors of the instruction set around.
+//! Rays prepared for the [test](super) of triangles in bulk: plain arithmetic on one lane, inlined
+//! into loops over all lanes, which become vector code of the caller's instruction set.
 
 use crate::rays::LANES;
 
@@ -38,13 +38,13 @@ impl Turned {
     }
 }
 
-/// The larger; `b` where one is NaN. A single instruction, where `f32::max` is several.
+/// The larger; `b` if one is NaN. It is a single instruction; `f32::max` is several.
 #[inline(always)]
 pub(crate) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The smaller; `b` where one is NaN.
+/// The smaller; `b` if one is NaN.
 #[inline(always)]
 pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }

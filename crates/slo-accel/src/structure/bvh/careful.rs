@@ -1,5 +1,5 @@
-//! One ray at a time, boxes in f64: the reference for whole traversals, and the kernel for rays and
-//! scenes whose numbers are too large or too small for the fast ones.
+//! Traces one ray at a time with boxes in f64: the reference of the other kernels, and the kernel
+//! for rays and scenes whose numbers are too large or too small for those.
 
 use glam::{DVec3, Vec3};
 
@@ -9,7 +9,7 @@ use super::ray::Ray;
 use crate::primitives::triangle::{self, POSITION_ERROR, ShearedRay};
 use crate::rays::Rays;
 
-/// Traces one ray of a batch from the root; ends at the first hit if any will do.
+/// Traces one ray of a batch from the root; stops at the first hit found if `any` is enough.
 #[cold]
 #[inline(never)]
 pub(super) fn trace(bvh: &Bvh, rays: &Rays, mut ray: Ray, any: bool) -> Ray {
@@ -53,8 +53,8 @@ fn test_leaf(bvh: &Bvh, rays: &Rays, child: Child, ray: &mut Ray, any: bool) {
     }
 }
 
-/// Where a ray enters a child's box, if not behind `t_max`. Hits may lie outside the box by
-/// [`POSITION_ERROR`].
+/// The t at which a ray enters a child's box, unless it is beyond `t_max`. Hits may lie outside the
+/// box by [`POSITION_ERROR`].
 fn enter(node: &Node, place: usize, origin: Vec3, direction: Vec3, t_max: f64) -> Option<f64> {
     let planes = |side: usize| {
         DVec3::from_array(std::array::from_fn(|axis| {

@@ -17,7 +17,7 @@ pub(super) struct Flights<'a> {
     pub(super) first: *mut Line,
     pub(super) memory: Memory,
     pub(super) free: &'a mut Vec<u32>,
-    /// Rays that left a packet and are not in a list yet.
+    /// Rays that left a packet and are in no list yet.
     pub(super) parked: &'a mut Vec<Stop>,
 }
 
@@ -41,7 +41,7 @@ impl Flights<'_> {
         }
     }
 
-    /// Puts a ray into a free place, to go into flight before `child` when there is room.
+    /// Puts a ray into a free place, to join the stream at `child` when there is room.
     ///
     /// # Safety
     /// A place is free.
@@ -69,13 +69,13 @@ impl Flights<'_> {
 pub(super) struct Memory {
     pub(super) nodes: *const Node,
     pub(super) rows: *const f32,
-    /// From a distance on a stack to what to visit there, in entries.
+    /// Entries between a distance on a stack and the child that belongs to it.
     pub(super) stack: usize,
 }
 
 impl Memory {
-    /// Puts those of a node's children that a ray enters on its stack; of them those in `among`,
-    /// bit `s` for the child that lies `s`-th from the far end.
+    /// Pushes the children that a ray enters on its stack: of those in `among`, bit `s` for the
+    /// child that is `s`-th from the far end.
     ///
     /// # Safety
     /// There is room for eight entries; the CPU has the instruction set.
@@ -88,7 +88,7 @@ impl Memory {
         }
     }
 
-    /// Takes the last entry from a ray's stack, and asks for its memory.
+    /// Pops the last entry of a ray's stack, and prefetches its memory.
     ///
     /// # Safety
     /// The ray's stack holds its first entry at least.
@@ -103,8 +103,8 @@ impl Memory {
         child
     }
 
-    /// Drops the entries of a ray's stack that begin behind its best hit: done at once when it is
-    /// found, so that taking an entry needs no loop whose end the CPU would have to guess.
+    /// Drops the entries of a ray's stack that begin behind its best hit. This is done when the hit
+    /// is found, so that popping needs no loop whose end the CPU would have to predict.
     ///
     /// # Safety
     /// The CPU has the instruction set; the ray's stack is the one behind it.
@@ -118,7 +118,7 @@ impl Memory {
         }
     }
 
-    /// Asks for the memory of a node or a block.
+    /// Prefetches the memory of a node or a block.
     #[inline(always)]
     fn prefetch<S: Steps>(&self, child: Child) {
         #[cfg(target_arch = "x86_64")]

@@ -9,7 +9,7 @@ use crate::rays::Rays;
 use crate::structure::interface::Geometry;
 use crate::structure::shared::pages::Array;
 
-/// Hierarchies of more bytes are far away: most of one is in no cache of one core.
+/// Hierarchies of more bytes are far away: they are mostly outside the caches of a core.
 pub(super) const FAR: usize = 48 << 20;
 
 /// A hierarchy over primitives, which it holds itself.

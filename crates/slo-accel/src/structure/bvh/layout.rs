@@ -1,4 +1,4 @@
-//! What the hierarchy is made of in memory.
+//! Nodes and leaves of the hierarchy in memory.
 
 use crate::math::{Bounds, rounding::UNIT_ROUNDOFF};
 use crate::primitives::Triangle;
@@ -10,26 +10,26 @@ use glam::Vec3;
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
 
-/// Triangles of a block, at most: so many are tested together.
+/// Most triangles of a block, which are tested together.
 pub(super) const BLOCK: usize = 4;
 
-/// How much boxes and rays are widened, in units of the largest coordinate: a hit may lie
-/// [`POSITION_ERROR`] outside its triangle's box, and the test of a box makes eight roundings.
+/// Widening of boxes and rays, in units of the largest coordinate. A hit may lie [`POSITION_ERROR`]
+/// outside its triangle's box, and the test of a box makes eight roundings.
 ///
-/// A hit's error is relative to the corners' distance from the origin, which is at most the
-/// largest coordinate of the box plus that of the origin: the box is widened for the first when it
-/// is stored, the ray for the second when it is made ready.
+/// A hit's error is relative to the distance of the corners from the ray's origin, which is at most
+/// the largest coordinate of the box plus the largest of the origin. The box is widened for the
+/// first when it is stored, the ray for the second when it is prepared.
 pub(super) const BOX_ERROR: f32 = POSITION_ERROR + 8.0 * UNIT_ROUNDOFF;
 
 /// A node: boxes and names of eight children, in four cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// Lower and upper planes of x, then y, then z; lower above upper where there is no child.
+    /// Lower and upper planes of x, then y, then z; lower is above upper if there is no child.
     pub(super) planes: [[f32; WIDTH]; 6],
     pub(super) children: [Child; WIDTH],
-    /// Four bits for each octant of directions: in word `s`, the child that lies `s`-th from the
-    /// far end.
+    /// Four bits for each octant of directions: in word `s` the child that is `s`-th, from far to
+    /// near.
     pub(super) order: [u32; WIDTH],
 }
 
@@ -56,7 +56,7 @@ impl Node {
         ],
     };
 
-    /// Puts a child into its place, its box widened.
+    /// Sets a child, and widens its box.
     pub(super) fn set(&mut self, place: usize, child: Child, bounds: Bounds) {
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let error = BOX_ERROR * largest;
@@ -74,7 +74,7 @@ pub(super) fn stack_size(depth: usize) -> usize {
     1 + depth * (WIDTH - 1) + WIDTH
 }
 
-/// What a node's child is: another node, a block of triangles, or a curved surface.
+/// A node's child: another node, a block of triangles, or a curved surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub(super) struct Child(pub(super) u32);
@@ -149,7 +149,7 @@ impl Target for Child {
 /// A ray in flight before a child.
 pub(super) type Stop = stops::Stop<Child>;
 
-/// Lists of rays in flight by the kind of what they stand before.
+/// Lists of rays in flight by the kind of their next visit.
 pub(super) type Stops = stops::Stops<Child>;
 
 impl Stops {
@@ -162,21 +162,21 @@ impl Stops {
 /// Slots of triangles that a [`Place`] and a [`Child`] can name.
 pub(super) const MAX_SLOTS: usize = 1 << 28;
 
-/// The triangles, block by block in the order of leaves. A block of n triangles is ten rows of n: x,
-/// y, and z of the first corners, then of the second, then of the third, then bits of ids. An id that
-/// is asked for is so in a line of memory that its triangle's test has just read.
+/// The triangles, block by block in the order of leaves. A block of n triangles is ten rows of n:
+/// x, y, and z of the first corners, then of the second, then of the third, then bits of ids. An id
+/// thus lies in a line of memory that its triangle's test has just read.
 #[derive(Debug, Default)]
 pub(super) struct Corners {
     rows: Array<f32>,
 }
 
 impl Corners {
-    /// Rows are readable this far beyond their end, so that four lanes may be loaded.
+    /// Elements that are readable beyond the last row, so that four lanes can be loaded.
     pub(super) const PADDING: usize = 4;
 
     pub(super) const PER_TRIANGLE: usize = 10;
 
-    /// Room for so many triangles.
+    /// Room for `count` triangles.
     pub(super) fn new(count: usize) -> Self {
         Self { rows: Array::filled(0.0, count * Self::PER_TRIANGLE + Self::PADDING) }
     }
@@ -190,7 +190,7 @@ impl Corners {
         &self.rows
     }
 
-    /// How many triangles there is room for.
+    /// Number of triangles that there is room for.
     #[cfg(test)]
     pub(super) fn slots(&self) -> usize {
         (self.rows.len() - Self::PADDING) / Self::PER_TRIANGLE
@@ -239,7 +239,7 @@ pub(super) unsafe fn triangle_at(block: *const f32, count: usize, lane: usize) -
     block_triangle(rows, count, lane)
 }
 
-/// Where the triangle of an id is: slot of its block, triangles there, and its lane.
+/// Place of a triangle: slot of its block, number of triangles there, and its lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place(pub(super) u32);
 

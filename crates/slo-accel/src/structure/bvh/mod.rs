@@ -1,7 +1,8 @@
 //! A bounding volume hierarchy of eight children to a node, traced in streams of many rays.
 //!
-//! Leaves hold the triangles themselves, in blocks of up to four as rows of coordinates: they are
-//! the only copy, found again by id through a table; a triangle that was cut may be in several.
+//! Leaves hold the triangles themselves, in blocks of up to four as rows of coordinates. This is
+//! the only copy; a table finds a triangle by its id. A triangle that was cut may be in several
+//! leaves.
 
 mod builder;
 mod careful;

@@ -1,10 +1,10 @@
 //! Packets: rays that go the same way, one to a lane, share their way down the tree.
 //!
-//! A packet's rays have the signs and the largest axis of their directions in common. A node is
-//! tested once for all of them, by intervals that hold every origin and every direction; the
-//! children that are left are tested lane by lane when their turn comes; the stack holds what is left
-//! of nodes. Where few lanes are left they leave the packet and go into flight by themselves,
-//! with their part of the stack.
+//! The directions of a packet's rays share their signs and their largest axis. A node is tested
+//! once for all rays, by intervals that hold every origin and every direction. The children that
+//! pass are tested lane by lane when their turn comes; the stack holds the remaining children of
+//! nodes. If few lanes enter a child, they leave the packet with their part of the stack, and
+//! become rays of the stream.
 //!
 //! Source of the interval test: Boulos, Wald, Shirley, *Geometric and Arithmetic Culling Methods
 //! for Entire Ray Packets*, 2006; here it is made conservative by the widening of boxes and rays
@@ -16,19 +16,20 @@ use super::layout::{Child, Corners, Node, WIDTH, id_at, triangle_at};
 use super::query::Query;
 use super::ray::{Prepared, Ray};
 use super::steps::{Portable, Steps};
+use crate::primitives::triangle::ShearedRay;
 use crate::primitives::triangle::lanes::Tested;
 use crate::rays::{LANES, Rays};
 use crate::simd::{Lanes, SetLanes, lanes_of, load3};
 
-/// With so many lanes or fewer, rays leave the packet.
+/// Rays leave the packet if no more lanes than this enter a child.
 const FEW: u32 = 2;
 
-/// Rays that go the same way make a packet if there are so many of them.
+/// Least number of rays that make a packet.
 const ENOUGH: u32 = 4;
 
-/// How many rays of a packet must enter a child on average, so that packets of 16 or 8 are faster than
-/// rays by themselves, in a hierarchy of so many bytes. A stream hides how long memory takes, a packet
-/// waits: the farther away the nodes, the fuller it must be.
+/// Number of rays of a packet that must enter a child on average for packets to be faster than a
+/// stream, in a hierarchy of `memory` bytes. A stream hides the latency of memory and a packet
+/// waits for it: the farther away the nodes, the fuller a packet must be.
 fn worthwhile(memory: usize) -> u32 {
     const MIB: usize = 1 << 20;
     if memory <= 48 * MIB {
@@ -46,7 +47,7 @@ pub(super) struct Stack {
     rests: Vec<Rest>,
 }
 
-/// Children of a node that are still to be visited.
+/// Children of a node that remain to be visited.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rest {
     node: u32,
@@ -62,9 +63,10 @@ impl Stack {
     }
 }
 
-/// How an instruction set treats rays that go the same way: by default each by itself.
+/// What an instruction set does with rays that go the same way: by default it traces each by
+/// itself.
 pub(super) trait Packets: Steps {
-    /// Traces those of sixteen rays that go the same way together; returns the others.
+    /// Traces the packets among sixteen rays, and returns the other rays.
     ///
     /// # Safety
     /// As [`stream::trace`](super::stream::trace).
@@ -95,12 +97,12 @@ pub(super) trait PacketSteps: Steps {
     unsafe fn may_enter(node: &Node, beam: &Beam) -> u32;
 }
 
-/// What holds all rays of a packet, as far as boxes ask: distances to planes where rays enter are
-/// not less than `plane * least - near`, or less than 0; to planes where they leave not more than
-/// `plane * most - far`, or both less than 0.
+/// Bounds of all rays of a packet. The distance at which a ray crosses a plane that it enters
+/// through is at least `plane * least - near`, or below 0; for a plane that it leaves through it is
+/// at most `plane * most - far`, or both are below 0.
 #[derive(Debug)]
 pub(super) struct Beam {
-    /// Of the inverse directions those of the least and of the largest size, by axis.
+    /// The inverse directions of least and of largest size, by axis.
     pub(super) least: [f32; 3],
     pub(super) most: [f32; 3],
     pub(super) near: [f32; 3],
@@ -112,7 +114,7 @@ pub(super) struct Beam {
 }
 
 impl Beam {
-    /// Holds the rays of a set, whose first lane is lane `base` of those made ready.
+    /// Bounds of the rays of a set, whose first lane is lane `base` of the prepared rays.
     ///
     /// # Safety
     /// The CPU has the instructions of `L`; `base` leaves enough lanes.
@@ -149,6 +151,14 @@ impl Beam {
             beam
         }
     }
+}
+
+/// The ray for the portable test of triangles. Only doubtful hits need it, so it stays out of
+/// loops.
+#[cold]
+#[inline(never)]
+fn ray_at(prepared: &Prepared, lane: usize) -> ShearedRay {
+    Ray::new(prepared, lane).sheared()
 }
 
 /// Three rows from lane `base` on, infinite outside of a set.
@@ -193,7 +203,7 @@ unsafe fn negated<L: Lanes>([x, y, z]: [L; 3]) -> [L; 3] {
     }
 }
 
-/// What packets need of their surroundings.
+/// What packets share with the stream.
 pub(super) struct Surroundings<'a> {
     pub(super) bvh: &'a Bvh,
     pub(super) rays: &'a Rays,
@@ -203,7 +213,7 @@ pub(super) struct Surroundings<'a> {
     pub(super) rays_per_child: RaysPerChild,
 }
 
-/// How many rays entered the children that packets came to, so far in this batch.
+/// Counts the rays that entered the children that packets came to, so far in this batch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RaysPerChild {
     children: u32,
@@ -212,7 +222,7 @@ pub(super) struct RaysPerChild {
 }
 
 impl RaysPerChild {
-    /// Of nothing yet, in a hierarchy of so many bytes.
+    /// No counts yet, in a hierarchy of `memory` bytes.
     pub(super) fn new(memory: usize) -> Self {
         Self { children: 0, rays: 0, worthwhile: worthwhile(memory) }
     }
@@ -223,15 +233,13 @@ impl RaysPerChild {
         self.rays += lanes.count_ones();
     }
 
-    /// Whether packets are worth their while: rays that are in many packets with few others are
-    /// faster by themselves.
+    /// Whether packets pay: rays that share packets with few others are faster in a stream.
     pub(super) fn is_good(self) -> bool {
         self.rays >= self.worthwhile * self.children
     }
 }
 
-/// Traces the packets that sixteen rays make; returns the rays that are left, which go other ways
-/// than most.
+/// Traces the packets among sixteen rays; returns the rays that are in none.
 ///
 /// # Safety
 /// The CPU has the instruction set of `S`; there is room for a stack of this hierarchy.
@@ -256,10 +264,10 @@ pub(super) unsafe fn trace<S: PacketSteps, Q: Query>(
     left
 }
 
-/// A packet under way.
+/// A packet on its way.
 struct Packet<'a, S: PacketSteps> {
     prepared: &'a Prepared,
-    /// The first lane of `prepared` that is one of the packet.
+    /// The packet's first lane in `prepared`.
     base: usize,
     beam: Beam,
     inverse: [S::Lanes; 3],
@@ -402,8 +410,8 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                     continue;
                 }
                 let tested = tested.settle(|lane| {
-                    let ray = Ray::new(self.prepared, self.base + lane);
-                    (ray.sheared(), triangle_at(block, count, k))
+                    let ray = ray_at(self.prepared, self.base + lane);
+                    (ray, triangle_at(block, count, k))
                 });
                 let nearer = tested.hits & tested.t.lt(self.t);
                 if Q::ANY {
@@ -459,8 +467,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
         unsafe { self.t.largest() }
     }
 
-    /// Puts some lanes into flight by themselves, each with its part of the stack; they leave the
-    /// packet.
+    /// Takes lanes out of the packet and puts each into flight, with its part of the stack.
     ///
     /// # Safety
     /// As [`trace`]; the lanes stand before `child`, with `top` entries on the stack.

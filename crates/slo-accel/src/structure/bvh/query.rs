@@ -1,17 +1,17 @@
-//! What is asked of rays, and where the answers go.
+//! The two questions about rays, and where the answers go.
 
 use super::ray::{Prepared, Ray};
 use crate::rays::Hits;
 use crate::simd::{SetLanes, lanes_of, store_hits};
 
-/// What is asked of a ray.
+/// A question about rays.
 pub(super) trait Query {
-    /// Whether the first hit will do.
+    /// Whether any hit is enough.
     const ANY: bool;
-    /// Takes the hit of a ray that is done: its place in the batch; t, u, v; and the id.
+    /// Stores the hit of a ray by its index in the batch: t, u, v, and the id.
     fn accept(&mut self, index: usize, hit: [f32; 3], primitive: u32);
-    /// Takes the hits of a set of rays, from the n-th lane of those made ready on: t, u, v, and
-    /// bits of ids.
+    /// Stores the hits of a set of the prepared rays, whose first lane is `base`: t, u, v, and bits
+    /// of ids.
     ///
     /// # Safety
     /// The CPU has the instructions of `L`; the rays are those of this batch.
@@ -22,7 +22,7 @@ pub(super) trait Query {
         set: u32,
         hits: [L; 4],
     );
-    /// Takes a ray that is done.
+    /// Stores the hit of a ray that is done, if it has one.
     #[inline(always)]
     fn finish(&mut self, ray: &Ray) {
         if ray.is_hit != 0 {

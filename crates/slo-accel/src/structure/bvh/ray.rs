@@ -1,4 +1,4 @@
-//! Rays made ready for boxes and triangles.
+//! Rays prepared for tests of boxes and triangles.
 
 use glam::Vec3;
 
@@ -9,19 +9,18 @@ use crate::rays::{LANES, Rays};
 use crate::simd::{Quads, deal_rows};
 use crate::structure::shared::order::Numbers;
 
-/// Scenes whose coordinates, and rays whose origins, stay below this are tame: no distance to a
-/// plane overflows.
+/// Scenes and rays are tame if their coordinates stay below this: no distance to a plane overflows.
 pub(super) const TAME_COORDINATE: f32 = (1u64 << 60) as f32;
 
 /// The largest component of a tame direction, at most.
 const TAME_DIRECTION: f32 = (1u64 << 30) as f32;
 
-/// Smaller components of a direction, relative to its largest one, are taken for this large. Over
-/// the length of a scene this moves a point by 2^-32 of its size, far less than the boxes are
-/// widened; and the inverse stays finite.
+/// Smaller components of a direction, relative to its largest, are replaced by this. Over the
+/// length of a scene this moves a point by 2^-32 of its size, far less than the boxes are widened;
+/// and the inverse stays finite.
 const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// Sixteen rays of a batch, neighbours or chosen, made ready together, as structures of arrays.
+/// Sixteen prepared rays of a batch, neighbours or any, as a structure of arrays.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Prepared {
@@ -46,13 +45,13 @@ pub(super) struct Prepared {
     pub(super) t_max: [f32; LANES],
     /// Which axis of space is z of the sheared ones; x and y follow it in cyclic order.
     pub(super) z_axis: [u32; LANES],
-    /// Bit `axis` is set where the direction is negative.
+    /// Bit `axis` is set if the direction is negative along that axis.
     pub(super) octant: [u32; LANES],
     /// 1 if the fast kernels may trace the ray: nothing in it overflows on the way to a box.
     pub(super) is_tame: [u32; LANES],
-    /// Its place in the batch.
+    /// Its index in the batch.
     pub(super) index: [u32; LANES],
-    /// Whether the places follow each other.
+    /// Whether the indices are consecutive.
     pub(super) are_neighbours: bool,
 }
 
@@ -74,7 +73,7 @@ impl Prepared {
         are_neighbours: true,
     };
 
-    /// Makes the rays from `first` on ready, sixteen or as many as the arrays hold.
+    /// Prepares the sixteen rays from `first` on.
     #[inline(always)]
     pub(super) fn fill(&mut self, rays: &Rays, first: usize) {
         for (lane, index) in self.index.iter_mut().enumerate() {
@@ -85,7 +84,7 @@ impl Prepared {
         self.derive(lanes_from(&rays.origin, first), lanes_from(&rays.direction, first));
     }
 
-    /// Makes sixteen chosen rays of a batch ready.
+    /// Prepares sixteen rays of a batch, given by index and value.
     #[inline(always)]
     pub(super) fn choose(
         &mut self,
@@ -98,7 +97,7 @@ impl Prepared {
         self.derive([*ox, *oy, *oz], [*dx, *dy, *dz]);
     }
 
-    /// Inlined, so that the lanes become those of the instruction set it is compiled for.
+    /// Inlined, so that loops over lanes are compiled for the caller's instruction set.
     #[inline(always)]
     fn derive(&mut self, origin: [[f32; LANES]; 3], direction: [[f32; LANES]; 3]) {
         for lane in 0..LANES {
@@ -131,8 +130,8 @@ impl Prepared {
     }
 }
 
-/// A ray that is being traced, with all that tests of boxes and triangles ask for: rows of four
-/// numbers, some of which are loaded as a whole.
+/// A ray in flight with all that tests of boxes and triangles need, in rows of four numbers. Some
+/// rows are loaded as a whole.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Ray {
@@ -141,10 +140,10 @@ pub(super) struct Ray {
     /// Distance of the best hit, or the end of the ray.
     pub(super) t: f32,
     pub(super) near: [f32; 3],
-    /// Four times the octant: by how much orders are shifted.
+    /// Shift of the orders of children: four times the octant.
     pub(super) order_shift: u32,
     pub(super) far: [f32; 3],
-    /// Its place in the batch.
+    /// Its index in the batch.
     pub(super) index: u32,
     pub(super) origin: [f32; 3],
     pub(super) u: f32,
@@ -152,15 +151,15 @@ pub(super) struct Ray {
     pub(super) v: f32,
     /// Which axes of space the sheared ones are.
     pub(super) axes: [u32; 3],
-    /// Id of the best hit; 0 before the first, so that nothing at the very end of the ray is taken
-    /// for an equal of lower id.
+    /// Id of the best hit; 0 before the first, so that a hit exactly at the end of the ray does not
+    /// count as equal with a lower id.
     pub(super) primitive: u32,
-    /// Byte offsets of the three planes where the ray enters, in a node; it leaves through those
-    /// 32 bytes on or back.
+    /// Byte offsets in a node of the three planes that the ray enters through; it leaves through
+    /// the planes 32 bytes after or before.
     pub(super) entries: [u32; 3],
     /// 1 if there is a hit, 0 if not.
     pub(super) is_hit: u32,
-    /// Where the distance of the next entry of its stack goes.
+    /// Where the distance of the stack's next entry is stored.
     pub(super) top: *mut f32,
 }
 
@@ -235,7 +234,7 @@ impl Ray {
         [(octant & 1) << 5, 64 | (octant & 2) << 4, 128 | (octant & 4) << 3]
     }
 
-    /// The ray as the test of triangles in plain Rust asks for it.
+    /// The ray for the portable test of triangles.
     pub(super) fn sheared(&self) -> ShearedRay {
         let axes = self.axes.map(|axis| axis as usize);
         let mut origin = Vec3::ZERO;

@@ -6,18 +6,19 @@ use crate::primitives::triangle;
 use crate::rays::LANES;
 use crate::structure::shared::order::{self, Choosing};
 
-/// The steps that streams are made of, for one instruction set. All sets find the same hits; boxes
-/// may be entered by one and missed by another where no hit depends on it.
+/// The steps of a stream, for one instruction set. All sets find the same hits; one may enter a box
+/// that another misses if no hit depends on it.
 pub(super) trait Steps {
     /// How rays are chosen from a batch.
     type Choosing: Choosing;
 
-    /// Whether it is for hierarchies most of which is in no cache of one core.
+    /// Whether it is for hierarchies that are mostly outside the caches of a core.
     const IS_FAR: bool = false;
 
     /// Writes the children whose boxes the ray enters up to its best hit, from far to near, with
-    /// the distances where it enters; returns how many. Eight entries of both arrays may be
-    /// overwritten.
+    /// the distances at which it enters, and returns their number; of the children only those in
+    /// `among`, bit `s` for the one that is `s`-th from the far end. Eight entries of both arrays
+    /// may be overwritten.
     ///
     /// # Safety
     /// The CPU has the instruction set; both arrays are writable for eight entries.
@@ -29,8 +30,8 @@ pub(super) trait Steps {
         children: *mut Child,
     ) -> usize;
 
-    /// Drops those of the first `len` entries of a stack whose distance is more than `t`; returns
-    /// how many are left.
+    /// Drops the entries of a stack of `len` whose distance is more than `t`; returns the number of
+    /// entries kept.
     ///
     /// # Safety
     /// The CPU has the instruction set; both arrays have that many entries and eight more.
@@ -49,19 +50,19 @@ pub(super) trait Steps {
         kept
     }
 
-    /// How many blocks [`blocks`](Self::blocks) tests at once.
+    /// Number of blocks that [`blocks`](Self::blocks) tests at once.
     const BLOCKS: usize;
 
     /// Which triangles of the first [`BLOCKS`](Self::BLOCKS) blocks their rays hit, and where: no
-    /// farther than at `ray.t`, or before it if `any` hit will do. Bit `lane` of the result tells
-    /// whether lane `lane` of `hits` counts; a block has [`BLOCK`] lanes.
+    /// farther than at `ray.t`, or before it if `any` hit will do. Bit `lane` of the result is set
+    /// if lane `lane` of `hits` counts; a block has [`BLOCK`] lanes.
     ///
     /// # Safety
     /// The CPU has the instruction set; all are blocks and rays, and 4 elements beyond a block's
     /// rows are readable.
     unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32;
 
-    /// Sixteen rays, without stacks.
+    /// Writes sixteen rays, without stacks.
     ///
     /// # Safety
     /// The CPU has the instruction set.
@@ -73,7 +74,7 @@ pub(super) trait Steps {
     }
 }
 
-/// Blocks that are tested at once, at most.
+/// Most blocks that are tested at once.
 pub(super) const MOST_BLOCKS: usize = LANES / BLOCK;
 
 /// A block of triangles, by its first row, and a ray that may hit some of them.

@@ -1,9 +1,9 @@
-//! Many rays in flight at once, a step of each in turn.
+//! Streams: many rays in flight, a step of each in turn.
 //!
-//! One ray alone waits for memory at every node, and for the outcome of every branch. Here a step
-//! of a ray has next to no branches, ends by asking for the memory that the ray's next step needs,
-//! and is followed by steps of other rays. Rays that stand before a node and rays that stand before
-//! a leaf are kept in lists, worked off in turn.
+//! A single ray waits for memory at every node, and for the outcome of every branch. Here a step of
+//! a ray has next to no branches, ends by prefetching the memory of the ray's next step, and is
+//! followed by steps of other rays. Rays that visit a node next and rays that visit a leaf next are
+//! kept in lists, which take turns.
 
 use super::flights::{Flights, Line, Memory, RAY_LINES};
 use super::hierarchy::Bvh;
@@ -25,14 +25,14 @@ pub(super) struct Stream {
     ready: [Line; LANES * RAY_LINES],
     packets: packet::Stack,
     order: Order,
-    /// For each place the ray itself, then its stack: distances, then what to visit.
+    /// For each place the ray itself, then its stack: distances, then children.
     lines: Vec<Line>,
     free: Vec<u32>,
     parked: Vec<Stop>,
     lists: Lists<Child>,
 }
 
-/// Steps at far nodes before it is looked up what their rays visit next.
+/// Steps at far nodes before the next visits of their rays are looked up.
 const FAR_TURN: usize = 8;
 
 impl Default for Stream {
@@ -50,23 +50,23 @@ impl Default for Stream {
     }
 }
 
-/// The rays of a batch that are still to be traced, made ready sixteen at a time.
+/// The rays of a batch that remain to be traced, prepared sixteen at a time.
 struct Pending<'a> {
     around: Surroundings<'a>,
     prepared: &'a mut Prepared,
-    /// The same rays one by one, if any is left.
+    /// The same rays one by one, if any are left.
     ready: &'a mut [Ray; LANES],
     /// Whether rays that go the same way are traced together.
     packets: bool,
     order: &'a Order,
-    /// The sixteen that is made ready next.
+    /// Number of the sixteen that is prepared next.
     next: usize,
-    /// Which of the sixteen are to go into flight.
+    /// The set of the sixteen that remain to be put into flight.
     left: u32,
 }
 
 impl Pending<'_> {
-    /// Puts the next ray into flight, if any is left; where it stands.
+    /// Puts the next ray into flight, and returns its stop; none if no ray is left.
     ///
     /// # Safety
     /// As [`trace`]; fewer than [`IN_FLIGHT`] rays are in flight.
@@ -91,7 +91,8 @@ impl Pending<'_> {
         Some(Stop::new(place, Child::node(0)))
     }
 
-    /// Makes sixteen rays ready, and traces those that can't go into flight, or go in packets.
+    /// Prepares sixteen rays. Traces those that cannot be put into flight, and those that go in
+    /// packets.
     ///
     /// # Safety
     /// As [`trace`].
@@ -134,7 +135,7 @@ impl Pending<'_> {
     }
 }
 
-/// Traces the rays of a batch; comes back with how alike they turned out to be.
+/// Traces the rays of a batch; returns how alike they turned out to be.
 ///
 /// # Safety
 /// The CPU has the instruction set of `S`.
@@ -209,11 +210,11 @@ pub(super) unsafe fn trace<S: Packets, Q: Query>(
     if pending.around.rays_per_child.is_good() { coherence } else { Coherence::Incoherent }
 }
 
-/// Takes rays that stand before nodes one step on.
+/// Moves the rays that visit nodes next by one step.
 ///
-/// What a ray visits next is looked up in a second loop: waiting for a step's outcome, that work would
-/// fill the CPU's schedulers, and fewer steps would overlap. Where nodes are far away the loops take
-/// turns, so that memory is asked for early, and not all at once.
+/// The next visit of each ray is looked up in a second loop: in the first, these instructions would
+/// wait for the outcome of a step, fill the CPU's schedulers, and fewer steps would overlap. If
+/// nodes are far away, the loops take turns, so that prefetches start early and not all at once.
 ///
 /// # Safety
 /// As [`trace`].
@@ -240,8 +241,8 @@ unsafe fn test_nodes<S: Steps>(memory: &Memory, flights: &Flights, stops: &mut S
     }
 }
 
-/// Takes rays that stand before blocks of triangles past them, several at once; if rays stand before
-/// nodes, those that are left over wait for others.
+/// Tests the blocks of triangles that rays visit next, several at once. If there are rays at nodes,
+/// an incomplete group of blocks waits for others.
 ///
 /// # Safety
 /// As [`trace`].
@@ -260,7 +261,7 @@ unsafe fn test_blocks<S: Steps, Q: Query>(memory: &Memory, flights: &Flights, st
         };
         for first in (0..now).step_by(S::BLOCKS) {
             let count = (now - first).min(S::BLOCKS);
-            // Where there are too few, the last are taken again.
+            // If there are too few, the last is repeated.
             let stop = |i: usize| stops.get(Stops::BLOCKS, first + i.min(count - 1));
             let mut group = [stop(0); MOST_BLOCKS];
             let mut meetings = [meeting(group[0]); MOST_BLOCKS];

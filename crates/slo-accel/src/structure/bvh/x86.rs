@@ -8,6 +8,7 @@ use super::query::Query;
 use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, MOST_BLOCKS, Meeting, Steps};
 use crate::primitives::triangle::lanes::Tested;
+use crate::primitives::triangle::{ShearedRay, Triangle};
 use crate::rays::LANES;
 use crate::simd::Quads;
 use crate::simd::sets::LANES_OF;
@@ -79,7 +80,8 @@ unsafe fn shifted(node: &Node, shift: u32) -> __m256i {
     }
 }
 
-/// Which boxes some ray of a beam may enter before its end; a child's number is its lane.
+/// A mask of the boxes that some ray of a beam may enter before its end; a child's number is its
+/// lane.
 ///
 /// # Safety
 /// The CPU has AVX2 and FMA.
@@ -126,8 +128,8 @@ unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
     }
 }
 
-/// The children of a node from far to near: distances where a ray enters them, their names, and which
-/// of those in `among` it does enter.
+/// The children of a node from far to near: the distances at which a ray enters them, their names,
+/// and which of those in `among` it enters.
 ///
 /// # Safety
 /// The CPU has AVX-512.
@@ -348,10 +350,7 @@ unsafe fn blocks<L: Quads>(
         if set == 0 {
             return 0;
         }
-        let tested = tested.settle(|lane| {
-            let Meeting { block, count, ray } = meetings[lane / BLOCK];
-            ((*ray).sheared(), triangle_at(block, count, lane % BLOCK))
-        });
+        let tested = tested.settle(|lane| pair_at(meetings, lane));
         set = tested.hits;
         if any {
             return set & tested.t.lt(t_max);
@@ -363,4 +362,16 @@ unsafe fn blocks<L: Quads>(
         sum.store(hits.sum.as_mut_ptr());
         set
     }
+}
+
+/// The ray and the triangle of a lane. Only doubtful hits need them, so this stays out of loops.
+///
+/// # Safety
+/// As [`Steps::blocks`]; there is such a lane.
+#[cold]
+#[inline(never)]
+unsafe fn pair_at(meetings: &[Meeting; MOST_BLOCKS], lane: usize) -> (ShearedRay, Triangle) {
+    let Meeting { block, count, ray } = meetings[lane / BLOCK];
+    // SAFETY: the caller's.
+    unsafe { ((*ray).sheared(), triangle_at(block, count, lane % BLOCK)) }
 }

@@ -1,12 +1,13 @@
-//! Rays that start next to each other go down to there together, wherever they go from there.
+//! Rays that start close together descend together to where they start, whatever their directions.
 //!
-//! Half of the treelets that a bounce or a shadow ray comes to, or more, are those about its origin.
-//! Where sixteen neighbours all start in the same child of a treelet, they are brought there
-//! together, a ray to a lane, and it is noted which of them come to other children later. Where a
-//! plane comes between them they become rays of the stream, before the treelet in which that is,
-//! with what they come to later on their stacks.
+//! At least half of the treelets that a bounce or a shadow ray visits are those about its origin.
+//! If sixteen neighbours all start in the same child of a treelet, they descend to it together, a
+//! ray to a lane; the kernel notes which of them visit other children later. At the first treelet
+//! in which a plane separates them they become rays of the stream, with the later visits on their
+//! stacks.
 //!
-//! A hierarchy whose boxes overlap has no such children. Unlike in a packet, directions may be any.
+//! A hierarchy whose boxes overlap has no such children. Unlike in a packet, directions are
+//! arbitrary.
 
 use std::arch::x86_64::*;
 
@@ -24,12 +25,12 @@ const ENOUGH: u32 = 4;
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct Passed {
-    /// Where rays leave it at the latest.
+    /// The latest t at which each ray leaves it.
     far: [f32; LANES],
     treelet: Child,
-    /// Where all rays start.
+    /// The child in which all rays start.
     child: usize,
-    /// The rays that come to other children, too.
+    /// The rays that visit other children, too.
     lanes: u32,
 }
 
@@ -53,8 +54,8 @@ impl Default for Path {
     }
 }
 
-/// Brings those of sixteen rays down that start together, and parks them; `ready` has each ray.
-/// Returns those that are still to start at the root.
+/// Lets those of sixteen rays descend that start together, and parks them; `ready` has each ray.
+/// Returns the rays that start at the root.
 ///
 /// # Safety
 /// The CPU has the instructions of `V`; there is a free place for each ray.
@@ -83,7 +84,7 @@ pub(super) unsafe fn descend<V: Vector>(
     left
 }
 
-/// Brings the rays of one register down: a set of those from `base` on.
+/// Lets the rays of one register descend: a set of those from `base` on.
 ///
 /// # Safety
 /// As [`descend`]; `base` leaves enough lanes.
@@ -123,8 +124,8 @@ unsafe fn descend_from<V: Vector>(
                 let inverse = *inverse.get_unchecked(axis);
                 let early = position.mul_sub(inverse, *early.get_unchecked(axis));
                 let late = position.mul_sub(inverse, *late.get_unchecked(axis));
-                // Rays go from the child's side to the other, or, where they start too close to be
-                // sure, come from there. Where there is no plane, NaN, neither.
+                // Rays go from the child's side to the other, or may come from there if they start
+                // close to the plane. NaN, no plane, is neither.
                 let falls = *falls.get_unchecked(axis);
                 let goes = if side == 1 { falls } else { !falls };
                 let crosses = (goes & early.le(far)) | (!goes & near.le(late));
@@ -166,7 +167,7 @@ unsafe fn descend_from<V: Vector>(
     }
 }
 
-/// Between which positions rays start. The fourth numbers mean nothing.
+/// Bounds of the origins of rays. The fourth numbers mean nothing.
 struct Origins {
     least: [f32; 4],
     most: [f32; 4],
@@ -185,8 +186,8 @@ impl Origins {
         }
     }
 
-    /// The child of a treelet in which all rays start, and the planes about it, with the side of each on
-    /// which it lies. None if a plane comes between rays, or close: one may start on it.
+    /// The child of a treelet in which all rays start, and the planes about it, each with the side
+    /// on which the child lies. None if a plane separates the rays, or one may start on it.
     ///
     /// # Safety
     /// The CPU has AVX2.

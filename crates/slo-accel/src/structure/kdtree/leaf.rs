@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::primitives::triangle::{self, ShearedRay, Triangle, TriangleHit};
 use crate::rays::NO_HIT;
 
-/// Up to 16 triangles of a leaf and what comes after them.
+/// Up to 16 triangles of a leaf, and what follows them.
 ///
 /// In memory, in words of 4 bytes: the chunk itself; the x, y, and z of its vertices; per triangle
 /// the three vertices it joins, 5 bits each in 16; the triangles' ids. Then, if flagged, a count of
@@ -76,7 +76,7 @@ impl Chunk {
     }
 }
 
-/// The nearest hit so far; `t` is the largest that still counts.
+/// The nearest hit so far; `t` is the largest distance that still counts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Best {
     pub(super) t: f32,
@@ -86,7 +86,7 @@ pub(super) struct Best {
 }
 
 impl Best {
-    /// Nothing so far, of a ray whose hits up to `t` count.
+    /// No hit yet, of a ray whose hits up to `t` count.
     #[inline(always)]
     pub(super) fn up_to(t: f32) -> Self {
         Self { t, u: 0.0, v: 0.0, primitive: NO_HIT }

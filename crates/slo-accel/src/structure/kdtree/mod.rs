@@ -1,20 +1,20 @@
-//! A kd-tree built by the surface area heuristic.
+//! A kd-tree, built by the surface area heuristic.
 //!
-//! Three levels of planes are a *treelet*: seven planes and eight children in one cache line. A leaf
-//! holds chunks of up to 16 triangles over shared vertices: about 45 bytes a triangle beyond the
-//! primitives on closed meshes, references to split triangles included. Treelets and leaves lie in
-//! one array, so that a child's place tells its address whatever it is.
+//! Three levels of planes are a *treelet*: seven planes and eight children in one cache line. A
+//! leaf holds chunks of up to 16 triangles over shared vertices: about 45 bytes a triangle beyond
+//! the primitives on closed meshes, references to split triangles included. Treelets and leaves lie
+//! in one array, so that a child's place is its address, whatever its kind.
 //!
-//! Three ways lead through it, all to the same hits:
+//! Three kernels traverse it, with the same hits:
 //!
 //! - *Packets* of 16 rays (AVX-512) or 8 (AVX2) that go the same way, for coherent batches: a plane
 //!   costs two fused operations and two comparisons for all of them, and most triangles of a leaf
 //!   are left out since they lie beside all rays (`view`).
-//! - A *stream* for rays that have nothing in common: many in flight, a treelet for one of them at a
-//!   time without a branch, leaves tested a register of triangles at once, those of several rays if
-//!   they are small. Neighbours that start next to each other are brought down to there together
-//!   first (`descent`). It also takes over the lanes that packets leave alone, and what is left of a
-//!   coherent batch whose packets fall apart, or wait for memory that is far away.
+//! - A *stream* for rays that have nothing in common: many in flight, a treelet for one of them at
+//!   a time without a branch, leaves tested a register of triangles at once, those of several rays
+//!   if they are small. Neighbours that start next to each other are brought down to there together
+//!   first (`descent`). It also takes over the lanes that packets leave alone, and what is left of
+//!   a coherent batch whose packets fall apart, or wait for memory that is far away.
 //! - One ray at a time in plain Rust, as the twin of the others.
 
 mod builder;
@@ -99,7 +99,7 @@ impl SpatialIndex for KdTree {
 }
 
 impl KdTree {
-    /// Answers a query about every ray.
+    /// Answers a query about each ray.
     fn trace<Q: Query>(
         &self,
         rays: &Rays,

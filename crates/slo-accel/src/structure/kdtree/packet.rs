@@ -2,9 +2,9 @@
 //!
 //! A packet's rays have the signs and the largest axis of their directions in common, so that all
 //! of them meet the sides of a plane in the same order. Each lane keeps the part of its ray that
-//! lies in the cell. Planes are taken one by one, also within a treelet: which sides are visited
-//! is a branch that the CPU foretells well, so that it runs ahead. Where few lanes are left, they
-//! leave the packet with what is on the stack for them, and become rays of the stream.
+//! lies in the cell. Planes are taken one by one, also within a treelet: the branch on which sides
+//! are visited is predicted well, so the CPU runs ahead. If few lanes are left, they leave the
+//! packet with their part of the stack, and become rays of the stream.
 //!
 //! Before rays and triangles of a leaf are tested one by one, those triangles are left out that lie
 //! beside all rays, as far as these are in the cell ([`View`]).
@@ -23,28 +23,28 @@ use crate::primitives::triangle::turned::smaller;
 use crate::rays::{LANES, NO_HIT, Rays};
 use crate::simd::{Lanes, lanes_of, load3};
 
-/// So many of sixteen lanes or fewer go on by themselves, once that is worth its while.
+/// Most of sixteen lanes that leave a packet, once leaving pays.
 const LEAVING: u32 = 4;
 
-/// That is so once packets came to one of so many planes with so few of sixteen lanes, but not before
-/// they came to so many planes.
+/// Leaving pays once packets came to one in `PLANES_A_FEW` planes with `FEW` of sixteen lanes or
+/// fewer, after a trial of `TRIAL` planes.
 const FEW: u32 = 2;
 const PLANES_A_FEW: u32 = 4;
 const TRIAL: u32 = 100;
 
-/// Rays that go the same way make a packet if there are so many of them.
+/// Least number of rays that make a packet.
 const ENOUGH: u32 = 4;
 
-/// Packets go on being made while so many of sixteen lanes are in use on average.
+/// Packets are made while at least this many of sixteen lanes are in use on average.
 const LANES_IN_USE: u32 = 5;
 
-/// The same in trees that are far away: packets wait for memory there, and a stream does not.
+/// The same for trees that are far away, where packets wait for memory and a stream does not.
 const FAR_LANES_IN_USE: u32 = 12;
 
-/// Triangles beside all rays are left out of chunks with so many or more.
+/// Least number of triangles of a chunk for which those beside all rays are left out.
 const CULLED: usize = 3;
 
-/// What packets need of their surroundings.
+/// What packets share with the stream.
 pub(super) struct Surroundings<'a> {
     pub(super) tree: &'a KdTree,
     pub(super) rays: &'a Rays,
@@ -53,12 +53,12 @@ pub(super) struct Surroundings<'a> {
     pub(super) used: Use,
 }
 
-/// How well lanes were used, so far in this batch.
+/// Counts how well packets used their lanes, so far in this batch.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Use {
     planes: u32,
     lanes: u32,
-    /// How many planes were come to with few lanes.
+    /// Number of planes that packets came to with few lanes.
     few: u32,
     /// Whether few lanes leave their packet.
     pub(super) lets_go: bool,
@@ -71,8 +71,8 @@ impl Use {
         self.lanes += lanes.count_ones();
     }
 
-    /// Whether lanes that stand before a plane should leave their packet. Where lanes are seldom few,
-    /// too few would be under way together in a stream.
+    /// Whether the lanes at a plane should leave their packet. If lanes are seldom few, the stream
+    /// would have too few rays in flight.
     #[inline(always)]
     fn lets_go<L: Lanes>(&mut self, lanes: u32) -> bool {
         let count = lanes.count_ones() * (LANES / L::COUNT) as u32;
@@ -84,15 +84,14 @@ impl Use {
         self.lets_go
     }
 
-    /// Whether packets are worth their while: rays that are in many packets with few lanes in use
-    /// are faster by themselves.
+    /// Whether packets pay: rays that share packets with few others are faster in a stream.
     pub(super) fn is_good<L: Lanes, const FAR: bool>(self) -> bool {
         let lanes = if FAR { FAR_LANES_IN_USE } else { LANES_IN_USE };
         u64::from(self.lanes) * LANES as u64 >= u64::from(lanes * self.planes) * L::COUNT as u64
     }
 }
 
-/// What is left for later: a part of the tree, and the parts of rays that lie in it.
+/// A part of the tree that is visited later, and the spans of rays in it.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct Later {
@@ -116,8 +115,7 @@ impl Default for Stack {
     }
 }
 
-/// Traces the packets that sixteen rays make; returns the rays that are left, which go other ways
-/// than most.
+/// Traces the packets among sixteen rays; returns the rays that are in none.
 ///
 /// # Safety
 /// The CPU has the instructions of `V`; there is a free place for each ray.
@@ -154,10 +152,10 @@ pub(super) unsafe fn trace<V: Vector, Q: Query>(
     left
 }
 
-/// A packet under way.
+/// A packet on its way.
 struct Packet<'a, V> {
     prepared: &'a Prepared,
-    /// The first lane of `prepared` that is one of the packet.
+    /// The packet's first lane in `prepared`.
     base: usize,
     set: u32,
     way: usize,
@@ -167,7 +165,8 @@ struct Packet<'a, V> {
     late: [V; 3],
     origin: [V; 3],
     shear: [V; 3],
-    /// Best hits, as [`Best`] has them; t is minus infinity where any hit was enough.
+    /// Best hits, as in [`Best`]; t is minus infinity in lanes for which any hit was enough and
+    /// found.
     t: V,
     u: V,
     v: V,
@@ -354,7 +353,7 @@ impl<'a, V: Vector> Packet<'a, V> {
         }
     }
 
-    /// Which triangles of a chunk are not beside all rays.
+    /// The set of a chunk's triangles that are not beside all rays.
     ///
     /// # Safety
     /// The CPU has the instructions of `V`; the words are those of a finished arena.
@@ -480,8 +479,7 @@ impl<'a, V: Vector> Packet<'a, V> {
         hits
     }
 
-    /// Puts some lanes into flight by themselves, each with its part of the stack; they leave the
-    /// packet.
+    /// Takes lanes out of the packet and puts each into flight, with its part of the stack.
     ///
     /// # Safety
     /// As [`trace`]; the lanes stand there, with `depth` entries on the stack.

@@ -1,4 +1,4 @@
-//! What is asked of rays, and where the answers go.
+//! The two questions about rays, and where the answers go.
 
 use super::leaf::Best;
 #[cfg(target_arch = "x86_64")]
@@ -7,16 +7,16 @@ use crate::rays::Hits;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{SetLanes, lanes_of, store_hits};
 
-/// What is asked of rays.
+/// A question about rays.
 pub(super) trait Query {
-    /// Whether the first hit will do.
+    /// Whether any hit is enough.
     const ANY: bool;
 
-    /// Takes the hit of a ray, by its place in the batch.
+    /// Stores the hit of a ray by its index in the batch.
     fn accept(&mut self, index: usize, best: &Best);
 
-    /// Takes the hits of a set of rays, from the n-th lane of those made ready on: t, u, v, and bits of
-    /// ids.
+    /// Stores the hits of a set of the prepared rays, whose first lane is `base`: t, u, v, and bits
+    /// of ids.
     ///
     /// # Safety
     /// The CPU has the instructions of `L`; the rays are those of this batch.

@@ -1,4 +1,4 @@
-//! Rays made ready to walk through the tree, sixteen at a time.
+//! Rays prepared for the tree, sixteen at a time.
 
 use crate::math::Bounds;
 use crate::math::rounding::UNIT_ROUNDOFF;
@@ -7,19 +7,18 @@ use crate::primitives::triangle::{POSITION_ERROR, ShearedRay};
 use crate::rays::{LANES, Rays};
 use crate::structure::shared::order::Sixteen;
 
-/// Components of a direction are taken to be at least this part of the largest: a ray drifts by
-/// less than the [`POSITION_ERROR`] for that.
+/// Components of a direction are raised to at least this part of the largest: the ray drifts by
+/// less than the [`POSITION_ERROR`].
 const SMALLEST_SLOPE: f32 = 1.0 / (1u32 << 30) as f32;
 
 /// Rays as structures of arrays.
 ///
-/// A hit's t may differ from that of the point it stands for, and the point may lie beside the
-/// ray, both by rounding. Times at which planes are crossed are therefore told as spans, and a child
-/// is skipped only if the ray is clear of it.
+/// By rounding, a hit's t may be off, and its point may lie beside the ray. The t at which a ray
+/// crosses a plane is therefore a span, and a child is skipped only if the ray is clear of it.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Prepared {
-    /// 1 / direction, by axis, never infinite; negative where the upper child is the nearer.
+    /// 1 / direction, by axis, never infinite; negative if the upper child is the nearer.
     pub(super) inverse: [[f32; LANES]; 3],
     /// `position * inverse` less this is the earliest time of crossing.
     pub(super) early: [[f32; LANES]; 3],
@@ -29,20 +28,20 @@ pub(super) struct Prepared {
     pub(super) origin: [[f32; LANES]; 3],
     /// See [`ShearedRay`].
     pub(super) shear: [[f32; LANES]; 3],
-    /// The part of the ray in which it may meet what is in the tree; near > far if none.
+    /// The span of the ray inside the tree's box; near > far if it misses.
     pub(super) near: [f32; LANES],
     pub(super) far: [f32; LANES],
     /// The largest t that still counts.
     pub(super) t: [f32; LANES],
-    /// Bit `axis` is set where the inverse is negative; the bits above tell which axis of space is z
-    /// of the sheared ones, x and y follow it in cyclic order.
+    /// Bit `axis` is set if the inverse is negative. The bits above are the axis of space that is z
+    /// of the sheared ones; x and y follow it in cyclic order.
     pub(super) way: [u32; LANES],
-    /// Their places in the batch.
+    /// Indices in the batch.
     pub(super) index: [u32; LANES],
     /// Origin along the axes of space.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     pub(super) start: [[f32; LANES]; 3],
-    /// Whether the places follow each other.
+    /// Whether the indices are consecutive.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     pub(super) are_neighbours: bool,
 }
@@ -63,9 +62,9 @@ impl Prepared {
         are_neighbours: true,
     };
 
-    /// Makes sixteen rays ready; those behind the first `count` miss the tree.
+    /// Prepares sixteen rays; those after the first `count` miss the tree.
     ///
-    /// Inlined, so that the lanes become those of the instruction set it is compiled for.
+    /// Inlined, so that loops over lanes are compiled for the caller's instruction set.
     ///
     /// # Safety
     /// The CPU has the instruction set of `C`; there are such rays.
@@ -91,7 +90,7 @@ impl Prepared {
         self.leave_out(count);
     }
 
-    /// Lets all from `count` on miss the tree.
+    /// Makes the rays from `count` on miss the tree.
     #[inline(always)]
     fn leave_out(&mut self, count: usize) {
         for lane in count.min(LANES)..LANES {
@@ -151,7 +150,7 @@ impl Prepared {
         }
     }
 
-    /// Which of the rays may meet what is in the tree.
+    /// The set of rays that enter the tree's box.
     #[inline(always)]
     pub(super) fn entering(&self) -> u32 {
         let mut set = 0;
@@ -178,7 +177,7 @@ impl Prepared {
     }
 }
 
-/// What the test of triangles needs of a ray, in sheared axes.
+/// A ray for the test of triangles, in sheared axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {
     pub(super) origin: [f32; 3],
@@ -188,7 +187,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// The ray as the test in plain Rust asks for it.
+    /// The ray for the portable test of triangles.
     #[inline(always)]
     pub(super) fn sheared(&self) -> ShearedRay {
         let mut origin = glam::Vec3::ZERO;

@@ -45,8 +45,8 @@ impl KdTree {
         best
     }
 
-    /// The nearest leaf of a part of the tree, if there is one before the part is left; what lies
-    /// behind it goes to the stack.
+    /// The nearest leaf of a part of the tree that the ray visits, if there is one; the rest of the
+    /// part goes to the stack.
     fn descend(
         &self,
         prepared: &Prepared,

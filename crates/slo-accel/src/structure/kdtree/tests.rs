@@ -251,8 +251,8 @@ fn rays_that_leave_packets() {
     }
 }
 
-/// Rays in all directions from places that sixteen of them have nearly in common, often right beside
-/// where planes are.
+/// Rays in all directions from places that sixteen of them have nearly in common, often right
+/// beside where planes are.
 #[test]
 fn rays_that_start_together() {
     let rng = &mut StdRng::seed_from_u64(23);

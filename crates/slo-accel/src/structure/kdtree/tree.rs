@@ -9,10 +9,10 @@ use crate::primitives::triangle::TriangleHit;
 use crate::rays::Rays;
 use crate::structure::shared::pages::Array;
 
-/// No tree has more planes on the way to a leaf.
+/// Most planes on the way to a leaf.
 pub(super) const MAX_DEPTH: usize = 60;
 
-/// Trees of more bytes are far away: most of one is in no cache.
+/// Trees of more bytes are far away: they are mostly outside the caches.
 pub(super) const FAR: usize = 32 << 20;
 
 /// A tree over primitives.
@@ -22,7 +22,7 @@ pub(crate) struct KdTree {
     pub(super) bounds: Bounds,
     /// Treelets, then leaves.
     pub(super) lines: Array<Treelet>,
-    /// How many treelets follow each other on the longest way down.
+    /// Treelets on the longest way down.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     pub(super) depth: usize,
     /// Whether it is far away, beyond [`FAR`].
@@ -49,7 +49,7 @@ impl KdTree {
         &self.lines[at.line()]
     }
 
-    /// Where every ray begins.
+    /// Where every ray starts.
     pub(super) fn root(&self) -> Stand {
         self.treelet(Child::ROOT).at_plane(Child::ROOT, TOP)
     }

@@ -1,4 +1,4 @@
-//! Three levels of the tree in a cache line.
+//! Treelets: three levels of the tree in a cache line.
 
 use super::leaf::Chunk;
 use crate::structure::shared::stops::{self, Target};
@@ -9,15 +9,16 @@ pub(super) const WIDTH: usize = 8;
 /// Up to seven planes, and the eight cells between them.
 ///
 /// Child `c` lies above the root's plane if bit 2 of `c` is set, above that of the next level if
-/// bit 1 is, and above that of the last if bit 0 is. Where a subtree ends early, its planes are NaN,
-/// which leaves no ray out; its one child is the first of those in its place, the others are empty.
+/// bit 1 is, and above that of the last if bit 0 is. If a subtree ends early, its planes are NaN,
+/// which excludes no ray; its one child comes first, the others are empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Treelet {
-    /// Positions: of the four planes of the last level, of the two of the one before, of the root's.
+    /// Positions: of the four planes of the last level, of the two of the one before, of the
+    /// root's.
     pub(super) planes: [f32; WIDTH - 1],
-    /// Two bits for the axis of each plane, in the same order; then for each plane a bit that is set
-    /// where the lower side is empty, and one for the upper.
+    /// Two bits for the axis of each plane, in the same order; then two bits for each plane, set if
+    /// the lower or the upper side is empty.
     pub(super) axes: u32,
     pub(super) children: [Child; WIDTH],
 }
@@ -26,7 +27,7 @@ pub(super) struct Treelet {
 pub(super) const TOP: usize = 6;
 pub(super) const MIDDLE: usize = 4;
 
-/// Where the bits of emptiness begin.
+/// The first bit of emptiness.
 const EMPTY_SHIFT: usize = 14;
 
 impl Treelet {
@@ -52,7 +53,7 @@ impl Treelet {
         self.axes >> (EMPTY_SHIFT + 2 * plane + side) & 1 == 1
     }
 
-    /// What lies on a side of a plane of the treelet at `at`.
+    /// The part of the tree on a side of a plane of the treelet at `at`.
     #[inline(always)]
     pub(super) fn beyond(&self, at: Child, plane: usize, side: usize) -> Stand {
         if plane < MIDDLE {
@@ -61,7 +62,7 @@ impl Treelet {
         self.at_plane(at, 2 * plane - 2 * MIDDLE + side)
     }
 
-    /// A plane of the treelet at `at`, or what is in its place.
+    /// A plane of the treelet at `at`, or the child that takes its place.
     #[inline(always)]
     pub(super) fn at_plane(&self, at: Child, plane: usize) -> Stand {
         if self.planes[plane].is_nan() {
@@ -79,7 +80,7 @@ pub(super) fn cells_of(plane: usize) -> u8 {
     CELLS[plane % CELLS.len()]
 }
 
-/// Where a ray stands: before a plane of a treelet, or before a leaf.
+/// A part of the tree: below a plane of a treelet, or a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stand {
     pub(super) at: Child,
@@ -87,9 +88,9 @@ pub(super) struct Stand {
     pub(super) plane: usize,
 }
 
-/// What a child of a treelet is: another treelet, a leaf by how many fit into a register, or nothing.
+/// A child of a treelet: another treelet, a leaf of one of three sizes, or nothing.
 ///
-/// The two highest bits are the kind, the others tell where it lies, in units of 16 bytes.
+/// The two highest bits are the kind, the others its place, in units of 16 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub(super) struct Child(pub(super) u32);
@@ -108,8 +109,8 @@ impl Child {
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     pub(super) const DONE: Self = Self(u32::MAX);
 
-    /// Kinds: treelets; leaves of one chunk that fill no more than a quarter of a register of 16, or
-    /// more of it; the rest: leaves of more than that, and the end.
+    /// Kinds: treelets; leaves of one chunk that fill no more than a quarter of a register of 16,
+    /// or more of it; the rest: leaves of more than that, and the end.
     pub(super) const TREELETS: usize = 0;
     pub(super) const QUARTERS: usize = 1;
     pub(super) const WHOLES: usize = 2;
@@ -173,7 +174,7 @@ impl Target for Child {
 #[cfg(target_arch = "x86_64")]
 pub(super) type Stop = stops::Stop<Child>;
 
-/// Lists of rays in flight by the kind of what they stand before.
+/// Lists of rays in flight by the kind of their next visit.
 #[cfg(target_arch = "x86_64")]
 pub(super) type Stops = stops::Stops<Child>;
 

@@ -1,9 +1,9 @@
-//! Where the rays of a packet are while they are in a cell, seen along them.
+//! The rays of a packet while they are in a cell, as seen along them.
 //!
-//! A hit lies in one of the cells through which its ray is followed, and its triangle is in the leaf
-//! of that cell. A triangle that is beside all rays for as long as they are in a cell can therefore
-//! be left out there, wherever its corners are: whoever hits it does so in another cell. Bounds on
-//! the whole rays say much less where these cross, as those of a lens do.
+//! A hit lies in one of the cells through which its ray is followed, and its triangle is in the
+//! leaf of that cell. A triangle that is beside all rays for as long as they are in a cell can
+//! therefore be left out there, wherever its corners are: rays that hit it do so in another cell.
+//! Bounds of whole rays are much weaker if the rays cross, as those of a lens do.
 
 #![allow(clippy::needless_range_loop)] // closures around intrinsics would become calls
 
@@ -13,11 +13,11 @@ use crate::primitives::triangle::POSITION_ERROR;
 use crate::primitives::triangle::turned::larger;
 use crate::simd::Lanes;
 
-/// One over the length of directions that are too short to tell where their rays are.
+/// 1 / length of directions that are too short: their slopes lose their digits.
 const SHORT: f32 = f32::from_bits((127 + 100) << 23);
 
-/// What rays look like along a direction amid theirs, which leaves little of a ray to be seen: across
-/// that direction a ray is at `start + t slope`, in the first two of the sheared axes.
+/// Rays as seen along a direction amid theirs, so that each ray covers little. Across that
+/// direction a ray is at `start + t slope`, in the first two of the sheared axes.
 pub(super) struct View<V> {
     /// The direction, as a shear ([`triangle`](crate::primitives::triangle)).
     pub(super) shear: [V; 2],
@@ -99,7 +99,7 @@ impl<V: Lanes> View<V> {
     }
 }
 
-/// Where rays may hit something, across the direction of a [`View`].
+/// Bounds of the rays' hits, across the direction of a [`View`].
 pub(super) struct Seen {
     pub(super) least: [f32; 2],
     pub(super) most: [f32; 2],

@@ -1,17 +1,17 @@
 //! Large arrays on large pages.
 //!
-//! Rays touch an array of tens of megabytes at places that have nothing to do with each other; on
-//! pages of 4 KiB the CPU then looks up most addresses in tables that are in memory themselves. Of
-//! pages of 2 MiB it keeps what it has looked up.
+//! Rays touch an array of tens of megabytes at unrelated places. With pages of 4 KiB the CPU then
+//! looks up most addresses in page tables, which are in memory themselves; with pages of 2 MiB its
+//! cache of addresses is large enough.
 
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
 use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;
 
-/// What a large page holds; it begins at a multiple of that.
+/// Bytes of a large page, which is aligned to its size.
 const LARGE_PAGE: usize = 2 << 20;
 
-/// An array of a fixed length, on large pages where at least half of such a page is full and the
+/// An array of a fixed length. It lies on large pages if it fills at least half of one and the
 /// system has them.
 pub(crate) struct Array<T> {
     start: NonNull<T>,
@@ -32,7 +32,7 @@ impl<T: Copy> Array<T> {
             };
             #[cfg(target_os = "linux")]
             if layout.align() == LARGE_PAGE {
-                // Of what may lie behind the array on its last page nothing changes but the page.
+                // What lies behind the array on its last page keeps its values.
                 let bytes = (layout.size() + LARGE_PAGE / 2) / LARGE_PAGE * LARGE_PAGE;
                 madvise(start.as_ptr().cast(), bytes, MADV_HUGEPAGE);
             }

@@ -1,9 +1,9 @@
-//! Where rays in flight stand next, in lists by kind.
+//! What rays in flight visit next, in lists by kind.
 
 use std::marker::PhantomData;
 
-/// What a ray stands before: a word whose highest two bits tell its kind, all of them set where the
-/// ray is done.
+/// What a ray visits next: a word whose highest two bits are its kind; all bits are set if the ray
+/// is done.
 pub(crate) trait Target: Copy {
     fn word(self) -> u32;
 
@@ -13,7 +13,7 @@ pub(crate) trait Target: Copy {
 /// Rays in flight.
 pub(crate) const IN_FLIGHT: usize = 32;
 
-/// A ray in flight and what it stands before, written and read as one word.
+/// A ray in flight and what it visits next, written and read as one word.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop<C>(u64, PhantomData<C>);
 
@@ -26,7 +26,7 @@ impl<C: Target> Stop<C> {
         Self(u64::from(child.word()) << 32 | u64::from(place), PhantomData)
     }
 
-    /// Where the ray is, in bytes from the first.
+    /// Offset of the ray, in bytes from the first place.
     #[inline(always)]
     pub(crate) fn place(self) -> u32 {
         self.0 as u32
@@ -43,20 +43,20 @@ impl<C: Target> Stop<C> {
     }
 }
 
-/// Lists of stops by kind, each worked off from its front while stops are added to all of them: a
-/// stop is read before its place can be needed for another.
+/// Lists of stops by kind. Each is read from its front while stops are added to all of them: a stop
+/// is read before its place is overwritten.
 pub(crate) struct Stops<C> {
     lists: *mut Stop<C>,
-    /// Where each list ends, in bytes from the first list: 16 bits a kind. In a register, the
-    /// length of no list is loaded from where it was just stored; the CPU would make other loads
-    /// wait for such ones too.
+    /// End of each list, in bytes from the first list: 16 bits a kind. They share a register, so
+    /// that no length is loaded right after it was stored: the CPU would make other loads wait for
+    /// such loads too.
     ends: u64,
 }
 
 /// Lists that [`Stops`] fills.
 pub(crate) type Lists<C> = [[Stop<C>; IN_FLIGHT]; KINDS];
 
-/// Two bits tell a kind.
+/// Kinds: two bits.
 const KINDS: usize = 4;
 
 /// Bytes of a stop, and from one list to the next.
@@ -67,14 +67,14 @@ const LIST: u64 = IN_FLIGHT as u64 * STOP;
 const END: u64 = 0xffff;
 
 impl<C: Target> Stops<C> {
-    /// All lists end where they begin.
+    /// Ends of empty lists.
     const EMPTY: u64 = LIST << 16 | (2 * LIST) << 32 | (3 * LIST) << 48;
 
     pub(crate) fn new(lists: &mut Lists<C>) -> Self {
         Self { lists: lists.as_mut_ptr().cast(), ends: Self::EMPTY }
     }
 
-    /// Puts a ray into the list that is right for its next stop, without a branch.
+    /// Puts a ray into the list of its next stop's kind, without a branch.
     ///
     /// # Safety
     /// No list is full.
@@ -98,7 +98,7 @@ impl<C: Target> Stops<C> {
         (((self.ends - Self::EMPTY) >> (16 * kind) & END) / STOP) as usize
     }
 
-    /// Empties a list; how long it was. What it held can be read until as many were added.
+    /// Empties a list and returns its length. Its stops can be read until as many are added.
     #[inline(always)]
     pub(crate) fn take(&mut self, kind: usize) -> usize {
         let len = self.len(kind);

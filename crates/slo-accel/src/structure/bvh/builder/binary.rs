@@ -73,7 +73,7 @@ impl Job {
         self.split_at(references, &binning, best)
     }
 
-    /// Sorts the primitives to both sides of a split, or halves them where there is none.
+    /// Sorts the primitives to both sides of a split, or halves them if there is no split.
     pub(super) fn split_at(
         &self,
         references: &mut [Reference],

@@ -1,4 +1,4 @@
-//! Splits of many primitives: by sixteen bins along each axis.
+//! Splits of many primitives, by bins along each axis.
 //!
 //! Source: Wald, *On fast construction of SAH-based bounding volume hierarchies* (2007).
 
@@ -146,7 +146,7 @@ pub(super) struct Split {
     pub(super) sides: [Box8; 2],
 }
 
-/// The cheapest split between bins; none where there is only one bin, or costs leave f32.
+/// The cheapest split between bins; none if all lie in one bin, or costs overflow.
 pub(super) fn best_split(binning: &Binning, references: &[Reference], isa: Isa) -> Option<Split> {
     let bins = if references.len() > 2 * PARALLEL_CHUNK {
         let chunks: Vec<Bins> =
@@ -169,8 +169,8 @@ pub(super) fn best_split(binning: &Binning, references: &[Reference], isa: Isa) 
     (best.cost < f32::INFINITY).then_some(best)
 }
 
-/// Moves the left primitives to the front; how many there are, and the boxes of both sides'
-/// centres.
+/// Moves the left primitives to the front; returns their number, and the boxes about the centres of
+/// both sides.
 pub(super) fn partition(
     references: &mut [Reference],
     binning: &Binning,

@@ -1,4 +1,4 @@
-//! Boxes as the builder handles them: eight numbers, of which a union takes the smaller ones.
+//! Boxes of the builder: eight numbers, so that a union is one minimum.
 
 use glam::{Vec3, Vec4};
 
@@ -52,13 +52,13 @@ impl Box8 {
         Self { low: self.low.min(other.low), high: self.high.min(other.high) }
     }
 
-    /// The box of what lies in both.
+    /// The points that lie in both boxes.
     #[inline(always)]
     pub(super) fn intersection(&self, other: &Self) -> Self {
         Self { low: self.low.max(other.low), high: self.high.max(other.high) }
     }
 
-    /// What lies on each side of a plane that passes through.
+    /// The parts on each side of a plane through the box.
     #[inline(always)]
     pub(super) fn split<const AXIS: usize>(&self, at: f32) -> [Self; 2] {
         let (mut below, mut above) = (*self, *self);
@@ -67,7 +67,7 @@ impl Box8 {
         [below, above]
     }
 
-    /// This box with its corners moved to the next points of another.
+    /// This box with its corners clamped to another box.
     #[inline(always)]
     pub(super) fn clamped(&self, to: &Self) -> Self {
         let inside = |a: Vec4, low: Vec4, high: Vec4| a.max(low).min(-high);
@@ -132,7 +132,7 @@ pub(super) fn extent(references: &[Reference]) -> [Box8; 2] {
     })
 }
 
-/// Twice the centre, which is infinite where it is too large.
+/// Twice the centre; infinite if it is too large.
 #[inline(always)]
 fn center(low: Vec4, high: Vec4) -> Vec4 {
     low - high
@@ -150,7 +150,7 @@ pub(super) trait Wide: Copy {
     unsafe fn union(self, other: Self) -> Self;
     /// The box of one point.
     unsafe fn point(p: Vec4) -> Self;
-    /// NaN where the set says so, all lanes or none.
+    /// NaN in all lanes if `set`, unchanged otherwise.
     unsafe fn or_nan(self, set: bool) -> Self;
     /// Lower corner and negated upper corner.
     unsafe fn corners(self) -> [Vec4; 2];

@@ -27,7 +27,7 @@ pub(super) struct Wide {
 /// A wide node to be written.
 #[derive(Clone, Copy)]
 struct Draft {
-    /// What it stands for.
+    /// The branch that it represents.
     root: Branch,
     first_slot: u32,
 }
@@ -108,7 +108,7 @@ impl Writer<'_> {
         nodes
     }
 
-    /// Notes where a triangle is; of several places the first one stays, whichever comes first.
+    /// Notes the place of a triangle; the lowest one if there are several, in any order of tasks.
     fn put(&self, id: u32, place: Place) {
         let known = &self.places[id as usize];
         if self.tree.has_pieces {
@@ -169,12 +169,12 @@ impl Writer<'_> {
     }
 }
 
-/// A direction of an octant: bit `axis` is set where it is negative.
+/// A direction of an octant: bit `axis` of `octant` is set if it is negative.
 fn diagonal(octant: u32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|axis| if octant >> axis & 1 == 0 { 1.0 } else { -1.0 }))
 }
 
-/// How many triangles a leaf has.
+/// Number of triangles of a leaf.
 fn block_len(tree: &BinaryTree, leaf: Branch) -> u32 {
     if tree.has_pieces { Block::of(tree, leaf).len as u32 } else { leaf.count }
 }
@@ -204,7 +204,7 @@ impl Block {
     }
 }
 
-/// Moves the different ones of sorted ids to the front; how many there are.
+/// Moves the distinct ones of sorted ids to the front; returns their number.
 fn without_repeats(ids: &mut [u32]) -> usize {
     let mut len = 1;
     for i in 1..ids.len() {

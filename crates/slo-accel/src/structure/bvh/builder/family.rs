@@ -3,7 +3,7 @@
 use super::tree::{BinaryTree, Branch};
 use crate::structure::bvh::layout::WIDTH;
 
-/// Two neighbouring runs of a wide node's children that a binary node told apart.
+/// Two adjacent runs of a wide node's children, which a binary node separates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fork {
     /// Both sides.
@@ -16,7 +16,7 @@ pub(super) struct Fork {
     pub(super) end: usize,
 }
 
-/// The children of a wide node, and how they are told apart.
+/// The children of a wide node, and the forks that separate them.
 #[derive(Debug, Default)]
 pub(super) struct Family {
     pub(super) children: Vec<Branch>,
@@ -24,7 +24,7 @@ pub(super) struct Family {
 }
 
 impl Family {
-    /// Becomes the family of the wide node that stands for `root`.
+    /// Fills in the family of the wide node that represents `root`.
     pub(super) fn gather(&mut self, tree: &BinaryTree, root: Branch) {
         self.children.clear();
         self.forks.clear();

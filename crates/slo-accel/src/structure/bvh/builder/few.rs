@@ -1,7 +1,7 @@
 //! Subtrees of few primitives: of all splits between two centres, on each axis, the cheapest.
 //!
-//! Here bins would cost more than they save. Primitives are sorted once along each axis; a split
-//! keeps the orders of both sides.
+//! For few primitives, bins would cost more than they save. The primitives are sorted once along
+//! each axis; a split keeps the order of both sides.
 
 use super::boxes::{Box8, Portable, Reference, Wide};
 use super::heuristic::SAH_DEPTH;
@@ -10,10 +10,10 @@ use super::tree::BinaryNode;
 use crate::isa::Isa;
 use crate::structure::bvh::layout::BLOCK;
 
-/// Primitives that are built here at most.
+/// Most primitives that are built here.
 pub(super) const FEW: usize = 32;
 
-/// How many blocks so many primitives fill.
+/// Number of blocks that n primitives fill.
 const BLOCKS: [f32; FEW + 1] = {
     let mut blocks = [0.0; FEW + 1];
     let mut n = 0;
@@ -24,7 +24,7 @@ const BLOCKS: [f32; FEW + 1] = {
     blocks
 };
 
-/// Some primitives by their slots, which are their places when they came.
+/// Few primitives. A primitive's slot is its index on arrival.
 pub(super) struct Few {
     slots: [Reference; FEW],
     /// Slots by centre on each axis; the first is the order of leaves in the end.
@@ -96,7 +96,7 @@ impl Few {
         subtree
     }
 
-    /// Orders a range by its best split: where that is, and both boxes.
+    /// Orders a range by its best split; returns where the right side begins, and both boxes.
     fn split(&mut self, range: &Range) -> (usize, [Box8; 2]) {
         let &Range { begin, end, .. } = range;
         let best = if range.depth < SAH_DEPTH { self.best(begin, end) } else { None };
@@ -117,7 +117,7 @@ impl Few {
         boxes.fold(Box8::EMPTY, |all, bounds| all.union(bounds))
     }
 
-    /// The axis of the cheapest split, and how many go left; none where all cost too much for f32.
+    /// The axis of the cheapest split, and the number on the left; none if all costs overflow.
     fn best(&self, begin: usize, end: usize) -> Option<(usize, usize)> {
         let (mut least, mut place) = (f32::INFINITY, None);
         for axis in 0..3 {
@@ -137,7 +137,7 @@ impl Few {
     }
 }
 
-/// The cheapest split of some slots in their order: what it costs, and how many go left.
+/// The cheapest split of slots in their order: its cost, and the number on the left.
 #[inline(always)]
 unsafe fn sweep<W: Wide>(slots: &[Reference; FEW], order: &[u8]) -> (f32, usize) {
     let n = order.len();

@@ -1,8 +1,8 @@
 //! Builds the hierarchy, on all threads of the current rayon pool; it is the same for any number of
 //! them.
 //!
-//! A binary hierarchy comes first: by binned SAH ([`binary`]), where triangles are cut on request
-//! ([`spatial`]). Dynamic programming tells what becomes of its nodes ([`plan`]), and they are
+//! First comes a binary hierarchy, built by binned SAH ([`binary`]); on request, triangles are cut
+//! ([`spatial`]). Dynamic programming decides the fate of its nodes ([`plan`]), which are then
 //! [collapsed](collapse).
 
 mod binary;
@@ -57,10 +57,10 @@ pub(super) fn build(primitives: Primitives, options: BuildOptions) -> Bvh {
     bvh
 }
 
-/// Primitives that one task makes references to.
+/// Primitives for which one task makes references.
 const TASK: usize = 1 << 13;
 
-/// Boxes of everything that can be hit, the ids of what can not, and the [`extent`].
+/// References to the primitives that can be hit, the ids of the others, and the [`extent`].
 fn references(primitives: &Primitives) -> (Vec<Reference>, Vec<u32>, [Box8; 2]) {
     let is_hollow = |id: u32, bounds: &Bounds| {
         let triangle = primitives.triangles.get(id as usize);

@@ -7,12 +7,12 @@
 use super::heuristic::{CURVED_COST, NODE_COST};
 use crate::structure::bvh::layout::{BLOCK, WIDTH};
 
-/// What becomes of a binary node: 3 bits for each number of roots `j` from 2 to 8 that its subtree
-/// may take, telling how many of them go to the left child, 0 if one root fewer is as cheap; and
-/// whether it is a leaf where it is a root itself.
+/// The fate of a binary node: for each number of roots `j` from 2 to 8 that its subtree may take, 3
+/// bits with the number that the left child gets, 0 if one root fewer is as cheap; and whether the
+/// node is a leaf if it is a root itself.
 ///
-/// Of a node of the wide hierarchy only the share of eight roots is asked for: its number takes the
-/// place of the others.
+/// A node of the wide hierarchy only needs the share of eight roots: its number replaces the
+/// others.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan(u32);
 
@@ -50,10 +50,10 @@ impl Plan {
     }
 }
 
-/// What a subtree costs.
+/// Costs of a subtree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Subtree {
-    /// By how many roots it may take, from 1.
+    /// By the number of roots that it may take, from 1.
     costs: [f32; WIDTH],
     has_curved: bool,
 }
@@ -66,7 +66,7 @@ impl Subtree {
     }
 }
 
-/// The cheapest ways to stand for a node over `count` primitives and two children.
+/// The cheapest ways to represent a node over `count` primitives and two children.
 pub(super) fn combine(
     half_area: f32,
     count: usize,
@@ -90,7 +90,8 @@ pub(super) fn combine(
     (Subtree { costs, has_curved }, Plan(plan))
 }
 
-/// The cheapest ways to share 2 to [`WIDTH`] roots between both children, and how many go left.
+/// The cheapest ways to share 2 to [`WIDTH`] roots between both children, and the numbers on the
+/// left.
 #[inline(always)]
 fn distribute(left: &[f32; WIDTH], right: &[f32; WIDTH]) -> ([f32; WIDTH], [u32; WIDTH]) {
     // The right child's costs behind infinite ones, so that all numbers of roots are tried at once.

@@ -6,7 +6,7 @@ use super::boxes::{Box8, Reference};
 use super::plan::{self, Plan, Subtree};
 use crate::math::Bounds;
 
-/// Subtrees with more primitives are worth a task of their own.
+/// Subtrees with more primitives are built by tasks of their own.
 pub(super) const PARALLEL_SUBTREE: usize = 2048;
 
 /// An inner node of the binary hierarchy, stored before those below it. Over n primitives there are
@@ -17,7 +17,7 @@ pub(super) struct BinaryNode {
     /// How many primitives lie on the left side.
     left: u32,
     max: Vec3,
-    /// What becomes of it in the wide hierarchy.
+    /// Its fate in the wide hierarchy.
     pub(super) plan: Plan,
 }
 
@@ -35,11 +35,11 @@ impl BinaryNode {
 /// A subtree of a [`BinaryTree`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Branch {
-    /// Where its primitives begin in the order of leaves.
+    /// Index of its first primitive in the order of leaves.
     pub(super) first: u32,
     /// How many primitives it has, from 1.
     pub(super) count: u32,
-    /// Its root, where there is more than one primitive.
+    /// Its root, if it has more than one primitive.
     node: u32,
 }
 
@@ -54,7 +54,7 @@ pub(super) struct BinaryTree {
 }
 
 impl BinaryTree {
-    /// All of it; none where there are no primitives.
+    /// The whole hierarchy; none if it has no primitives.
     pub(super) fn root(&self) -> Option<Branch> {
         let count = self.references.len() as u32;
         (count > 0).then_some(Branch { first: 0, count, node: 0 })
@@ -89,13 +89,13 @@ impl BinaryTree {
         &mut self.nodes[of.node as usize].plan
     }
 
-    /// Whether a branch becomes a leaf where it stands alone.
+    /// Whether a branch that is a root becomes a leaf.
     pub(super) fn is_leaf(&self, of: Branch) -> bool {
         of.count == 1 || self.plan(of).is_leaf()
     }
 }
 
-/// Builds both sides of a node about `all`, of which `middle` primitives are left.
+/// Builds both sides of a node about `all`; the first `middle` primitives are on the left.
 pub(super) fn fork(
     all: &Box8,
     middle: usize,

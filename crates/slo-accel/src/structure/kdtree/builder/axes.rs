@@ -1,9 +1,9 @@
-//! Work on three axes, in parallel where it is worth its while.
+//! Work on three axes, in parallel if it is enough.
 
-/// Cells with at least so many primitives are built in parallel.
+/// Least number of primitives of a cell that is built in parallel.
 pub(super) const PARALLEL_SIZE: usize = 16384;
 
-/// Does the same for three axes.
+/// Calls `each` for three axes.
 pub(super) fn for_axes<T: Send, R: Send>(
     in_parallel: bool,
     [x, y, z]: [T; 3],

@@ -7,8 +7,8 @@ use crate::math::Bounds;
 use crate::structure::kdtree::treelet::{Child, MIDDLE, TOP, Treelet, WIDTH};
 use crate::structure::shared::pages::Array;
 
-/// The least number of treelets that a ray is expected to come to in a node and below, in areas, if a
-/// treelet begins there; and if one that begins above has one and two more levels.
+/// Least expected number of treelets that a ray visits in a node and below, in areas: if a treelet
+/// begins there, and if one that begins above has one or two more levels.
 type Steps = [f32; 3];
 
 struct Collapse<'a> {
@@ -16,12 +16,13 @@ struct Collapse<'a> {
     steps: Vec<Steps>,
     /// What makes the largest extent 1.
     scale: f64,
-    /// Leaves lie as the arena has them, as if it came first.
+    /// Leaves have their places in the arena, as if it came first.
     treelets: Vec<Treelet>,
 }
 
-/// Joins nodes to treelets so that rays are expected to come to the fewest; the root is first, and the
-/// words of the arena follow. Also tells how many follow each other on the longest way down.
+/// Joins nodes to treelets so that the expected number of treelets that a ray visits is least; the
+/// root comes first, and the words of the arena follow. Also returns the number of treelets on the
+/// longest way down.
 pub(super) fn collapse(nodes: &[Node], arena: &[u32], bounds: Bounds) -> (Array<Treelet>, usize) {
     let extent = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).max_element();
     let mut collapse = Collapse {
@@ -88,8 +89,8 @@ impl Collapse<'_> {
         self.steps[node] = [begun, begun.min(joined(0)), begun.min(joined(1))];
     }
 
-    /// Makes a node the root of the treelet in a line; how many treelets follow each other from it to
-    /// the deepest leaf.
+    /// Makes a node the root of the treelet in a line; returns the number of treelets down to the
+    /// deepest leaf.
     fn fill(&mut self, line: usize, node: usize) -> usize {
         let mut treelet = Treelet::EMPTY;
         let mut roots = vec![];
@@ -108,8 +109,8 @@ impl Collapse<'_> {
         1 + depths.max().unwrap_or(0)
     }
 
-    /// Makes a node a plane of a treelet, whose children in some places are those below and above it;
-    /// `roots` get those that are treelets, by their places.
+    /// Makes a node a plane of a treelet, whose children in some places are those below and above
+    /// it; `roots` get those that are treelets, by their places.
     fn join(
         &self,
         treelet: &mut Treelet,

@@ -12,7 +12,7 @@ pub(super) const PLANAR: u64 = 1;
 /// A primitive begins.
 pub(super) const START: u64 = 2;
 
-/// How many slots an event can tell apart.
+/// Number of slots that an event can name.
 pub(super) const MAX_SLOTS: usize = 1 << 30;
 
 /// The events of a box along an axis, of the primitive in `slot`.
@@ -26,7 +26,7 @@ pub(super) fn push_events(bounds: &Bounds, axis: usize, slot: u32, events: &mut 
     }
 }
 
-/// What all events of a kind at a position come after, or are.
+/// The least event of a kind at a position.
 pub(super) fn at(position: f32, kind: u64) -> Event {
     event(position, kind, 0)
 }

@@ -24,7 +24,7 @@ use super::tree::{FAR, KdTree, MAX_DEPTH};
 use crate::isa::Isa;
 use crate::primitives::{Primitives, triangle};
 
-/// What the sweep expects leaves to cost, before it knows how their primitives fill registers.
+/// Costs that the sweep expects, before it is known how primitives fill registers.
 const COSTS: Costs = Costs { leaf: 6.0, primitive: 0.6, empty_bonus: 0.9 };
 
 /// Cost of a register of triangles, in planes that a ray comes to.
@@ -56,7 +56,7 @@ pub(super) fn build(primitives: Primitives, isa: Isa) -> KdTree {
     KdTree { primitives, bounds, lines, depth, is_far, isa }
 }
 
-/// What a subtree may still use.
+/// What a subtree may use.
 #[derive(Clone, Copy, Debug)]
 struct Limits {
     /// Levels below this one.
@@ -97,7 +97,7 @@ impl Part {
     }
 }
 
-/// Subtrees of up to so many primitives become leaves if that turns out to be no more expensive.
+/// Subtrees of up to this many primitives become leaves if that turns out to be no more expensive.
 const PRUNED_SIZE: usize = 64;
 
 struct Builder<'a> {

@@ -2,7 +2,7 @@
 
 use crate::structure::kdtree::leaf::Chunk;
 
-/// What a node is: an inner node or a leaf, in two words.
+/// An inner node or a leaf, in two words.
 ///
 /// | | word 0 | word 1, bits 0-1 | word 1, the other bits |
 /// |---|---|---|---|

@@ -79,7 +79,7 @@ fn sides(cell: &Cell, plane: &Plane) -> Vec<Side> {
     let events = &cell.events[plane.axis];
     let from = at(plane.position, if plane.planar_below { START } else { PLANAR });
     let (below, above) = events.split_at(events.partition_point(|&event| event < from));
-    // What is written last counts, so that nothing depends on a primitive's other event.
+    // The last write counts, so that nothing depends on a primitive's other event.
     for &event in below {
         sides[slot(event)] = if kind(event) == START { Side::Both } else { Side::Below };
     }
@@ -112,7 +112,7 @@ impl Part {
         self.ids.len() as u32 - 1
     }
 
-    /// Takes what of a primitive lies in the part's box.
+    /// Adds the part of a primitive inside the box.
     fn push_clipped(&mut self, id: u32, primitives: &Primitives) {
         let clipped = match primitives.triangles.get(id as usize) {
             Some(triangle) => clipped_bounds(triangle, &self.bounds),
@@ -146,7 +146,7 @@ fn place(
             above.push_clipped(id, primitives);
             return CUT;
         }
-        // Without a branch, which nothing could foretell: pushed on both sides, kept on one.
+        // Without a branch, which could not be predicted: pushed on both sides, kept on one.
         let is_above = side == Side::Above;
         let places = [below.push(id), above.push(id) | ABOVE];
         below.ids.truncate(below.ids.len() - usize::from(is_above));

@@ -149,8 +149,8 @@ impl Vector for __m256 {
     }
 }
 
-/// Spans of cells narrowed by the planes about them, told by place, of one level: by the late time of
-/// those behind the cells in `NEAR`, by the early time of those before the others.
+/// Spans of cells narrowed by the planes about them of one level, given by place: by the late time
+/// of the planes behind the cells in `NEAR`, by the early time of the planes before the others.
 #[inline(always)]
 unsafe fn narrowed<const NEAR: i32>(
     (near, far): (__m256, __m256),
@@ -168,7 +168,7 @@ unsafe fn narrowed<const NEAR: i32>(
     }
 }
 
-/// Stores the entries of a set, one behind the other; how many they are.
+/// Stores the entries of a set, packed; returns their number.
 #[inline(always)]
 unsafe fn keep(to: Entries, near: __m256, far: __m256, child: __m256i, set: i32) -> usize {
     unsafe {

@@ -19,7 +19,7 @@ pub(crate) fn stack_size(depth: usize) -> usize {
     2 + depth * (WIDTH - 1) + WIDTH
 }
 
-/// An entry of a stack, and those behind it: where a ray enters and leaves what to visit.
+/// An entry of a stack and those after it: children with the spans in which the ray visits them.
 #[derive(Clone, Copy)]
 pub(crate) struct Entries {
     pub(crate) near: *mut f32,

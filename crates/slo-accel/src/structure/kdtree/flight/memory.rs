@@ -14,7 +14,7 @@ pub(crate) struct Memory {
     pub(crate) words: *const u32,
     /// The first place of a ray.
     pub(crate) places: *mut Line,
-    /// Entries of a stack, of which each of three arrays has so many.
+    /// Entries of a stack: the length of each of its three arrays.
     pub(crate) stack: usize,
 }
 
@@ -46,8 +46,8 @@ impl Memory {
         }
     }
 
-    /// Takes the last entry from a ray's stack, and asks for its memory: for three lines whatever it
-    /// is, or, where memory is far away, for the one of a treelet and four of a leaf.
+    /// Pops the last entry of a ray's stack, and prefetches its memory: three lines whatever it is,
+    /// or, if memory is far away, the one line of a treelet and four of a leaf.
     ///
     /// # Safety
     /// The ray is in a place, and its stack holds its first entry at least.
@@ -58,7 +58,7 @@ impl Memory {
             (*ray).top -= 1;
             *self.stack(ray).child.add((*ray).top as usize)
         };
-        // A prefetch of what is not there does nothing.
+        // A prefetch of an invalid address does nothing.
         let at = self.words.wrapping_add(child.offset()).cast::<i8>();
         let lines = if FAR { 4 } else { 3 };
         let stride = if FAR && child.is_treelet() { 0 } else { size_of::<Line>() };
@@ -69,7 +69,7 @@ impl Memory {
         child
     }
 
-    /// Puts the children of a treelet that was just taken from a ray's stack on it.
+    /// Pushes the children of a treelet that was just popped.
     ///
     /// # Safety
     /// The CPU has the instructions of `V`; the ray is in a place.
@@ -83,8 +83,8 @@ impl Memory {
         }
     }
 
-    /// Drops what is on a ray's stack that begins behind its best hit: done at once when it is found,
-    /// so that taking an entry needs no loop whose end the CPU would have to guess.
+    /// Drops the entries of a ray's stack that begin behind its best hit. This is done when the hit
+    /// is found, so that popping needs no loop whose end the CPU would have to predict.
     ///
     /// # Safety
     /// As [`step`](Self::step).
@@ -94,7 +94,7 @@ impl Memory {
         unsafe { (*ray).top = V::cull(self.stack(ray), (*ray).top as usize, (*ray).t) as u32 }
     }
 
-    /// Puts some children of a treelet on a ray's stack; how many.
+    /// Pushes children of a treelet on a ray's stack; returns their number.
     ///
     /// # Safety
     /// As [`step`](Self::step); the stack has room.
@@ -128,7 +128,7 @@ impl Memory {
         }
     }
 
-    /// Puts a part of the tree on a ray's stack, with the span of the ray that lies in it.
+    /// Pushes a part of the tree on a ray's stack, with the span of the ray in it.
     ///
     /// # Safety
     /// As [`step`](Self::step); the stack has room.
@@ -155,12 +155,12 @@ impl Memory {
 pub(crate) struct Flights<'a> {
     pub(crate) memory: Memory,
     pub(crate) free: &'a mut Vec<u32>,
-    /// Rays that left a packet and are not in a list yet.
+    /// Rays that left a packet and are in no list yet.
     pub(crate) parked: &'a mut Vec<u32>,
 }
 
 impl Flights<'_> {
-    /// Puts a ray into a free place, before the root, which is taken from its stack already.
+    /// Puts a ray into a free place, at the root, which counts as popped already.
     ///
     /// # Safety
     /// A place is free.
@@ -175,7 +175,7 @@ impl Flights<'_> {
         }
     }
 
-    /// Puts a ray into a free place, to go into flight when there is room, from what is put on its
+    /// Puts a ray into a free place, to join the stream when there is room. The caller fills its
     /// stack.
     ///
     /// # Safety

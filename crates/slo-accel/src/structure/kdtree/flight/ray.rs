@@ -6,8 +6,8 @@ use crate::simd::{Quads, deal_rows};
 use crate::structure::kdtree::leaf::Best;
 use crate::structure::kdtree::ray::{Line, Prepared};
 
-/// A ray that is being traced, rows of four numbers, some of which are loaded as a whole; its stack
-/// follows in memory.
+/// A ray in flight, in rows of four numbers. Some rows are loaded as a whole. Its stack follows in
+/// memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Ray {
@@ -25,7 +25,7 @@ pub(crate) struct Ray {
     pub(crate) u: f32,
     pub(crate) v: f32,
     pub(crate) primitive: u32,
-    /// Where the next entry of its stack goes, in entries.
+    /// Number of entries on its stack.
     pub(crate) top: u32,
 }
 

@@ -1,4 +1,4 @@
-//! What the stream is made of beyond arithmetic, for one instruction set.
+//! Operations of the stream beyond arithmetic, for one instruction set.
 
 use super::entries::Entries;
 use super::ray::Ray;
@@ -7,7 +7,7 @@ use crate::structure::kdtree::leaf::Chunk;
 use crate::structure::kdtree::treelet::Treelet;
 use crate::structure::shared::order::Choosing;
 
-/// A ray in all lanes, in its sheared axes, which are told.
+/// A ray in all lanes, in the sheared axes.
 #[derive(Clone, Copy)]
 pub(crate) struct ShearedLanes<V> {
     pub(crate) axes: [usize; 3],
@@ -18,15 +18,14 @@ pub(crate) struct ShearedLanes<V> {
 /// A register of triangles or of rays.
 ///
 /// # Safety
-/// As [`Lanes`](crate::simd::Lanes); what has to do with sets of bits also needs BMI and
-/// POPCNT.
+/// As [`Lanes`](crate::simd::Lanes); functions on sets of bits also need BMI and POPCNT.
 pub(crate) trait Vector: Quads + SetLanes {
     /// How rays are chosen.
     type Choosing: Choosing;
 
-    /// Writes those of a treelet's children that a ray meets in a span of it, from far to near, each
-    /// with the span in which it does; of them those in `among`, bit `c` for child `c`. Returns how
-    /// many there are. Eight entries may be overwritten.
+    /// Writes the children of a treelet that a ray visits within a span, from far to near, each
+    /// with its own span; only those in `among`, bit `c` for child `c`. Returns their number. Eight
+    /// entries may be overwritten.
     unsafe fn children(
         treelet: &Treelet,
         ray: &Ray,
@@ -35,8 +34,8 @@ pub(crate) trait Vector: Quads + SetLanes {
         to: Entries,
     ) -> usize;
 
-    /// Drops those of the first `len` entries of a stack that begin behind `t`, and lets the others
-    /// end there; returns how many are left. Eight entries beyond the last may be overwritten.
+    /// Drops the entries of a stack of `len` that begin behind `t`, and ends the others there;
+    /// returns the number of entries kept. Eight entries beyond the last may be overwritten.
     unsafe fn cull(stack: Entries, len: usize, t: f32) -> usize;
 
     /// The least of all lanes, in all of them.
@@ -46,10 +45,10 @@ pub(crate) trait Vector: Quads + SetLanes {
     unsafe fn least_of_quads(self) -> Self;
 
     /// Sheared corners (by corner, then x, y, and z of the sheared axes) of up to a register of
-    /// triangles of a chunk, from the `first` triangle on, which is a multiple of their number; origin
-    /// and shear are those of the ray. In lanes that hold no triangle, which are not `present`, there is
-    /// a number that is not made of what is no vertex: such may be subnormal, which is many times slower
-    /// on some CPUs.
+    /// triangles of a chunk, from the `first` triangle on, which is a multiple of their number;
+    /// origin and shear are those of the ray. Lanes that are not `present` hold no triangle, and
+    /// numbers computed from some vertex: other words, taken for numbers, may be subnormal, which
+    /// is many times slower on some CPUs.
     ///
     /// The words are those of a chunk of a finished arena.
     unsafe fn sheared_corners(

@@ -1,4 +1,4 @@
-//! In which order a ray meets the cells of a treelet.
+//! The order in which a ray visits the cells of a treelet.
 
 use std::arch::x86_64::*;
 
@@ -8,9 +8,9 @@ use crate::structure::kdtree::treelet::{MIDDLE, TOP, Treelet, WIDTH};
 #[repr(align(64))]
 pub(crate) struct Aligned<T>(pub(crate) T);
 
-/// By which of the seven planes the ray falls through (bit `p` for plane `p`), for each cell from the
-/// farthest to the nearest: bits 0-2: the child; bits 4-6 and 8-10: the planes of the last and of the
-/// middle level about it; bits 7 and 11 are set where the cell lies before them.
+/// By which of the seven planes the ray falls through (bit `p` for plane `p`), for each cell from
+/// the farthest to the nearest: bits 0-2: the child; bits 4-6 and 8-10: the planes of the last and
+/// of the middle level about it; bits 7 and 11 are set if the cell lies before them.
 pub(crate) static WAYS: Aligned<[[u16; WIDTH]; 128]> = {
     let mut table = [[0; WIDTH]; 128];
     let mut falls = 0;

@@ -1,8 +1,8 @@
 //! Leaves of several rays at once.
 //!
-//! Most leaves fill a part of a register only. Those with up to four triangles are tested together
-//! with those of other rays, one in each quad of lanes: the vertices of all of them fill the two
-//! registers of which permutations take the corners, as those of one full leaf do.
+//! Most leaves fill only a part of a register. Leaves with up to four triangles are tested together
+//! with those of other rays, one in each quad of lanes. Their vertices fill the two registers from
+//! which permutations take the corners, as the vertices of one full leaf do.
 
 #![allow(clippy::needless_range_loop)] // closures around intrinsics would become calls
 
@@ -18,8 +18,8 @@ use crate::structure::kdtree::treelet::{Child, Stop, Stops};
 /// Lanes of a quad.
 const QUAD: usize = 4;
 
-/// Tests the leaves that fit into quads, `QUADS` at a time; rays go on from there. Leaves less than
-/// that wait for others, unless no more than they are left.
+/// Tests the leaves that fit into quads, `QUADS` at a time, and looks up the next visits of their
+/// rays. An incomplete group waits for others, unless it is all there is.
 ///
 /// # Safety
 /// As [`trace`](super::trace).
@@ -38,7 +38,7 @@ pub(super) unsafe fn visit_quarters<V: Vector, Q: Query, const QUADS: usize, con
     unsafe {
         for first in (0..now).step_by(QUADS) {
             let count = (now - first).min(QUADS);
-            // Where there are too few, the last are taken again.
+            // If there are too few, the last is repeated.
             let mut group = [stops.get(Child::QUARTERS, first); QUADS];
             for i in 1..QUADS {
                 group[i] = stops.get(Child::QUARTERS, first + i.min(count - 1));
@@ -54,7 +54,7 @@ pub(super) unsafe fn visit_quarters<V: Vector, Q: Query, const QUADS: usize, con
     }
 }
 
-/// Tests the leaves that need a register for themselves; rays go on from there.
+/// Tests the leaves that need a whole register, and looks up the next visits of their rays.
 ///
 /// # Safety
 /// As [`trace`](super::trace).
@@ -75,7 +75,7 @@ pub(super) unsafe fn visit_wholes<V: Vector, Q: Query, const FAR: bool>(
     }
 }
 
-/// Sends a ray on from a leaf.
+/// Looks up the next visit of a ray after a leaf.
 ///
 /// # Safety
 /// The ray is in flight, and in no list.
@@ -208,7 +208,7 @@ unsafe fn test_chunk<V: Vector, Q: Query>(
         let shear = [V::splat(shear[0]), V::splat(shear[1]), V::splat(shear[2])];
         let sheared = ShearedLanes { axes: (*ray).axes(), origin, shear };
         let mut first = 0;
-        // One register at least, so that there is no branch where one is enough for all.
+        // At least one register, so that there is no branch if one is enough for all chunks.
         loop {
             let left = chunk.triangles() - first;
             let present = (1 << left.min(V::COUNT)) - 1;
@@ -261,7 +261,7 @@ impl Hits {
         hits
     }
 
-    /// Lets a ray keep a hit, no farther than its best, if it is nearer or of lower id.
+    /// Keeps a hit that is not beyond the ray's best if it is nearer or has a lower id.
     ///
     /// # Safety
     /// The CPU has the instructions of `V`; the ray is in flight.

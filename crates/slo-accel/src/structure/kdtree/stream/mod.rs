@@ -1,9 +1,9 @@
-//! Many rays in flight at once, a step of each in turn.
+//! Streams: many rays in flight, a step of each in turn.
 //!
-//! One ray alone waits for memory at every treelet, and for the outcome of every branch. Here a step
-//! of a ray has no branch ([`flight`](super::flight)). It ends by asking for the memory that the
-//! ray's next step needs, and is followed by steps of other rays. Rays that stand before a treelet and rays that stand before a
-//! leaf are kept in lists, worked off in turn.
+//! A single ray waits for memory at every treelet, and for the outcome of every branch. Here a step
+//! of a ray has no branch ([`flight`](super::flight)), ends by prefetching the memory of the ray's
+//! next step, and is followed by steps of other rays. Rays that visit a treelet next and rays that
+//! visit a leaf next are kept in lists, which take turns.
 
 mod leaves;
 
@@ -52,24 +52,24 @@ impl Default for Stream {
     }
 }
 
-/// The rays of a batch that are still to be traced, made ready sixteen at a time.
+/// The rays of a batch that remain to be traced, prepared sixteen at a time.
 struct Pending<'a> {
     around: Surroundings<'a>,
     path: &'a mut descent::Path,
     prepared: &'a mut Prepared,
-    /// The same rays one by one, if any is left.
+    /// The same rays one by one, if any are left.
     ready: &'a mut [Ray; LANES],
     /// Whether rays that go the same way are traced together.
     packets: bool,
     order: &'a Order,
-    /// The sixteen that is made ready next.
+    /// Number of the sixteen that is prepared next.
     next: usize,
-    /// Which of the sixteen are to go into flight.
+    /// The set of the sixteen that remain to be put into flight.
     left: u32,
 }
 
 impl Pending<'_> {
-    /// Puts the next ray into flight, if any is left; where it stands.
+    /// Puts the next ray into flight, and returns its stop; none if no ray is left.
     ///
     /// # Safety
     /// As [`trace`]; fewer than [`IN_FLIGHT`] rays are in flight.
@@ -97,7 +97,7 @@ impl Pending<'_> {
         }
     }
 
-    /// Makes sixteen rays ready, if any is left, and traces those that go in packets.
+    /// Prepares sixteen rays, if any are left, and traces those that go in packets.
     ///
     /// # Safety
     /// As [`start`](Self::start).
@@ -128,8 +128,8 @@ impl Pending<'_> {
     }
 }
 
-/// Answers a query about rays; coherent ones go in packets while that
-/// is worth its while. A register has `QUADS` times four lanes; `FAR` tells whether the tree is far away.
+/// Answers a query about rays; coherent rays go in packets while these pay. A register has `QUADS`
+/// times four lanes; `FAR` says whether the tree is far away.
 ///
 /// # Safety
 /// The CPU has the instructions of `V`.

@@ -1,4 +1,4 @@
-//! The order in which the rays of a batch are made ready, so that sixteen of them go the same way.
+//! The order in which the rays of a batch are prepared, so that sixteen of them go the same way.
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
@@ -8,7 +8,7 @@ use crate::simd::lanes_of;
 
 /// What ordering and choosing rays is made of, for one instruction set; here in plain Rust.
 pub(crate) trait Choosing {
-    /// Which of sixteen values equal one.
+    /// The set of those of sixteen values that equal `value`.
     ///
     /// # Safety
     /// The CPU has the instruction set.
@@ -33,7 +33,7 @@ pub(crate) trait Choosing {
         }
     }
 
-    /// Writes those of sixteen numbers that are in a set, in order.
+    /// Writes the numbers of a set, of sixteen, in their order.
     ///
     /// # Safety
     /// The CPU has the instruction set; `to` is writable for sixteen values.
@@ -59,14 +59,14 @@ pub(crate) struct Order {
     bins: Bins,
 }
 
-/// Rays that do not go the way of their neighbours, by the way they go.
+/// Rays that do not go the same way as their neighbours, binned by way.
 #[derive(Debug, Default)]
 struct Bins {
-    /// For each way as many as the batch has rays, and [`LANES`] more.
+    /// Entries for each way: as many as the batch has rays, and [`LANES`] more.
     room: usize,
-    /// For each way their places in the batch.
+    /// Indices of the rays in the batch, by way.
     indices: Vec<u32>,
-    /// For each way the rays, [`Numbers`] in columns.
+    /// The rays as columns of [`Numbers`], by way.
     numbers: Vec<f32>,
 }
 
@@ -75,12 +75,12 @@ pub(crate) type Numbers<'a> = [&'a [f32; LANES]; NUMBERS];
 const NUMBERS: usize = 7;
 
 impl Bins {
-    /// Makes room for a batch of so many rays, a multiple of [`LANES`]. Columns are an odd multiple
-    /// of a cache line long, so that they do not compete for the same places of a cache.
+    /// Makes room for a batch of `rays` rays, a multiple of [`LANES`]. Columns are an odd multiple
+    /// of a cache line long, so that they do not share the sets of a cache.
     fn make_room(&mut self, rays: usize) {
         self.room = ((rays / LANES + 1) | 1) * LANES;
         if self.indices.len() < WAYS * self.room {
-            // Most ways are never gone: their memory stays untouched.
+            // Most ways stay empty, and their memory untouched.
             self.indices = vec![0; WAYS * self.room];
             self.numbers = vec![0.0; WAYS * NUMBERS * self.room];
         }
@@ -114,7 +114,7 @@ impl Bins {
 /// Up to sixteen rays of a batch.
 #[derive(Clone, Copy, Debug)]
 struct Place {
-    /// The first of neighbours, or where they begin in the bins.
+    /// The first ray if they are neighbours, or else where they begin in the bins.
     start: u32,
     count: u8,
     are_neighbours: bool,
@@ -124,7 +124,7 @@ struct Place {
 pub(crate) enum Sixteen<'a> {
     /// Neighbours, from this ray on.
     Neighbours(usize),
-    /// Any: their places in the batch, and themselves; all can be read.
+    /// Any rays: their indices in the batch, and the rays; all sixteen can be read.
     Chosen(&'a [u32; LANES], Numbers<'a>),
 }
 
@@ -132,7 +132,7 @@ pub(crate) enum Sixteen<'a> {
 const WAYS: usize = 32;
 
 impl Order {
-    /// Takes the rays of a batch as they come.
+    /// Keeps the rays of a batch in their order.
     pub(crate) fn keep(&mut self, rays: &Rays) {
         let n = rays.len();
         let place = |start: usize| Place {
@@ -205,7 +205,7 @@ impl Order {
         }
     }
 
-    /// The n-th sixteen, and how many of them are rays to be traced; `None` behind the last.
+    /// The n-th sixteen, and how many of them are rays to be traced; `None` after the last.
     #[inline(always)]
     pub(crate) fn get(&self, n: usize) -> Option<(Sixteen<'_>, usize)> {
         let &Place { start, count, are_neighbours } = self.sixteens.get(n)?;
@@ -216,7 +216,7 @@ impl Order {
     }
 }
 
-/// Signs of a direction and its largest axis; nothing depends on how equals are told apart.
+/// Signs of a direction and its largest axis; any choice between equals will do.
 #[inline(always)]
 fn way(x: f32, y: f32, z: f32) -> u8 {
     let negative = |v: f32| (v.to_bits() >> 31) as u8;

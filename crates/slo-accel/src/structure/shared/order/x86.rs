@@ -30,7 +30,7 @@ impl Choosing for Avx2 {
     }
 }
 
-/// Those of eight numbers that are in a set, in order, then others.
+/// Packs the numbers of a set, of eight, to the front in their order; the rest is undefined.
 ///
 /// # Safety
 /// The CPU has AVX2; there are eight.

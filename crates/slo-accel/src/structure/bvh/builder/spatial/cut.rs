@@ -7,19 +7,19 @@ use crate::primitives::Triangle;
 use crate::primitives::clip::clipped_bounds;
 use crate::primitives::triangle::POSITION_ERROR;
 
-/// How far boxes of pieces reach beyond them.
+/// Widening of the boxes of pieces.
 ///
-/// A hit may lie [`POSITION_ERROR`] times the distance of the triangle's farthest corner outside
-/// the point of the triangle that it tells. Nodes are widened by the largest coordinate of their
-/// box instead, which for a whole triangle is that of its corners; a piece may lie far nearer to
-/// the origin than the triangle that it is cut from.
+/// A hit may lie [`POSITION_ERROR`] times the distance of the triangle's farthest corner away from
+/// the triangle. Nodes are widened by the largest coordinate of their box instead. For a whole
+/// triangle this is the largest of its corners; but a piece may lie far nearer to the origin than
+/// its triangle.
 pub(super) fn margin(triangle: &Triangle) -> f32 {
     let largest = triangle.iter().fold(Vec3::ZERO, |all, p| all.max(p.abs()));
     POSITION_ERROR * largest.max_element()
 }
 
-/// The boxes about what a triangle leaves on each side of the plane `axis = at`, within the box of
-/// a reference to it and with its [`margin`] around; none where nothing is left.
+/// The boxes about the parts of a triangle on each side of the plane `axis = at`, within the box of
+/// a reference to it and widened by its [`margin`]; none if there is no part.
 ///
 /// A box that holds a part of the triangle with its margin is left with two boxes that each hold
 /// their part of the part with its margin: however often a reference is cut, a hit lies inside the

@@ -1,12 +1,12 @@
-//! Spatial splits: where the sides of the best split of primitives would overlap, space itself is
-//! split, and triangles on both sides are cut.
+//! Spatial splits: if the sides of the best split of primitives would overlap, space itself is
+//! split, and the triangles on both sides are cut.
 //!
 //! Sources: Stich, Friedrich, Dietrich, *Spatial Splits in Bounding Volume Hierarchies* (HPG 2009);
 //! Popov, Georgiev, Dimov, Slusallek, *Object Partitioning Considered Harmful* (HPG 2009), for the
-//! bound on references. Here an overlap counts as the area that a cut would save instead of its
-//! own, so that neighbours that touch do not count; what can't gain is left to the builder without
-//! spatial splits; and the room for additional references is shared out down the tree, so that the
-//! tree is the same for any number of threads.
+//! bound on references. We differ in three points. An overlap counts as the area that a cut would
+//! save instead of its own area, so neighbours that touch do not count. Subtrees that cannot gain
+//! are left to the builder without spatial splits. The room for additional references is divided on
+//! the way down, so the tree is the same for any number of threads.
 
 mod cut;
 mod planes;
@@ -31,11 +31,11 @@ use crate::isa::Isa;
 use crate::primitives::Triangle;
 use crate::structure::bvh::layout::MAX_SLOTS;
 
-/// What a cut must be able to save, in units of the area of the box about everything. A tenth of it
-/// gains nothing more, and ten times as much loses about 2 % of speed.
+/// Least saving of a cut, in units of the area of the box about everything. A tenth of it gains
+/// nothing more; ten times as much loses about 2 % of speed.
 const LEAST_OVERLAP: f32 = 1e-3;
 
-/// There is room for one additional reference to so many primitives.
+/// Primitives for each additional reference that there is room for.
 const SPARE: usize = 4;
 
 /// Builds the hierarchy of references to triangles and, with ids beyond those, curved surfaces,
@@ -77,7 +77,7 @@ impl Sketch {
         }
     }
 
-    /// Moves the references together, which lie with gaps between them; where they end.
+    /// Closes the gaps between the references; returns their end.
     fn gather(&self, references: &mut [Reference], end: usize) -> usize {
         match self {
             Self::Fork { sides, .. } => {
@@ -108,7 +108,7 @@ impl Sketch {
     }
 }
 
-/// What all subtrees are split by.
+/// What the splits of all subtrees share.
 struct Splitter<'a> {
     triangles: &'a [Triangle],
     /// Half the area that a cut must be able to save.
@@ -170,9 +170,9 @@ impl Splitter<'_> {
         job.split_at(&mut room.slots[..room.count], &binning, best)
     }
 
-    /// Sorts references to both sides of a plane and cuts those that lie on both, unless it is
-    /// cheaper to keep one whole on one side: how many go left. None where one side is empty;
-    /// none has been cut in two then.
+    /// Sorts references to both sides of a plane and cuts those that lie on both, unless a whole
+    /// one on one side is cheaper. Returns the number on the left; `None` if one side is empty, and
+    /// then no reference has been cut in two.
     fn cut(&self, room: &mut Room<'_>, plane: Plane) -> Option<usize> {
         let mut sides = Sides::new(&plane);
         let mut middle = 0;
@@ -196,8 +196,8 @@ impl Splitter<'_> {
     }
 }
 
-/// Half the area that a cut through the overlap of two sides would save, at best: the part of the
-/// overlap's own that is not the face of the cut. 0 where they only touch.
+/// Half the area that a cut through the overlap of two sides would save at best: the overlap's own
+/// area without the face of the cut. 0 if they only touch.
 fn overlap([left, right]: &[Box8; 2]) -> f32 {
     let common = left.intersection(right).size().truncate();
     if common.min_element() <= 0.0 {

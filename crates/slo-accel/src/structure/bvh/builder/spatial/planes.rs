@@ -15,14 +15,14 @@ use crate::structure::bvh::builder::heuristic::cost;
 /// Bins along each axis.
 pub(super) const BINS: usize = 32;
 
-/// Margins of a triangle that a bin must be wider than, or cutting would hardly shrink its boxes.
+/// Least width of a bin in margins of a triangle: in narrower bins, cutting would hardly shrink
+/// boxes.
 const MARGINS: f32 = 8.0;
 
-/// Bins of less, in units of the box's largest coordinate, are too narrow for triangles that reach
-/// so far.
+/// Least width of a bin, in units of the box's largest coordinate.
 const LEAST_WIDTH: f32 = MARGINS * POSITION_ERROR;
 
-/// A plane, and what it would leave on its sides.
+/// A plane, and the sides that it would make.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plane {
     pub(super) axis: usize,
@@ -30,14 +30,14 @@ pub(super) struct Plane {
     pub(super) cost: f32,
     /// Boxes of both sides.
     pub(super) sides: [Box8; 2],
-    /// How many references would reach into them.
+    /// Number of references that would reach into each.
     pub(super) counts: [u32; 2],
     /// Between this plane and the next.
     width: f32,
 }
 
 impl Plane {
-    /// The triangle of a reference, where it is worth cutting.
+    /// The triangle of a reference, if cutting it pays.
     pub(super) fn cuttable<'a>(
         &self,
         reference: &Reference,
@@ -52,7 +52,7 @@ impl Plane {
     }
 }
 
-/// The triangle of a reference, where its margin is much smaller than the bins.
+/// The triangle of a reference, if its margin is much smaller than the bins.
 fn cuttable<'a>(
     reference: &Reference,
     triangles: &'a [Triangle],
@@ -66,7 +66,7 @@ fn cuttable<'a>(
 struct Grid {
     min: Vec4,
     width: Vec4,
-    /// Bins per length; 0 where there is only one.
+    /// Bins per unit of length; 0 if there is only one bin.
     scale: Vec4,
 }
 
@@ -96,7 +96,7 @@ impl Grid {
     }
 }
 
-/// What references leave in the bins of three axes.
+/// The parts of references in the bins of three axes.
 #[derive(Clone)]
 struct Bins {
     boxes: [[Box8; BINS]; 3],
@@ -132,7 +132,7 @@ impl Bins {
         bins
     }
 
-    /// Adds a reference along an axis, of which it fills the bins from `first` to `last`.
+    /// Adds a reference that fills the bins from `first` to `last` of an axis.
     #[inline(always)]
     fn add<const AXIS: usize>(
         &mut self,
@@ -156,8 +156,8 @@ impl Bins {
         }
     }
 
-    /// Both parts of the box of a reference in the two bins that it fills: as good as those of a
-    /// triangle, which are hardly smaller.
+    /// Adds both parts of the box of a reference to the two bins that it fills. Boxes about the
+    /// parts of the triangle would hardly be smaller.
     #[inline(always)]
     fn halve<const AXIS: usize>(&mut self, at: f32, last: usize, reference: &Reference) {
         let boxes = &mut self.boxes[AXIS];
@@ -168,7 +168,7 @@ impl Bins {
         self.exits[AXIS][last] += 1;
     }
 
-    /// A whole reference in one bin.
+    /// Adds a whole reference to one bin.
     #[inline(always)]
     fn put(&mut self, axis: usize, bin: usize, reference: &Reference) {
         self.boxes[axis][bin] = self.boxes[axis][bin].union(reference.bounds());
@@ -176,7 +176,7 @@ impl Bins {
         self.exits[axis][bin] += 1;
     }
 
-    /// The part of a reference between each two planes in the bin there.
+    /// Adds the part of a reference between each two planes to the bin between them.
     #[inline(always)]
     fn spread<const AXIS: usize>(
         &mut self,
@@ -250,7 +250,7 @@ impl Bins {
     }
 }
 
-/// Where a triangle meets the planes across an axis.
+/// Sections of a triangle by the planes across an axis.
 struct Sections<const AXIS: usize> {
     /// From low to high.
     corners: [Vec4; 3],
@@ -273,7 +273,7 @@ impl<const AXIS: usize> Sections<AXIS> {
         Self { corners, steps: [step(low, high), step(low, middle), step(middle, high)] }
     }
 
-    /// The box about the section by a plane; none where the plane does not pass between corners.
+    /// The box about the section by a plane; none if the plane does not pass between corners.
     #[inline(always)]
     fn at(&self, at: f32) -> Option<Box8> {
         let [low, middle, high] = self.corners;
@@ -296,8 +296,8 @@ fn fill_avx2(grid: &Grid, references: &[Reference], triangles: &[Triangle]) -> B
     Bins::fill(grid, references, triangles)
 }
 
-/// The cheapest plane between bins for which there is room; none where there is no bin but one, or
-/// costs leave f32.
+/// The cheapest plane between bins for whose references there is room; none if there is only one
+/// bin, or costs overflow.
 pub(super) fn best_plane(
     all: &Box8,
     room: &Room<'_>,

@@ -2,9 +2,9 @@
 
 use crate::structure::bvh::builder::boxes::Reference;
 
-/// The references of a subtree, and room for more behind them.
+/// The references of a subtree, followed by room for more.
 pub(super) struct Room<'a> {
-    /// Where the slots begin among all.
+    /// Index of the first slot among all.
     pub(super) first: usize,
     pub(super) count: usize,
     pub(super) slots: &'a mut [Reference],
@@ -19,8 +19,8 @@ impl<'a> Room<'a> {
         &self.slots[..self.count]
     }
 
-    /// The rooms of the first `middle` references and of the others, with their shares of what is
-    /// spare.
+    /// The rooms of the first `middle` references and of the others, each with its share of the
+    /// spare slots.
     pub(super) fn split(self, middle: usize) -> [Self; 2] {
         let Self { first, count, slots } = self;
         let spare = slots.len() - count;

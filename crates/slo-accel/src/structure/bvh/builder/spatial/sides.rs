@@ -1,7 +1,7 @@
-//! What becomes of a reference on the sides of a plane.
+//! References on the sides of a plane.
 //!
-//! Source: Stich, Friedrich, Dietrich, as in [`spatial`](super), section 4.4: where a reference is
-//! cheaper whole on one side than cut on both, it stays whole.
+//! Source: Stich, Friedrich, Dietrich, as in [`spatial`](super), section 4.4: a reference stays
+//! whole if that is cheaper than its pieces.
 
 use super::cut::cut;
 use super::planes::Plane;
@@ -15,12 +15,12 @@ pub(super) struct Sides {
 }
 
 impl Sides {
-    /// As the plane promises.
+    /// As the bins of the plane have them.
     pub(super) fn new(plane: &Plane) -> Self {
         Self { boxes: plane.sides, counts: plane.counts.map(|count| count as f32) }
     }
 
-    /// What a reference becomes on each side.
+    /// The references that take the place of one, by side.
     pub(super) fn place(
         &mut self,
         plane: &Plane,
@@ -60,7 +60,7 @@ impl Sides {
         kept
     }
 
-    /// The side where a reference costs less whole than its pieces do on both.
+    /// The side on which the whole reference costs less than its pieces on both.
     fn cheaper_whole(&self, whole: &Box8) -> Option<usize> {
         let [left, right] = self.boxes.each_ref().map(Box8::half_area);
         let [n_left, n_right] = self.counts;
