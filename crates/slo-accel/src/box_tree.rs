@@ -1,12 +1,29 @@
-//! A tree over boxes: which of them a ray enters. The upper level of the two-level structure, over
-//! the boxes of moving objects.
+//! A tree over boxes, which lists the rays that enter each: the upper level of a two-level
+//! structure.
 
 use glam::Vec3;
 
-use super::{GROUP, Isa, LANES, Lanewise, Rays};
+use crate::isa::compress::GROUP;
+use crate::isa::{Isa, Lanewise};
 use crate::math::{Bounds, rounding::gamma};
+use crate::rays::{LANES, Rays};
 
-/// A binary tree over boxes, split at the median centre of the longest axis.
+/// A binary tree over boxes, split at the median of the centres along the longest axis.
+///
+/// ```
+/// use slo_accel::{BoxScratch, BoxTree, Isa, Rays, glam::Vec3, math::Bounds};
+///
+/// let unit = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
+/// let next = Bounds { min: Vec3::X * 2.0, max: Vec3::X * 2.0 + Vec3::ONE };
+/// let tree = BoxTree::new(&[unit, next]);
+/// let mut rays = Rays::with_capacity(1);
+/// rays.push(Vec3::new(0.5, 0.5, -1.0), Vec3::Z, f32::INFINITY);
+/// let mut reach = [-1.0; 16];
+/// reach[0] = f32::INFINITY;
+/// let mut entering = [vec![], vec![]];
+/// tree.gather(Isa::best(), &rays, &reach, &mut entering, &mut BoxScratch::default());
+/// assert_eq!(entering, [vec![0], vec![]]);
+/// ```
 #[derive(Debug, Default)]
 pub struct BoxTree {
     /// Children of node `i` are `i + 1` and `second`; a leaf holds one box.
@@ -21,11 +38,11 @@ struct Node {
     is_leaf: bool,
 }
 
-/// The median split halves the boxes, so that 2^32 boxes give at most 33 levels.
+/// The median split halves the boxes, so 2^32 boxes give at most 33 levels.
 const MAX_DEPTH: usize = 40;
 
 impl BoxTree {
-    /// Builds the tree; boxes are numbered by their place in `boxes`.
+    /// Builds the tree. The number of a box is its index in `boxes`.
     pub fn new(boxes: &[Bounds]) -> Self {
         let mut tree = Self::default();
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
@@ -54,10 +71,17 @@ impl BoxTree {
         self.add(boxes, second);
     }
 
-    /// Lists for each box the rays that enter it before `reach`, in their order, and perhaps some
-    /// that miss it by a rounding error; a ray whose reach is negative enters none.
+    /// Writes to `entering[b]` the indices of the rays that enter box `b` at a `t` of at most their
+    /// `reach`, in ascending order; what the lists held before is dropped. Rays that miss a box by
+    /// a rounding error may be listed too. A ray whose reach is negative enters no box.
     ///
-    /// `reach` goes on to a multiple of [`LANES`], negative behind the last ray.
+    /// `reach` has as many elements as the rays, rounded up to a multiple of [`LANES`]; those
+    /// behind the last ray are negative.
+    ///
+    /// # Panics
+    /// If `reach` is shorter, or `entering` has fewer lists than there are boxes.
+    ///
+    /// Source: T. Ize, *Robust BVH Ray Traversal*, JCGT 2013, for the test of a box.
     pub fn gather(
         &self,
         isa: Isa,
@@ -90,8 +114,8 @@ impl BoxTree {
         }
     }
 
-    /// Calls `visit` with the number of every box that the ray enters before `t_max`, and perhaps
-    /// of some that it misses by a rounding error. The order is the tree's.
+    /// Calls `visit` with the number of each box that the ray enters before `t_max`, and perhaps of
+    /// some that it misses by a rounding error, in the order of the tree.
     #[inline]
     fn visit(&self, origin: Vec3, direction: Vec3, t_max: f32, mut visit: impl FnMut(u32)) {
         if self.nodes.is_empty() {
@@ -118,19 +142,19 @@ impl BoxTree {
     }
 }
 
-/// So few boxes are tested for all rays at once, rather than the tree ray by ray.
+/// Fewer boxes are each tested for all rays at once, without the tree.
 const FEW: usize = 16;
 
-/// Working memory of [`BoxTree::gather`].
+/// Working memory of [`BoxTree::gather`], one for each thread. It holds nothing between calls.
 #[derive(Debug, Default)]
 pub struct BoxScratch {
     /// 1 / direction of each ray.
     inverse: [Vec<f32>; 3],
     /// 0, 1, 2, and so on.
     numbers: Vec<u32>,
-    /// For each ray a bit: whether it enters the box about all.
+    /// A bit for each ray: whether it enters the box about all boxes.
     any: Vec<u16>,
-    /// For each ray a bit: whether it enters one box.
+    /// A bit for each ray: whether it enters one box.
     enters: Vec<u16>,
 }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// An axis-aligned box; empty where `min > max` on an axis.
+/// An axis-aligned box; empty if `min > max` on any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Lower corner.
@@ -18,41 +18,48 @@ impl Default for Bounds {
 }
 
 impl Bounds {
-    /// The box that holds nothing: the neutral element of [`union`](Self::union).
+    /// The empty box, the neutral element of [`union`](Self::union).
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// The smallest box about some points.
+    /// The smallest box about points; empty if there are none.
+    #[inline]
     pub fn of_points(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// The smallest box about both.
+    /// The smallest box about both boxes.
+    #[inline]
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The box of what lies in both; empty where they are apart.
+    /// The points that lie in both boxes; empty if there are none.
+    #[inline]
     pub fn intersection(self, other: Self) -> Self {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
-    /// Whether no point lies inside.
+    /// Whether the box holds no point.
+    #[inline]
     pub fn is_empty(self) -> bool {
         !self.min.cmple(self.max).all()
     }
 
     /// Lengths of the sides.
+    #[inline]
     pub fn size(self) -> Vec3 {
         self.max - self.min
     }
 
-    /// Surface area; 0 for a flat box of one dimension, not defined for an empty one.
+    /// Surface area; 0 for a line or a point, undefined for the empty box.
+    #[inline]
     pub fn area(self) -> f32 {
         let d = self.size();
         2.0 * (d.x * d.y + d.y * d.z + d.z * d.x)
     }
 
-    /// The eight corners.
+    /// The eight corners: bit 0, 1 and 2 of the index choose the upper x, y and z.
+    #[inline]
     pub fn corners(self) -> [Vec3; 8] {
         std::array::from_fn(|i| {
             Vec3::new(

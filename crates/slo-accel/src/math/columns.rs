@@ -5,14 +5,15 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-/// Most entries of a batch: enough to hide latencies behind, few enough for the second-level cache.
-/// No power of two: entry `i` of every column would lie in the same set of the first-level cache.
+/// Entries of a column: enough to hide latencies, few enough for the second-level cache. The number
+/// is no power of two, since entries `i` of all columns would then share a set of the first-level
+/// cache.
 pub const BATCH: usize = 1008;
 
-/// One number of every entry of a batch.
+/// One value for each entry of a batch.
 pub type Column<T> = [T; BATCH];
 
-/// One vector of every entry of a batch.
+/// One vector for each entry of a batch, by components.
 #[derive(Clone, Debug)]
 pub struct Vec3s {
     /// First components.
@@ -36,13 +37,16 @@ impl Vec3s {
         Vec3::new(self.x[i], self.y[i], self.z[i])
     }
 
-    /// Gives entry `i` a vector.
+    /// Sets the vector of entry `i`.
     #[inline(always)]
     pub fn set(&mut self, i: usize, v: Vec3) {
         (self.x[i], self.y[i], self.z[i]) = (v.x, v.y, v.z);
     }
 
-    /// Gives `N` entries from `start` on one vector; none where there are less.
+    /// Sets `N` entries from `start` on to one vector; none of them if fewer are left.
+    ///
+    /// # Panics
+    /// If `start` is beyond the last entry.
     #[inline(always)]
     pub fn fill<const N: usize>(&mut self, start: usize, v: Vec3) {
         for (column, x) in [&mut self.x, &mut self.y, &mut self.z].into_iter().zip(v.to_array()) {
@@ -52,21 +56,22 @@ impl Vec3s {
         }
     }
 
-    /// Its three columns.
+    /// The columns of the three components.
+    #[inline]
     pub fn columns(&self) -> [&Column<f32>; 3] {
         [&self.x, &self.y, &self.z]
     }
 }
 
-/// The entries of a batch of `len`, and as many more as fill a vector register: what is computed
-/// for those is of no meaning and not looked at. The compiler sees that none is outside a column.
+/// The entries of a batch of `len`, rounded up to whole vector registers: results beyond `len` mean
+/// nothing. The compiler sees that all lie inside a column.
 #[inline(always)]
 pub fn lanes(len: usize) -> Range<usize> {
     0..len.next_multiple_of(16).min(BATCH)
 }
 
-/// Fetches something of an entry of a table for each index; beyond the table's end, of the last one.
-/// An empty table has nothing to fetch.
+/// Writes `of` the table's entry for each index to `to`; for an index beyond the table, of its last
+/// entry. Leaves `to` as it is if the table is empty.
 #[inline(always)]
 pub fn look_up<T: Copy, U>(
     table: &[T],
@@ -84,8 +89,9 @@ pub fn look_up<T: Copy, U>(
 /// Entries that [`look_up_each`] looks up together.
 const TOGETHER: usize = 16;
 
-/// Fetches an entry of each of several tables of one length for each index; beyond their end, the
-/// last one. Neighbours mostly ask for the same entry, which is then looked up once.
+/// Writes the entry of each of several tables of one length for each index to the table's column in
+/// `to`; for an index beyond the tables, their last entry. Leaves `to` as it is if a table is
+/// empty. Neighbouring indices are mostly the same, and then looked up once.
 #[inline(always)]
 pub fn look_up_each<const N: usize>(
     tables: [&[f32]; N],

@@ -1,7 +1,7 @@
-//! Elementary functions without branches and without a platform's math library: the same bits
-//! everywhere, and loops over them become SIMD code.
+//! Elementary functions of f32 without branches and without the platform's math library: they give
+//! the same bits everywhere, and loops over them become SIMD code.
 //!
-//! Errors given are measured against f64 over the stated domain by the tests below.
+//! The tests measure the stated errors against f64 over the stated domains.
 
 /// (sin, cos) of `turns` full turns, for `|turns| < 2^20`; absolute error below 2e-7.
 #[inline(always)]
@@ -16,7 +16,7 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
 
 /// (sin, cos) of `x` radians, for `|x| <= pi / 4`; absolute error below 1.5e-7.
 ///
-/// Taylor series to the term that is below rounding.
+/// A Taylor series, up to the term that is below rounding.
 #[inline(always)]
 pub fn sin_cos_octant(x: f32) -> (f32, f32) {
     let y = x * x;

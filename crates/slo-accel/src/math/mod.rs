@@ -1,4 +1,4 @@
-//! Columns of numbers, bounds, elementary functions and rounding bounds.
+//! Boxes, columns of numbers, elementary functions, and rounding.
 
 mod bounds;
 pub mod columns;

@@ -1,4 +1,4 @@
-//! Every rounding bound of slo-rt, each with its reason.
+//! Rounding: bounds of errors, and f64 rounded down and up to f32.
 
 /// Half the distance from 1 to the next f32: the relative error of one rounded operation.
 pub const UNIT_ROUNDOFF: f32 = f32::EPSILON * 0.5;
@@ -6,12 +6,14 @@ pub const UNIT_ROUNDOFF: f32 = f32::EPSILON * 0.5;
 /// Bound of the relative error of `n` rounded operations in a row.
 ///
 /// Source: Higham, Accuracy and Stability of Numerical Algorithms, lemma 3.1.
+#[inline]
 pub const fn gamma(n: u32) -> f32 {
     let ne = n as f32 * UNIT_ROUNDOFF;
     ne / (1.0 - ne)
 }
 
 /// The largest f32 that is not above `x`; finite for finite `x`.
+#[inline]
 pub fn round_down(x: f64) -> f32 {
     let nearest = x as f32;
     let below = if f64::from(nearest) > x { nearest.next_down() } else { nearest };
@@ -19,6 +21,7 @@ pub fn round_down(x: f64) -> f32 {
 }
 
 /// The smallest f32 that is not below `x`; finite for finite `x`.
+#[inline]
 pub fn round_up(x: f64) -> f32 {
     -round_down(-x)
 }

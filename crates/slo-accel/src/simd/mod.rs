@@ -1,14 +1,14 @@
 //! Vectors of 8 and 16 numbers, so that a kernel is written once for all of them.
 //!
-//! Nothing here is reordered or approximated: a lane gives the bits that the same operations give
-//! in plain Rust.
+//! Nothing is reordered or approximated: a lane has the bits that the same operations give in plain
+//! Rust.
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod sets;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use super::{Hits, LANES};
+use crate::rays::{Hits, LANES};
 
 /// A vector of `COUNT` numbers.
 ///
@@ -33,12 +33,13 @@ pub(crate) trait Lanes: Copy {
     unsafe fn mul_sub(self, b: Self, c: Self) -> Self;
     /// `c - self * b`, rounded once.
     unsafe fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// The smaller; `other` where one is NaN.
+    /// The smaller; `other` if one is NaN.
     unsafe fn min(self, other: Self) -> Self;
-    /// The larger; `other` where one is NaN.
+    /// The larger; `other` if one is NaN.
     unsafe fn max(self, other: Self) -> Self;
     unsafe fn abs(self) -> Self;
-    /// Where `self <= other`: bit `i` for lane `i`. No bit where one is NaN, as in all of these.
+    /// The lanes with `self <= other`: bit `i` for lane `i`; not set if one is NaN, as in all
+    /// comparisons.
     unsafe fn le(self, other: Self) -> u32;
     unsafe fn lt(self, other: Self) -> u32;
     /// `other` in the lanes of `set`, `self` in the others.
@@ -49,7 +50,7 @@ pub(crate) trait Lanes: Copy {
     unsafe fn largest(self) -> f32;
 }
 
-/// Vectors of which a set of lanes is stored.
+/// Vectors that can store a set of their lanes.
 ///
 /// # Safety
 /// As [`Lanes`]; pointers must be valid for the lanes of the set.
@@ -69,14 +70,14 @@ pub(crate) trait Quads: Lanes {
     unsafe fn quads(from: &[*const f32; LANES / 4]) -> Self;
     /// The number at each pointer, of the first `COUNT / 4`, four times.
     unsafe fn splat_quads(from: &[*const f32; LANES / 4]) -> Self;
-    /// In each four lanes the one that `LANE` tells, which is two bits four times.
+    /// Each four lanes filled with one of them, whose number is `LANE`: two bits, four times.
     unsafe fn splat_in_quads<const LANE: i32>(self) -> Self;
     /// Stores lane `i` of each of four vectors at `to + i * stride`.
     unsafe fn store_columns(four: [Self; 4], to: *mut f32, stride: usize);
 }
 
-/// Deals sixteen rays to their places in memory: of each four rows of a lane's numbers, lane `i` goes to
-/// `to + i * stride`, behind those of the four before.
+/// Transposes sixteen rays to their places in memory: lane `i` of each four rows goes to `to + i *
+/// stride`, after that of the four rows before.
 ///
 /// # Safety
 /// The CPU has the instructions of `L`; rows have sixteen numbers, and there is room for the rays.
@@ -98,8 +99,8 @@ pub(crate) unsafe fn deal_rows<L: Quads>(rows: &[[*const f32; 4]], to: *mut f32,
     }
 }
 
-/// Stores the hits of a set of rays (t, u, v, and bits of ids), each at its place in the batch; those
-/// of neighbours are next to each other from the first on.
+/// Stores the hits of a set of rays (t, u, v, and bits of ids), each at its index in the batch; the
+/// indices of neighbours are consecutive.
 ///
 /// # Safety
 /// The CPU has the instructions of `L`; there are indices for its lanes, and hits for the set's.

@@ -1,4 +1,4 @@
-//! A table over all sets of eight lanes, for registers of CPUs that can not pack lanes themselves.
+//! A table over all sets of eight lanes, for CPUs that have no instruction to pack lanes.
 
 /// For each set of lanes: their numbers, in order, then zeros.
 pub(crate) static LANES_OF: [[u8; 8]; 256] = {

@@ -286,7 +286,7 @@ unsafe fn replace16(a: __m512, set: u32, b: __m512) -> __m512 {
     unsafe { _mm512_mask_mov_ps(a, set as u16, b) }
 }
 
-/// Four vectors of four lanes that hold all lanes, some of them more than once.
+/// Four vectors of four lanes that hold all lanes, some more than once.
 #[inline(always)]
 unsafe fn quarters8(a: __m256) -> [[__m128; 2]; 2] {
     unsafe { [[_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a)]; 2] }
@@ -324,13 +324,13 @@ unsafe fn leasts16([a, b, c, d]: [__m512; 4]) -> [f32; 4] {
     unsafe { leasts8([halved16(a), halved16(b), halved16(c), halved16(d)]) }
 }
 
-/// The smaller ones of both halves.
+/// The smaller lanes of both halves.
 #[inline(always)]
 unsafe fn halved8(a: __m256) -> __m128 {
     unsafe { _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a)) }
 }
 
-/// The smaller ones of both halves.
+/// The smaller lanes of both halves.
 #[inline(always)]
 unsafe fn halved16(a: __m512) -> __m256 {
     unsafe { _mm256_min_ps(_mm512_castps512_ps256(a), _mm512_extractf32x8_ps::<1>(a)) }

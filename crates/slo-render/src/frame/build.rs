@@ -252,7 +252,7 @@ impl Parts {
 
 /// The structure that the settings ask for.
 fn structure(primitives: Primitives, settings: &Settings, isa: Isa) -> Structure {
-    let options = BuildOptions { isa, spatial_splits: settings.spatial_splits };
+    let options = BuildOptions::new(isa).with_spatial_splits(settings.spatial_splits);
     Structure::build(accelerator(settings.accelerator), primitives, options)
 }
 

@@ -1,0 +1,251 @@
+//! Traces sets of rays through a mesh and compares the hits with stored ones: the measuring tool
+//! behind `docs/performance.md`.
+//!
+//! ```text
+//! trace_rays MESH.tri RAYS.rays [--accelerator BVH|KDTREE|CWBVH|NONE] [--spatial-splits]
+//!            [--isa auto|avx512|avx2|portable] [--threads N] [--repeat N]
+//! ```
+//!
+//! Both files are little-endian. A mesh is the number of triangles (u32), then nine f32 for each.
+//! Rays are the number of sets (u32); a set is its number of rays n, its kind (0 closest hit, 1 any
+//! hit), n rays of eight f32 (origin, direction, end, padding), and n hits of an f32 and a u32
+//! (distance, triangle): no hit where the distance is above 1e29; for any hit, 1 where blocked. The
+//! first three sets are taken for rays whose neighbours are alike: camera, lens, and shadow rays.
+//!
+//! Prints a line of JSON for the structure, and one for each set.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use clap::Parser;
+use glam::Vec3;
+use slo_accel::{
+    Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Rays, Scratch, Structure, Triangle,
+};
+
+/// Rays that one call answers.
+const BATCH: usize = 1024;
+
+/// Sets of rays whose neighbours are alike.
+const COHERENT_SETS: usize = 3;
+
+/// Distances that differ by more, relative to distances above 1, disagree.
+const TOLERANCE: f32 = 1e-3;
+
+#[derive(Parser)]
+struct Options {
+    /// The mesh
+    mesh: PathBuf,
+    /// The rays and the hits to compare with
+    rays: PathBuf,
+    /// The structure that is built: BVH, KDTREE, CWBVH, or NONE
+    #[arg(long, default_value = "BVH")]
+    accelerator: String,
+    /// Cut triangles where boxes of the BVH would overlap
+    #[arg(long)]
+    spatial_splits: bool,
+    /// The instruction set: auto, avx512, avx2, or portable
+    #[arg(long, default_value = "auto")]
+    isa: String,
+    /// Threads that build and trace
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+    /// How often each set is traced; the best counts
+    #[arg(long, default_value_t = 5)]
+    repeat: usize,
+}
+
+/// Rays of one kind, in batches, and the hits that they should have.
+struct RaySet {
+    any_hit: bool,
+    batches: Vec<Rays>,
+    stored: Vec<f32>,
+}
+
+/// Numbers of a file, in order.
+struct Numbers<'a>(&'a [u8]);
+
+impl Numbers<'_> {
+    fn u32(&mut self) -> Result<u32, String> {
+        let (number, rest) = self.0.split_first_chunk().ok_or("the file ends too early")?;
+        self.0 = rest;
+        Ok(u32::from_le_bytes(*number))
+    }
+
+    fn f32(&mut self) -> Result<f32, String> {
+        self.u32().map(f32::from_bits)
+    }
+
+    fn vector(&mut self) -> Result<Vec3, String> {
+        Ok(Vec3::new(self.f32()?, self.f32()?, self.f32()?))
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, String> {
+    std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn read_triangles(path: &Path) -> Result<Vec<Triangle>, String> {
+    let bytes = read(path)?;
+    let mut numbers = Numbers(&bytes);
+    let parse = |numbers: &mut Numbers| {
+        let count = numbers.u32()?;
+        (0..count)
+            .map(|_| Ok([numbers.vector()?, numbers.vector()?, numbers.vector()?]))
+            .collect::<Result<_, String>>()
+    };
+    parse(&mut numbers).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn read_rays(path: &Path) -> Result<Vec<RaySet>, String> {
+    let bytes = read(path)?;
+    let mut numbers = Numbers(&bytes);
+    let count = numbers.u32()?;
+    (0..count)
+        .map(|_| read_set(&mut numbers))
+        .collect::<Result<_, _>>()
+        .map_err(|e: String| format!("{}: {e}", path.display()))
+}
+
+fn read_set(numbers: &mut Numbers) -> Result<RaySet, String> {
+    let (count, kind) = (numbers.u32()? as usize, numbers.u32()?);
+    if kind > 1 {
+        return Err(format!("a set of kind {kind}, expected 0 or 1"));
+    }
+    let mut batches = Vec::new();
+    for i in 0..count {
+        if i % BATCH == 0 {
+            batches.push(Rays::with_capacity(BATCH.min(count - i)));
+        }
+        let (origin, direction) = (numbers.vector()?, numbers.vector()?);
+        let t_max = numbers.f32()?;
+        numbers.f32()?;
+        batches.last_mut().ok_or("no batch")?.push(origin, direction, t_max);
+    }
+    let mut stored = Vec::new();
+    for _ in 0..count {
+        stored.push(numbers.f32()?);
+        numbers.u32()?;
+    }
+    Ok(RaySet { any_hit: kind == 1, batches, stored })
+}
+
+/// Answers of one thread.
+#[derive(Default)]
+struct Answers {
+    hits: Hits,
+    blocked: Vec<bool>,
+    scratch: Scratch,
+}
+
+impl Answers {
+    fn ask(&mut self, structure: &Structure, rays: &Rays, any_hit: bool, coherence: Coherence) {
+        if any_hit {
+            structure.occluded(rays, coherence, &mut self.blocked, &mut self.scratch);
+        } else {
+            structure.intersect(rays, coherence, &mut self.hits, &mut self.scratch);
+        }
+    }
+
+    /// How many answers differ from stored ones.
+    fn disagreements(&self, any_hit: bool, stored: &[f32]) -> usize {
+        let differs = |(i, &stored): (usize, &f32)| {
+            if any_hit {
+                self.blocked[i] != (stored == 1.0)
+            } else {
+                let is_hit = self.hits.primitive[i] != NO_HIT;
+                let error = (self.hits.t[i] - stored).abs();
+                is_hit != (stored < 1e29) || (is_hit && error > TOLERANCE * stored.max(1.0))
+            }
+        };
+        stored.iter().enumerate().filter(|&pair| differs(pair)).count()
+    }
+}
+
+/// Seconds that the threads take for a set: each takes the next batch as soon as it is free.
+fn trace(structure: &Structure, set: &RaySet, coherence: Coherence, threads: usize) -> f64 {
+    let (next, ready) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || {
+        let mut answers = Answers::default();
+        // Memory is touched, and threads are awake, before the clock starts.
+        if let Some(rays) = set.batches.first() {
+            answers.ask(structure, rays, set.any_hit, coherence);
+        }
+        ready.fetch_add(1, Ordering::SeqCst);
+        while ready.load(Ordering::SeqCst) < threads {
+            std::hint::spin_loop();
+        }
+        let start = Instant::now();
+        while let Some(rays) = set.batches.get(next.fetch_add(1, Ordering::Relaxed)) {
+            answers.ask(structure, rays, set.any_hit, coherence);
+        }
+        (start, Instant::now())
+    };
+    std::thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+        let mine = work();
+        let spans = others.into_iter().map(|other| other.join().expect("no thread panics"));
+        let (start, end) = spans.fold(mine, |(start, end), (s, e)| (start.min(s), end.max(e)));
+        (end - start).as_secs_f64()
+    })
+}
+
+fn run(options: &Options) -> Result<(), String> {
+    let accelerator = Accelerator::by_name(&options.accelerator)?;
+    let isa = Isa::by_name(&options.isa)?;
+    let how = BuildOptions::new(isa).with_spatial_splits(options.spatial_splits);
+    let threads = options.threads.max(1);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .map_err(|e| e.to_string())?;
+    let triangles = read_triangles(&options.mesh)?;
+    let sets = read_rays(&options.rays)?;
+    let count = triangles.len();
+    let start = Instant::now();
+    let structure = Structure::build(accelerator, triangles, how);
+    let build = start.elapsed().as_secs_f64();
+    let bytes = structure.memory() as f64 / count.max(1) as f64;
+    print(&format!(r#"{{"build_s":{build:.4},"bytes_per_triangle":{bytes:.1}}}"#))?;
+    for (i, set) in sets.iter().enumerate() {
+        let coherence = if i < COHERENT_SETS { Coherence::Coherent } else { Coherence::Incoherent };
+        let rays = set.stored.len();
+        let mut answers = Answers::default();
+        let disagreements: usize = set
+            .batches
+            .iter()
+            .zip(set.stored.chunks(BATCH))
+            .map(|(rays, stored)| {
+                answers.ask(&structure, rays, set.any_hit, coherence);
+                answers.disagreements(set.any_hit, stored)
+            })
+            .sum();
+        let best = (0..options.repeat.max(1))
+            .map(|_| trace(&structure, set, coherence, threads))
+            .fold(f64::INFINITY, f64::min);
+        let speed = rays as f64 / best / 1e6;
+        let share = disagreements as f64 / rays.max(1) as f64;
+        print(&format!(
+            r#"{{"set":{i},"rays":{rays},"mrays_per_s":{speed:.3},"disagreement":{share:.3e}}}"#
+        ))?;
+    }
+    Ok(())
+}
+
+/// Prints a line; whoever reads may have gone.
+fn print(line: &str) -> Result<(), String> {
+    writeln!(std::io::stdout(), "{line}").map_err(|error| format!("can't print: {error}"))
+}
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! The finished hierarchy.
+
+use super::layout::{Child, Corners, Node, Place};
+use super::ray::Ray;
+use crate::isa::Isa;
+use crate::math::Bounds;
+use crate::primitives::{Curved, Triangle};
+use crate::rays::Rays;
+use crate::structure::interface::Geometry;
+use crate::structure::shared::pages::Array;
+
+/// Hierarchies of more bytes are far away: they are mostly outside the caches of a core.
+pub(super) const FAR: usize = 48 << 20;
+
+/// A hierarchy over primitives, which it holds itself.
+#[derive(Debug)]
+pub(crate) struct Bvh {
+    pub(super) nodes: Array<Node>,
+    pub(super) corners: Corners,
+    /// Where each triangle is first, by id.
+    pub(super) places: Vec<Place>,
+    pub(super) curved: Vec<Curved>,
+    pub(super) bounds: Bounds,
+    /// Entries that a ray's stack needs.
+    pub(super) stack: usize,
+    pub(super) isa: Isa,
+    /// Whether tame rays stay tame here.
+    pub(super) is_tame: bool,
+    /// Whether its nodes are far away, beyond [`FAR`].
+    pub(super) is_far: bool,
+}
+
+impl Geometry for Bvh {
+    #[inline]
+    fn triangle_count(&self) -> usize {
+        self.places.len()
+    }
+
+    #[inline]
+    fn triangle(&self, id: u32) -> Triangle {
+        let place = self.places[id as usize];
+        self.corners.triangle(place.slot(), place.count(), place.lane())
+    }
+
+    #[inline]
+    fn curved(&self) -> &[Curved] {
+        &self.curved
+    }
+
+    fn all_bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    fn memory(&self) -> usize {
+        size_of_val(self.corners.rows())
+            + size_of_val(self.places.as_slice())
+            + size_of_val(self.curved.as_slice())
+    }
+}
+
+impl Bvh {
+    /// Bytes of nodes and of all that they lead to.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + self.memory()
+    }
+
+    /// Tests a curved surface.
+    pub(super) fn test_curved(&self, rays: &Rays, child: Child, ray: &mut Ray) {
+        let index = child.index();
+        let i = ray.index as usize;
+        let hit = self.curved[index].intersect(rays.origin(i), rays.direction(i), ray.t.next_up());
+        if let Some((t, part)) = hit {
+            ray.offer(t, part.to_u(), 0.0, (self.places.len() + index) as u32);
+        }
+    }
+}

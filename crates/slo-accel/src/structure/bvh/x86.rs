@@ -1,0 +1,377 @@
+//! The steps of a ray on AVX2 and AVX-512.
+
+use std::arch::x86_64::*;
+
+use super::layout::{BLOCK, Child, Node, triangle_at};
+use super::packet::{self, Beam, PacketSteps, Packets, Surroundings};
+use super::query::Query;
+use super::ray::{Prepared, Ray};
+use super::steps::{BlockHits, MOST_BLOCKS, Meeting, Steps};
+use crate::primitives::triangle::lanes::Tested;
+use crate::primitives::triangle::{ShearedRay, Triangle};
+use crate::rays::LANES;
+use crate::simd::Quads;
+use crate::simd::sets::LANES_OF;
+use crate::structure::shared::order::x86 as order;
+
+/// AVX2 with fused multiply-add.
+pub(super) struct Avx2<const FAR: bool>;
+
+/// AVX-512 on 8 lanes.
+pub(super) struct Avx512<const FAR: bool>;
+
+/// Distances where a ray enters and leaves the eight boxes.
+///
+/// # Safety
+/// The CPU has AVX2 and FMA.
+#[inline(always)]
+unsafe fn slabs(node: &Node, ray: &Ray) -> (__m256, __m256) {
+    let planes = node.planes.as_ptr().cast::<u8>();
+    // SAFETY: the offsets lie within the planes, which are aligned to 32 bytes.
+    unsafe {
+        let (x, y, z) = (ray.entries[0] as usize, ray.entries[1] as usize, ray.entries[2] as usize);
+        let near = _mm256_max_ps(
+            _mm256_max_ps(
+                slab(planes.add(x), &ray.inverse[0], &ray.near[0]),
+                slab(planes.add(y), &ray.inverse[1], &ray.near[1]),
+            ),
+            _mm256_max_ps(slab(planes.add(z), &ray.inverse[2], &ray.near[2]), _mm256_setzero_ps()),
+        );
+        let far = _mm256_min_ps(
+            _mm256_min_ps(
+                slab(planes.add(x ^ 32), &ray.inverse[0], &ray.far[0]),
+                slab(planes.add(y ^ 32), &ray.inverse[1], &ray.far[1]),
+            ),
+            _mm256_min_ps(
+                slab(planes.add(z ^ 32), &ray.inverse[2], &ray.far[2]),
+                _mm256_broadcast_ss(&ray.t),
+            ),
+        );
+        (near, far)
+    }
+}
+
+/// Distances to eight planes.
+///
+/// # Safety
+/// The CPU has AVX2 and FMA; there are eight planes, aligned to 32 bytes.
+#[inline(always)]
+unsafe fn slab(planes: *const u8, inverse: &f32, offset: &f32) -> __m256 {
+    // SAFETY: the caller's.
+    unsafe {
+        _mm256_fmsub_ps(
+            _mm256_load_ps(planes.cast()),
+            _mm256_broadcast_ss(inverse),
+            _mm256_broadcast_ss(offset),
+        )
+    }
+}
+
+/// Which child is the n-th from the far end, in the low three bits of each lane.
+///
+/// # Safety
+/// The CPU has AVX2.
+#[inline(always)]
+unsafe fn shifted(node: &Node, shift: u32) -> __m256i {
+    // SAFETY: the words are aligned to 32 bytes.
+    unsafe {
+        let words = _mm256_load_si256(node.order.as_ptr().cast());
+        _mm256_srlv_epi32(words, _mm256_set1_epi32(shift as i32))
+    }
+}
+
+/// A mask of the boxes that some ray of a beam may enter before its end; a child's number is its
+/// lane.
+///
+/// # Safety
+/// The CPU has AVX2 and FMA.
+#[inline(always)]
+unsafe fn met_by(node: &Node, beam: &Beam) -> __m256 {
+    let planes = node.planes.as_ptr().cast::<u8>();
+    // SAFETY: the offsets lie within the planes, which are aligned to 32 bytes.
+    unsafe {
+        let mut near = _mm256_setzero_ps();
+        let mut far = _mm256_set1_ps(beam.t_max);
+        for axis in 0..3 {
+            let entry = beam.entries[axis] as usize;
+            let plane = _mm256_load_ps(planes.add(entry).cast());
+            let t = _mm256_fmsub_ps(
+                plane,
+                _mm256_set1_ps(beam.least[axis]),
+                _mm256_set1_ps(beam.near[axis]),
+            );
+            near = _mm256_max_ps(near, t);
+            let plane = _mm256_load_ps(planes.add(entry ^ 32).cast());
+            let t = _mm256_fmsub_ps(
+                plane,
+                _mm256_set1_ps(beam.most[axis]),
+                _mm256_set1_ps(beam.far[axis]),
+            );
+            far = _mm256_min_ps(far, t);
+        }
+        _mm256_cmp_ps::<_CMP_LE_OQ>(near, far)
+    }
+}
+
+/// Bits of the boxes that some ray of a beam may enter; the nearest child's is the lowest.
+///
+/// # Safety
+/// The CPU has AVX2 and FMA.
+#[inline(always)]
+unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
+    // SAFETY: the caller's.
+    unsafe {
+        let met = met_by(node, beam);
+        let order = shifted(node, beam.order_shift);
+        let order = _mm256_permutevar8x32_epi32(order, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
+        _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as u32
+    }
+}
+
+/// The children of a node from far to near: the distances at which a ray enters them, their names,
+/// and which of those in `among` it enters.
+///
+/// # Safety
+/// The CPU has AVX-512.
+#[inline(always)]
+unsafe fn sorted(node: &Node, ray: &Ray, among: u8) -> (__m256, __m256i, u8) {
+    // SAFETY: the caller's.
+    unsafe {
+        let (near, far) = slabs(node, ray);
+        let order = shifted(node, ray.order_shift);
+        let near = _mm256_permutevar8x32_ps(near, order);
+        let far = _mm256_permutevar8x32_ps(far, order);
+        let names = _mm256_load_si256(node.children.as_ptr().cast());
+        let names = _mm256_permutevar8x32_epi32(names, order);
+        (near, names, _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(among, near, far))
+    }
+}
+
+impl<const FAR: bool> PacketSteps for Avx512<FAR> {
+    type Lanes = __m512;
+
+    #[inline(always)]
+    unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
+        // SAFETY: the caller's.
+        unsafe { may_enter(node, beam) }
+    }
+}
+
+impl<const FAR: bool> PacketSteps for Avx2<FAR> {
+    type Lanes = __m256;
+
+    #[inline(always)]
+    unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
+        // SAFETY: the caller's.
+        unsafe { may_enter(node, beam) }
+    }
+}
+
+impl<const FAR: bool> Packets for Avx512<FAR> {
+    #[inline(always)]
+    unsafe fn packets<Q: Query>(
+        around: &mut Surroundings,
+        prepared: &Prepared,
+        pending: u32,
+        query: &mut Q,
+    ) -> u32 {
+        // SAFETY: the caller's.
+        unsafe { packet::trace::<Self, Q>(around, prepared, pending, query) }
+    }
+}
+
+impl<const FAR: bool> Steps for Avx512<FAR> {
+    type Choosing = order::Avx512;
+
+    const IS_FAR: bool = FAR;
+
+    #[inline(always)]
+    unsafe fn children(
+        node: &Node,
+        ray: &Ray,
+        among: u8,
+        ts: *mut f32,
+        children: *mut Child,
+    ) -> usize {
+        // SAFETY: the caller's.
+        unsafe {
+            let (near, names, entered) = sorted(node, ray, among);
+            _mm256_storeu_ps(ts, _mm256_maskz_compress_ps(entered, near));
+            _mm256_storeu_si256(children.cast(), _mm256_maskz_compress_epi32(entered, names));
+            entered.count_ones() as usize
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn cull(ts: *mut f32, children: *mut Child, len: usize, t: f32) -> usize {
+        let mut kept = 0;
+        // SAFETY: what is read and written beyond the entries is among the eight behind them.
+        unsafe {
+            for i in (0..len).step_by(8) {
+                let near = _mm256_loadu_ps(ts.add(i));
+                let names = _mm256_loadu_si256(children.add(i).cast());
+                let present = (1u32 << (len - i).min(8)) - 1;
+                let t = _mm256_set1_ps(t);
+                let kept_here = _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(present as u8, near, t);
+                _mm256_storeu_ps(ts.add(kept), _mm256_maskz_compress_ps(kept_here, near));
+                let names = _mm256_maskz_compress_epi32(kept_here, names);
+                _mm256_storeu_si256(children.add(kept).cast(), names);
+                kept += kept_here.count_ones() as usize;
+            }
+        }
+        kept
+    }
+
+    #[inline(always)]
+    unsafe fn deal(prepared: &Prepared, rays: &mut [Ray; LANES]) {
+        // SAFETY: the caller's.
+        unsafe { Ray::deal::<__m512>(prepared, rays) }
+    }
+
+    const BLOCKS: usize = 4;
+
+    #[inline(always)]
+    unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32 {
+        // SAFETY: the caller's.
+        unsafe { blocks::<__m512>(meetings, any, hits) }
+    }
+}
+
+impl<const FAR: bool> Packets for Avx2<FAR> {
+    #[inline(always)]
+    unsafe fn packets<Q: Query>(
+        around: &mut Surroundings,
+        prepared: &Prepared,
+        pending: u32,
+        query: &mut Q,
+    ) -> u32 {
+        // SAFETY: the caller's.
+        unsafe { packet::trace::<Self, Q>(around, prepared, pending, query) }
+    }
+}
+
+impl<const FAR: bool> Steps for Avx2<FAR> {
+    type Choosing = order::Avx2;
+
+    const IS_FAR: bool = FAR;
+
+    #[inline(always)]
+    unsafe fn children(
+        node: &Node,
+        ray: &Ray,
+        among: u8,
+        ts: *mut f32,
+        children: *mut Child,
+    ) -> usize {
+        // SAFETY: the caller's.
+        unsafe {
+            let (near, far) = slabs(node, ray);
+            let entered = _mm256_cmp_ps::<_CMP_LE_OQ>(near, far);
+            let order = shifted(node, ray.order_shift);
+            let set = _mm256_movemask_ps(_mm256_permutevar8x32_ps(entered, order)) as usize;
+            let set = set & usize::from(among);
+            let lanes = _mm_loadl_epi64(LANES_OF[set & 255].as_ptr().cast());
+            let order = _mm256_permutevar8x32_epi32(order, _mm256_cvtepu8_epi32(lanes));
+            let names = _mm256_load_si256(node.children.as_ptr().cast());
+            _mm256_storeu_ps(ts, _mm256_permutevar8x32_ps(near, order));
+            _mm256_storeu_si256(children.cast(), _mm256_permutevar8x32_epi32(names, order));
+            set.count_ones() as usize
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn deal(prepared: &Prepared, rays: &mut [Ray; LANES]) {
+        // SAFETY: the caller's.
+        unsafe { Ray::deal::<__m256>(prepared, rays) }
+    }
+
+    const BLOCKS: usize = 2;
+
+    #[inline(always)]
+    unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32 {
+        // SAFETY: the caller's.
+        unsafe { blocks::<__m256>(meetings, any, hits) }
+    }
+}
+
+/// As [`Steps::blocks`].
+///
+/// # Safety
+/// The CPU has the instructions of `L`; otherwise as [`Steps::blocks`].
+#[inline(always)]
+unsafe fn blocks<L: Quads>(
+    meetings: &[Meeting; MOST_BLOCKS],
+    any: bool,
+    hits: &mut BlockHits,
+) -> u32 {
+    let quads = L::COUNT / BLOCK;
+    // SAFETY: rows and what is read beyond the last are readable, as the caller promises; arrays
+    // of hits have as many places as there are lanes, or more.
+    unsafe {
+        let mut corners = [[L::splat(0.0); 3]; 3];
+        let mut lines = [[std::ptr::null::<f32>(); MOST_BLOCKS]; 3];
+        let mut lanes = 0;
+        for (i, meeting) in meetings[..quads].iter().enumerate() {
+            let axes = &(*meeting.ray).axes;
+            for k in 0..3 {
+                lines[k][i] = meeting.block.add(axes[k] as usize * meeting.count);
+            }
+            lanes |= ((1 << meeting.count) - 1) << (BLOCK * i);
+        }
+        for (c, corner) in corners.iter_mut().enumerate() {
+            for (k, row) in corner.iter_mut().enumerate() {
+                let mut rows = lines[k];
+                for i in 0..quads {
+                    rows[i] = rows[i].add(3 * c * meetings[i].count);
+                }
+                *row = L::quads(&rows);
+            }
+        }
+        let mut fields = [[std::ptr::null::<f32>(); MOST_BLOCKS]; 3];
+        for (i, meeting) in meetings[..quads].iter().enumerate() {
+            fields[0][i] = (&raw const (*meeting.ray).origin).cast();
+            fields[1][i] = (&raw const (*meeting.ray).shear).cast();
+            fields[2][i] = &raw const (*meeting.ray).t;
+        }
+        let (origin, shear) = (L::quads(&fields[0]), L::quads(&fields[1]));
+        let origin = [
+            origin.splat_in_quads::<0>(),
+            origin.splat_in_quads::<0x55>(),
+            origin.splat_in_quads::<0xaa>(),
+        ];
+        let shear = [
+            shear.splat_in_quads::<0>(),
+            shear.splat_in_quads::<0x55>(),
+            shear.splat_in_quads::<0xaa>(),
+        ];
+        let t_max = L::splat_quads(&fields[2]);
+        let tested = Tested::new(corners, origin, shear, t_max, lanes);
+        let mut set = tested.hits;
+        if set == 0 {
+            return 0;
+        }
+        let tested = tested.settle(|lane| pair_at(meetings, lane));
+        set = tested.hits;
+        if any {
+            return set & tested.t.lt(t_max);
+        }
+        tested.t.store(hits.t.as_mut_ptr());
+        let [u, v, sum] = tested.parts();
+        u.store(hits.weights[0].as_mut_ptr());
+        v.store(hits.weights[1].as_mut_ptr());
+        sum.store(hits.sum.as_mut_ptr());
+        set
+    }
+}
+
+/// The ray and the triangle of a lane. Only doubtful hits need them, so this stays out of loops.
+///
+/// # Safety
+/// As [`Steps::blocks`]; there is such a lane.
+#[cold]
+#[inline(never)]
+unsafe fn pair_at(meetings: &[Meeting; MOST_BLOCKS], lane: usize) -> (ShearedRay, Triangle) {
+    let Meeting { block, count, ray } = meetings[lane / BLOCK];
+    // SAFETY: the caller's.
+    unsafe { ((*ray).sheared(), triangle_at(block, count, lane % BLOCK)) }
+}

@@ -1,0 +1,135 @@
+//! What every structure does: the seam between the [list](super) and the folders.
+
+use std::fmt::Debug;
+
+use crate::isa::Isa;
+use crate::math::Bounds;
+use crate::primitives::{Curved, Primitives, Triangle};
+use crate::rays::{Coherence, Hits, Rays};
+
+/// How a structure is built. No option changes a hit.
+///
+/// ```
+/// use slo_accel::{BuildOptions, Isa};
+///
+/// let options = BuildOptions::new(Isa::best()).with_spatial_splits(true);
+/// assert!(options.spatial_splits);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct BuildOptions {
+    /// Instruction set of builder and queries.
+    pub isa: Isa,
+    /// Whether triangles may be cut where boxes would overlap. Among long triangles this speeds up
+    /// incoherent rays, but slows down packets of shadow rays and doubles the time to build. At
+    /// most a quarter of the triangles is added as pieces. Only [`Bvh`](crate::Accelerator::Bvh)
+    /// cuts triangles; the other structures ignore the option.
+    pub spatial_splits: bool,
+}
+
+impl BuildOptions {
+    /// Options for an instruction set, without spatial splits.
+    pub fn new(isa: Isa) -> Self {
+        Self { isa, spatial_splits: false }
+    }
+
+    /// The same options with or without spatial splits.
+    #[must_use]
+    pub fn with_spatial_splits(self, spatial_splits: bool) -> Self {
+        Self { spatial_splits, ..self }
+    }
+}
+
+impl From<Isa> for BuildOptions {
+    fn from(isa: Isa) -> Self {
+        Self::new(isa)
+    }
+}
+
+/// A structure over primitives.
+///
+/// Hits are exactly those of [`Brute`](super::brute::Brute), bit by bit: the first with
+/// `0 < t < t_max`, of equal ones the one of the lowest id, by the tests of
+/// [`triangle`](crate::primitives::triangle) and [`curved`](crate::primitives::curved). Triangles
+/// that [are degenerate](crate::primitives::triangle::is_degenerate) are never hit.
+pub(crate) trait SpatialIndex: Debug + Sized + Send + Sync {
+    /// Where the primitives are kept: [`Primitives`], unless the structure stores them its own way.
+    type Geometry: Geometry;
+
+    /// Working memory of queries, one per thread; holds nothing between calls.
+    type Scratch: Debug + Default;
+
+    /// Builds the structure, on all threads of the current rayon pool; it is the same for any
+    /// number of threads.
+    fn build(primitives: Primitives, options: BuildOptions) -> Self;
+
+    /// The primitives, as they were given.
+    fn geometry(&self) -> &Self::Geometry;
+
+    /// Bytes held beyond the geometry.
+    fn overhead(&self) -> usize;
+
+    /// Writes the first hit of each ray to `hits`, which are as many as the rays and all of
+    /// nothing. Returns how alike the rays turned out to be, or `coherence` if the structure cannot
+    /// tell.
+    fn intersect(
+        &self,
+        rays: &Rays,
+        coherence: Coherence,
+        hits: &mut Hits,
+        scratch: &mut Self::Scratch,
+    ) -> Coherence;
+
+    /// Sets those of `blocked` whose rays hit anything; there is a `false` for each ray. Returns as
+    /// [`intersect`](Self::intersect) does.
+    fn occluded(
+        &self,
+        rays: &Rays,
+        coherence: Coherence,
+        blocked: &mut [bool],
+        scratch: &mut Self::Scratch,
+    ) -> Coherence;
+}
+
+/// The primitives inside a structure.
+pub(crate) trait Geometry {
+    /// Number of triangles: ids below it are triangles.
+    fn triangle_count(&self) -> usize;
+
+    /// The triangle of an id.
+    fn triangle(&self, id: u32) -> Triangle;
+
+    /// The curved surfaces; their ids follow those of the triangles.
+    fn curved(&self) -> &[Curved];
+
+    /// The smallest box about all primitives.
+    fn all_bounds(&self) -> Bounds;
+
+    /// Bytes held.
+    fn memory(&self) -> usize;
+}
+
+impl Geometry for Primitives {
+    #[inline]
+    fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    #[inline]
+    fn triangle(&self, id: u32) -> Triangle {
+        self.triangles[id as usize]
+    }
+
+    #[inline]
+    fn curved(&self) -> &[Curved] {
+        &self.curved
+    }
+
+    fn all_bounds(&self) -> Bounds {
+        Primitives::all_bounds(self)
+    }
+
+    fn memory(&self) -> usize {
+        Primitives::memory(self)
+    }
+}

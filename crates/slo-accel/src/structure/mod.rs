@@ -1,0 +1,214 @@
+//! The structures, and how a batch of rays gets to the one that was built.
+//!
+//! To add a structure: a folder with a type that implements
+//! [`SpatialIndex`](interface::SpatialIndex), its `mod` below, and one line of the list. The
+//! compiler then asks for nothing else in this crate, and the tests of this file hold it against
+//! brute force.
+
+mod brute;
+mod bvh;
+mod cwbvh;
+pub(crate) mod interface;
+mod kdtree;
+pub(crate) mod shared;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
+
+pub use self::interface::BuildOptions;
+use self::interface::{Geometry, SpatialIndex};
+use crate::math::Bounds;
+use crate::primitives::{Curved, Primitives, Triangle};
+use crate::rays::{Coherence, Hits, LANES, Rays};
+
+/// Makes of the list of structures what differs from one to the other: their names, the one that
+/// was built, and the working memory of each.
+macro_rules! structures {
+    ($($(#[$attribute:meta])* $name:ident, $text:literal: $folder:ident::$type:ident;)*) => {
+        /// Which structure is built.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+        #[non_exhaustive]
+        pub enum Accelerator {
+            $($(#[$attribute])* $name,)*
+        }
+
+        impl Accelerator {
+            /// All structures, each with the name that [`by_name`](Self::by_name) knows.
+            pub const NAMES: &[(&str, Self)] = &[$(($text, Self::$name),)*];
+        }
+
+        /// The structure that was built.
+        #[derive(Debug)]
+        enum Built {
+            $($name($folder::$type),)*
+        }
+
+        impl Built {
+            fn new(accelerator: Accelerator, primitives: Primitives, options: BuildOptions) -> Self {
+                match accelerator {
+                    $(Accelerator::$name => Self::$name(SpatialIndex::build(primitives, options)),)*
+                }
+            }
+        }
+
+        /// Working memory of queries, one for each thread. It holds nothing between calls, so any
+        /// structure may use it next.
+        #[derive(Debug, Default)]
+        pub struct Scratch {
+            $($folder: <$folder::$type as SpatialIndex>::Scratch,)*
+        }
+
+        /// Asks the structure that was built.
+        macro_rules! ask {
+            ($built:expr, $index:ident => $answer:expr) => {
+                match $built {
+                    $(Built::$name($index) => $answer,)*
+                }
+            };
+            ($built:expr, $all:expr, $index:ident, $scratch:ident => $answer:expr) => {
+                match $built {
+                    $(Built::$name($index) => {
+                        let $scratch = &mut $all.$folder;
+                        $answer
+                    })*
+                }
+            };
+        }
+    };
+}
+
+structures! {
+    /// A kd-tree, built by the surface area heuristic. It takes the least memory on closed meshes.
+    KdTree, "KDTREE": kdtree::KdTree;
+    /// A bounding volume hierarchy of eight children to a node: the fastest.
+    #[default]
+    Bvh, "BVH": bvh::Bvh;
+    /// The compressed wide hierarchy of the obvhs library, to be measured against. Its tests of
+    /// boxes are not conservative: of 100 000 rays a few that run along faces of boxes miss their
+    /// hit.
+    Cwbvh, "CWBVH": cwbvh::Cwbvh;
+    /// No structure: each ray is tested against every primitive. The reference of the others.
+    None, "NONE": brute::Brute;
+}
+
+impl Accelerator {
+    /// The structure of a name, in upper or lower case.
+    ///
+    /// # Errors
+    /// If the name is none of [`NAMES`](Self::NAMES).
+    pub fn by_name(name: &str) -> Result<Self, String> {
+        let found = Self::NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        found.map(|&(_, accelerator)| accelerator).ok_or_else(|| {
+            let known: Vec<&str> = Self::NAMES.iter().map(|&(known, _)| known).collect();
+            format!("unknown accelerator `{name}`, expected one of {}", known.join(", "))
+        })
+    }
+}
+
+impl std::fmt::Display for Accelerator {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = Self::NAMES.iter().find(|(_, of)| of == self).map_or("", |(name, _)| name);
+        f.write_str(name)
+    }
+}
+
+/// Primitives of one space, with a structure that finds those on a ray.
+///
+/// Structures are immutable: any number of threads may ask one, each with a [`Scratch`] of its own.
+#[derive(Debug)]
+pub struct Structure {
+    built: Built,
+}
+
+impl Structure {
+    /// More primitives have no ids in every structure.
+    pub const MAX_PRIMITIVES: usize = 1 << 28;
+
+    /// Builds a structure over `primitives`, on all threads of the current rayon pool. The same
+    /// primitives give the same structure for any number of threads.
+    ///
+    /// `primitives` may be just a `Vec` of triangles, and `options` just an [`Isa`](crate::Isa).
+    /// Coordinates are finite; triangles without area (their corners lie on a line) and triangles
+    /// with coordinates that are not finite are never hit.
+    ///
+    /// # Panics
+    /// If there are more than [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES).
+    pub fn build(
+        accelerator: Accelerator,
+        primitives: impl Into<Primitives>,
+        options: impl Into<BuildOptions>,
+    ) -> Self {
+        let primitives = primitives.into();
+        assert!(primitives.len() <= Self::MAX_PRIMITIVES, "at most 2^28 primitives");
+        Self { built: Built::new(accelerator, primitives, options.into()) }
+    }
+
+    /// Number of triangles: ids below it are triangles.
+    #[inline]
+    pub fn triangle_count(&self) -> usize {
+        ask!(&self.built, index => index.geometry().triangle_count())
+    }
+
+    /// The triangle of an id, as it was given.
+    ///
+    /// # Panics
+    /// If `id` is not below [`triangle_count`](Self::triangle_count).
+    #[inline]
+    pub fn triangle(&self, id: u32) -> Triangle {
+        ask!(&self.built, index => index.geometry().triangle(id))
+    }
+
+    /// The curved surfaces, as they were given: the first has the id
+    /// [`triangle_count`](Self::triangle_count).
+    #[inline]
+    pub fn curved(&self) -> &[Curved] {
+        ask!(&self.built, index => index.geometry().curved())
+    }
+
+    /// Bytes held: the primitives and everything built over them.
+    pub fn memory(&self) -> usize {
+        ask!(&self.built, index => index.geometry().memory() + index.overhead())
+    }
+
+    /// The smallest box about all primitives.
+    pub fn bounds(&self) -> Bounds {
+        ask!(&self.built, index => index.geometry().all_bounds())
+    }
+
+    /// Writes the first hit of each ray with `0 < t < t_max` to `hits[0..rays.len()]`; what `hits`
+    /// held before is dropped.
+    ///
+    /// `coherence` tells how alike neighbouring rays are expected to be, for the structure to
+    /// choose a kernel by. Returns how alike they turned out to be, or `coherence` if the structure
+    /// cannot tell: pass that on for the next batch of the same kind.
+    pub fn intersect(
+        &self,
+        rays: &Rays,
+        coherence: Coherence,
+        hits: &mut Hits,
+        scratch: &mut Scratch,
+    ) -> Coherence {
+        hits.reset(rays.len());
+        ask!(&self.built, scratch, index, memory => {
+            index.intersect(rays, coherence, hits, memory)
+        })
+    }
+
+    /// Writes to `blocked[0..rays.len()]` whether anything lies on each ray with `0 < t < t_max`;
+    /// what `blocked` held before is dropped. `coherence` and what comes back are as for
+    /// [`intersect`](Self::intersect).
+    pub fn occluded(
+        &self,
+        rays: &Rays,
+        coherence: Coherence,
+        blocked: &mut Vec<bool>,
+        scratch: &mut Scratch,
+    ) -> Coherence {
+        blocked.clear();
+        blocked.resize(rays.len().next_multiple_of(LANES), false);
+        ask!(&self.built, scratch, index, memory => {
+            index.occluded(rays, coherence, blocked, memory)
+        })
+    }
+}
