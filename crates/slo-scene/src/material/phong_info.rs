@@ -30,6 +30,23 @@ pub struct PhongInfo {
     pub refraction_index: f32,
 }
 
+impl Default for PhongInfo {
+    /// What an empty `phong_info` says: a black surface.
+    fn default() -> Self {
+        Self {
+            ambient: [0.0; 3],
+            diffuse: [0.0; 3],
+            specular: [0.0; 3],
+            shininess: 0.0,
+            reflectance: 0.0,
+            diffuse_reflection: 0.0,
+            refraction: 0.0,
+            diffuse_refraction: 0.0,
+            refraction_index: 1.0,
+        }
+    }
+}
+
 /// `phong_info`, which materials refer to.
 pub(crate) const PHONG_INFO: Schema = Schema::new(
     "phong_info",
@@ -48,23 +65,21 @@ pub(crate) const PHONG_INFO: Schema = Schema::new(
 
 /// Reads a `phong_info`.
 pub(crate) fn phong_info(fields: &mut Fields<'_, '_, '_>) -> PhongInfo {
-    let mut number = |name| fields.number_f32(name, Bound::NotNegative).unwrap_or(0.0);
-    let shininess = number("shininess");
-    let reflectance = number("reflectance");
-    let diffuse_reflection = number("diffuse_reflection");
-    let refraction = number("refraction");
-    let diffuse_refraction = number("diffuse_refraction");
-    let info = PhongInfo {
-        ambient: fields.color("ambient").unwrap_or_default(),
-        diffuse: fields.color("diffuse").unwrap_or_default(),
-        specular: fields.color("specular").unwrap_or_default(),
-        shininess,
-        reflectance,
-        diffuse_reflection,
-        refraction,
-        diffuse_refraction,
-        refraction_index: fields.number_f32("refraction_index", Bound::Positive).unwrap_or(1.0),
+    let mut number = |name, to: &mut f32| {
+        *to = fields.number_f32(name, Bound::NotNegative).unwrap_or(*to);
     };
+    let mut info = PhongInfo::default();
+    number("shininess", &mut info.shininess);
+    number("reflectance", &mut info.reflectance);
+    number("diffuse_reflection", &mut info.diffuse_reflection);
+    number("refraction", &mut info.refraction);
+    number("diffuse_refraction", &mut info.diffuse_refraction);
+    let mut color = |name, to: &mut [f32; 3]| *to = fields.color(name).unwrap_or(*to);
+    color("ambient", &mut info.ambient);
+    color("diffuse", &mut info.diffuse);
+    color("specular", &mut info.specular);
+    let index = fields.number_f32("refraction_index", Bound::Positive);
+    info.refraction_index = index.unwrap_or(info.refraction_index);
     check(fields, &info);
     info
 }
