@@ -8,13 +8,14 @@
 pub(crate) mod batch;
 mod hash;
 mod matrices;
+mod names;
 mod net;
 mod sobol;
 pub mod warp;
 
-pub use hash::{Hit, Key, PixelSeed, Purpose};
-pub(crate) use hash::{Use, next_path};
-use hash::{hash2, mix};
+use hash::{hash2, mix, unit};
+pub use names::{Hit, Key, PixelSeed, Purpose};
+pub(crate) use names::{Use, next_path};
 use slo_scene::Generator;
 
 /// One camera sample: all in `[0, 1)`.
@@ -90,12 +91,6 @@ impl Sampler {
 #[inline(always)]
 fn pseudo(key: u32, index: u32, dimension: usize) -> f32 {
     unit(mix(hash2(hash2(key, index), dimension as u32)))
-}
-
-/// The top 24 bits as a number in `[0, 1)`.
-#[inline(always)]
-fn unit(bits: u32) -> f32 {
-    (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)
 }
 
 #[cfg(test)]

@@ -16,22 +16,16 @@
 //! Belcour 2019; A. Ahmed and P. Wonka 2020 get there by an index that needs to know the number
 //! of samples beforehand, which a picture that goes on later does not).
 
-use super::hash::Key;
+use super::hash::unit;
 use super::matrices::{MASKS, MATRICES};
+use super::names::{HITS, Key};
 use super::sobol::{dimension_key, scramble, second, shuffle};
-use super::unit;
-
-/// Pixels of a block whose samples belong together: 8 x 8.
-pub(super) const BLOCK: u32 = 64;
 
 /// Dimensions of a camera sample: lens u and v, time, pixel x and y.
 pub(super) const CAMERA: usize = 5;
 
 /// Groups of a camera sample: lens, time, pixel.
 const CAMERA_GROUPS: usize = 3;
-
-/// Hits of a path that have groups of their own.
-const HITS: usize = 3;
 
 /// Dimensions of a hit: u, v and w, the last one a group alone.
 pub(super) const AT_HIT: usize = 3;
@@ -42,12 +36,6 @@ const GROUPS: usize = CAMERA_GROUPS + 2 * HITS;
 #[inline(always)]
 fn hit_of(depth: u32) -> usize {
     (depth as usize).min(HITS - 1)
-}
-
-/// Whether the hit after `depth` bounces has groups of its own.
-#[inline(always)]
-pub(super) fn has_groups(depth: u32) -> bool {
-    (depth as usize) < HITS
 }
 
 /// By group, what each bit of the index adds to the digits of its first dimension.

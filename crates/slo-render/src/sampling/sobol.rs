@@ -1,7 +1,6 @@
 //! What all points are made of: the (0,2)-sequence, scrambles, shuffles.
 
-use super::hash::mix;
-use super::unit;
+use super::hash::{mix, unit};
 
 /// The second dimension of Sobol's sequence, given the digits of the first (those of the index):
 /// they are multiplied by the matrix of binomial coefficients modulo 2, which is a product of five
