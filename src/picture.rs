@@ -6,7 +6,7 @@ use slo_picture::film::{Film, Image, srgb};
 use slo_picture::output::{self, Recipe};
 use slo_scene::{Layer, OutputFormat, SceneDescription};
 
-use crate::Error;
+use crate::error::Error;
 
 /// A rendered picture.
 #[derive(Clone, Debug)]

@@ -12,7 +12,9 @@ use slo_render::frame::FrameScene;
 use slo_render::render::{Exposed, Observer, Plan, render};
 use slo_scene::{Film as FilmSettings, Layer, OutputFormat, SceneDescription, Settings};
 
-use crate::{Error, Picture, Scene};
+use crate::error::Error;
+use crate::picture::Picture;
+use crate::scene::Scene;
 
 /// One frame of a scene to be rendered, with settings that replace those of the scene.
 pub struct Render<'a> {

@@ -9,7 +9,7 @@ use slo_scene::animation::Clock;
 use slo_scene::diagnostics::Diagnostics;
 use slo_scene::{Files, Loaded, SceneDescription, load};
 
-use crate::Error;
+use crate::error::Error;
 
 /// A scene without errors, with all of its meshes and images.
 #[derive(Clone, Debug)]
