@@ -57,25 +57,79 @@ fn set(scene: &mut SceneDescription, recipe: &Value, members: &Members) -> Optio
 
 #[cfg(test)]
 mod tests {
+    use slo_scene::settings::{Entries, Form, Value as Setting};
     use slo_scene::{Camera, Film, Settings};
 
     use super::super::write::Recipe;
     use super::*;
 
-    #[test]
-    fn settings_that_no_scene_has_are_of_another_version() {
+    fn scene() -> SceneDescription {
         let film = Film { width: 8, height: 8, ..Film::default() };
-        let scene = SceneDescription {
-            settings: Settings { noise: Some(0.5), ..Settings::default() },
+        SceneDescription {
+            settings: Settings::default(),
             camera: Camera { fps: 25.0, film, segments: Vec::new() },
             lights: Vec::new(),
             materials: Vec::new(),
             textures: Vec::new(),
             objects: Vec::new(),
             content_hash: [7; 32],
-        };
-        let recipe: Value =
-            serde_json::from_str(&Recipe { scene: &scene, frame: 3 }.to_json()).unwrap();
+        }
+    }
+
+    fn recipe_of(scene: &SceneDescription) -> Value {
+        serde_json::from_str(&Recipe { scene, frame: 3 }.to_json()).unwrap()
+    }
+
+    /// Values that differ from the defaults.
+    fn others(form: Form) -> Vec<Setting> {
+        match form {
+            Form::Flag => vec![Setting::Flag(true)],
+            Form::Count(..) => vec![Setting::Count(5)],
+            Form::Whole => vec![Setting::Whole(u64::MAX)],
+            Form::Single(_) => vec![Setting::Single(0.1)],
+            Form::Double(_) => vec![Setting::Double(0.1)],
+            Form::Color => vec![Setting::Color([0.1, 1e-30, 3e38])],
+            Form::Word(words) => words.iter().map(|word| Setting::Word(word)).collect(),
+            Form::Text(_) => vec![Setting::Text("\"x\"".into())],
+        }
+    }
+
+    /// Whether a setting is in recipes exactly if the picture depends on it, and comes back from them.
+    fn check_entries<S: Entries + PartialEq + std::fmt::Debug>(
+        of: impl Fn(&mut SceneDescription) -> &mut S,
+    ) {
+        let mut plain = scene();
+        plain.settings.image_min_samples = 3;
+        for entry in S::ENTRIES {
+            let mut is_recorded = false;
+            for value in others(entry.form) {
+                let mut changed = plain.clone();
+                assert!(entry.set(of(&mut changed), value), "{}", entry.name);
+                let recipe = recipe_of(&changed);
+                let (mut restored, _) = restore(&plain, &recipe).unwrap();
+                if recipe != recipe_of(&plain) {
+                    is_recorded = true;
+                    assert_eq!(of(&mut restored), of(&mut changed), "{}", entry.name);
+                }
+                let (mut back, _) = restore(&changed, &recipe_of(&plain)).unwrap();
+                assert_eq!(recipe_of(&back), recipe_of(&plain), "{}", entry.name);
+                assert!(is_recorded || of(&mut back) == of(&mut changed), "{}", entry.name);
+            }
+            assert_eq!(is_recorded, entry.effect != Effect::Nothing, "{}", entry.name);
+        }
+    }
+
+    #[test]
+    fn what_the_picture_depends_on_comes_back() {
+        check_entries(|scene| &mut scene.settings);
+        check_entries(|scene| &mut scene.camera.film);
+    }
+
+    #[test]
+    fn settings_that_no_scene_has_are_of_another_version() {
+        let mut scene = scene();
+        scene.settings.noise = Some(0.5);
+        let recipe = recipe_of(&scene);
         assert_eq!(restore(&scene, &recipe).unwrap().1, 3);
         for (key, value) in [
             ("width", 65_537.0_f64),
