@@ -244,7 +244,7 @@ impl Parts {
         self.triangle_objects.resize(self.still.triangles.len(), number);
         self.curved_objects.resize(self.still.curved.len(), number);
         let normals = vertex_normals(&geometry, place);
-        let place = Rigid::relative(&place, seen.origin);
+        let place = Rigid::relative(place, seen.origin);
         self.looks.push(look);
         self.objects.push(FrameObject { geometry, place, first_triangle, normals });
     }

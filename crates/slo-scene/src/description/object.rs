@@ -3,7 +3,7 @@
 use super::key_frame::KeyFrame;
 use crate::shape::Shape;
 
-/// Index into [`SceneDescription::materials`].
+/// Index into the materials of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MaterialId(pub u32);
 

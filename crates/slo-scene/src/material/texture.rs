@@ -1,6 +1,6 @@
 //! Images as materials use them.
 
-/// Index into [`SceneDescription::textures`](crate::SceneDescription::textures).
+/// Index into the textures of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TextureId(pub u32);
 
