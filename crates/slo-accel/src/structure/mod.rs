@@ -1,7 +1,7 @@
 //! The structures, and how a batch of rays gets to the one that was built.
 //!
 //! To add a structure: a folder with a type that implements
-//! [`SpatialIndex`](interface::SpatialIndex), its `mod` below, and one line of the list. The
+//! [`SpatialIndex`], its `mod` below, and one line of the list. The
 //! compiler then asks for nothing else in this crate, and the tests of this file hold it against
 //! brute force.
 

@@ -16,8 +16,8 @@ use super::layout::{Child, Corners, Node, WIDTH, id_at, triangle_at};
 use super::query::Query;
 use super::ray::{Prepared, Ray};
 use super::steps::{Portable, Steps};
-use crate::primitives::triangle::ShearedRay;
 use crate::primitives::triangle::lanes::Tested;
+use crate::primitives::triangle::{ShearedRay, Triangle};
 use crate::rays::{LANES, Rays};
 use crate::simd::{Lanes, SetLanes, lanes_of, load3};
 
@@ -153,12 +153,20 @@ impl Beam {
     }
 }
 
-/// The ray for the portable test of triangles. Only doubtful hits need it, so it stays out of
+/// A prepared ray and a triangle of a block. Only doubtful hits need them, so this stays out of
 /// loops.
+///
+/// # Safety
+/// There is such a block.
 #[cold]
 #[inline(never)]
-fn ray_at(prepared: &Prepared, lane: usize) -> ShearedRay {
-    Ray::new(prepared, lane).sheared()
+unsafe fn pair_at(
+    (prepared, lane): (&Prepared, usize),
+    (block, count, triangle): (*const f32, usize, usize),
+) -> (ShearedRay, Triangle) {
+    // SAFETY: the caller's.
+    let triangle = unsafe { triangle_at(block, count, triangle) };
+    (Ray::new(prepared, lane).sheared(), triangle)
 }
 
 /// Three rows from lane `base` on, infinite outside of a set.
@@ -409,10 +417,8 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 if tested.hits == 0 {
                     continue;
                 }
-                let tested = tested.settle(|lane| {
-                    let ray = ray_at(self.prepared, self.base + lane);
-                    (ray, triangle_at(block, count, k))
-                });
+                let tested = tested
+                    .settle(|lane| pair_at((self.prepared, self.base + lane), (block, count, k)));
                 let nearer = tested.hits & tested.t.lt(self.t);
                 if Q::ANY {
                     self.block(nearer);

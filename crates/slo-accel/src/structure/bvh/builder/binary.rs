@@ -2,8 +2,8 @@
 //! bins where there are many primitives ([`bins`]) and over all their centres where there are few
 //! ([`few`](super::few)), down to single primitives.
 //!
-//! A leaf costs what its blocks of [`BLOCK`] primitives cost. Which subtrees become leaves and
-//! which nodes melt together is planned on the way back up ([`plan`]).
+//! A leaf costs what its blocks of primitives cost. Which subtrees become leaves and which nodes
+//! melt together is planned on the way back up ([`plan`](super::plan)).
 
 use super::bins::{self, Binning};
 use super::boxes::{Box8, Reference, extent};
