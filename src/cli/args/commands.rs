@@ -9,7 +9,7 @@ use crate::cli::values::{Threads, count, limit, threads};
 /// What else the program does.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Put parts of pictures together
+    /// Put pictures together from their parts
     Merge(MergeArgs),
     /// Render some tiles of pictures again and compare the bits
     Verify(VerifyArgs),
@@ -17,7 +17,7 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Make a contact sheet of pictures
     Sheet(SheetArgs),
-    /// Take the noise out of pictures with Open Image Denoise
+    /// Remove the noise from pictures with Open Image Denoise
     Denoise(DenoiseArgs),
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct MergeArgs {
     #[arg(value_name = "FILES", required = true)]
     pub(crate) files: Vec<PathBuf>,
 
-    /// Folder for the pictures, created if missing (short: -od) [the current one]
+    /// Folder for the pictures, created if missing (short: -od) [default: .]
     #[arg(long, value_name = "DIR", alias = "outdit")]
     pub(crate) outdir: Option<PathBuf>,
 
@@ -48,7 +48,7 @@ pub(crate) struct VerifyArgs {
     #[arg(value_name = "PICTURES", required = true)]
     pub(crate) pictures: Vec<PathBuf>,
 
-    /// The scene that they were rendered from [the built-in scene]
+    /// Scene file that they were rendered from [default: the built-in scene]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,
 
@@ -65,7 +65,7 @@ pub(crate) struct VerifyArgs {
     #[arg(value_parser = |text: &str| count(text, 1..=u32::MAX, "8"))]
     pub(crate) tiles: u32,
 
-    /// Number of threads [all]
+    /// Number of threads [default: all]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<Threads>,
 
@@ -83,7 +83,7 @@ pub(crate) struct CompareArgs {
     /// The reference, PNG or EXR
     pub(crate) reference: PathBuf,
 
-    /// Write where differences are visible, measured by FLIP
+    /// Write a map of FLIP, which shows where differences are visible (.png, .exr)
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
 
@@ -102,7 +102,7 @@ pub(crate) struct CompareArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_relative_mse: Option<f64>,
 
-    /// Fail if the mean luminance differs from the reference's by a larger share than X
+    /// Fail if the ratio of mean luminances differs from 1 by more than X
     #[arg(long, value_name = "X", value_parser = limit)]
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_bias: Option<f64>,
@@ -124,15 +124,15 @@ pub(crate) struct DenoiseArgs {
     #[arg(value_name = "PICTURES", required = true)]
     pub(crate) pictures: Vec<PathBuf>,
 
-    /// Folder for the denoised pictures, under the same names (short: -od) [beside, NAME_denoised]
+    /// Folder for the denoised pictures, under the same names (short: -od) [default: beside, as NAME_denoised]
     #[arg(long, value_name = "DIR", alias = "outdit")]
     pub(crate) outdir: Option<PathBuf>,
 
-    /// The library, such as libOpenImageDenoise.so.2 [where the system finds it]
+    /// The library, such as libOpenImageDenoise.so.2 [default: where the system finds it]
     #[arg(long, value_name = "FILE")]
     pub(crate) library: Option<PathBuf>,
 
-    /// Number of threads [all]
+    /// Number of threads [default: all]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<Threads>,
 
@@ -156,7 +156,7 @@ pub(crate) struct SheetArgs {
     #[arg(short, long, value_name = "FILE", default_value = "sheet.png")]
     pub(crate) output: PathBuf,
 
-    /// Number of pictures in a row [as many as rows]
+    /// Number of pictures per row [default: as many as there are rows]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     #[arg(value_parser = |text: &str| count(text, 1..=1000u32, "8"))]
     pub(crate) columns: Option<u32>,

@@ -17,10 +17,10 @@ use crate::cli::values::{
 use slo_picture::film::Steps;
 use slo_render::render::Part;
 
-const COMMANDS: &str = "Commands besides rendering";
+const COMMANDS: &str = "Other commands";
 const WHAT: &str = "What to render";
-const WHERE: &str = "Where it goes";
-const HOW: &str = "How it runs";
+const WHERE: &str = "Where the result goes";
+const HOW: &str = "How to run";
 const INSTEAD: &str = "Instead of rendering";
 
 /// See [`ABOUT`]; every member is one option.
@@ -44,45 +44,45 @@ pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
 
-    /// Scene file [the built-in scene]
+    /// Scene file [default: the built-in scene]
     #[arg(short, long, value_name = "FILE", help_heading = WHAT)]
     pub(crate) scene: Option<PathBuf>,
 
-    /// Frames, such as 15, 1-100, 1-100x5, 3,-5--1 or all (0)
+    /// Frames, such as 15, 1-100, 1-100x5, 3,-5--1 or all [default: 0]
     ///
-    /// 1-100x5 is every fifth frame, 1-100y5 all but those, 1-100:5 every fifth
-    /// and then the ones in between, ever denser. Finished frames of a range or
-    /// a list are not rendered again.
+    /// 1-100x5 is every fifth frame, 1-100y5 all others, and 1-100:5 every fifth,
+    /// then every fourth, and so on until none is missing. Finished frames of a
+    /// range or a list are not rendered again.
     #[arg(short, long, value_name = "FRAMES", help_heading = WHAT, value_parser = frames)]
     #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(crate) frame: Option<FrameChoice>,
 
-    /// Order of the frames: forward, reverse, or coarse (every 16th first)
+    /// Order of frames: forward [default], reverse, coarse (every 16th first)
     #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = Order::Forward, hide_default_value = true)]
     #[arg(ignore_case = true)]
     pub(crate) order: Order,
 
-    /// Share the frames with other processes that run this command on the folder
+    /// Share the frames with other processes on the same output folder
     ///
-    /// They may run on any machines. Each frame is rendered by one process. If a
-    /// process stops responding for TIME (60s), another one continues its frame.
-    /// Returns when all frames are there.
+    /// They run the same command, on any machines. One process renders each frame. If a
+    /// process stops responding for TIME (default: 60s), another continues its frame.
+    /// Each of them returns when all frames exist.
     #[arg(long, value_name = "TIME", help_heading = WHAT, verbatim_doc_comment)]
     #[arg(num_args = 0..=1, require_equals = true, default_missing_value = "60")]
     #[arg(value_parser = lease)]
     #[arg(conflicts_with_all = ["overwrite", "check"])]
     pub(crate) share: Option<Duration>,
 
-    /// A region of the picture, such as 320x180+0+90
+    /// Only a region of the picture, such as 320x180+0+90
     ///
-    /// Columns and rows count from the upper left corner. Its pixels are the same
-    /// as in the whole picture.
+    /// Width x height + column + row, counted from the upper left corner. Its pixels
+    /// are the same as in the whole picture.
     #[arg(long, value_name = "WxH+X+Y", help_heading = WHAT, value_parser = region)]
     #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(crate) region: Option<Region>,
 
-    /// A part of each picture, such as 3/10: the third of ten
+    /// Only a part of each picture, such as 3/10: the third of ten
     ///
     /// Writes a file of samples instead of a picture. `slo-rt merge` makes the
     /// picture from all parts, byte for byte the same as in a single run.
@@ -91,7 +91,7 @@ pub(crate) struct Args {
     #[arg(conflicts_with_all = ["info", "keep_state"], verbatim_doc_comment)]
     pub(crate) part: Option<Part>,
 
-    /// What is divided into parts: pixels or samples
+    /// What the parts divide: pixels or samples [default: pixels]
     #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = PartBy::Pixels, hide_default_value = true)]
     #[arg(ignore_case = true)]
@@ -111,11 +111,11 @@ pub(crate) struct Args {
     #[arg(long, help_heading = WHAT)]
     pub(crate) allow_outside: bool,
 
-    /// Folder for the picture, created if missing (short: -od) [the current one]
+    /// Folder for the picture, created if missing (short: -od) [default: .]
     #[arg(long, value_name = "DIR", help_heading = WHERE, alias = "outdit")]
     pub(crate) outdir: Option<PathBuf>,
 
-    /// Beginning of the picture's name (short: -pre) [the scene's]
+    /// Beginning of the picture's name (short: -pre) [default: the scene's]
     #[arg(long, value_name = "TEXT", help_heading = WHERE)]
     pub(crate) prefix: Option<String>,
 
@@ -123,7 +123,7 @@ pub(crate) struct Args {
     #[arg(short, long, help_heading = WHERE)]
     pub(crate) info: bool,
 
-    /// Keep a picture that is finished already, as in sequences
+    /// Keep a picture that is finished already, as sequences do
     ///
     /// A picture is finished if it is complete and holds the recipe of this run:
     /// scene, frame, settings and version.
@@ -135,7 +135,7 @@ pub(crate) struct Args {
     #[arg(long, help_heading = WHERE, conflicts_with = "check")]
     pub(crate) overwrite: bool,
 
-    /// Time between checkpoints of a frame, such as 5m; 0 for none (60s)
+    /// Time between checkpoints of a frame; 0 for none [default: 60s]
     ///
     /// A frame that was stopped or killed continues from its last checkpoint. The
     /// file lies beside the picture, and is removed when the picture is finished.
@@ -147,22 +147,22 @@ pub(crate) struct Args {
     /// Keep what is needed to add samples to a picture later
     ///
     /// The file lies beside the picture, with .state instead of .png or .exr. A run
-    /// that asks for more samples, or less noise, continues from there.
+    /// that asks for more samples, or for less noise, continues from it.
     #[arg(long, help_heading = WHERE, verbatim_doc_comment)]
     pub(crate) keep_state: bool,
 
-    /// Write how many samples each pixel took; #### is the frame
+    /// Write a map of the samples per pixel; #### stands for the frame
     #[arg(long, value_name = "FILE", help_heading = WHERE)]
     pub(crate) sample_map: Option<FramePath>,
 
-    /// Write the estimated error of each pixel; #### is the frame
+    /// Write a map of the estimated error; #### stands for the frame
     #[arg(long, value_name = "FILE", help_heading = WHERE)]
     pub(crate) error_map: Option<FramePath>,
 
-    /// What an EXR picture holds besides colours: albedo, normal
+    /// Extra layers of an EXR picture: albedo, normal, or both as albedo,normal
     ///
-    /// For denoisers: the share of light that surfaces reflect, and the directions
-    /// that they face, as channels of the same file.
+    /// They tell a denoiser which share of light surfaces reflect, and which way
+    /// they face. They are channels of the same file.
     #[arg(long, value_name = "NAMES", help_heading = WHERE, hide_possible_values = true)]
     #[arg(value_enum, value_delimiter = ',', ignore_case = true, verbatim_doc_comment)]
     pub(crate) layers: Vec<LayerName>,
@@ -172,8 +172,8 @@ pub(crate) struct Args {
 
     /// Time that a frame may take, such as 90s, 15m or 1h30m
     ///
-    /// Samples go where the noise is, until the time is over. The recipe says how
-    /// far the frame came, and --steps makes the same picture without the clock.
+    /// Samples go where the noise is until the time is up. The recipe records how
+    /// far the frame got, and --steps makes the same picture without the clock.
     #[arg(long, value_name = "TIME", help_heading = SETTINGS, value_parser = time)]
     #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["noise", "steps", "part", "region"], verbatim_doc_comment)]
@@ -182,21 +182,21 @@ pub(crate) struct Args {
     /// Time that all frames together may take, such as 8h
     ///
     /// All frames become equally clean: they improve round by round until the time
-    /// is over. A run that was stopped or killed continues from there, and has the
-    /// rest of the time. Recipes and --steps work as with --time.
+    /// is up. If a run is stopped or killed, the same command continues it with the
+    /// time that is left. Recipes and --steps work as with --time.
     #[arg(long, value_name = "TIME", help_heading = SETTINGS, value_parser = time)]
     #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["time", "noise", "steps", "part", "region", "share", "info"])]
     #[arg(verbatim_doc_comment)]
     pub(crate) total_time: Option<Duration>,
 
-    /// How far --time or --total-time came: the two numbers in a recipe
+    /// How far --time or --total-time got: the two numbers in a recipe
     #[arg(long, value_name = "STEP,TILES", help_heading = SETTINGS, value_parser = steps)]
     #[arg(allow_hyphen_values = true)]
     #[arg(conflicts_with = "noise")]
     pub(crate) steps: Option<Steps>,
 
-    /// Number of threads, or auto for all [parallelThreads of the scene, or all]
+    /// Number of threads, or auto for all [default: the scene's, or all]
     #[arg(long, value_name = "N", help_heading = HOW, allow_hyphen_values = true)]
     #[arg(value_parser = threads)]
     pub(crate) threads: Option<Threads>,
@@ -205,27 +205,27 @@ pub(crate) struct Args {
     #[arg(short, long, help_heading = HOW)]
     pub(crate) quiet: bool,
 
-    /// Print more at the end
+    /// Print more at the end: phases, rays, structure
     #[arg(short, long, help_heading = HOW, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
 
-    /// Progress: auto, plain, json, openjd, none
+    /// Form of the progress: auto, plain, json, openjd or none [default: auto]
     #[arg(long, value_name = "FORM", help_heading = HOW, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = ProgressForm::Auto, hide_default_value = true)]
     #[arg(ignore_case = true)]
     pub(crate) progress: ProgressForm,
 
-    /// Colour of messages: auto, always, never
+    /// Colour of messages: auto, always or never [default: auto]
     #[arg(long, value_name = "WHEN", help_heading = HOW, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = When::Auto, hide_default_value = true)]
     #[arg(ignore_case = true)]
     pub(crate) color: When,
 
-    /// Read the scene and all its files, and report; render nothing
+    /// Read the scene and all its files, report problems, render nothing
     #[arg(long, help_heading = INSTEAD)]
     pub(crate) check: bool,
 
-    /// Print what would be rendered, frame by frame, and why
+    /// List the frames that would be rendered, and why
     #[arg(long, help_heading = INSTEAD, conflicts_with = "check")]
     pub(crate) dry_run: bool,
 

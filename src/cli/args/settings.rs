@@ -17,11 +17,11 @@ pub(crate) struct SettingArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) size: Option<SizeChoice>,
 
-    /// Camera samples per pixel
+    /// Camera samples per pixel, in total and at most
     ///
-    /// N is the maximum, whatever is sampled: imageSamples becomes N, dofSamples
-    /// becomes 1, and imageMinSamples becomes N if it is larger. The samples of
-    /// shadows and of glossy surfaces stay the same.
+    /// imageSamples becomes N and dofSamples becomes 1. imageMinSamples becomes N if
+    /// it is larger or if the scene does not sample adaptively. The numbers of shadow
+    /// and glossy samples stay as in the scene.
     #[arg(long, value_name = "N", help_heading = SETTINGS, verbatim_doc_comment)]
     #[arg(allow_hyphen_values = true, value_parser = samples)]
     pub(crate) samples: Option<u32>,
@@ -29,13 +29,13 @@ pub(crate) struct SettingArgs {
     /// Error at which a picture is clean enough, such as 0.01
     ///
     /// Measured on the values that the viewer sees: 1 is the range from black to
-    /// white, 0.004 a step of 8 bits. Each block of 8 x 8 pixels takes samples
+    /// white, 0.004 one step of 8 bits. Each block of 8 x 8 pixels takes samples
     /// until its estimated error is below E, at most --samples (4096 without it).
     #[arg(long, value_name = "E", help_heading = SETTINGS, value_parser = noise)]
     #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(crate) noise: Option<f32>,
 
-    /// Seed of the noise
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", help_heading = SETTINGS, value_parser = seed)]
     #[arg(allow_hyphen_values = true)]
     pub(crate) seed: Option<u64>,

@@ -119,7 +119,7 @@ impl Pulse {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 lock(&self.state).seen.remove(path);
                 if path.symlink_metadata().is_ok_and(|there| there.is_symlink()) {
-                    let message = "a link is there that leads nowhere, no file";
+                    let message = "it is a link that leads nowhere";
                     return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
                 }
                 return Ok(None);

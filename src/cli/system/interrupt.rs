@@ -101,7 +101,7 @@ fn see_to_it() {
     if PHASE.compare_exchange(BUILDING, ENDING, Ordering::SeqCst, Ordering::SeqCst).is_ok() {
         end(
             Exit::Stopped,
-            "interrupted while preparing a frame; the same command continues from there",
+            "interrupted while preparing a frame; run the same command again to continue",
         );
     }
     sleep(BUILDING_MAY_TAKE);

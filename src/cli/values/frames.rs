@@ -192,7 +192,7 @@ fn integer(text: &str) -> Result<(i64, &str), String> {
     let (number, rest) = text.split_at(text.len() - digits.len() + after);
     if after == 0 {
         let found = if text.is_empty() { "nothing".into() } else { format!("`{text}`") };
-        return Err(format!("a number was expected, not {found}; {EXPECTED}"));
+        return Err(format!("expected a number, but found {found}; {EXPECTED}"));
     }
     let value = number
         .parse()

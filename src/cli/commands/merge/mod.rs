@@ -108,7 +108,7 @@ fn check_alike(parts: &[Part]) -> Result<(), Problem> {
             let line = different.next().unwrap_or("more settings");
             let line = line.trim().trim_end_matches(',').replace('"', "");
             let (one, other) = (part.path.display(), first.path.display());
-            let message = format!("`{one}` is part of another picture than `{other}`: {line}");
+            let message = format!("`{one}` belongs to another picture than `{other}`: {line}");
             return Err(Problem::new(Exit::BadInput, message));
         }
     }
@@ -169,7 +169,7 @@ fn check_paths(pictures: &[Whole]) -> Result<(), Problem> {
         if let Some(other) = taken.insert(path, part) {
             let (part, other) = (part.display(), other.display());
             let message = format!(
-                "`{part}` and `{other}` are of two frames, but both would become `{shown}`"
+                "`{part}` and `{other}` belong to different frames, but both would become `{shown}`"
             );
             return Err(Problem::new(Exit::BadInput, message));
         }

@@ -271,7 +271,7 @@ impl Observer for Watch<'_> {
 fn stopped(frame: i64, checkpoint: &Checkpoint, mut film: Film, steps: Steps) -> Problem {
     match checkpoint.save(&mut film, steps, false) {
         Ok(()) => Problem::new(Exit::Stopped, format!("interrupted in frame {frame}"))
-            .with_help("its samples are kept; the same command continues from there"),
+            .with_help("its samples are kept; run the same command again to continue"),
         Err(error) => {
             let message =
                 format!("interrupted in frame {frame}, whose samples can't be kept: {error}");

@@ -239,7 +239,7 @@ impl<'a> Run<'a> {
 pub(super) fn may_begin(frame: i64) -> Result<(), Problem> {
     if interrupt::requested() {
         return Err(Problem::new(Exit::Stopped, format!("interrupted before frame {frame}"))
-            .with_help("the same command continues from there"));
+            .with_help("run the same command again to continue"));
     }
     Ok(())
 }
