@@ -65,7 +65,7 @@ pub(crate) struct VerifyArgs {
     #[arg(value_parser = |text: &str| count(text, 1..=u32::MAX, "8"))]
     pub(crate) tiles: u32,
 
-    /// Number of threads [default: all]
+    /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<Threads>,
 
@@ -132,7 +132,7 @@ pub(crate) struct DenoiseArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) library: Option<PathBuf>,
 
-    /// Number of threads [default: all]
+    /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<Threads>,
 

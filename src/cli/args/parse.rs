@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use clap::error::ErrorKind;
 use clap::{ColorChoice, CommandFactory, Error, FromArgMatches};
 
-use super::Args;
+use super::program::Args;
 use super::short_forms::written_out;
 use super::tips::with_tip;
 use crate::cli::base::{Exit, say};

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::Exit;
+use super::exit::Exit;
 
 /// An error message with its exit code.
 #[derive(Debug)]

@@ -5,9 +5,9 @@
 //! it sends out into queues, which are worked off a batch at a time until none is left. Exact sums
 //! make the order irrelevant.
 //!
-//! - [`machine`] has the queues, decides which batch comes next, and adds up; it knows no light.
-//! - [`stages`] turn columns into columns, each with its own working memory.
-//! - An integrator lists its stages and how they branch: [`distributed`].
+//! - `machine` has the queues, decides which batch comes next, and adds up; it knows no light.
+//! - `stages` turn columns into columns, each with its own working memory.
+//! - An integrator lists its stages and how they branch: `distributed`.
 
 mod batch;
 mod branching;

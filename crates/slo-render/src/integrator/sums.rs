@@ -1,9 +1,10 @@
 //! Contributions become exact sums: rounded once, then added as integers.
 
-use super::SampleSum;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 use slo_accel::{Isa, Lanewise};
 use slo_picture::film::Fixed;
+
+use super::work::SampleSum;
 
 /// Exact sums, one for each slot, and the working memory of adding to them.
 #[derive(Debug)]

@@ -5,8 +5,11 @@ use std::sync::{Mutex, MutexGuard};
 use std::time::Instant;
 
 use super::clock::Clock;
+use super::lock::lock;
+use super::observer::{Exposed, Observer};
+use super::plan::Plan;
+use super::run::Run;
 use super::tile::TileRenderer;
-use super::{Exposed, Observer, Plan, Run, lock};
 use crate::frame::FrameScene;
 use slo_picture::film::{Area, Film, Steps, tiles_in_order};
 

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use super::lock;
+use super::lock::lock;
 use super::plan::FULL_ERROR_AT;
 
 /// A step may take so much more than the one before it lets expect.

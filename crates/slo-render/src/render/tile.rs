@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Plan;
+use super::plan::Plan;
 use crate::frame::FrameScene;
 use crate::integrator::{SampleSum, Statistics, Traced, Tracer, Work};
 use slo_accel::Isa;

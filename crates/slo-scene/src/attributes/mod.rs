@@ -1,6 +1,6 @@
 //! Elements as they are written: which attributes each takes, and their values, checked.
 //!
-//! Nothing here knows a single element: a [`Schema`] says what one takes, a [`Language`] holds all of
+//! Nothing here knows a single element: a [`schema::Schema`] says what one takes, a [`Language`] holds all of
 //! them, [`Fields`] reads one.
 
 mod fields;

@@ -1,7 +1,7 @@
 //! File formats of pictures: one folder for each kind of file, and one list.
 //!
 //! What a format is called, and what its values are, stands in [`OutputFormat`]; how its files are
-//! written and read is a [`Container`]. [`container`] is the list that ties both.
+//! written and read is a [`Container`]. `container()` is the list that ties both.
 
 mod claim;
 mod container;

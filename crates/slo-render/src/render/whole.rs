@@ -1,0 +1,41 @@
+//! All tiles of a picture over all threads.
+
+use std::sync::Mutex;
+
+use rayon::prelude::*;
+use slo_picture::film::{Area, Film, TILE};
+
+use super::lock::lock;
+use super::observer::{Exposed, Observer};
+use super::plan::Plan;
+use super::run::Run;
+use super::sections::Sections;
+use super::tile::TileRenderer;
+use crate::frame::FrameScene;
+
+/// Exposes a film to what the plan asks for, on the threads of the current rayon pool. It goes on
+/// from what `film` knows: that has to come from the same frame, and from a plan that would have
+/// gone on to this one.
+pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observer) -> Exposed {
+    let area = film.area();
+    let run = Run::new(frame, film, observer);
+    // One set of working memory per thread; a tile never waits for another inside its thread.
+    let memory: Vec<_> =
+        (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
+    let (width, height) = (frame.camera.width(), frame.camera.height());
+    let expose = |tile: Area| {
+        let thread = rayon::current_thread_index().unwrap_or(0);
+        run.expose(&mut lock(&memory[thread]), tile, &plan.at(tile, width, height))
+    };
+    // Threads take sections, and when none is left steal tiles of others' sections.
+    let stopped = Sections::new(&frame.settings, width, height)
+        .areas()
+        .into_par_iter()
+        .with_max_len(frame.settings.sections_per_thread.max(1) as usize)
+        .try_for_each(|section| {
+            let tiles: Vec<_> = section.cells(TILE).filter(|&t| plan.includes(t, width)).collect();
+            let tiles = tiles.into_par_iter().map(|tile| tile.common(&area)).with_max_len(1);
+            tiles.filter(|tile| !tile.is_empty()).try_for_each(expose)
+        });
+    run.exposed(stopped.is_ok())
+}
