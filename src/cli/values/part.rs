@@ -30,7 +30,7 @@ pub(crate) fn part(text: &str) -> Result<Part, String> {
     let numbers = numbers.and_then(|(k, n)| Some((number(k)?, number(n)?)));
     match numbers {
         Some((number, of)) if (1..=of).contains(&number) => Ok(Part { number, of }),
-        _ => Err("expected a number and the count of parts, such as 3/10".into()),
+        _ => Err("expected a number from 1 to N and the count N of parts, such as 3/10".into()),
     }
 }
 

@@ -75,8 +75,8 @@ pub(crate) fn size(text: &str) -> Result<SizeChoice, String> {
     let found = pixels(text).map(SizeChoice::Pixels).or_else(|| share().map(SizeChoice::Share));
     found.ok_or_else(|| {
         format!(
-            "expected width x height in pixels, each from 1 to {LARGEST_SIDE}, such as 320x180, \
-             a size with a name, such as 1080p or 4k, or a share of the scene's, such as 50%"
+            "expected width x height in pixels, each from 1 to {LARGEST_SIDE}, such as 320x180; \
+             or a name, such as 1080p or 4k; or a percentage of the scene's size, such as 50%"
         )
     })
 }
