@@ -1,4 +1,4 @@
-//! Tiles over threads, adaptive blocks, progress, stopping and going on.
+//! Distributes tiles over threads: adaptive blocks, progress, stopping and continuing.
 
 mod budget;
 mod clock;
@@ -19,52 +19,52 @@ use sections::Sections;
 use slo_picture::film::{Area, Film, Steps, TILE};
 use tile::TileRenderer;
 
-/// Who watches a rendering and may stop it; called from many threads.
+/// Watches a rendering and may stop it. Called from many threads.
 pub trait Observer: Sync {
-    /// So much more of the picture is done; all of it is 1.
+    /// Reports a further share of the picture that is done; the whole picture is 1.
     fn advanced(&self, share: f64);
-    /// So much of the picture was done before; counts as advanced.
+    /// Reports a share of the picture that was done by an earlier run. Counts as advanced by
+    /// default.
     fn resumed(&self, share: f64) {
         self.advanced(share);
     }
-    /// Whether to stop soon.
+    /// Whether to stop after the current step of each tile.
     fn should_stop(&self) -> bool {
         false
     }
-    /// Whether to stop at once, and to lose the step that is under way: where rays branch without end,
-    /// it may take hours.
+    /// Whether to stop at once and lose the current step. If rays branch without end, a step may
+    /// take hours.
     fn gives_up(&self) -> bool {
         false
     }
-    /// Whether [`keep`](Self::keep) is to be called now.
+    /// Whether to call [`keep`](Self::keep) now.
     fn wants_film(&self) -> bool {
         false
     }
-    /// All that is known of the picture at this moment, and how far it is at least to be taken from
-    /// there, where it is exposed step by step. `None`: there is no memory for a copy.
+    /// Receives a copy of the film at this moment, and the steps that it must at least be continued
+    /// to if it is exposed step by step. The film is `None` if there is no memory for a copy.
     fn keep(&self, film: Option<Film>, steps: Steps) {
         drop((film, steps));
     }
 }
 
-/// A film, and what was traced for it.
+/// An exposed film, and what was traced for it.
 #[derive(Clone, Debug)]
 pub struct Exposed {
-    /// With the samples that it had before.
+    /// The film, including the samples that it had before.
     pub film: Film,
-    /// Of this run.
+    /// Counts of this run.
     pub statistics: Statistics,
-    /// Whether all samples of the plan are there; false where the observer asked to stop.
+    /// Whether the film has all samples of the plan; false if the observer stopped the rendering.
     pub is_complete: bool,
 }
 
-/// Exposes a film to what the plan asks for, on the threads of the current rayon pool. It goes on
-/// from what `film` knows: that has to come from the same frame, and from a plan that would have
-/// gone on to this one.
+/// Exposes a film as the plan asks, on the threads of the current rayon pool. It continues from the
+/// samples in `film`, which must come from the same frame and from a plan that this plan continues.
 pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observer) -> Exposed {
     let area = film.area();
     let run = Run::new(frame, film, observer);
-    // One set of working memory per thread; a tile never waits for another inside its thread.
+    // One set of working memory for each thread. A tile never waits for another one on its thread.
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
     let (width, height) = (frame.camera.width(), frame.camera.height());
@@ -72,7 +72,7 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
         let thread = rayon::current_thread_index().unwrap_or(0);
         run.expose(&mut lock(&memory[thread]), tile, &plan.at(tile, width, height))
     };
-    // Threads take sections, and when none is left steal tiles of others' sections.
+    // Threads take sections. When none is left, they steal tiles from the sections of others.
     let stopped = Sections::new(&frame.settings, width, height)
         .areas()
         .into_par_iter()
@@ -88,14 +88,15 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
 /// The observer asked to stop.
 struct Stopped;
 
-/// What all threads look at.
+/// What all threads share.
 struct Run<'a> {
     frame: &'a FrameScene,
-    /// In the film's area.
+    /// Number of pixels in the film's area.
     pixels: f64,
     result: Mutex<(Film, Statistics)>,
     observer: &'a dyn Observer,
-    /// The furthest step that was begun, `done` in the upper half; 0 where there are no steps.
+    /// The furthest step that was begun, with `done` in the upper half; 0 if the picture is not
+    /// exposed in steps.
     steps: AtomicU64,
 }
 
@@ -106,7 +107,7 @@ impl<'a> Run<'a> {
         Self { frame, pixels, result, observer, steps: AtomicU64::new(0) }
     }
 
-    /// A tile is about to be taken to a step.
+    /// Notes that a tile is about to take a step.
     fn note_step(&self, steps: Steps) {
         let packed = (u64::from(steps.done) << 32) | u64::from(steps.tiles);
         self.steps.fetch_max(packed, Ordering::SeqCst);
@@ -117,7 +118,8 @@ impl<'a> Run<'a> {
         Exposed { film, statistics, is_complete }
     }
 
-    /// Exposes one tile to a plan: what is known after a while is never lost.
+    /// Exposes one tile as a plan asks. The film receives the samples of each step, so that at most
+    /// one step is lost.
     fn expose(&self, renderer: &mut TileRenderer, tile: Area, plan: &Plan) -> Result<(), Stopped> {
         let share = tile.len() as f64 / self.pixels;
         let before = renderer.begin(self.frame.isa, &lock(&self.result).0, tile, plan);
@@ -147,7 +149,8 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Of steps, whose number is not known, the clock tells the progress.
+    /// Reports progress, except for a picture in steps: their number is unknown, so the clock
+    /// reports it.
     fn advanced(&self, share: f64) {
         if self.steps.load(Ordering::SeqCst) == 0 {
             self.observer.advanced(share);
@@ -160,7 +163,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Gives the observer a copy of the film where it wants one: the others go on meanwhile.
+    /// Gives the observer a copy of the film if it wants one. Other threads continue meanwhile.
     fn show_film(&self) {
         if self.observer.wants_film() {
             let film = lock(&self.result).0.try_clone();
@@ -171,7 +174,8 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Sums are whole at every moment, so a panic elsewhere leaves nothing broken behind a lock.
+/// Locks a mutex, even if a thread has panicked. Sums are consistent at every moment, so a panic
+/// leaves nothing broken behind a lock.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
