@@ -5,9 +5,10 @@
 //! light and queues the rays that it sends out. The queues are processed a batch at a time until
 //! none is left. Sums are exact, so their order does not matter.
 //!
-//! - [`machine`] has the queues, decides which batch comes next, and adds up; it knows no light.
-//! - [`stages`] turn columns into columns, each with its own working memory.
-//! - An integrator lists its stages and how they branch: [`distributed`].
+//! - `machine` holds the queues, decides which batch comes next, and adds up the light. It is
+//!   independent of light transport.
+//! - `stages` turn columns into columns, each with its own working memory.
+//! - An integrator, such as `distributed`, lists its stages and how they branch.
 
 mod batch;
 mod branching;
