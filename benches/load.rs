@@ -1,7 +1,7 @@
-//! How fast a million triangles are read: `cargo bench --bench load`.
+//! Measures how fast a million triangles are read: `cargo bench --bench load`.
 //!
-//! Throughput is bytes of the file per second, on one thread. Two files: `short` has six decimals,
-//! as exporters write them; `full` has every digit of the f64, and uvs.
+//! Throughput is in bytes of the file per second, on one thread. There are two files: `short` has
+//! six decimals, as exporters write them; `full` has every digit of the f64, and uvs.
 
 use std::hint::black_box;
 
@@ -10,10 +10,10 @@ use glam::DVec3;
 use slo_scene::mesh::slo;
 use slo_scene::{Mesh, mesh};
 
-/// Quads of the grid; each is two triangles.
+/// Number of quads of the grid, each of two triangles.
 const SIZE: [u32; 2] = [1000, 500];
 
-/// A wavy sheet of a million triangles, with coordinates as `digits` leaves them.
+/// A wavy sheet of a million triangles. `digits` rounds its coordinates.
 fn sheet(with_uvs: bool, digits: impl Fn(f64) -> f64) -> Mesh {
     let [width, height] = SIZE;
     let mut mesh = Mesh::default();
@@ -40,7 +40,7 @@ fn sheet(with_uvs: bool, digits: impl Fn(f64) -> f64) -> Mesh {
     mesh
 }
 
-/// The mesh as a file, after a look at what reading it gives.
+/// Writes the mesh as a file, and checks the result of reading it.
 fn checked_file(mesh: &Mesh) -> Vec<u8> {
     let mut file = Vec::new();
     slo::write_slo(mesh, &mut file).expect("memory can be written");
@@ -49,7 +49,7 @@ fn checked_file(mesh: &Mesh) -> Vec<u8> {
     file
 }
 
-/// Reading alone, and all of loading: degenerate triangles, scale, smooth normals.
+/// Times reading alone, all of loading (degenerate triangles, scale, smooth normals), and writing.
 fn bench_load(c: &mut Criterion) {
     let short = sheet(false, |x| libm::round(x * 1e6) / 1e6);
     let full = sheet(true, |x| x);

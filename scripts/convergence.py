@@ -1,25 +1,25 @@
 #!/usr/bin/env python3
-"""Measures how fast the noise of each effect falls with the number of samples, or what adaptive sampling saves.
+"""Measures how fast the noise of each effect falls with the number of samples, or how much adaptive sampling saves.
 
     python3 scripts/convergence.py [--program slo-rt] [--size 96x54] [--samples 4,16,64,256] [--reference 4096]
                                    [--columns 4,16,64,256] [--data FILE.csv]
     python3 scripts/convergence.py --noise 0.04,0.02,0.01 --size 320x180 --samples 4,8,16,32,64,128,256
 
-Renders shipped scenes of one effect each, compares them with a reference of another seed by the program's own
-`compare`, and prints a Markdown table of relative mean square errors. The last three columns are
+Renders shipped scenes of one effect each, compares them with references of another seed by `slo-rt compare`, and
+prints a Markdown table of relative mean square errors. The last three columns are
 
 - the exponent of the error (root mean square) in the number of samples: -0.5 for independent samples,
-- how many times the largest number of samples PSEUDO needs for the error that this generator has there,
-- FLIP, the difference as seen, at the second number of samples.
+- how many times as many samples PSEUDO needs for the same error, at the largest number of samples,
+- FLIP, the perceived difference, at the second number of samples.
 
---columns selects the numbers of samples that have a column; the exponent is fitted to all. --data writes all
+--columns selects the numbers of samples that get a column; the exponent is fitted to all. --data writes all
 measurements to a file, which convergence_plot.py draws.
 
-With --noise the table shows pictures rendered with `--noise E` on one thread: their samples per pixel; what uniform
-samples would need for the same error, and the share of that in samples and in processor time; and the mean of the
+With --noise the table shows pictures rendered with `--noise E` on one thread: their samples per pixel; the uniform
+samples per pixel that give the same error; the ratio of the two in samples and in processor time; and the mean of the
 picture relative to the reference.
 
-Needs Python 3.10 on Linux or macOS, and nothing else.
+Needs only Python 3.10 on Linux or macOS.
 """
 
 import argparse
@@ -42,12 +42,12 @@ EFFECTS = {
     "all at once": "default",
 }
 GENERATORS = ["PSEUDO", "ZERO_TWO", "QUASI"]
-# Most samples per pixel with --noise, which decides how many are taken.
+# Upper limit of the samples per pixel with --noise.
 MOST = 4096
 
 
 def variant(scene, generator):
-    """The text of a scene with this generator, a fixed number of samples, and EXR pictures."""
+    """Returns the text of a scene with this generator, a fixed number of samples, and EXR pictures."""
     text = (ROOT / "scenes" / f"{scene}.txt").read_text(encoding="utf-8")
     text = re.sub(r"\b(generatorType|imageMinSamples|imageContrastLimit|noise)\s+\S+", "", text)
     text = re.sub(r"(settings\s+\S+\s*\{)", rf"\1 generatorType {generator}", text, count=1)
@@ -60,8 +60,8 @@ def run(program, *arguments):
 
 
 def render(options, scene, generator, samples, seed, outdir, *more):
-    """Path of the picture."""
-    # Beside the scenes, so that their paths to meshes and textures hold.
+    """Renders a scene and returns the path of the picture."""
+    # In the folder of the scenes, so that their paths to meshes and textures stay valid.
     with tempfile.NamedTemporaryFile("w", dir=ROOT / "scenes", suffix=".txt", encoding="utf-8") as file:
         file.write(variant(scene, generator))
         file.flush()
@@ -72,7 +72,7 @@ def render(options, scene, generator, samples, seed, outdir, *more):
 
 
 def compare(options, picture, reference):
-    """What `compare` prints, by name."""
+    """Returns the numbers that `compare` prints, by name."""
     lines = run(options.program, "compare", picture, reference).splitlines()
     return {name: float(value) for name, value in map(str.split, lines)}
 
@@ -87,7 +87,7 @@ def slope(counts, errors):
 
 
 def at(error, errors, values):
-    """What goes with an error, between those that were measured (falling), in logarithms; None outside of them."""
+    """Interpolates the value at an error between measured errors (falling), in logarithms; None outside their range."""
     for e0, e1, v0, v1 in zip(errors, errors[1:], values, values[1:]):
         if e1 <= error <= e0:
             return v0 * (v1 / v0) ** (math.log(e0 / error) / math.log(e0 / e1))
@@ -95,7 +95,7 @@ def at(error, errors, values):
 
 
 def timed(options, *arguments):
-    """A picture rendered on one thread, and the processor time that it took."""
+    """Renders a picture on one thread; returns it and the processor time in seconds."""
     spent = lambda: resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     before = spent()
     picture = render(options, *arguments, "--threads", 1)
@@ -103,7 +103,7 @@ def timed(options, *arguments):
 
 
 def generators(options, effect, scene, counts, reference, outdir):
-    """Prints the rows of an effect; returns all that was measured, as rows of --data."""
+    """Prints the rows of an effect; returns all measurements as rows for --data."""
     measured, pseudo = [], None
     for generator in GENERATORS:
         found = [compare(options, render(options, scene, generator, n, 0, outdir), reference) for n in counts]
@@ -137,11 +137,11 @@ def main():
     parser.add_argument("--program", default=str(ROOT / "target/release/slo-rt"))
     parser.add_argument("--size", default="96x54")
     parser.add_argument("--samples", type=numbers, default="4,16,64,256")
-    parser.add_argument("--columns", type=numbers, metavar="N,...", help="numbers of samples that have a column (all)")
+    parser.add_argument("--columns", type=numbers, metavar="N,...", help="numbers of samples that get a column (all)")
     parser.add_argument("--reference", type=int, default=4096)
-    parser.add_argument("--data", metavar="FILE.csv", help="write all measurements of the generators, too")
+    parser.add_argument("--data", metavar="FILE.csv", help="also write all measurements of the generators")
     parser.add_argument("--noise", metavar="E,...", help="errors to stop at, instead of the generators")
-    parser.add_argument("--only", default="", help="one effect, by a part of its name")
+    parser.add_argument("--only", default="", help="measure one effect, given by a part of its name")
     options = parser.parse_args()
     counts = options.samples
     options.columns = options.columns or counts

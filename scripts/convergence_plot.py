@@ -3,7 +3,7 @@
 # requires-python = ">=3.10"
 # dependencies = ["matplotlib>=3.6"]
 # ///
-"""Draws what convergence.py measured: one panel for each effect, one line for each generator.
+"""Draws the measurements of convergence.py: one panel for each effect, one line for each generator.
 
     uv run scripts/convergence_plot.py docs/pictures/convergence.csv docs/pictures/convergence.svg
 
@@ -64,7 +64,7 @@ LOOK = {
 
 
 def read(path):
-    """Returns by effect and generator the numbers of samples, and the relative errors (root mean square) in percent."""
+    """Returns the numbers of samples and the relative errors (root mean square, percent) by effect and generator."""
     panels = {}
     with open(path, encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
@@ -96,7 +96,7 @@ def draw_panel(axes, effect, lines):
 
 
 def limit(panels, axes_of):
-    """Gives the vertical axes of all panels the same length, with the lines of each in the middle."""
+    """Gives the vertical axes of all panels the same length, with the lines of each panel in the middle."""
     ranges = {}
     for effect, lines in panels.items():
         errors = [error for _, errors in lines.values() for error in errors]
@@ -133,7 +133,7 @@ def draw(panels):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("data", metavar="DATA.csv", help="what `convergence.py --data` wrote")
+    parser.add_argument("data", metavar="DATA.csv", help="the file written by `convergence.py --data`")
     parser.add_argument("picture", metavar="PICTURE.svg", help=".svg, .png or .pdf")
     options = parser.parse_args()
     panels = read(options.data)

@@ -1,17 +1,17 @@
 #!/bin/sh
-# Renders the frames of a scene, one run of slo-rt after the other.
+# Renders the frames of a scene, each in a run of slo-rt, one after the other.
 
 usage='usage: render_sequence.sh [-k] SCENE FIRST LAST [options of slo-rt]
 
-Renders the frames FIRST to LAST of SCENE. Further options go to slo-rt as they are:
+Renders the frames FIRST to LAST of SCENE. Further options are passed to slo-rt:
   render_sequence.sh table.txt 0 100 -od output/table
-  render_sequence.sh table.txt 0 100 -od output/table --skip-existing    (goes on where it ended)
+  render_sequence.sh table.txt 0 100 -od output/table --skip-existing    (continues a sequence)
 
-  -k, --keep-going   goes on after a frame that fails, and lists those at the end
+  -k, --keep-going   continues after a frame that fails, and lists the failed frames at the end
 
-The program is $SLO_RT, or slo-rt of this checkout (target/release), or slo-rt of the path.
-Exit code: 0 all frames are there; that of slo-rt for the frame it stopped at; 1 some frames
-failed (-k); 2 wrong usage; 130 interrupted.'
+The program is $SLO_RT, or slo-rt of this checkout (target/release), or slo-rt on the PATH.
+Exit code: 0 all frames are finished; the exit code of slo-rt for the frame at which it stopped;
+1 some frames failed (-k); 2 wrong usage; 130 interrupted.'
 
 fail_usage() {
     printf '%s\n\n%s\n' "render_sequence.sh: $1" "$usage" >&2
@@ -21,7 +21,7 @@ fail_usage() {
 is_integer() {
     case ${1#-} in
     '' | *[!0-9]*) return 1 ;;
-    # A leading zero would make the shell count in eights.
+    # The shell would read a number with a leading zero as octal.
     0?*) return 1 ;;
     esac
 }

@@ -3,20 +3,22 @@
 # requires-python = ">=3.10"
 # dependencies = ["numpy"]
 # ///
-"""Searches the matrices of crates/slo-render/src/sampling/matrices.rs and prints them. Needs numpy, which `uv run` fetches.
+"""Searches for the matrices of crates/slo-render/src/sampling/matrices.rs and prints the file.
 
     uv run scripts/sample_matrices.py --seconds 600 >crates/slo-render/src/sampling/matrices.rs
 
-A path takes its random numbers from groups of dimensions: lens, time, pixel, and for each of the first hits a point
-and a choice. Two dimensions of a group are a (0,2)-sequence: the first has any matrix that is upper triangular with
-ones on the diagonal, the second that of binomial coefficients times it. So the matrices of the first dimensions are
-free, and are chosen, a column after the other, such that the groups are good together: the figure of merit is the
-variance of an Owen-scrambled net over integrands whose part at the scale 2^-k has the variance 2^-(k - 1) in each
-dimension.
+Needs numpy, which `uv run` fetches.
 
-A second search finds masks, one for each pixel of a block of 8 x 8. They are XORed to the points before they are
-scrambled, by the same scramble in the whole block, so that the points of neighbours complement each other, whatever
-their number: the error of 2 x 2, 4 x 4 and 8 x 8 pixels together is less than that of independent ones.
+A path takes its random numbers from groups of dimensions: lens, time, pixel, and for each of the first hits a point
+and a choice. The two dimensions of a group are a (0,2)-sequence. The matrix of the first dimension may be any upper
+triangular matrix with ones on the diagonal; the matrix of the second is the matrix of binomial coefficients times the
+first. So the matrices of the first dimensions are free. They are chosen column by column such that the groups are well
+distributed together. The figure of merit is the variance of an Owen-scrambled net, for integrands with a part of
+variance 2^-(k - 1) at each scale 2^-k in each dimension.
+
+A second search finds masks, one for each pixel of a block of 8 x 8. A mask is XORed to the points of its pixel before
+the scramble, which is the same in the whole block. The points of neighbours then complement each other, whatever their
+number: the joint error of 2 x 2, 4 x 4 and 8 x 8 pixels is smaller than with independent points.
 """
 
 import argparse
@@ -36,7 +38,7 @@ CHOICE_A, CHOICE_B, CHOICE_C = CHOICES
 PLANES = (LENS, PIXEL, *POINTS)
 GROUPS = (LENS, TIME, PIXEL, A, CHOICE_A, B, CHOICE_B, C, CHOICE_C)
 
-# Which groups should be good together, and how much it matters.
+# Groups that should be well distributed together, with weights.
 TOGETHER = {
     (PIXEL, A): 3, (LENS, A): 3, (TIME, PIXEL): 2, (A, B): 2, (LENS, PIXEL): 1.5, (TIME, A): 1.5, (PIXEL, B): 1.5,
     (TIME, LENS): 1, (LENS, PIXEL, A): 1, (TIME, PIXEL, A): 1, (LENS, B): 1, (PIXEL, A, B): 1, (TIME, B): 0.5,
@@ -45,31 +47,31 @@ TOGETHER = {
     (B, CHOICE_B): 0.5, (A, CHOICE_B): 0.2, (PIXEL, CHOICE_B): 0.2, (CHOICE_A, CHOICE_B): 0.2,
     (C, CHOICE_C): 0.3, (B, CHOICE_C): 0.2, (PIXEL, CHOICE_C): 0.2,
 }
-# No two may be bad together: a picture would then not get better with more samples wherever both decide.
+# No pair may be badly distributed: where a picture depends on both, more samples would not improve it.
 for pair in itertools.combinations(GROUPS, 2):
     TOGETHER.setdefault(pair if pair in TOGETHER else pair[::-1], 0.1)
-# The same for the samples of neighbours, which see different things in their pixels but the same lights.
+# The same for the samples of neighbouring pixels, which see different points but the same lights.
 NEIGHBOURS = {
     (A,): 2, (LENS,): 1.5, (TIME,): 1, (B,): 1, (PIXEL,): 0.5, (C,): 0.5, (CHOICE_A,): 0.5, (CHOICE_B,): 0.2,
     (LENS, A): 2, (TIME, A): 1, (PIXEL, A): 1, (A, B): 0.7, (A, CHOICE_A): 0.5, (LENS, PIXEL): 0.5, (TIME, PIXEL): 0.5,
     (LENS, TIME): 0.5, (LENS, TIME, A): 0.5, (B, C): 0.2, (A, C): 0.2, (PIXEL, B): 0.2,
 }
 
-COLUMNS = 12  # beyond 2^12 samples the columns are random
+COLUMNS = 12  # beyond 2^12 samples, the columns are random
 MASK_DIGITS = 16
 BLOCK_BITS = 6
-INFLUENCE = 0.5  # what a dimension's part adds to the variance, at all scales together
+INFLUENCE = 0.5  # part of a dimension in the variance, over all scales
 
 
 def binomial(words):
-    """The second dimension of a plane, given the first. Digits are bits, the most significant the lowest."""
+    """Returns the second dimension of a plane, given the first. The lowest bit is the most significant digit."""
     for shift, bits in ((1, 0xAAAAAAAA), (2, 0xCCCCCCCC), (4, 0xF0F0F0F0), (8, 0xFF00FF00), (16, 0xFFFF0000)):
         words = words ^ ((words & np.uint64(bits)) >> np.uint64(shift))
     return words
 
 
 def kernel_by_common_digits():
-    """1 + the sum of weighted Walsh functions, for numbers whose first digits are equal, by their number."""
+    """Returns 1 + the sum of weighted Walsh functions, by the number of equal leading digits of two numbers."""
     scales = 2.0 ** -np.arange(40)
     scales /= scales.sum()
     equal = np.concatenate([[0], np.cumsum(scales)])
@@ -80,7 +82,7 @@ KERNEL = kernel_by_common_digits()
 
 
 def kernel(group, words):
-    """The kernel between points that differ by `words` in the group's first dimension, and zero."""
+    """Returns the kernel between zero and points that differ from it by `words` in the group's first dimension."""
     def of(digits):
         lowest = digits & (~digits + np.uint64(1))
         return KERNEL[np.where(digits == 0, 32, np.log2(np.maximum(lowest, 1).astype(np.float64))).astype(int)]
@@ -96,7 +98,7 @@ def product(values, groups):
 
 
 def search_matrices(random):
-    """Columns of each group's first matrix."""
+    """Searches for the columns of each group's first matrix."""
     matrices = {group: [] for group in GROUPS}
     points = {group: np.zeros(1, dtype=np.uint64) for group in GROUPS}
     for column in range(COLUMNS):
@@ -109,7 +111,7 @@ def search_matrices(random):
 
 
 def search_column(random, points, diagonal):
-    """One column for all groups by descent from a random start, and the variance that it leaves."""
+    """Finds one column for all groups by descent from a random start; returns it with the remaining variance."""
     columns = {group: diagonal | int(random.integers(diagonal)) for group in GROUPS}
     columns[PIXEL] = diagonal
     old = {group: kernel(group, points[group]) for group in GROUPS}
@@ -139,7 +141,7 @@ def search_column(random, points, diagonal):
 
 
 def search_masks(random, points, seconds):
-    """Words of each group, one for each bit of a pixel's number in its block (x0 y0 x1 y1 x2 y2), by annealing."""
+    """Finds by annealing, for each group, a word for each bit of a pixel's place in its block (x0 y0 x1 y1 x2 y2)."""
     points = {group: words[:256] for group, words in points.items()}
     masks = {group: [] for group in GROUPS}
     for bits in range(2, BLOCK_BITS + 1, 2):
@@ -205,15 +207,15 @@ def rust(name, about, rows):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--seconds", type=float, default=600, help="for the masks")
+    parser.add_argument("--seconds", type=float, default=600, help="time to search for the masks")
     options = parser.parse_args()
     random = np.random.default_rng(options.seed)
     matrices, points = search_matrices(random)
     masks = search_masks(random, points, options.seconds)
-    print("//! Matrices of the sample points, found by `scripts/sample_matrices.py`: a word is a column of binary digits,")
-    print("//! the most significant the lowest bit; a row is the first dimension of a group.\n")
-    print(rust("MATRICES", "By group, what each bit of a point's number adds.", matrices) + "\n")
-    print(rust("MASKS", "By group, what each bit of a pixel's number in its block adds.", masks))
+    print("//! Matrices of the sample points, found by `scripts/sample_matrices.py`. A word is a column of binary")
+    print("//! digits, with the most significant digit in the lowest bit. A row is the first dimension of a group.\n")
+    print(rust("MATRICES", "For each group, the digits that each bit of a point's number XORs.", matrices) + "\n")
+    print(rust("MASKS", "For each group, the digits that each bit of a pixel's place in its block XORs.", masks))
 
 
 if __name__ == "__main__":

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use slo_picture::film::{Film, Image, srgb};
-use slo_picture::output::{self, Recipe};
+use slo_accel::Isa;
+use slo_picture::film::{Display, Film, Image, srgb};
+use slo_picture::output::{self, Outcome, Recipe, with_outcome};
 use slo_scene::{Layer, OutputFormat, SceneDescription};
 
 use crate::error::Error;
@@ -13,15 +14,16 @@ use crate::error::Error;
 pub struct Picture {
     scene: SceneDescription,
     frame: i64,
+    film: Film,
     image: Image,
     layers: Vec<(Layer, Image)>,
 }
 
 impl Picture {
-    pub(crate) fn new(scene: SceneDescription, frame: i64, film: &Film) -> Self {
+    pub(crate) fn new(scene: SceneDescription, frame: i64, film: Film) -> Self {
         let layers = &scene.camera.film.layers;
         let layers = layers.iter().map(|&layer| (layer, film.layer_of(film.area(), layer)));
-        Self { layers: layers.collect(), image: film.image(), scene, frame }
+        Self { layers: layers.collect(), image: film.image(), film, scene, frame }
     }
 
     /// Pixels.
@@ -51,9 +53,13 @@ impl Picture {
         found.map(|(_, image)| &image.rgb[..])
     }
 
-    /// How the picture was made, as JSON: what files hold, and what `slo-rt verify` renders again.
+    /// How the picture was made and how clean it is, as JSON: what files hold, and what `slo-rt verify`
+    /// renders again.
     pub fn recipe(&self) -> String {
-        Recipe { scene: &self.scene, frame: self.frame }.to_json()
+        let film = &self.scene.camera.film;
+        let display = Display::of(film.output, film.encoding);
+        let outcome = Outcome::of(&self.film, self.film.area(), display, Isa::best());
+        with_outcome(&Recipe { scene: &self.scene, frame: self.frame }.to_json(), &outcome)
     }
 
     /// Writes the picture with its recipe. The extension of `path` chooses the format: that of the scene

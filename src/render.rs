@@ -147,7 +147,7 @@ impl<'a> Render<'a> {
         if !is_complete {
             return Err(Error::Cancelled);
         }
-        Ok(Picture::new(scene.clone(), self.frame, &film))
+        Ok(Picture::new(scene.clone(), self.frame, film))
     }
 }
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The tables of docs/denoising.md: how far pictures of few samples are from one of many, as they are,
-# denoised by their colours alone, and denoised with layers. SIZE and REFERENCE (samples) make it quick.
+# Prints the tables of docs/denoising.md: the errors of pictures with few samples against a reference with many,
+# without denoising, denoised from colours alone, and denoised with layers. A smaller SIZE or REFERENCE (samples)
+# makes it faster.
 #
 #     SIZE=480x270 REFERENCE=512 scripts/denoise/measure.sh default depth_of_field
 set -euo pipefail
@@ -11,7 +12,7 @@ size=${SIZE:-640x360}
 folder=${KEEP:-$(mktemp -d)}
 [[ -n ${KEEP:-} ]] || trap 'rm -rf "$folder"' EXIT
 
-# How far one picture is from another: relative mean square error, FLIP.
+# Prints the difference between two pictures: relative mean square error, FLIP.
 distances() {
     "$program" compare "$1" "$2" | awk '$1 == "relative-mse" { e = $2 } $1 == "flip" { f = $2 }
         END { printf " %.1e | %.3f |", e, f }'
@@ -21,7 +22,7 @@ mkdir -p "$folder/scenes"
 cp -r meshes textures "$folder"
 printf '| scene | samples | noisy | FLIP | colours alone | FLIP | with layers | FLIP |\n|---|---|---|---|---|---|---|---|\n'
 for name in "$@"; do
-    # All samples everywhere: no rule of the scene's own stops a block.
+    # All samples everywhere: no adaptive rule of the scene stops a block.
     scene=$folder/scenes/$name.txt
     sed -E 's/(noise|imageMinSamples) +[0-9.]+//g' "scenes/$name.txt" >"$scene"
     render() {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Denoises pictures with the real library and measures that they are nearer to clean ones.
-# Exit code: 0 all is well, 1 something fails, 3 Open Image Denoise can't be had.
+# Denoises pictures with the real library and checks that they get closer to clean ones.
+# Exit code: 0 passed, 1 failed, 3 Open Image Denoise is not available.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.."
 program=$(realpath -- "${SLO_RT:-target/release/slo-rt}")
@@ -19,17 +19,17 @@ fail() {
     exit 1
 }
 
-# Relative mean square error of a picture.
+# Prints the relative mean square error of a picture.
 error() {
     "$program" compare "$1" "$2" | sed -n 's/^relative-mse\t//p'
 }
 
-# A is below B times C.
+# Tests whether A is below B times C.
 below() {
     awk -v a="$1" -v b="$2" -v c="$3" 'BEGIN { exit !(a < b * c) }'
 }
 
-# Wood, cloth, rough and polished pieces behind a lens: few samples, and what many show.
+# Wood, cloth, rough and polished pieces behind a lens: with few samples, and a reference with many.
 scene=scenes/default.txt
 layers=(--format exr --layers 'albedo,normal')
 render -s $scene --noise 0.002 --samples 512 --format exr --seed 9 -od "$folder/clean"
@@ -52,7 +52,7 @@ below "$guided" "$blind" 1 || fail 'the layers do not help'
 below "$(error "$folder/default_00000_denoised.png" "$folder/default_00000.png")" 1 1 ||
     fail 'the denoised PNG shows something else'
 
-# What is fine and known stays: a checkered wall under a lamp that is half hidden.
+# Fine detail that the layers show is preserved: a checkered wall under a lamp that is half hidden.
 cat >"$folder/wall.txt" <<'SCENE'
 settings s { imageSamples 2 softShadowSamples 1 recursion 0 }
 Camera c {
@@ -92,7 +92,7 @@ denoise "$folder/noisy/$region" -od "$folder/guided"
 "$program" compare "$folder/guided/$region" "$folder/clean/$name" >"$folder/said" ||
     fail 'a denoised region is not placed'
 
-# A denoised picture is never taken for a rendered one, and says what it is.
+# A denoised picture is never mistaken for a rendered one, and its metadata say that it is denoised.
 denoised=$folder/guided/$name
 "$program" --recipe "$denoised" | grep -q '"denoised": "Open Image Denoise [0-9.]*: albedo, normal"' ||
     fail 'the recipe does not say that it is denoised'

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Rays of slo-rt against Embree's: ratios of one run, both programs in turn.
+"""Compares the ray tracing speed of slo-rt and Embree, running both programs in turn.
 
     cargo build --release --example trace_rays
     c++ -O3 -march=native scripts/embree/trace_rays.cpp -o trace_rays_embree -lembree3
     python3 scripts/embree/compare.py ./trace_rays_embree MESH.tri RAYS.rays [--rounds N]
         [--accelerator BVH ...] [--isa auto ...]
 
-Prints for each set of rays the speed of each program, best of all rounds, and how many times as
-fast as Embree's single rays and as Embree's best kernel it is.
+Prints for each set of rays the speed of each program, the best of all rounds, and its ratio to the
+speed of Embree's single rays and of Embree's best kernel.
 """
 
 import argparse

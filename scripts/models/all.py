@@ -1,4 +1,4 @@
-"""Write every mesh, texture and generated scene again: python3 scripts/models/all.py"""
+"""Writes all meshes, textures and generated scenes again: python3 scripts/models/all.py"""
 
 import board
 import candle

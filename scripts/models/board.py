@@ -24,7 +24,7 @@ def bevelled_box(size, bevel, steps=4, grain=None):
 
 
 def face(mesh, half, bevel, axis, sign, steps):
-    """A flat side with its share (up to 45 degrees) of the rounded edges."""
+    """Adds a flat side with its part (up to 45 degrees) of the rounded edges."""
     ticks = [(-1.0, -math.pi / 4.0 * (1.0 - i / steps)) for i in range(steps + 1)]
     ticks += [(1.0, math.pi / 4.0 * i / steps) for i in range(steps + 1)]
     b, c = (axis + 1) % 3, (axis + 2) % 3
@@ -47,7 +47,7 @@ def face(mesh, half, bevel, axis, sign, steps):
 
 
 def squares(parity):
-    """The squares of one colour, veneer with a grain of its own each, on z = 0; a1 is dark."""
+    """The squares of one colour on z = 0, each a veneer with its own grain; a1 is dark."""
     pick = random.Random(40 + parity)
     mesh = Mesh()
     for file in range(8):

@@ -31,7 +31,7 @@ def foot(radius):
 
 
 def disc(p, r, z, thickness):
-    """A thin round-edged disc on the stem: from the present end to radius r and height z."""
+    """A thin round-edged disc on the stem: from the current end to radius r and height z."""
     return p.line(r - .5, z).arc(r - .5, z + thickness, .8)
 
 

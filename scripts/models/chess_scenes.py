@@ -15,7 +15,7 @@ def vector(*values):
 
 
 def centre(file, rank, flipped=False):
-    """Middle of a square; file and rank count from 0. Flipped: black sits on the near side."""
+    """Middle of a square; file and rank count from 0. If flipped, black sits on the near side."""
     x, y = (file - 3.5) * SQUARE, (rank - 3.5) * SQUARE
     return (-x, -y) if flipped else (x, y)
 
@@ -28,7 +28,7 @@ def placed(name, mesh, material, x, y, z, turn):
 
 
 def position(fen, flipped, seed, colours=("boxwood", "ebony")):
-    """One mesh element per piece, each stood down a little carelessly."""
+    """One mesh element for each piece, placed a little carelessly."""
     hand = random.Random(seed)
     out = []
     for row, text in enumerate(fen.split("/")):
@@ -220,7 +220,7 @@ mesh wall { filename ../meshes/sheet.slo smooth_normals 0 material wall
 
 
 def falling(height=9.5, start=2.0, step=.002, end=97.0):
-    """(time, angle) of a piece that tips over its rim as a rod does, time 0 at 24 degrees."""
+    """(time, angle) of a piece that tips over its rim like a rod; time is 0 at 24 degrees."""
     rows, t, angle, speed = [], 0.0, math.radians(start), 0.0
     while angle < math.radians(end):
         rows.append((t, angle))

@@ -27,7 +27,7 @@ def split_convex(points, normals, plane):
 
 
 def subtract(mesh, planes):
-    """The mesh's surface without what lies in front of all planes; open where it was cut."""
+    """The mesh's surface without the part in front of all planes; open where it was cut."""
     mesh.compute_normals()
     out = Mesh()
     for face in mesh.faces:

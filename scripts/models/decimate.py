@@ -1,6 +1,6 @@
-"""Fewer triangles where a closed surface is flat: edge collapse by quadric error.
+"""Reduces triangles where a closed surface is flat: edge collapse by quadric error.
 
-Source: Garland and Heckbert 1997; a collapse goes to the better of the two ends and the middle.
+Source: Garland and Heckbert 1997. An edge collapses to the best of its two ends and its middle.
 """
 
 import heapq
@@ -9,7 +9,7 @@ from mesh import Mesh, add, cross, dot, length, mul, sub, unit
 
 
 def decimate(mesh, target_vertices):
-    """A mesh of about so many vertices (normals are left to the caller)."""
+    """A mesh with about the given number of vertices (the caller computes normals)."""
     pos = list(mesh.positions)
     faces = [list(f) for f in mesh.faces]
     of_vertex = [set() for _ in pos]
@@ -93,7 +93,7 @@ def neighbours(faces, of_vertex, a):
 
 
 def collapsible(pos, faces, of_vertex, a, b, p):
-    """No fold, no sliver, no change of topology."""
+    """Whether a collapse makes no fold, no sliver and no change of topology."""
     shared = set(neighbours(faces, of_vertex, a)) & set(neighbours(faces, of_vertex, b))
     if len(shared) != 2:
         return False

@@ -1,4 +1,4 @@
-"""One scene for each effect, those of them that are long lists: strings, crayons, pawns, a cradle."""
+"""Scenes of single effects that are long lists: strings, crayons, pawns, a cradle."""
 
 import math
 import random

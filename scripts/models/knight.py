@@ -100,7 +100,7 @@ def groove(y, z, points, width):
 
 
 def relief(y, z, depth, where):
-    """What the carver adds to and takes from the side, in millimetres."""
+    """Height of the carving on the side, in millimetres; negative where it is cut away."""
     h = 0.0
     # The jaw stands out from the neck.
     jaw = math.hypot((y - 6.4) / 1.0, (z - 31.0) / 1.12)
@@ -143,7 +143,7 @@ def profile(y, z):
 
 
 def field(p, cache={}):
-    """Less than 0 inside; about millimetres near the surface."""
+    """Signed distance, approximately in millimetres near the surface; negative inside."""
     key = (p[1], p[2])
     if key not in cache:
         if len(cache) > 20000:

@@ -34,7 +34,7 @@ class Profile:
         return self
 
     def scaled(self, s):
-        """The same profile s times as large."""
+        """The profile scaled by s."""
         def p(a):
             return (a[0] * s, a[1] * s)
         copy = Profile(*p(self.end))

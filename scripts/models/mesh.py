@@ -59,7 +59,7 @@ class Mesh:
         self.positions, self.normals, self.uvs, self.faces = [], [], [], []
 
     def vertex(self, position, normal=None, uv=None):
-        """Index of a new vertex; a normal of None is computed by `compute_normals`."""
+        """Add a vertex and return its index; a normal of None is computed by `compute_normals`."""
         self.positions.append(position)
         self.normals.append(normal)
         self.uvs.append(uv)
@@ -75,7 +75,7 @@ class Mesh:
         self.triangle(a, c, d)
 
     def polygon(self, points, normal=None, uvs=None):
-        """A flat convex polygon with vertices of its own."""
+        """Add a flat convex polygon with vertices of its own."""
         if normal is None:
             normal = unit(cross(sub(points[1], points[0]), sub(points[2], points[0])))
         uvs = uvs or [None] * len(points)
@@ -108,7 +108,7 @@ class Mesh:
         return self
 
     def map_uv(self, function):
-        """uv of every vertex as a function of its position."""
+        """Set the uv of every vertex by a function of its position."""
         self.uvs = [function(p) for p in self.positions]
         return self
 
@@ -145,7 +145,7 @@ class Mesh:
 
 
 def number(x, digits):
-    """Shortest text of x at that many decimals: .5 -.25 3 0"""
+    """Shortest text of x with at most that many decimals: .5 -.25 3 0"""
     text = ("%.*f" % (digits, x)).rstrip("0").rstrip(".") if digits else "%d" % round(x)
     if text in ("-0", ""):
         return "0"

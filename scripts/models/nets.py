@@ -1,6 +1,6 @@
 """Surface nets: the zero surface of a function on a grid, refined by Newton steps.
 
-Source: Gibson 1998, "Constrained elastic surface nets"; vertices here go to the surface by the
+Source: Gibson 1998, "Constrained elastic surface nets". Here vertices move to the surface along the
 gradient instead of relaxing.
 """
 
@@ -37,7 +37,7 @@ def gradient(field, p, h):
 
 
 def settle(field, p, cell):
-    """The point that a few damped Newton steps reach, and the unit gradient there."""
+    """The point reached by a few damped Newton steps, and the unit gradient there."""
     start = p
     for _ in range(4):
         g = gradient(field, p, cell * .1)

@@ -1,6 +1,6 @@
 """An RGB PNG writer, of 8 or 16 bits a channel.
 
-By hand, so that the models need nothing but Python, and because Pillow cannot write 16 bits of RGB.
+It needs no library, so that the models need only Python, and because Pillow cannot write 16 bits of RGB.
 """
 
 import os

@@ -38,20 +38,20 @@ texture garden { filename ../textures/garden.png }
 
 
 def frame(up, right):
-    """Columns right, forward, up after Gram-Schmidt, as the renderer does it."""
+    """Columns right, forward, up by Gram-Schmidt, as in the renderer."""
     x = unit(right)
     z = unit(sub(up, mul(x, dot(up, x))))
     return x, cross(z, x), z
 
 
 def placed_at(point, pivot, up, right):
-    """A point of an object's own space in that of the scene."""
+    """Transforms a point from an object's space to the scene's."""
     x, y, z = frame(up, right)
     return add(pivot, add(add(mul(x, point[0]), mul(y, point[1])), mul(z, point[2])))
 
 
 def on_stem(t, pivot, up, right):
-    """Where a leaf springs from the stem of the flower at `pivot`; t runs down the stem."""
+    """Point where a leaf springs from the stem of the flower at `pivot`; t runs down the stem."""
     return placed_at(rose.bezier(rose.STEM, t), pivot, up, right)
 
 

@@ -140,7 +140,7 @@ def checker(size, squares, light, dark):
 
 
 def glow(name, width, height, low, high, centre, reach):
-    """A backdrop: a soft light on a dark wall. 16 bits: dark gradients would show steps in 8."""
+    """A backdrop: a soft light on a dark wall, in 16 bits, since dark gradients would show steps in 8."""
 
     def pixel(x, y):
         u, v = (x + .5) / width, 1.0 - (y + .5) / height

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs the job template by PyPI's openjd-cli, and compares its pictures with those of a run without it.
+# Runs the job template with PyPI's openjd-cli, and compares its pictures with those of a direct run.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.."
 program=$(realpath -- "${SLO_RT:-target/release/slo-rt}")
@@ -32,7 +32,7 @@ parameters=(-p "Folder=$PWD" -p Scene=scenes/default.txt -p Frames=-1-5:3 -p "Pr
 diff -r "$folder/job" "$folder/local"
 grep -q 'openjd_progress: 100' "$folder/log"
 
-# A task that fails is one that OpenJD knows to have failed.
+# If slo-rt fails, OpenJD reports the task as failed.
 if "$openjd" run "$template" --step Render "${parameters[@]}" -p Frames=99 >"$folder/log" 2>&1; then
     echo 'a frame that the scene does not have is said to be rendered'
     exit 1

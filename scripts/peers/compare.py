@@ -3,24 +3,25 @@
 # requires-python = ">=3.10"
 # dependencies = ["numpy", "openexr>=3.3", "pillow"]
 # ///
-"""Processor time that slo-rt and other renderers need for a picture of a given noise, on one thread.
+"""Measures the processor time that slo-rt and other renderers need for a given noise level, on one thread.
 
     python3 scripts/peers/compare.py [--only slo-rt cycles ...] [--stills S1 S2 S3 S4]
         [--python cycles=VENV/bin/python ...] [--llvm libLLVM.so] [--reference 1024] [--pictures FOLDER]
 
-Renders four still lifes with twice as many samples each time until the relative mean square error, mean of
-(a - r)^2 / (r^2 + 0.01), against the renderer's own reference r of other seeds is below 1e-3 (S4: 1e-2), and prints
-the time for just that error as a row of a Markdown table: the logarithm of time is linear in that of error between the
-last two. `~`: the last one was not good enough, and its time would have gone beyond --limit; the error is taken to
-fall as 1 / samples from there.
+Renders four still lifes, doubling the number of samples, until the relative mean square error is below 1e-3 (S4:
+1e-2). This error is the mean of (a - r)^2 / (r^2 + 0.01), where r is a reference by the same renderer with other
+seeds. Prints the time for exactly this error as a row of a Markdown table, interpolated linearly between the last two
+pictures in the logarithms of time and error. `~` marks a time that is extrapolated with error = 1 / samples, because
+the next picture would have taken longer than --limit.
 
-A reference is the mean of eight pictures; how they differ tells how noisy it still is, and that is subtracted.
+A reference is the mean of eight pictures. The noise that it still has is estimated from their differences, and
+subtracted.
 
-Each renderer is asked in a process of its own, by the Python that --python names (the one that runs this otherwise), so
-that all may be installed apart from each other. One that is not there is skipped.
+Each renderer runs in a process of its own, under the Python that --python names (by default the one that runs this
+script), so the renderers may be installed independently of each other. Renderers that are not installed are skipped.
 
-Needs `pip install numpy openexr pillow`, which `uv run scripts/peers/compare.py` fetches by itself; and of the other
-renderers `pip install mitsuba`, `bpy`, `pyluxcore`, or Debian's povray, each with numpy beside it.
+Needs `pip install numpy openexr pillow`, which `uv run scripts/peers/compare.py` fetches by itself. The other
+renderers need `pip install mitsuba`, `bpy` or `pyluxcore`, or Debian's povray, each together with numpy.
 """
 
 import argparse
@@ -55,11 +56,11 @@ CHUNKS = 8
 
 
 class Unable(Exception):
-    """The process ended; with its exit code and last words."""
+    """A renderer's process ended; holds its exit code and last messages."""
 
 
 class Renderer:
-    """One that has loaded a still life."""
+    """A renderer that has loaded a still life."""
 
     def __init__(self, name, still, options):
         self.folder = tempfile.TemporaryDirectory()
@@ -85,11 +86,11 @@ class Renderer:
         return json.loads(line)
 
     def render(self, samples, seed, threads=1):
-        """The picture, and the processor time that it took."""
+        """Returns the picture, and the processor time that it took."""
         return self.wish(samples=samples, seed=seed, threads=threads, reference=False)
 
     def reference(self, samples, seed, threads):
-        """A picture of the same number of samples everywhere."""
+        """Renders a picture with the same number of samples in every pixel."""
         return self.wish(samples=samples, seed=seed, threads=threads, reference=True)[0]
 
     def wish(self, **wish):
@@ -114,7 +115,7 @@ def relative(difference, reference):
 
 
 def reference_of(renderer, options):
-    """A picture, and its own relative mean square error."""
+    """A reference picture, and its own relative mean square error."""
     count = max(1, options.reference // CHUNKS)
     pictures = [renderer.reference(count, 1000 + chunk, options.reference_threads) for chunk in range(CHUNKS)]
     mean = np.mean(pictures, axis=0)
@@ -123,7 +124,7 @@ def reference_of(renderer, options):
 
 
 def time_for(target, series):
-    """Of a list of (samples, seconds, error) in which the errors fall, as text."""
+    """Returns the time to reach the error, as text, from a list of (samples, seconds, error) with falling errors."""
     n, seconds, error = series[-1]
     if error > target:
         return f"~{seconds * error / target:.0f}"
@@ -187,13 +188,13 @@ def main():
     parser.add_argument("--program", default=str(stills.ROOT / "target/release/slo-rt"), help="slo-rt")
     parser.add_argument("--python", nargs="+", default=[], metavar="NAME=PYTHON")
     parser.add_argument("--llvm", help="libLLVM.so for Mitsuba")
-    parser.add_argument("--order", default="{}", help="JSON: what a renderer's module has settings for")
-    parser.add_argument("--reference", type=int, default=1024, help="samples in all")
+    parser.add_argument("--order", default="{}", help="JSON: settings of a renderer's module")
+    parser.add_argument("--reference", type=int, default=1024, help="samples of the reference")
     parser.add_argument("--reference-threads", type=int, default=1)
-    parser.add_argument("--first", type=int, default=1, help="samples to begin with")
-    parser.add_argument("--turns", type=int, default=3, help="pictures of each number: least time, mean error")
-    parser.add_argument("--limit", type=float, default=300, help="seconds that a picture may take")
-    parser.add_argument("--pictures", metavar="FOLDER", help="where references are written as PNG files")
+    parser.add_argument("--first", type=int, default=1, help="samples of the first picture")
+    parser.add_argument("--turns", type=int, default=3, help="pictures for each number of samples: least time, mean error")
+    parser.add_argument("--limit", type=float, default=300, help="most seconds of a picture")
+    parser.add_argument("--pictures", metavar="FOLDER", help="folder to which references are written as PNG files")
     options = parser.parse_args()
     print("| seconds | " + " | ".join(options.stills) + " |\n|" + "---|" * (len(options.stills) + 1), flush=True)
     for name in options.only:

@@ -1,9 +1,9 @@
-"""How compare.py speaks with a renderer: a process of its own, a line of JSON for each picture.
+"""The interface between compare.py and a renderer: a process for each renderer, a line of JSON for each picture.
 
-A renderer's module calls `serve` with a class:
-`Renderer(still, order)` has a `version` and `render(samples, seed, threads)`, which returns the picture as an array
-[row, column, channel] of linear light, the first row on top, and the processor time that counts in seconds.
-Where samples mean something else than the same number everywhere, `reference` does the same with that.
+A renderer's module calls `serve` with a class. `Renderer(still, order)` has a `version` and
+`render(samples, seed, threads)`, which returns the picture as an array [row, column, channel] of linear light, the
+first row on top, and the processor time to be counted, in seconds. If `samples` does not mean a uniform number of
+samples, the class also has `reference`, with the same arguments and results, for uniform samples.
 """
 
 import json
@@ -18,18 +18,18 @@ NOT_INSTALLED, CANNOT = 3, 4
 
 
 class Cannot(Exception):
-    """The renderer has not what the scene needs."""
+    """The renderer lacks a feature that the scene needs."""
 
 
 def user_time():
-    """Of this process and of those that it started and that have ended, in seconds."""
+    """Returns the processor time, in seconds, of this process and its finished child processes."""
     times = os.times()
     return times.user + times.children_user
 
 
 def serve(renderer_class):
     order = json.loads(sys.argv[1])
-    # Not the standard output, where renderers print what they like.
+    # Not standard output, since renderers print messages there.
     answers = os.fdopen(order["answers"], "w")
     try:
         renderer = renderer_class(stills.Still(order["still"]), order)
@@ -44,11 +44,11 @@ def serve(renderer_class):
         np.save(wish["picture"], np.ascontiguousarray(picture[..., :3], dtype=np.float32))
         print(json.dumps({"seconds": seconds}), file=answers, flush=True)
     answers.flush()
-    # Some renderers crash when they are taken down.
+    # Some renderers crash at shutdown.
     os._exit(0)
 
 
 def missing(error):
-    """Ends the module of a renderer that is not there."""
+    """Exits the process of a renderer that is not installed."""
     print(error, file=sys.stderr)
     sys.exit(NOT_INSTALLED)

@@ -14,7 +14,7 @@ try:
 except ImportError as error:
     job.missing(error)
 
-POSES = 16  # key frames of what moves; Cycles interpolates between them
+POSES = 16  # key frames of moving objects; Cycles interpolates between them
 
 
 def look(name, color):
@@ -29,7 +29,7 @@ def look(name, color):
 
 
 def mirror_look(name):
-    """Half of a matte floor and half of a mirror, each twice as bright."""
+    """Mixes half of a matte floor and half of a mirror, each twice as bright."""
     material = look(name, [2 * c for c in stills.FLOOR_UNDER_MIRROR])
     nodes, links = material.node_tree.nodes, material.node_tree.links
     diffuse, output = nodes["Diffuse BSDF"], nodes["Material Output"]
@@ -108,7 +108,7 @@ def add_lamp():
     data.cycles.use_multiple_importance_sampling = False
     frame = np.eye(4)
     normal = np.cross(a, b) / np.linalg.norm(np.cross(a, b))
-    normal = normal if normal[2] > 0 else -normal  # lamps shine along -z
+    normal = normal if normal[2] > 0 else -normal  # Lamps shine along -z.
     x = a / np.linalg.norm(a)
     frame[:3] = np.column_stack([x, np.cross(normal, x), normal, center])
     lamp = add("lamp", data)
@@ -117,7 +117,7 @@ def add_lamp():
 
 
 def add_mirrored_lamp():
-    """What mirrors and glass see in its place: a rectangle that is no brighter than in slo-rt."""
+    """Adds the lamp that mirrors and glass see instead: a rectangle that is no brighter than in slo-rt."""
     center, a, b = stills.light_frame()
     corners = [center + i * a + j * b + (0, 0, 0.01) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     material = look("shining", stills.LIGHT_COLOR)

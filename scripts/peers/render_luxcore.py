@@ -1,4 +1,4 @@
-"""LuxCore by pyluxcore: paths on the processor, points of its Sobol sampler."""
+"""LuxCore by pyluxcore: path tracing on the CPU with its Sobol sampler."""
 
 import time
 
@@ -12,7 +12,7 @@ try:
 except ImportError as error:
     job.missing(error)
 
-POSES = 16  # of what moves; LuxCore interpolates between them
+POSES = 16  # of moving objects; LuxCore interpolates between them
 
 
 def properties(values):
@@ -51,7 +51,7 @@ def camera(still):
         "scene.camera.lookat.orig": floats(stills.EYE),
         "scene.camera.lookat.target": floats(stills.TARGET),
         "scene.camera.up": [0.0, 0.0, 1.0],
-        # Of the shorter side.
+        # For the shorter side.
         "scene.camera.fieldofview": np.degrees(2 * np.arctan(stills.FOV)),
         "scene.camera.screenwindow": [-ratio, ratio, -1.0, 1.0],
         "scene.camera.lensradius": still.lens,
@@ -155,7 +155,7 @@ class LuxCore:
         session.Start()
         began = job.user_time()
         while not session.HasDone():
-            # It looks whether it has done when it is asked how far it is.
+            # It checks whether it is done only when asked for its progress.
             session.UpdateStats()
             time.sleep(0.01)
         seconds = job.user_time() - began

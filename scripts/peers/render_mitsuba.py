@@ -1,8 +1,8 @@
 """Mitsuba 3 with LLVM: all rays of a picture together, 16 at a time on AVX-512.
 
-Without --llvm Dr.Jit looks for a libLLVM.so itself. With AVX-512 it has to be 17 or later: 15 and 16
-end with "Cannot select: f32 = fminimum". Mitsuba has no motion blur: pictures of what moves are
-means of pictures of what stands still.
+Without --llvm, Dr.Jit searches for a libLLVM.so itself. With AVX-512 it must be version 17 or later: 15 and 16
+fail with "Cannot select: f32 = fminimum". Mitsuba has no motion blur, so pictures of moving objects are means of
+pictures of objects at rest.
 """
 
 import json
@@ -14,7 +14,7 @@ import numpy as np
 import job
 import stills
 
-SLICES = 8  # of what moves, at most; 16 take longer for no less error
+SLICES = 8  # most poses of moving objects; 16 take longer without reducing the error
 
 if __name__ == "__main__" and json.loads(sys.argv[1]).get("llvm"):
     os.environ["DRJIT_LIBLLVM_PATH"] = json.loads(sys.argv[1])["llvm"]
@@ -27,7 +27,7 @@ except ImportError as error:
 
 
 class Direct(mi.SamplingIntegrator):
-    """Light of the lamp on diffuse surfaces, and what rough mirrors and glass see; nothing from diffuse to diffuse."""
+    """Integrates direct light on diffuse surfaces, and reflection and refraction, but no diffuse interreflection."""
 
     def __init__(self, props):
         super().__init__(props)
@@ -134,7 +134,7 @@ def integrator(still, name):
     bounces = stills.BOUNCES if still.rough else 0
     if name == "direct":
         return {"type": "still_direct", "bounces": bounces}
-    # Its own: a lamp's light on a diffuse surface is a segment more.
+    # For its own integrator: light from a lamp on a diffuse surface counts as one more segment.
     return {"type": name, "max_depth": bounces + 2, "rr_depth": bounces + 2}
 
 
@@ -184,7 +184,7 @@ class Mitsuba:
     def render(self, samples, seed, threads):
         dr.set_thread_count(threads)
         if samples not in self.warm:
-            # Compiles what this number of samples needs.
+            # Compiles the kernel for this number of samples.
             self.picture(samples, seed).numpy()
             self.warm.add(samples)
         began = job.user_time()

@@ -1,4 +1,4 @@
-"""POV-Ray: its own count of processor time, without parsing. No motion blur, and no motion of meshes."""
+"""POV-Ray. Its processor time is its own measurement, without parsing. No motion blur, no moving meshes."""
 
 import re
 import subprocess
@@ -39,7 +39,7 @@ def camera(still, samples):
     ratio = stills.WIDTH / stills.HEIGHT
     blur = ""
     if still.lens:
-        # A confidence that is never reached, so that each pixel takes all samples.
+        # This confidence is never reached, so each pixel takes all samples.
         blur = f"""aperture {2 * still.lens} blur_samples {samples}, {samples} confidence 0.999999 variance 0
  focal_point {vector(np.add(stills.EYE, stills.FOCUS * forward))}"""
     return f"""camera {{ perspective location {vector(stills.EYE)} direction {vector(forward)}
@@ -49,7 +49,7 @@ def camera(still, samples):
 
 def scene_text(still, samples, grid):
     center, a, b = stills.light_frame()
-    # Points of the grid, from edge to edge of what is said here, are moved by up to half a step to all sides.
+    # Points of the grid, which spans this rectangle from edge to edge, are jittered by up to half a step each way.
     a, b = (edge * (grid - 1) / grid for edge in (a, b))
     ball, radius, color = stills.BALL
     text = f"""#version 3.7;
@@ -64,7 +64,7 @@ sphere {{ {vector(ball)}, {radius} {pigment(color)} }}
 
 
 def read_ppm(path):
-    """A binary one of 16 bits."""
+    """Reads a binary PPM file of 16 bits."""
     data = path.read_bytes()
     size = stills.WIDTH * stills.HEIGHT * 6
     return np.frombuffer(data[-size:], dtype=">u2").reshape(stills.HEIGHT, stills.WIDTH, 3) / np.float32(65535)
@@ -83,7 +83,7 @@ class PovRay:
         self.version = re.search(r"POV-Ray (\S+)", text.stdout + text.stderr).group(1)
 
     def render(self, samples, seed, threads):
-        """Without a lens samples are rounded to a square. Blocks of another size serve as another seed."""
+        """Renders a picture. Without a lens, samples are rounded to a square. The block size serves as the seed."""
         scene, picture = (Path(self.folder.name) / name for name in ("still.pov", "still.ppm"))
         scene.write_text(scene_text(self.still, samples, self.grid), encoding="utf-8")
         command = ["povray", f"+I{scene}", f"+O{picture}", f"+W{stills.WIDTH}", f"+H{stills.HEIGHT}", "+FP16",

@@ -1,6 +1,6 @@
 """slo-rt: the whole process, from the scene's text to the EXR file; with --order '{"rendering": true}' rendering only.
 
-Rendering alone is what the program tells of itself (`-v`), by the clock: on a core that nobody else uses.
+The time of rendering only is the wall clock time that the program reports (`-v`), so the core must be otherwise idle.
 """
 
 import re

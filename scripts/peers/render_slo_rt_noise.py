@@ -1,4 +1,4 @@
-"""slo-rt with samples where the error is: twice as many "samples" are half of `--noise`."""
+"""slo-rt with adaptive sampling: twice as many "samples" mean half of `--noise`."""
 
 import job
 from render_slo_rt import SloRt, scene_text

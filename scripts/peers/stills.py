@@ -1,4 +1,4 @@
-"""Four still lifes of shipped meshes, as numbers that every renderer's own scene is made of."""
+"""Four still lifes of shipped meshes, as numbers from which the scene of each renderer is made."""
 
 import re
 from pathlib import Path
@@ -15,20 +15,20 @@ FOCUS = 35.0
 LIGHT = ((-14, -10, 22), (-6, -14, 22), (-2, -6, 22))
 LIGHT_COLOR = (1, 0.96, 0.9)
 SKY = (0.05, 0.05, 0.06)
-# Radiance at which a lamp that falls off with distance lights the middle of the floor as one of
-# LIGHT_COLOR does that does not: pi r^2 / (area x cosine at the lamp).
+# Factor on the radiance of a lamp with falloff by distance, so that it lights the middle of the floor like a lamp of
+# LIGHT_COLOR without falloff: pi r^2 / (area x cosine at the lamp).
 RADIANCE = 22.0
 
 WHITE, BLUE, RED = (0.8, 0.78, 0.74), (0.12, 0.2, 0.6), (0.7, 0.15, 0.1)
 FLOOR, FLOOR_UNDER_MIRROR = (0.72, 0.7, 0.66), (0.35, 0.33, 0.3)
 MIRROR = 0.4
-# Spread of the lobes as slo-rt has it (cos^n about the mirrored ray, n = 1 / spread^2), and the
-# roughness alpha of microfacets that look like it: their normals turn half as far as rays do.
+# Spread of the lobes in slo-rt (cos^n about the mirrored ray, n = 1 / spread^2), and the roughness alpha of microfacets
+# with the same appearance: their normals turn half as far as rays do.
 MIRROR_SPREAD, GLASS_SPREAD = 0.15, 0.08
 MIRROR_ALPHA = (2 / (4 / MIRROR_SPREAD**2 + 2)) ** 0.5
 GLASS_ALPHA = (2 / (4 / GLASS_SPREAD**2 + 2)) ** 0.5
 GLASS_INDEX = 1.5
-BOUNCES = 4  # after the first hit
+BOUNCES = 4  # bounces after the first hit
 
 MESHES = {
     "king": ((-3, 2, 0), WHITE),
@@ -40,14 +40,14 @@ MESHES = {
 GLASS = "king"
 MOVES = "knight"
 BALL = ((-7, -5, 2), 2, RED)
-# Pivot, up and right of what moves, at the two keys; the shutter is open from the first one for half
-# of the way.
+# Pivot, up and right of the moving object at the two keys. The shutter opens at the first key and closes half way to
+# the second.
 KEYS = (((1, -3, 0), (0, 0, 1), (1, 0, 0)), ((5, -2, 2), (0.3, 0, 1), (0.5, 0.8, 0)))
 SHUTTER = 0.5
 
 
 class Still:
-    """What there is in one of them."""
+    """The contents of a still life."""
 
     def __init__(self, name):
         self.name = name
@@ -56,7 +56,7 @@ class Still:
         self.rough = name == "S4"
 
     def pose(self, mesh, time=0.0):
-        """Matrix from mesh to world at a time of the shutter from 0 to 1."""
+        """Returns the matrix from mesh to world space at a shutter time from 0 to 1."""
         if self.moves and mesh == MOVES:
             return moving_pose(time * SHUTTER)
         matrix = np.eye(4)
@@ -78,7 +78,7 @@ def moving_pose(u):
 
 
 def mesh(name):
-    """Vertices, triangles and normals at vertices."""
+    """Returns vertices, triangles and vertex normals."""
     text = (ROOT / "meshes" / f"{name}.slo").read_text(encoding="utf-8")
     block = {key: re.search(rf"\b{key}\s*{{([^}}]*)}}", text).group(1) for key in ("vertices", "faces")}
     vertices = np.array(block["vertices"].split(), dtype=np.float64).reshape(-1, 3)

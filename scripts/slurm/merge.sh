@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The job that puts the parts together, which submit.sh submits with the variables in front.
+# The job that merges the parts. submit.sh submits it and puts the variables in front.
 # shellcheck disable=SC2154
 
 failed=0

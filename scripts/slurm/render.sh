@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A job of an array that submit.sh submits, which puts the variables in front.
+# A job of an array. submit.sh submits it and puts the variables in front.
 # shellcheck disable=SC2154
 
 range=${ranges[SLURM_ARRAY_TASK_ID]}
@@ -12,7 +12,7 @@ else
 fi
 printf 'frame %s on %s, run %s\n' "$range" "${SLURMD_NODENAME-}" "$((${SLURM_RESTART_COUNT:-0} + 1))" >&2
 
-# The time limit comes as USR1, to this script alone; TERM comes to all processes of the job.
+# Slurm announces the time limit by USR1, to this script only. TERM is sent to all processes of the job.
 heard='' ended=''
 trap 'heard=1; kill -USR1 "$child"' USR1
 trap 'heard=1 ended=1' TERM
@@ -23,14 +23,14 @@ while :; do
     heard=''
     wait "$child"
     status=$?
-    # 127: it had ended before this wait.
+    # 127: the child had ended before this wait.
     ((status == 127)) || code=$status
     [[ -n $heard ]] || break
 done
 
-# Who ended the job wants it gone, or queues it again himself.
+# Whoever ended the job wants it gone, or will queue it again.
 if ((code == 75)) && [[ -z $ended ]]; then
-    # A limit that does not even allow for loading the scene would go on for ever.
+    # If the limit is too short even to load the scene, requeueing would never end.
     if ((${SLURM_RESTART_COUNT:-0} < 100)); then
         echo 'queued again, to go on from there' >&2
         scontrol requeue "$SLURM_JOB_ID"

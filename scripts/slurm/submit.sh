@@ -4,27 +4,27 @@ set -euo pipefail
 
 usage='usage: submit.sh [options] SCENE FRAMES [options of slo-rt]
 
-Submits the frames of SCENE that are not finished yet to Slurm: an array of jobs, a frame each.
+Submits the frames of SCENE that are not finished yet to Slurm: an array of jobs of one frame each.
   submit.sh table.txt 1-100 -od output/table
   submit.sh --chunk 10 --sbatch --partition=render table.txt 1-100 -od output/table
   submit.sh --parts 40 table.txt 15 -od output/table --size 15360x8640
 
-Needs a folder that all nodes share, under the same path. The same command again submits what is
-missing. A job that comes to its time limit keeps what is done of its frame, is queued again, and
-goes on from there; so is one whose node dies.
+All nodes must share the folder under the same path. Running the same command again submits the
+missing frames. A job that reaches its time limit keeps the samples of its frame, is queued again,
+and continues from there; so does a job whose node dies.
 
-  --chunk N     frames in each job (1): where frames take less than a minute or so
-  --parts N     renders each frame in N jobs, and puts the parts together in one that waits for them
-  --slots N     at most so many jobs at a time
-  --sbatch ARG  an argument for sbatch, such as --partition=render or --time=2:00:00; any number
-  --dry-run     says what would be submitted
+  --chunk N     frames in each job (default: 1); for frames that take less than a minute or so
+  --parts N     renders each frame in N jobs, and merges the parts in a job that waits for them
+  --slots N     runs at most N jobs at a time
+  --sbatch ARG  an argument for sbatch, such as --partition=render or --time=2:00:00; repeatable
+  --dry-run     prints the jobs without submitting them
 
 Each job has a node to itself; with --sbatch --cpus-per-task=8 it has 8 processors of a node.
 Logs are in the folder `log` of the output folder. The program is $SLO_RT, or slo-rt of this
-checkout (target/release), or slo-rt of the path.
-Prints the numbers of the jobs. Exit code: 0 submitted, or nothing is to do; 2 wrong usage, or
-nothing but frames that the scene does not have; that of slo-rt where the scene has errors; that of
-sbatch.'
+checkout (target/release), or slo-rt on the PATH.
+Prints the numbers of the jobs. Exit code: 0 submitted, or nothing to do; 2 wrong usage, or the
+scene has none of the frames; the exit code of slo-rt if the scene has errors; the exit code of
+sbatch if it fails.'
 
 fail_usage() {
     printf 'submit.sh: %s; --help says more\n' "$1" >&2
@@ -58,7 +58,7 @@ done
 scene=$1 frames=$2
 shift 2
 
-# Options that the jobs set themselves are taken out, as none may stand twice.
+# Options that the jobs set themselves are removed, because no option may occur twice.
 outdir=. threads='' options=()
 while (($# > 0)); do
     case $1 in
@@ -87,7 +87,7 @@ program=${SLO_RT:-$here/../../target/release/slo-rt}
 [[ -n ${SLO_RT-} || -x $program ]] || program=slo-rt
 program=$(type -P -- "$program") || fail_usage 'there is no slo-rt; $SLO_RT says where it is'
 
-# slo-rt says which frames are to be rendered; a mistake in the scene shows here and not on a node.
+# slo-rt lists the frames to render, and reports errors in the scene here and not on a node.
 plan=$("$program" --scene "$scene" --frame="$frames" --outdir "$outdir" \
     ${options[@]+"${options[@]}"} --skip-existing --dry-run)
 missing=() pictures=() absent=0
@@ -106,7 +106,7 @@ if ((${#missing[@]} == 0)); then
     exit "$absent"
 fi
 
-# An element for each job of the array: its frames, and with --parts which part.
+# One element for each job of the array: its frames, and with --parts its part.
 most=1001
 if [[ -z $dry ]]; then
     most=$(scontrol show config | sed -n 's/^MaxArraySize *= *//p')
@@ -129,12 +129,12 @@ done
 log=$outdir/log
 common=(--parsable --job-name="slo-rt ${scene##*/}" --open-mode=append)
 array=0-$((${#ranges[@]} - 1))${slots:+%$slots}
-# A job that shares its node says so by --cpus-per-task.
+# A job takes its node exclusively unless --cpus-per-task is given.
 [[ " ${sbatch[*]-} " == *' --cpus-per-task'* || " ${sbatch[*]-} " == *' -c'* ]] || common+=(--exclusive)
 submit() {
     local name=$1
     shift
-    # Slurm keeps the script: the job needs no other file of ours.
+    # Slurm stores the script, so the job needs no other file of this folder.
     {
         echo '#!/usr/bin/env bash'
         declare -p program scene outdir threads options parts ranges shares missing pictures

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Renders on a Slurm of two nodes, both on this machine, and kills one of them in the middle of a frame.
+# Renders on a Slurm cluster of two nodes, both on this machine, and kills one of them in the middle of a frame.
 set -euo pipefail
 
 usage='usage: test.sh [--install]
 
-Starts munged, slurmctld and two slurmd with a configuration of their own in a temporary folder,
-renders a short sequence by submit.sh, kills a node in the middle of a frame, and compares all
-pictures with those of a local run; then a frame in parts, one of them stopped as by a time limit.
-Needs root, and Debian'\''s slurm-wlm and munge; --install gets them with apt-get.
+Starts munged, slurmctld and two slurmd with their own configuration in a temporary folder, renders
+a short sequence by submit.sh, kills a node in the middle of a frame, and compares all pictures with
+a local run. Then it renders a frame in parts and stops one part as a time limit does.
+Needs root, and Debian'\''s slurm-wlm and munge; --install installs them with apt-get.
 The program is $SLO_RT, or slo-rt of this checkout (target/release).
-Exit code: 0 all is right; 1 something is wrong; 2 wrong usage; 3 what it needs is not there.'
+Exit code: 0 passed; 1 failed; 2 wrong usage; 3 a requirement is missing.'
 
 case ${1-} in
 '' | --install) ;;
@@ -40,7 +40,7 @@ scene=scenes/default.txt
 folder=$(mktemp -d)
 chmod 755 "$folder"
 export SLURM_CONF=$folder/slurm.conf
-# Whatever this test has started knows its configuration; nothing else does.
+# All processes started by this test, and no others, have its configuration in their environment.
 processes() { grep -lzFx "SLURM_CONF=$SLURM_CONF" /proc/[0-9]*/environ 2>/dev/null | cut -d / -f 3; }
 finish() {
     local code=$? pids
@@ -48,7 +48,7 @@ finish() {
     if ((code != 0)); then
         tail -n 20 "$folder"/*.log "$folder"/*/log/* >&2 || true
     fi
-    # Jobs are killed by their nodes, and started by the controller: more than one round.
+    # More than one round, since nodes kill jobs and the controller starts new ones.
     for _ in 1 2 3; do
         mapfile -t pids < <(processes)
         kill -KILL "${pids[@]}" 2>/dev/null || true
@@ -101,7 +101,7 @@ NodeName=n1 NodeHostname=$host NodeAddr=127.0.0.1 Port=$((port + 1)) CPUs=1
 NodeName=n2 NodeHostname=$host NodeAddr=127.0.0.1 Port=$((port + 2)) CPUs=1
 PartitionName=all Nodes=n1,n2 Default=YES MaxTime=INFINITE State=UP
 END
-# Versions before 23.02 take none for an answer, but use none with proctrack/linuxproc.
+# Versions before 23.02 reject `disabled`, but use no cgroups with proctrack/linuxproc.
 IFS=' .' read -r _ major minor _ < <(sbatch --version)
 if ((10#$major * 100 + 10#$minor >= 2302)); then cgroup=disabled; else cgroup=cgroup/v1; fi
 echo "CgroupPlugin=$cgroup" >"$folder/cgroup.conf"
@@ -125,7 +125,7 @@ await 60 'node n1' idle n1
 await 60 'node n2' idle n2
 say 'two nodes are there'
 
-# A frame is killed in its middle, so that it has to take a thread some seconds, on any machine.
+# A frame is killed in its middle, so it must take a thread some seconds on any machine.
 trial() { "$SLO_RT" -q --scene "$scene" --frame=0 --size 128x72 --threads 1 --outdir "$folder/trial" >/dev/null; }
 TIMEFORMAT=%U
 seconds=$({ time trial; } 2>&1)
@@ -135,7 +135,7 @@ size_of() {
 options=(--checkpoint 1 --size "$(size_of 5)")
 say "frames: ${options[*]}"
 all_done() { [[ -z $(squeue -h -o %i) ]]; }
-# Task and job on node n1, once a checkpoint shows that it is in the middle of its frame.
+# Finds the task and job on node n1, once a checkpoint shows that it is in the middle of its frame.
 mid_frame() {
     read -r task job < <(squeue -h -t R -w n1 -o '%K %A') && compgen -G "$1"
 }
@@ -172,7 +172,7 @@ array=$("$here/submit.sh" --parts 2 "$scene" 5 "${options[@]}" --outdir "$folder
 # The second line is the job that merges.
 array=${array%%$'\n'*}
 await 120 'a checkpoint on node n1' mid_frame "$folder/farm/parts/.slo-rt-*.state"
-# What Slurm does before the time limit.
+# Slurm sends this signal before the time limit.
 scancel --batch --signal=USR1 "$job"
 say "task $task is stopped"
 await 900 'all parts' all_done

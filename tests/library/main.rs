@@ -1,4 +1,4 @@
-//! The library as other programs use it.
+//! Tests the library as other programs use it.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! A span of time instead of a number of samples.
+//! `--time`: a span of time instead of a number of samples.
 
 use std::process::{Command, Stdio};
 use std::thread::sleep;
@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 
 use super::{Folder, Run, noisy_scene};
 
-/// So large that it never gets to the last step.
+/// A scene so large that the last step is never reached.
 fn folder() -> Folder {
     Folder::with_scene(&noisy_scene([400, 300]))
 }
 
-/// The option that makes a picture again.
+/// Returns the option that reproduces a picture.
 fn steps(folder: &Folder, name: &str) -> String {
     let recipe = folder.printed(&format!("--recipe {name}"));
     let recipe: serde_json::Value = serde_json::from_str(&recipe).unwrap();
@@ -25,7 +25,7 @@ fn check_again(folder: &Folder, name: &str) {
     assert!(folder.read(name) == folder.read(&format!("again/{name}")), "{steps}: other bytes");
 }
 
-/// The bar of the project is 5 %; a test leaves room for a busy machine.
+/// The project's limit is 5 %; the test allows more for a busy machine.
 #[test]
 fn a_frame_takes_its_time_and_can_be_made_again_without_the_clock() {
     let folder = folder();

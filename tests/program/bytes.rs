@@ -1,8 +1,8 @@
-//! The same file, byte for byte, however it was made.
+//! A picture is the same file, byte for byte, however it was made.
 
 use super::{Folder, SCENE};
 
-/// Every effect at once, in a picture whose sides no tile divides.
+/// Every effect at once, in a picture whose sides are not multiples of the tile size.
 fn scene_text(output: &str) -> String {
     SCENE
         .replace("imageSamples 2", "imageSamples 16 imageMinSamples 4 dofSamples 2 recursion 3")

@@ -1,10 +1,10 @@
-//! What is written about the program is what it does.
+//! The documentation of the program is correct.
 
 use std::collections::BTreeSet;
 
 use super::Folder;
 
-/// Words that begin with two dashes, without what follows the name.
+/// Words that begin with two dashes, up to the end of the option's name.
 fn options(text: &str) -> BTreeSet<String> {
     let words = text.split(|c: char| !(c.is_ascii_lowercase() || c == '-'));
     let is_option = |word: &&str| word.starts_with("--") && !word.ends_with('-');

@@ -1,10 +1,10 @@
-//! Command lines that fail: the exit code, and what is said.
+//! Command lines that fail: their exit codes and messages.
 
 use std::process::Stdio;
 
 use super::{Folder, Run, SCENE};
 
-/// The scene with so many samples that rendering it takes hours.
+/// The scene with so many samples that rendering takes hours.
 fn endless() -> Folder {
     let text = SCENE.replace("imageSamples 2", "imageSamples 65535");
     Folder::with_scene(&text.replace("width 16 height 9", "width 4000 height 4000"))

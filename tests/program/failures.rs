@@ -1,4 +1,4 @@
-//! What can go wrong while frames are rendered: nothing is lost, and nothing wrong has a final name.
+//! Failures while frames are rendered: nothing is lost, and no wrong file gets a final name.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use rand::{RngExt, SeedableRng};
 
 use super::{Folder, Run, SCENE, noisy_scene};
 
-/// Four frames of a fifth of a second.
+/// A scene whose frames take a fifth of a second each.
 fn folder() -> Folder {
     let text = SCENE.replace("imageSamples 2", "imageSamples 60");
     Folder::with_scene(&text.replace("width 16 height 9", "width 100 height 70"))
@@ -19,14 +19,14 @@ fn folder() -> Folder {
 
 const FRAMES: &str = "-q -s scene.txt -f 0-3 --checkpoint 1";
 
-/// The frames, rendered in peace.
+/// The frames, rendered without failures.
 fn expected() -> Vec<(String, Vec<u8>)> {
     let folder = folder();
     let printed = folder.printed(FRAMES);
     printed.lines().map(|name| (name.to_owned(), folder.read(name))).collect()
 }
 
-/// What has a final name is right.
+/// Asserts that every file with a final name is correct.
 fn check_names(folder: &Folder, expected: &[(String, Vec<u8>)]) {
     for (name, bytes) in expected {
         let path = folder.path().join(name);
@@ -91,7 +91,7 @@ fn files_that_were_damaged_are_rendered_again() {
         match random.random_range(0..3) {
             0 => damaged.truncate(at),
             1 => damaged[at] ^= 1 << random.random_range(0..8),
-            // What a file system that lost power may leave of a block.
+            // What a file system may leave of a block after a power failure.
             _ => damaged[at..].iter_mut().take(64).for_each(|byte| *byte = 0),
         }
         folder.write(name, damaged);
@@ -110,7 +110,7 @@ fn a_state_that_can_not_be_kept_leaves_the_picture() {
     ] {
         let program = env!("CARGO_BIN_EXE_slo-rt");
         let mut shell = Command::new("sh");
-        // More than a picture, and less than the sums of its samples.
+        // Enough for a picture, but not for the sums of its samples.
         shell.arg("-c").arg(format!("ulimit -f 200; exec {program} --keep-state {typed}"));
         let run = Run::of(shell.current_dir(folder.path()).output().unwrap());
         assert_eq!((run.exit, &*run.printed), (74, pictures), "{}", run.said);
@@ -139,7 +139,7 @@ fn a_limit_on_the_size_of_files_is_told_and_leaves_nothing() {
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
 
-/// Under any limit on memory a picture is refused before it is rendered, or it is there at the end.
+/// Under any limit on memory, a picture is either refused before it is rendered, or finished.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_limit_on_memory_is_told_before_anything_is_lost() {
@@ -174,7 +174,7 @@ fn a_limit_on_memory_is_told_before_anything_is_lost() {
 fn a_clock_that_goes_backwards() {
     let (expected, folder) = (expected(), folder());
     folder.printed("-q -s scene.txt -f 0-1");
-    // Files from the future, and a scene that is younger than all.
+    // Files with times in the future, and a scene newer than all of them.
     for (name, _) in &expected[..2] {
         let file = fs::File::options().write(true).open(folder.path().join(name)).unwrap();
         file.set_modified(std::time::SystemTime::now() + Duration::from_secs(1 << 30)).unwrap();
@@ -186,7 +186,7 @@ fn a_clock_that_goes_backwards() {
     check_all(&folder, &expected);
 }
 
-/// Whether this user is stopped by permissions: root is not.
+/// Whether permissions stop this user; they do not stop root.
 fn permissions_count(folder: &Path) -> bool {
     fs::write(folder.join("probe"), "").is_err()
 }
@@ -215,7 +215,7 @@ fn wait_for_file(path: &Path) {
     }
 }
 
-/// A file system of a few kilobytes, gone with the value.
+/// A file system of a few kilobytes, which is unmounted when the value is dropped.
 struct SmallDisk(std::path::PathBuf);
 
 impl SmallDisk {
@@ -241,7 +241,7 @@ fn a_full_disk_is_waited_for() {
         eprintln!("SKIPPED: this user may not mount a file system");
         return;
     };
-    // 16 pages of 4 KiB, of which two are left: a frame each.
+    // 16 pages of 4 KiB, of which two are left: one for each frame.
     assert!(expected.iter().all(|(_, bytes)| bytes.len() <= 4096));
     fs::write(disk.0.join("ballast"), vec![0; 14 * 4096]).unwrap();
     let mut command = folder.command(&format!("-s scene.txt -f 0-3 -od {}", disk.0.display()));
@@ -263,7 +263,7 @@ fn a_full_disk_is_waited_for() {
     }
 }
 
-/// Room runs out inside each picture: no encoder hides why it can't go on.
+/// Space runs out while each picture is written. No encoder hides the cause.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_disk_that_fills_up_inside_a_picture_is_waited_for() {
@@ -293,7 +293,7 @@ fn a_disk_that_fills_up_inside_a_picture_is_waited_for() {
     }
 }
 
-/// A disk that is mounted again to be read only, for a while: permissions, which do not stop root.
+/// A disk that is remounted read-only for a while, since permissions do not stop root.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_disk_that_can_only_be_read_for_a_while_is_waited_for() {
@@ -312,7 +312,7 @@ fn a_disk_that_can_only_be_read_for_a_while_is_waited_for() {
         let mut command = folder.command(&typed);
         let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         wait_for_file(&disk.0.join(&expected[0].0));
-        // Busy while a file is open to be written.
+        // It is busy while a file is open for writing.
         while !again("ro") {
             sleep(Duration::from_millis(5));
         }
@@ -351,7 +351,8 @@ fn waiting_for_a_disk_ends_with_a_signal() {
     }
 }
 
-/// The system's program that tells the room on a disk may hang with a file server: nobody asks it.
+/// The system's program that reports free space may hang with a file server, so slo-rt does not
+/// call it.
 #[test]
 fn a_program_that_hangs_stops_nothing() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Files under the names of pictures that slo-rt did not make: they are left alone.
+//! Files with the names of pictures that slo-rt did not make are left alone.
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -9,7 +9,7 @@ use super::{Folder, SCENE};
 const NOTES: &[u8] = b"retouched by hand for three hours\n";
 const FRAMES: &str = "-s scene.txt -q -f 0-2";
 
-/// A picture that another program has read and saved again, with its text.
+/// A picture that another program has read and saved again, including its text.
 fn resaved(picture: &[u8]) -> Vec<u8> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(picture)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];

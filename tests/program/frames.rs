@@ -166,7 +166,7 @@ fn events_for_programs() {
     assert!(openjd.said.contains("openjd_status: frame 2\n"), "{}", openjd.said);
 }
 
-/// The bar of the project is 2 s; a test leaves room for a busy machine.
+/// The project's limit is 2 s; the test allows more for a busy machine.
 #[test]
 fn a_finished_sequence_of_800_frames_is_known_at_once() {
     let text =

@@ -1,4 +1,4 @@
-//! Small pictures that promise to be huge.
+//! Small files that claim to hold huge pictures.
 
 use std::process::Command;
 
@@ -11,7 +11,7 @@ fn png(width: u32, height: u32, rows: u32) -> Vec<u8> {
     encoder.set_depth(png::BitDepth::One);
     let mut writer = encoder.write_header().unwrap();
     if rows < height {
-        // Data that end early, with the right checksum.
+        // Data that ends early, with the right checksum.
         let zlib = [0x78, 0x9c, 0x63, 0, 0, 0, 1, 0, 1];
         writer.write_chunk(png::chunk::IDAT, &zlib).unwrap();
     } else {
@@ -24,7 +24,7 @@ fn png(width: u32, height: u32, rows: u32) -> Vec<u8> {
     bytes
 }
 
-/// An EXR file with a header, and `rest` behind it; channels are 32-bit floats.
+/// An EXR file with a header, followed by `rest`. Channels are 32-bit floats.
 fn exr(size: [i32; 2], channels: &[&str], compression: u8, rest: &[u8]) -> Vec<u8> {
     let attribute = |name: &str, kind: &str, data: &[u8]| {
         let length = (data.len() as u32).to_le_bytes();
@@ -95,7 +95,7 @@ fn a_picture_that_can_not_be_is_refused_and_the_others_get_their_turn() {
             assert!(run.said.contains(bomb), "{typed}: {}", run.said);
             assert!(!folder.path().join("new").exists(), "{typed}");
         }
-        // What has no recipe has no need to be looked at further.
+        // A file without a recipe is not read any further.
         assert_eq!(confined(&folder, &format!("--recipe {bomb}")).exit, 65, "{bomb}");
     }
     let bombs: Vec<&str> = pictures.iter().map(|(bomb, _)| *bomb).collect();

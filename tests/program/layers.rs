@@ -1,4 +1,4 @@
-//! `--layers`, and `denoise` where there is no denoiser.
+//! `--layers`, and `denoise` if no denoiser is installed.
 
 use super::{Folder, SCENE};
 
@@ -31,7 +31,7 @@ fn layers_are_channels_of_the_same_file() {
     folder.printed("-q -s scene.txt -f 2 --format exr");
     assert_eq!(channels(&folder.read("ball_00002.exr")), expected[..3]);
     assert!(!folder.printed("--recipe ball_00002.exr").contains("layers"));
-    // The colours are the same; a sequence knows that the layers are not.
+    // The colours are the same, but a sequence detects that the layers differ.
     folder.printed("-q -s scene.txt --format exr -od plain");
     let same = "compare ball_00000.exr plain/ball_00000.exr --max-pixels 0";
     assert!(folder.printed(same).starts_with("pixels\t0\n"));
@@ -90,7 +90,7 @@ fn a_region_has_its_place_and_every_byte_counts() {
     let parts = ["1/2", "2/2"].map(|part| folder.printed(&format!("{region} --part {part}")));
     folder.printed(&format!("merge -q -od merged {}", parts.concat().replace('\n', " ")));
     assert!(folder.read(&format!("merged/{name}")) == whole);
-    // One bit of a normal, which no other channel shows.
+    // One bit of a normal, which affects no other channel.
     let mut damaged = whole.clone();
     *damaged.last_mut().unwrap() ^= 1;
     std::fs::write(folder.path().join(name), damaged).unwrap();

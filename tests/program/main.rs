@@ -1,4 +1,4 @@
-//! The program itself: what it prints, writes and returns.
+//! Tests the program: what it prints, what it writes, and its exit codes.
 
 #[cfg(unix)]
 mod budget;
@@ -30,7 +30,7 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// A folder of a test's own, with the scene `scene.txt` in it.
+/// A test's own folder, with the scene `scene.txt` in it.
 pub(crate) struct Folder(TempDir);
 
 /// A ball under a lamp, 16 x 9 pixels; frames 0 to 25.
@@ -50,7 +50,7 @@ material_phong matte { phong_info matte }
 sphere ball { center { 0 0 0 } radius 1 material matte }
 ";
 
-/// The same with a floor and an area light, whose half shadows are noisy, of a size in pixels.
+/// The same with a floor and an area light, with noisy penumbras, in a size in pixels.
 fn noisy_scene([width, height]: [u32; 2]) -> String {
     let film = format!("width {width} height {height}");
     SCENE.replace("width 16 height 9", &film).replace(
@@ -88,7 +88,7 @@ impl Folder {
         fs::read(self.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// Names in the folder, sorted, `scene.txt` left out.
+    /// Returns the sorted names in the folder, except `scene.txt`.
     fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.path()).unwrap();
         let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -97,7 +97,7 @@ impl Folder {
         names
     }
 
-    /// The program with `typed` split at spaces, to be run here.
+    /// Returns a command that runs the program in this folder, with `typed` split at spaces.
     fn command(&self, typed: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_slo-rt"));
         command.current_dir(self.path()).args(typed.split_whitespace());
@@ -111,7 +111,7 @@ impl Folder {
         Run::of(self.command(typed).output().expect("the program starts"))
     }
 
-    /// Runs the program, which must succeed; what it printed.
+    /// Runs the program, which must succeed, and returns its output.
     fn printed(&self, typed: &str) -> String {
         let run = self.run(typed);
         assert_eq!(run.exit, 0, "{typed}: {}", run.said);
@@ -119,7 +119,7 @@ impl Folder {
     }
 }
 
-/// What came out of a run.
+/// Result of a run.
 struct Run {
     exit: i32,
     /// Standard output.

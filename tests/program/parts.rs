@@ -80,7 +80,7 @@ fn a_region_of_an_exr_picture_lies_where_it_belongs() {
     folder.write("scene.txt", text.replace("PNG_IMAGE", "EXR_IMAGE"));
     let name = folder.printed("-q -s scene.txt --region 33x21+50+17");
     let bytes = folder.read(name.trim_end());
-    // Columns and rows of the first and of the last pixel, both inside.
+    // Columns and rows of the first and of the last pixel, both inclusive.
     assert_eq!(window(&bytes, b"displayWindow"), [0, 0, 99, 69]);
     assert_eq!(window(&bytes, b"dataWindow"), [50, 17, 82, 37]);
     let part = folder.printed("-q -s scene.txt --region 33x21+50+17 --part 1/1");
@@ -90,7 +90,7 @@ fn a_region_of_an_exr_picture_lies_where_it_belongs() {
     assert_eq!(window(&folder.read("map.exr"), b"dataWindow"), [50, 17, 82, 37]);
 }
 
-/// A window in the header of an EXR file.
+/// Reads a window in the header of an EXR file.
 fn window(exr: &[u8], name: &[u8]) -> [i32; 4] {
     let start = [name, b"\0box2i\0", &16u32.to_le_bytes()].concat();
     let at = exr.windows(start.len()).position(|bytes| bytes == start).unwrap() + start.len();
@@ -158,7 +158,7 @@ fn a_part_of_no_samples_is_refused() {
     assert_eq!(folder.run("-q -s scene.txt --part 2/2 --part-by samples").exit, 0);
 }
 
-/// A state that says that it is of a picture with more pixels than any memory holds.
+/// A state of a picture that claims to have more pixels than any memory holds.
 #[test]
 fn a_small_part_of_a_huge_picture_is_refused() {
     let folder = Folder::new();
@@ -178,7 +178,7 @@ fn a_small_part_of_a_huge_picture_is_refused() {
     folder.write(name, &part);
     let run = folder.run(&format!("merge -od m {name}"));
     assert_eq!(run.exit, 0, "a region alone is a picture: {}", run.said);
-    // A second region makes it the whole picture, most of which is missing.
+    // With a second region, the merged area is the whole picture, most of which is missing.
     folder.printed("-q -s scene.txt --region 8x8+8+0 --part 1/1");
     let name2 = "ball_00000_region=8x8+8+0.pixels-1-of-1.part";
     let second = folder.read(name2);

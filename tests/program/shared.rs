@@ -1,4 +1,4 @@
-//! `--share`: processes on one folder share the frames out, and lose nothing when some of them die.
+//! `--share`: processes in one folder share the frames, and lose nothing if some of them die.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,13 +12,13 @@ use rand::{RngExt, SeedableRng};
 
 use super::{Folder, Run, SCENE};
 
-/// Frames of a fifth of a second.
+/// A scene whose frames take a fifth of a second each.
 fn folder() -> Folder {
     let text = SCENE.replace("imageSamples 2", "imageSamples 60");
     Folder::with_scene(&text.replace("width 16 height 9", "width 100 height 70"))
 }
 
-/// A frame of several seconds.
+/// A scene whose frames take several seconds each.
 fn long() -> Folder {
     let text = SCENE.replace("imageSamples 2", "imageSamples 2000");
     Folder::with_scene(&text.replace("width 16 height 9", "width 250 height 150"))
@@ -29,7 +29,7 @@ fn start(folder: &Folder, typed: &str) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// The frames, rendered alone.
+/// Asserts that the frames equal frames rendered without sharing, and that nothing else is left.
 fn check_all(folder: &Folder, frames: &str) {
     let printed = folder.printed(&format!("-q -s scene.txt -f {frames} -od alone"));
     let names: Vec<&str> = printed.lines().map(|path| path.rsplit('/').next().unwrap()).collect();
@@ -40,7 +40,7 @@ fn check_all(folder: &Folder, frames: &str) {
     assert_eq!(left, names, "nothing but pictures is left");
 }
 
-/// How often each frame was put in place by a run.
+/// Counts how often a run finished each frame.
 fn finished(run: &Run, counts: &mut BTreeMap<i64, u32>) {
     for line in run.said.lines().filter(|line| line.starts_with('{')) {
         let event: serde_json::Value = serde_json::from_str(line).unwrap();
@@ -114,7 +114,8 @@ fn who_waits_goes_on_from_the_checkpoint_of_the_dead() {
     let run = Run::of(second.wait_with_output().unwrap());
     assert_eq!(run.exit, 0, "{}", run.said);
     assert!(run.said.contains(r#"{"event":"waiting","frames":[3]}"#), "{}", run.said);
-    // Its first word about the frame is of work that was not its own, which tells no speed.
+    // Its first progress report on the frame is about the other process's work, which reveals no
+    // speed.
     let progress = |line: &&str| line.contains(r#""event":"progress""#);
     if let Some(line) = run.said.lines().find(progress) {
         let event: serde_json::Value = serde_json::from_str(line).unwrap();
@@ -135,7 +136,7 @@ fn a_signal_lets_the_frame_go() {
     let run = Run::of(first.wait_with_output().unwrap());
     assert_eq!(run.exit, 75, "{}", run.said);
     assert!(!has(folder.path(), ".claim"));
-    // Nobody has to wait.
+    // No other process has to wait.
     folder.printed("-s scene.txt -f 0-1 --share=3600 -q");
     check_all(&folder, "0-1");
 }
@@ -179,7 +180,7 @@ fn pictures_with_their_time_in_the_name_are_shared_too() {
     assert_eq!(folder.names().len(), 6, "{:?}", folder.names());
 }
 
-/// Two versions of a scene on one folder: neither says that all is there where it is not.
+/// Two versions of a scene in one folder: neither run reports success if its frames are incomplete.
 #[test]
 fn two_versions_of_a_scene_do_not_share_a_folder() {
     for (orders, lease) in [(["forward", "forward"], 60), (["forward", "reverse"], 2)] {
@@ -208,7 +209,7 @@ fn two_versions_of_a_scene_do_not_share_a_folder() {
     }
 }
 
-/// One that died with another version of the scene is in nobody's way.
+/// A process that died while rendering another version of the scene blocks nobody.
 #[test]
 fn a_dead_claim_of_another_version_is_waited_for_and_taken_over() {
     let folder = folder();
@@ -222,7 +223,7 @@ fn a_dead_claim_of_another_version_is_waited_for_and_taken_over() {
     check_all(&folder, "0-1");
 }
 
-/// Who waits decides how long: a day of the dead one's makes nobody wait for a day.
+/// The waiting process decides how long to wait. The day that the dead one claimed does not count.
 #[test]
 fn the_seconds_of_the_dead_do_not_count() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! Signals and kills: what is done is never lost, and a picture that was stopped is the same.
+//! Signals and kills: finished work is never lost, and a stopped picture ends up the same.
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -7,30 +7,30 @@ use std::time::{Duration, Instant};
 
 use super::{Folder, Run, SCENE};
 
-/// A name that any run of the picture looks at.
+/// A state file that any run of the picture reads.
 const STATE: &str = ".slo-rt-ball_00000.png.state";
 
-/// Checkpoints of frame 0.
+/// Names of the checkpoints of frame 0.
 fn states(folder: &Folder) -> Vec<String> {
     let is_state =
         |name: &String| name.starts_with(".slo-rt-ball_00000.png.") && name.ends_with(".state");
     folder.names().into_iter().filter(is_state).collect()
 }
 
-/// Minutes of rendering, in tiles of a fraction of a second.
+/// A scene that takes minutes to render, in tiles of a fraction of a second.
 fn long() -> Folder {
     let text = SCENE.replace("imageSamples 2", "imageSamples 16384");
     Folder::with_scene(&text.replace("width 16 height 9", "width 2000 height 2000"))
 }
 
-/// A second or a few of rendering.
+/// A scene that takes one or a few seconds to render.
 fn short(settings: &str) -> Folder {
     let text = SCENE.replace("imageSamples 2", settings);
     Folder::with_scene(&text.replace("width 16 height 9", "width 250 height 150"))
 }
 
-/// Whether this process, and so its children, ignore SIGINT: `nohup` and background jobs of
-/// scripts do, and the program respects it.
+/// Whether this process, and therefore its children, ignore SIGINT. `nohup` and background jobs of
+/// scripts ignore it, and the program respects that.
 fn interrupts_are_ignored() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap_or("0");
@@ -47,7 +47,7 @@ fn signal(child: &Child, signal: &str) {
     assert!(kill.success());
 }
 
-/// Waits until a checkpoint is there.
+/// Waits until a checkpoint exists.
 fn wait_for_state(folder: &Folder, child: &mut Child) {
     let deadline = Instant::now() + Duration::from_secs(120);
     while states(folder).is_empty() {
@@ -76,7 +76,7 @@ fn check(name: &str) {
     assert_eq!(folder.names(), states(&folder));
 }
 
-/// Each ray of a pixel becomes two at each of a hundred surfaces: no step ever ends.
+/// Each ray of a pixel splits into two at each of a hundred surfaces, so no step ever ends.
 #[test]
 fn rays_that_branch_without_end_stop() {
     let text = SCENE.replace("imageSamples 2", "imageSamples 64 recursion 100").replace(
@@ -99,7 +99,8 @@ fn rays_that_branch_without_end_stop() {
     assert!(start.elapsed() < Duration::from_secs(30), "it stops soon");
 }
 
-/// A batch of hits that asks so many lights takes longer than anybody waits for an end.
+/// A batch of hits that samples so many lights takes longer than anyone would wait for the program
+/// to stop.
 #[test]
 fn rays_to_a_hundred_thousand_lights_stop() {
     let lights: String = (0..100_000)
@@ -157,7 +158,7 @@ fn a_second_signal_ends_at_once() {
     assert!(!folder.names().iter().any(|name| name.ends_with(".png")));
 }
 
-/// Renders with `settings` in one go, and stopped and gone on with as often as it takes.
+/// Renders with `settings` without interruption, and stopped and continued as often as necessary.
 fn check_resumed(settings: &str) {
     let whole = short(settings);
     whole.printed("-q -s scene.txt");
@@ -212,7 +213,7 @@ fn a_killed_rendering_goes_on_from_its_last_checkpoint() {
     assert!(states(&folder).is_empty());
 }
 
-/// Camera rays of a run.
+/// Number of camera rays of a run.
 fn rays(folder: &Folder, typed: &str) -> u64 {
     let said = folder.run(&format!("-v -s scene.txt {typed}")).said;
     let line = said.lines().find(|line| line.contains("rays: ")).unwrap().to_owned();
@@ -289,7 +290,7 @@ fn checkpoints_that_are_damaged_or_foreign_are_not_used() {
         assert!(run.said.contains(&format!("`{STATE}` can't be used: {said}")), "{}", run.said);
         assert!(folder.read("ball_00000.png") == expected);
     }
-    // Samples of another seed are no samples of this picture.
+    // Samples of another seed do not belong to this picture.
     folder.printed("-q -s scene.txt --keep-state --seed 1");
     folder.printed("-q -s scene.txt");
     assert!(folder.read("ball_00000.png") == expected);
@@ -311,7 +312,8 @@ fn a_picture_gets_more_samples() {
     assert!(folder.path().join("ball_00000.state").exists(), "what was kept stays");
 }
 
-/// A scene that comes through a pipe, or from a file server that hangs, is not waited for.
+/// If the scene comes through a pipe, or from a file server that hangs, the program can still be
+/// stopped.
 #[test]
 fn a_signal_while_the_scene_is_read_ends_at_once() {
     let folder = Folder::new();

@@ -66,7 +66,7 @@ fn pictures_are_verified() {
         printed,
         "same\tball_00007.png\t12 tiles\nsame\tball_00008_region=60x50+33+11.png\t4 tiles\n"
     );
-    // A node that computes wrongly: one value of one pixel.
+    // A node that computes wrong results: one value of one pixel.
     let name = "ball_00007.png";
     let bytes = folder.read(name);
     let decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
@@ -83,7 +83,8 @@ fn pictures_are_verified() {
     folder.write(name, &wrong);
     let run = folder.run("verify ball_00007.png -s scene.txt --tiles 99");
     assert_eq!((run.exit, &*run.printed), (1, "different\tball_00007.png\t1 of 12 tiles\n"));
-    // Neither a picture that can't be verified nor a wrong one keeps the others from their turn.
+    // A picture that cannot be verified, or a wrong one, does not keep the others from being
+    // verified.
     folder.write("none.exr", "no picture");
     let run = folder.run(
         "verify scene.txt none.exr gone.png ball_00007.png ball_00008_region=60x50+33+11.png \
@@ -108,7 +109,7 @@ fn pictures_are_verified() {
         folder.run("verify gone.png scene.txt ball_00008_region=60x50+33+11.png -s scene.txt");
     assert_eq!(run.exit, 66, "the first that can't be verified decides");
     assert_eq!(run.printed.lines().count(), 3);
-    // Another scene, a file that is none of ours.
+    // Another scene, and a file of another program.
     folder.write("other.txt", SCENE);
     let run = folder.run("verify ball_00007.png -s other.txt");
     assert_eq!(run.exit, 65);
@@ -194,7 +195,7 @@ fn regions_are_verified_and_compared_with_the_whole() {
         let same = folder.printed(&format!("compare {all} {whole} --max-pixels 0"));
         assert_eq!(value(&same, "pixels"), 0.0, "{keyword}");
         let run = folder.run(&format!("compare {part} {whole} --max-pixels 0 --map map.exr"));
-        // Where a region lies is in EXR files only.
+        // Only EXR files store the position of a region.
         assert_eq!(run.exit, if keyword == "EXR_IMAGE" { 0 } else { 65 }, "{}", run.said);
     }
 }
@@ -245,7 +246,7 @@ fn maps_and_sheets_replace_nothing_but_their_like() {
     );
     refused("sheet ball_00000.png -o photo.png", 73, "no map and no sheet");
     refused("sheet ball_00000.png -o sheet.exr", 2, "a sheet is a .png file");
-    // Maps and sheets of earlier runs are replaced; folders are made.
+    // Maps and sheets of earlier runs are replaced, and folders are created.
     for _ in 0..2 {
         folder.printed("-q -s scene.txt --samples 1 --sample-map new/take##_####.png");
         folder.printed(&format!("{both} new/map.png"));
@@ -278,7 +279,7 @@ fn a_noise_level_is_met_and_told() {
     let map = image::load_from_memory(&folder.read("n_03.png")).unwrap().to_rgb8();
     let colors: std::collections::BTreeSet<_> = map.pixels().map(|p| p.0).collect();
     assert!(colors.len() > 1, "blocks take different numbers");
-    // A stricter level goes on from where the looser one ended, to the same bytes.
+    // A stricter noise level continues where the looser one ended, and gives the same bytes.
     folder.printed("-q -s scene.txt -f 3 --noise 0.004 --keep-state");
     let rays = |typed: &str| {
         let said = folder.run(&format!("-v -s scene.txt -f 3 --noise 0.002 {typed}")).said;

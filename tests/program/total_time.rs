@@ -1,4 +1,4 @@
-//! A span of time for all frames of a sequence.
+//! `--total-time`: a span of time for all frames of a sequence.
 
 use std::process::Stdio;
 use std::thread::sleep;
@@ -14,7 +14,7 @@ fn name(frame: i64) -> String {
     format!("ball_{frame:05}.png")
 }
 
-/// The two numbers of a picture's recipe.
+/// Reads the two numbers of the steps in a picture's recipe.
 fn steps(folder: &Folder, frame: i64) -> (u64, u64) {
     let recipe = folder.printed(&format!("--recipe out/{}", name(frame)));
     let recipe: serde_json::Value = serde_json::from_str(&recipe).unwrap();
@@ -22,7 +22,7 @@ fn steps(folder: &Folder, frame: i64) -> (u64, u64) {
     (number(0), number(1))
 }
 
-/// Each frame can be made again without the clock.
+/// Asserts that each frame can be rendered again without the clock.
 #[track_caller]
 fn check_again(folder: &Folder, frames: impl Iterator<Item = i64>) {
     for frame in frames {
@@ -34,7 +34,7 @@ fn check_again(folder: &Folder, frames: impl Iterator<Item = i64>) {
     }
 }
 
-/// Names in the folder of the pictures, without what a killed run was writing.
+/// Names in the folder of the pictures, except files that a killed run was writing.
 fn names(folder: &Folder) -> Vec<String> {
     let entries = std::fs::read_dir(folder.path().join("out")).into_iter().flatten();
     let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());

@@ -7,40 +7,40 @@ use crate::sampling::{CameraSample, warp};
 use slo_accel::math::columns::{Column, Vec3s, lanes};
 use slo_scene::animation::View;
 
-/// A view from which nothing can be rendered: it looks at itself, or straight along its sky.
+/// Why nothing can be rendered from a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DegenerateView {
     /// Position and target coincide.
     NoDirection,
-    /// The sky is parallel to the direction of view, or 0.
+    /// The sky is zero or parallel to the direction of view.
     SkyAlongView,
 }
 
-/// One sampled view, scaled so that a ray is a sum of products. Render space.
+/// One sampled view in render space, scaled such that a ray is a sum of products.
 #[derive(Clone, Copy, Debug)]
 struct Pose {
     position: Vec3,
     /// Unit direction of view.
     forward: Vec3,
-    /// Half width and half height of the view at distance 1.
+    /// Half width and half height of the view at distance 1, as vectors to the right and up.
     half_right: Vec3,
     half_up: Vec3,
-    /// Lens radius to the right and up.
+    /// Vectors of the lens radius to the right and up.
     lens_right: Vec3,
     lens_up: Vec3,
-    /// 1 / distance of the sharp plane; 0 for a pinhole.
+    /// 1 / distance of the plane in focus; 0 for a pinhole.
     inverse_dof: f32,
 }
 
 impl Pose {
-    /// Where the ray from the middle of the lens goes through, at distance 1 along the view: not
+    /// Vector from the middle of the lens to a point of the film, at distance 1 along the view; not
     /// unit.
     #[inline(always)]
     fn through(&self, [film_x, film_y]: [f32; 2]) -> Vec3 {
         self.forward + self.half_right * film_x + self.half_up * film_y
     }
 
-    /// `f(self, other)` for every number of the two.
+    /// Interpolates every number linearly: `self` at `x` = 0, `other` at `x` = 1.
     #[inline(always)]
     fn lerp(&self, other: &Self, x: f32) -> Self {
         let v = |a: Vec3, b: Vec3| a + (b - a) * x;
@@ -56,9 +56,9 @@ impl Pose {
     }
 }
 
-/// The camera during one shutter.
+/// The camera during one shutter, in render space.
 ///
-/// Between the sampled views everything is interpolated linearly.
+/// It interpolates linearly between sampled views.
 #[derive(Clone, Debug)]
 pub struct Camera {
     poses: Vec<Pose>,
@@ -67,10 +67,12 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera whose views are spaced evenly over the shutter; one or more. `origin` is the origin of render space in scene space; width and height are in pixels.
+    /// Creates a camera from one or more views, in scene space, that are spaced evenly over the
+    /// shutter. `origin` is the origin of render space in scene space; width and height are in
+    /// pixels.
     ///
     /// # Errors
-    /// A view from which nothing can be seen.
+    /// Fails if nothing can be seen from one of the views.
     pub fn new(
         views: &[View],
         origin: DVec3,
@@ -83,32 +85,32 @@ impl Camera {
         Ok(Self { poses, width, height })
     }
 
-    /// Pixels in a row.
+    /// Width of the picture in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Rows of pixels.
+    /// Height of the picture in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// Whether rays start anywhere but at one point: whether points of the lens matter.
+    /// Whether rays start at more than one point, so that the lens dimensions of a sample matter.
     pub(crate) fn has_lens(&self) -> bool {
         self.poses.iter().any(|pose| pose.lens_right != Vec3::ZERO)
     }
 
-    /// Origin and unit direction of the ray of one sample of the pixel in column `x` and row `y`
-    /// (downward), in render space.
+    /// Returns the origin and unit direction, in render space, of the ray of one sample of the
+    /// pixel in column `x` and row `y` (downward).
     ///
-    /// Source: thesis 5.6 to 5.9; divided by the distance of the sharp plane, so that a pinhole
-    /// needs none.
+    /// Source: thesis 5.6 to 5.9, divided by the distance of the plane in focus, so that a pinhole
+    /// needs no such distance.
     #[inline(always)]
     pub fn ray(&self, x: u32, y: u32, sample: &CameraSample) -> (Vec3, Vec3) {
         self.ray_of(&self.pose_at(sample.time), x, y, sample)
     }
 
-    /// [`ray`](Self::ray) for the samples of a batch whose pixels are given.
+    /// Computes [`ray`](Self::ray) for a batch of samples of the given pixels.
     #[inline(always)]
     pub(crate) fn rays(
         &self,
@@ -117,7 +119,7 @@ impl Camera {
         [origins, directions]: [&mut Vec3s; 2],
         len: usize,
     ) {
-        // Three times the same loop: what is constant in the first ones stays in registers.
+        // The same loop three times: in the first two, constants stay in registers.
         if let [pose] = *self.poses
             && !self.has_lens()
         {
@@ -150,7 +152,7 @@ impl Camera {
         (pose.position + offset, direction * (1.0 / direction.length()))
     }
 
-    /// The place of a point of a pixel on the film: from -1 to 1, to the right and up.
+    /// Position of a point of a pixel on the film: from -1 to 1, to the right and up.
     #[inline(always)]
     fn on_film(&self, x: u32, y: u32, [in_x, in_y]: [f32; 2]) -> [f32; 2] {
         let film_x = 2.0 * (x as f32 + in_x) / self.width as f32 - 1.0;
@@ -175,7 +177,7 @@ fn pose(view: &View, origin: DVec3, ratio: f64) -> Result<Pose, DegenerateView> 
         (view.target - view.position).try_normalize().ok_or(DegenerateView::NoDirection)?;
     let sky = view.sky.try_normalize().ok_or(DegenerateView::SkyAlongView)?;
     let side = forward.cross(sky);
-    // Below this the rounding of the product is all that is left of it.
+    // Below this length, rounding errors dominate the product.
     if side.length() < 1e-12 {
         return Err(DegenerateView::SkyAlongView);
     }

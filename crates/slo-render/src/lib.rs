@@ -1,11 +1,11 @@
-//! The renderer of slo-rt: a frame of a scene becomes sums of samples.
+//! The renderer of slo-rt: turns a frame of a scene into sums of samples.
 //!
 //! ```text
 //! SceneDescription --frame(number)--> FrameScene --integrator, over the tiles of render--> Film
 //! ```
 //!
-//! A picture is a pure function of (scene, frame, seed, version): threads, tiles and instruction sets never
-//! enter it.
+//! A picture is a pure function of (scene, frame, seed, version). It does not depend on threads,
+//! tiles or instruction sets.
 
 pub mod camera;
 pub mod frame;

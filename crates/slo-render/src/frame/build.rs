@@ -1,4 +1,4 @@
-//! SceneDescription and a frame number -> FrameScene.
+//! Builds a FrameScene from a SceneDescription and a frame number.
 
 use std::fmt;
 use std::sync::Arc;
@@ -19,24 +19,24 @@ use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure};
 use slo_scene::animation::{Clock, DRigid, KeyFrameError, KeyFrames, NoSegment, Shutter};
 use slo_scene::{CamSegment, Object, SceneDescription, Settings};
 
-/// Units that a camera moves along an axis before the origin of render space follows it. Within
-/// half of it, where the camera is, an f32 resolves 2^-14 units or better. What is still is built anew
-/// when the origin moves, so it must not do so in every frame.
+/// Step, in units of the scene, by which the origin of render space follows the camera along each
+/// axis. Within half a step of the origin, an f32 resolves 2^-14 units or better. Structures of
+/// still objects are rebuilt whenever the origin moves, so it must not move in every frame.
 const ORIGIN_STEP: f64 = 1024.0;
 
-/// Why a frame of a scene can't be made.
+/// Why a frame of a scene cannot be built.
 #[derive(Clone, Debug)]
 pub enum FrameError {
     /// The frame's time lies in no camera segment.
     NoSegment(NoSegment),
-    /// The camera sees nothing from where it is in this frame.
+    /// Nothing can be seen from the camera's view in this frame.
     View {
         /// Name of the camera segment.
         segment: String,
         /// What is wrong.
         reason: DegenerateView,
     },
-    /// An object's key frames are no path.
+    /// An object's key frames do not form a path.
     Path {
         /// Name of the object.
         object: String,
@@ -71,19 +71,21 @@ impl fmt::Display for FrameError {
 impl std::error::Error for FrameError {}
 
 impl FrameScene {
-    /// Builds what frame `number` needs, on the threads of the current rayon pool.
+    /// Builds frame `number` of a scene, on the threads of the current rayon pool.
     ///
     /// # Errors
-    /// The frame's time lies in no camera segment, or the camera can't see.
+    /// Fails if the frame's time lies in no camera segment, if nothing can be seen from the
+    /// camera's view, or if an object's key frames do not form a path.
     pub fn build(scene: &SceneDescription, number: i64, isa: Isa) -> Result<Self, FrameError> {
         Self::build_after(scene, number, isa, None)
     }
 
-    /// The same, with the structures of another frame of the same scene where they are those of
-    /// this one too: of objects that move in both, and of all that is still, if it lies the same.
+    /// Like [`build`](Self::build), but reuses structures of another frame of the same scene if
+    /// they fit this frame too: the structures of objects that move in both frames, and the
+    /// structure of all still objects if they lie in the same places.
     ///
     /// # Errors
-    /// Those of [`build`](Self::build).
+    /// Fails in the same cases as [`build`](Self::build).
     pub fn build_after(
         scene: &SceneDescription,
         number: i64,
@@ -114,7 +116,7 @@ impl FrameScene {
         }
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
-            // What lay elsewhere is gone before there is something new.
+            // Free the old structure before building the new one.
             other => {
                 drop(other);
                 Arc::new(structure(parts.still, &scene.settings, isa))
@@ -144,11 +146,11 @@ impl FrameScene {
     }
 }
 
-/// The structures of another frame.
+/// Structures of another frame, to be reused.
 struct Before {
     still: Arc<Structure>,
     places: Vec<(u32, DRigid)>,
-    /// By the index of the object.
+    /// Structures of moving objects, with the index of the object.
     moving: Vec<(u32, Arc<Structure>)>,
 }
 
@@ -160,28 +162,28 @@ impl From<FrameScene> for Before {
     }
 }
 
-/// How a shutter sees objects.
+/// What the objects' motion is sampled for.
 struct Seen<'a> {
     shutter: &'a Shutter,
     camera: &'a SampledCamera,
-    /// Sampled transforms per millisecond, at least.
+    /// Least number of sampled transforms per millisecond.
     per_ms: f64,
     /// Origin of render space.
     origin: DVec3,
 }
 
-/// What a frame is put together from, object by object.
+/// Parts of a frame, collected object by object.
 #[derive(Default)]
 struct Parts {
     objects: Vec<FrameObject>,
-    /// What each object shows.
+    /// Look of each object.
     looks: Vec<Look>,
     still: Primitives,
-    /// Where each still object lies.
+    /// Index and place of each still object.
     places: Vec<(u32, DRigid)>,
-    /// Structures of moving objects that are there already.
+    /// Existing structures of moving objects, with the index of the object.
     before: Vec<(u32, Arc<Structure>)>,
-    /// For each still triangle and each still curved surface its object.
+    /// Index of the object of each still triangle, and of each still curved surface.
     triangle_objects: Vec<u32>,
     curved_objects: Vec<u32>,
     instances: Vec<Instance>,
@@ -250,13 +252,13 @@ impl Parts {
     }
 }
 
-/// The structure that the settings ask for.
+/// Builds the structure that the settings ask for.
 fn structure(primitives: Primitives, settings: &Settings, isa: Isa) -> Structure {
     let options = BuildOptions::new(isa).with_spatial_splits(settings.spatial_splits);
     Structure::build(accelerator(settings.accelerator), primitives, options)
 }
 
-/// The structure that a scene names.
+/// Converts the scene's name of a structure.
 fn accelerator(name: slo_scene::Accelerator) -> Accelerator {
     match name {
         slo_scene::Accelerator::KdTree => Accelerator::KdTree,
@@ -266,7 +268,7 @@ fn accelerator(name: slo_scene::Accelerator) -> Accelerator {
     }
 }
 
-/// Adds the primitives of a geometry, placed.
+/// Adds the primitives of a geometry, transformed by `place`.
 fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DRigid) {
     let point = |p: DVec3| place.point(p).as_vec3();
     match geometry {
@@ -279,7 +281,8 @@ fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DRig
     }
 }
 
-/// The normals of a smooth mesh's vertices, turned; none of what is not smooth.
+/// Returns the vertex normals of a smooth mesh, rotated by `place`; empty if the geometry is not
+/// smooth.
 fn vertex_normals(geometry: &Geometry, place: &DRigid) -> Vec<Vec3> {
     let rotation = place.rotation.as_mat3();
     match geometry {
@@ -290,7 +293,7 @@ fn vertex_normals(geometry: &Geometry, place: &DRigid) -> Vec<Vec3> {
     }
 }
 
-/// The box of a geometry in object space.
+/// Returns the bounding box of a geometry in object space.
 fn object_box(geometry: &Geometry) -> ObjectBox {
     match geometry {
         Geometry::Mesh(mesh, _) => ObjectBox::about(mesh.positions.iter().copied()),
@@ -298,8 +301,8 @@ fn object_box(geometry: &Geometry) -> ObjectBox {
     }
 }
 
-/// Where the origin of render space lies in scene space: near the camera, where digits count; at the
-/// start of its path, and whole steps away from there once it is far.
+/// Chooses the origin of render space, in scene space: near the camera, where precision matters. It
+/// is the start of the camera's path, moved by whole steps as the camera gets farther away.
 fn origin(segment: &CamSegment, path: &SampledCamera) -> DVec3 {
     let start = segment.positions[0];
     let steps = (path.views()[0].position - start) / ORIGIN_STEP;

@@ -1,22 +1,22 @@
-//! What hits show, for whole batches: each look is one word.
+//! The looks of hits, for whole batches. Each look is one word.
 
 use super::world::{STILL, WorldHits};
 use slo_accel::math::columns::Column;
 use slo_accel::{Isa, Lanewise, NO_HIT};
 
-/// What a surface shows.
+/// What is seen of a surface: a material, or a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Look {
     /// Index of a material.
     Material(u32),
-    /// The surface of the light of that index, from both sides.
+    /// The surface of the light with this index, from both sides.
     Light(u32),
-    /// There is no surface.
+    /// No surface.
     Nothing,
 }
 
 impl Look {
-    /// Words below it are materials, those above are lights.
+    /// Words below this are materials; words from here on are lights.
     const LIGHTS: u32 = 1 << 31;
 
     fn word(self) -> u32 {
@@ -35,7 +35,7 @@ impl Look {
         }
     }
 
-    /// Whether a word says a material, and which is its own index then.
+    /// Whether a word means a material. It is then the material's index.
     #[inline(always)]
     pub(crate) fn is_material(word: u32) -> bool {
         word < Self::LIGHTS
@@ -45,7 +45,7 @@ impl Look {
 /// Looks of all objects.
 #[derive(Debug)]
 pub(super) struct Looks {
-    /// By the index of the object; nothing at the end.
+    /// Word of each object, and [`Look::Nothing`] at the end.
     words: Vec<u32>,
     /// Index of the object of each instance.
     of_instances: Vec<u32>,
@@ -60,8 +60,8 @@ impl Looks {
         Self { words, of_instances: of_instances.collect() }
     }
 
-    /// The looks of what the rays of a batch hit, as words. `still_objects` has the index of the
-    /// object of each still primitive.
+    /// Finds the looks of what the rays of a batch hit, as words. `still_objects` holds the index
+    /// of the object of each still primitive.
     pub(super) fn find(
         &self,
         isa: Isa,
@@ -72,7 +72,7 @@ impl Looks {
         isa.run(FindLooks { looks: self, still_objects, found, to });
     }
 
-    /// Of the object of an index.
+    /// Returns the look of the object with an index.
     pub(super) fn of(&self, object: u32) -> Look {
         Look::of_word(self.words[object as usize])
     }
@@ -93,7 +93,7 @@ impl Lanewise for FindLooks<'_> {
         let Self { looks, still_objects, found, to } = self;
         let Looks { words, of_instances } = looks;
         let primitives = &found.hits.primitive[..];
-        // Objects first.
+        // First the objects.
         if let Some(last) = still_objects.len().checked_sub(1) {
             for (to, &primitive) in to.iter_mut().zip(primitives) {
                 *to = still_objects[(primitive as usize).min(last)];

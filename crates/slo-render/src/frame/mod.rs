@@ -1,4 +1,5 @@
-//! What one shutter sees: everything a frame needs, immutable, shared by all threads.
+//! The scene during one shutter: everything that a frame needs, immutable and shared by all
+//! threads.
 
 mod build;
 mod looks;

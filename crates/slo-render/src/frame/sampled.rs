@@ -1,12 +1,12 @@
-//! Paths sampled over one shutter: how many samples, and when.
+//! Sampling of paths over one shutter: the number of samples and their times.
 
 use slo_scene::animation::Shutter;
 
-/// Most samples of one path over one shutter. An object that sweeps the whole height of a picture
-/// of 8192 pixels once needs as many; faster motion is sampled this finely and no finer.
+/// Most samples of one path over one shutter. An object that crosses the whole height of a picture
+/// of 8192 pixels once needs this many. Faster motion is not sampled more finely.
 pub(super) const MAX_SAMPLES: usize = 16384;
 
-/// Shutter time of sample `k` of `count`.
+/// Returns the shutter time, in `[0, 1]`, of sample `k` of `count`.
 pub(super) fn time_of(k: usize, count: usize) -> f64 {
     k as f64 / (count - 1) as f64
 }

@@ -1,12 +1,12 @@
-//! The camera sampled over one shutter, dense enough to be interpolated linearly.
+//! The camera sampled over one shutter, densely enough for linear interpolation.
 
 use slo_scene::animation::{Shutter, View, axes, between, view_at};
 use slo_scene::{CamSegment, Film};
 
 use super::sampled::{MAX_SAMPLES, least_count, time_of};
 
-/// Pixels by which a camera interpolated between neighbouring samples may miss its path, seen at
-/// the distance of its target (half a pixel for things eight times nearer).
+/// Largest error, in pixels at the distance of the camera's target, of a camera interpolated
+/// between neighbouring samples (half a pixel for objects eight times nearer).
 const MAX_ERROR_PX: f64 = 1.0 / 16.0;
 
 /// The camera at evenly spaced shutter times.
@@ -18,10 +18,11 @@ pub(super) struct SampledCamera {
 }
 
 impl SampledCamera {
-    /// Samples the camera over a shutter: one sample where it is at rest; otherwise at least two samples, at least `samples_per_ms` for every
-    /// millisecond of video time that the shutter is open, and enough that linear interpolation
-    /// between neighbours misses the path by at most a sixteenth of a pixel at the distance of the
-    /// target. Never more than [`MAX_SAMPLES`].
+    /// Samples the camera over a shutter. A camera at rest gets one sample. A moving camera gets at
+    /// least two samples, at least `samples_per_ms` for every millisecond of video time that the
+    /// shutter is open, and enough that linear interpolation between neighbours deviates from the
+    /// path by at most a sixteenth of a pixel at the distance of the target, but never more than
+    /// [`MAX_SAMPLES`].
     pub(super) fn new(
         segment: &CamSegment,
         shutter: &Shutter,
@@ -45,12 +46,12 @@ impl SampledCamera {
         }
     }
 
-    /// The sampled views: number `k` of `n` is at shutter time `k / (n - 1)`.
+    /// The sampled views, in scene space. View `k` of `n` is at shutter time `k / (n - 1)`.
     pub(super) fn views(&self) -> &[View] {
         &self.views
     }
 
-    /// The camera at a shutter time, linear between samples.
+    /// Returns the camera at a shutter time, interpolated linearly between samples.
     pub(super) fn at(&self, time: f64) -> View {
         if let [rest] = self.views[..] {
             return rest;
@@ -60,7 +61,7 @@ impl SampledCamera {
         between(&self.views[k], &self.views[k + 1], place - k as f64)
     }
 
-    /// Whether the interpolated camera is near enough to the path, half way between samples.
+    /// Whether the camera interpolated half way between samples is close enough to the path.
     fn interpolates(&self, view: impl Fn(f64) -> View) -> bool {
         (1..self.views.len()).all(|k| {
             let middle = between(&self.views[k - 1], &self.views[k], 0.5);
@@ -69,7 +70,7 @@ impl SampledCamera {
         })
     }
 
-    /// About how many pixels apart two cameras see things at the distance of the target.
+    /// Estimates how far apart, in pixels, two cameras see a point at the distance of the target.
     fn difference_px(&self, a: &View, b: &View) -> f64 {
         let (Some(axes_a), Some(axes_b)) = (axes(a), axes(b)) else { return 0.0 };
         let turn = (0..3).map(|i| (axes_a[i] - axes_b[i]).length()).fold(0.0, f64::max);
@@ -77,15 +78,15 @@ impl SampledCamera {
         (turn + shift) * self.px_per_radian(b)
     }
 
-    /// Pixels that an angle of 1 takes up where the picture is most stretched, in its corners:
-    /// 1 / cos^2 of the angle there, times height / (2 fov).
+    /// Returns the pixels per radian where the picture is stretched most, in its corners: 1 / cos^2
+    /// of the angle there, times height / (2 fov).
     pub(super) fn px_per_radian(&self, view: &View) -> f64 {
         let corner = view.fov * view.fov * (1.0 + self.aspect * self.aspect);
         (1.0 + corner) * self.height_px / (2.0 * view.fov)
     }
 }
 
-/// Whether the camera looks the same all through the shutter.
+/// Whether the view stays the same during the whole shutter.
 fn rests(segment: &CamSegment, shutter: &Shutter) -> bool {
     fn same<T: PartialEq>(controls: &[T]) -> bool {
         controls.windows(2).all(|pair| pair[0] == pair[1])
@@ -105,7 +106,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// A segment of one second that looks from (0, -10, 0) to the origin.
+    /// A segment of one second with a view from (0, -10, 0) to the origin.
     fn segment() -> CamSegment {
         CamSegment {
             name: "s".into(),
@@ -121,7 +122,7 @@ pub(super) mod tests {
         }
     }
 
-    /// One frame a second of 100 x 100 pixels.
+    /// A camera with one frame per second of 100 x 100 pixels.
     fn camera(segment: CamSegment) -> Camera {
         let film = Film {
             width: 100,
@@ -148,7 +149,7 @@ pub(super) mod tests {
         (shutter, sampled)
     }
 
-    /// Where a camera sees a point, in pixels of a picture of `height`.
+    /// Position at which a camera sees a point, in pixels of a picture of `height` pixels.
     pub(in crate::frame) fn seen(camera: &View, point: DVec3, height: f64) -> [f64; 2] {
         let [right, up, forward] = axes(camera).unwrap();
         let p = point - camera.position;

@@ -1,4 +1,5 @@
-//! The poses of an object sampled over one shutter, dense enough that no step between neighbours shows.
+//! The poses of an object sampled over one shutter, densely enough that no step between neighbours
+//! is visible.
 
 use glam::DVec3;
 
@@ -7,17 +8,18 @@ use slo_scene::animation::{DRigid, KeyFrames, Shutter};
 use super::sampled::{MAX_SAMPLES, least_count, time_of};
 use super::sampled_camera::SampledCamera;
 
-/// Most pixels that a corner of an object's box moves between neighbouring samples.
+/// Largest distance, in pixels, that a corner of an object's box may move between neighbouring
+/// samples.
 const MAX_STEP_PX: f64 = 0.5;
 
-/// An object whose box holds the camera counts as seen from this part of the box's diagonal away,
-/// since its distance says nothing then.
+/// Distance from which an object counts as seen if its box contains the camera, as a share of the
+/// box's diagonal. The distance from the box is 0 then.
 const NEAREST_IN_DIAGONALS: f64 = 1.0 / 16.0;
 
-/// Intervals in which the speed of a path is looked at, between two keys.
+/// Number of intervals between two keys in which the speed of a path is measured.
 const PROBES_PER_PIECE: usize = 32;
 
-/// An axis-aligned box in object space, about an object.
+/// An axis-aligned bounding box of an object in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ObjectBox {
     /// Lower corner.
@@ -33,13 +35,14 @@ pub(super) struct SampledMotion {
 }
 
 impl SampledMotion {
-    /// Samples the path of an object over a shutter: at least two samples, at least
-    /// `samples_per_ms` for every millisecond of video time that the shutter is open, and enough that
-    /// no point of the object's box moves more than half a pixel between neighbours, wherever in the
-    /// picture it is and were it seen in a mirror. Never more than [`MAX_SAMPLES`].
+    /// Samples the path of an object over a shutter. It takes at least two samples, at least
+    /// `samples_per_ms` for every millisecond of video time that the shutter is open, and enough
+    /// that no point of the object's box moves more than half a pixel between neighbours, wherever
+    /// it is in the picture, even if it is seen in a mirror. It never takes more than
+    /// [`MAX_SAMPLES`].
     ///
-    /// Leaps of the path ([`KeyFrames::jumps`]) don't count as steps. A box that holds the camera
-    /// counts as seen from a sixteenth of its diagonal away.
+    /// Jumps of the path ([`KeyFrames::jumps`]) do not count as steps. A box that contains the
+    /// camera counts as seen from a sixteenth of its diagonal away.
     pub(super) fn new(
         path: &KeyFrames,
         shutter: &Shutter,
@@ -60,40 +63,39 @@ impl SampledMotion {
         }
     }
 
-    /// The sampled poses, object space to scene space: number `k` of `n` is at shutter time
-    /// `k / (n - 1)`.
+    /// The sampled poses, `scene_from_object`. Pose `k` of `n` is at shutter time `k / (n - 1)`.
     pub(super) fn poses(&self) -> &[DRigid] {
         &self.poses
     }
 }
 
 impl ObjectBox {
-    /// The box about points.
+    /// Returns the bounding box of points.
     pub(super) fn about(points: impl Iterator<Item = DVec3>) -> Self {
         let nothing = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
         points.fold(nothing, |all, p| Self { min: all.min.min(p), max: all.max.max(p) })
     }
 
-    /// The eight corners.
+    /// Returns the eight corners.
     pub(super) fn corners(&self) -> [DVec3; 8] {
         let ends = [self.min, self.max];
         std::array::from_fn(|i| DVec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z))
     }
 
-    /// Distance of a point of object space from the box; 0 inside.
+    /// Returns the distance of a point in object space from the box; 0 inside.
     fn distance(&self, p: DVec3) -> f64 {
         (p - p.clamp(self.min, self.max)).length()
     }
 }
 
-/// What turns motion into pixels.
+/// Measures motion in pixels.
 struct Watch<'a> {
     path: &'a KeyFrames,
     shutter: &'a Shutter,
     object: &'a ObjectBox,
     corners: [DVec3; 8],
     camera: &'a SampledCamera,
-    /// Shutter times at which the path leaps.
+    /// Shutter times at which the path jumps.
     jumps: Vec<f64>,
 }
 
@@ -109,7 +111,7 @@ impl<'a> Watch<'a> {
         Self { path, shutter, object, corners: object.corners(), camera, jumps }
     }
 
-    /// Samples that the highest speed of the path asks for, looked at in every piece of it.
+    /// Estimates the number of samples from the highest speed in any piece of the path.
     fn estimate(&self) -> usize {
         let mut borders = vec![0.0, 1.0];
         let inside = self.path.key_times_within(self.shutter.scene_interval());
@@ -119,8 +121,8 @@ impl<'a> Watch<'a> {
         raised(1, speed / MAX_STEP_PX)
     }
 
-    /// Pixels per shutter, at most, between two shutter times; 0 where all of the motion there is
-    /// no step too large.
+    /// Returns the highest speed between two shutter times, in pixels per shutter; 0 if all motion
+    /// between them is short enough for a single step.
     fn largest_speed(&self, from: f64, to: f64) -> f64 {
         let width = (to - from) / PROBES_PER_PIECE as f64;
         let pose = |s: f64| self.path.pose(self.shutter.scene_time(s));
@@ -139,7 +141,7 @@ impl<'a> Watch<'a> {
         if length > MAX_STEP_PX { speed } else { 0.0 }
     }
 
-    /// Pixels that a corner moves between neighbouring poses, at most.
+    /// Returns the largest distance, in pixels, that a corner moves between neighbouring poses.
     fn largest_step_px(&self, poses: &[DRigid]) -> f64 {
         let time = |k| time_of(k, poses.len());
         (1..poses.len())
@@ -153,8 +155,8 @@ impl<'a> Watch<'a> {
         self.jumps.iter().any(|&jump| from - rounding <= jump && jump <= to + rounding)
     }
 
-    /// Pixels between two poses as the camera sees them at a shutter time; infinite where that
-    /// can't be told.
+    /// Returns the distance, in pixels, between two poses as seen by the camera at a shutter time;
+    /// infinite if it cannot be determined.
     fn step_px(&self, a: &DRigid, b: &DRigid, time: f64) -> f64 {
         let moved = |corner: &DVec3| (b.point(*corner) - a.point(*corner)).length();
         let step = self.corners.iter().map(moved).fold(0.0, f64::max);
@@ -171,7 +173,8 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// `intervals` times `factor`, rounded up, as a number of samples.
+/// Multiplies the number of intervals between `count` samples by `factor`, rounded up, and returns
+/// the number of samples.
 fn raised(count: usize, factor: f64) -> usize {
     let intervals = (count.max(2) - 1) as f64 * factor;
     (intervals.ceil() as usize).saturating_add(1).clamp(2, MAX_SAMPLES)
@@ -196,8 +199,8 @@ mod tests {
 
     #[test]
     fn a_slide_gets_a_sample_for_every_half_pixel() {
-        // 2 units at a distance of at least 9.5 (the box's front): a pixel is 9.5 x 2 x 0.5 / 100
-        // there, so the slide is 21.05 pixels, and 1.5 times that in the corner of the picture
+        // 2 units at a distance of at least 9.5 (the box's front). A pixel is 9.5 x 2 x 0.5 / 100
+        // there, so the slide is 21.05 pixels, and 1.5 times that in the corner of the picture.
         let (shutter, camera) = shutter_and_camera(|_| ());
         let path = slide(DVec3::NEG_X, DVec3::X);
         let count = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.0).poses().len();
@@ -206,7 +209,7 @@ mod tests {
 
     #[test]
     fn the_samples_asked_for_are_a_lower_bound_in_video_time() {
-        // a shutter of 1 s runs through 1 s of scene time or through 1000 s: video time counts
+        // A shutter of 1 s covers 1 s or 1000 s of scene time. Only video time counts.
         for scene_end in [1.0, 1000.0] {
             let (shutter, camera) = shutter_and_camera(|s| s.scene = [0.0, scene_end]);
             let path = slide(DVec3::ZERO, DVec3::X * 1e-3);
@@ -220,7 +223,7 @@ mod tests {
         }
     }
 
-    /// The largest step on the picture of a corner between neighbouring samples.
+    /// Largest step of a corner on the picture between neighbouring samples, in pixels.
     fn largest_step(motion: &SampledMotion, object: &ObjectBox, camera: &SampledCamera) -> f64 {
         let n = motion.poses().len();
         let mut largest = 0.0_f64;
@@ -259,7 +262,7 @@ mod tests {
 
     #[test]
     fn a_whole_turn_is_not_mistaken_for_rest() {
-        // 16 quarter turns within the shutter: any few samples see the same pose again
+        // 16 quarter turns within the shutter: a few samples would all see the same pose.
         let right = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
         let keys: Vec<_> =
             (0..=16).map(|i| key(i as f64 / 16.0, DVec3::ZERO, right[i % 4])).collect();
@@ -277,12 +280,13 @@ mod tests {
         let count = |min, max| {
             SampledMotion::new(&path, &shutter, &ObjectBox { min, max }, &camera, 0.0).poses().len()
         };
-        // behind: as far as the one in front of the camera
+        // Behind the camera, as far away as the box in front of it.
         let behind = count(DVec3::new(-0.5, -20.5, -0.5), DVec3::new(0.5, -19.5, 0.5));
         assert!((64..=70).contains(&behind), "{behind}");
-        // about: 2 units seen from 2000 sqrt(3) / 16 away, some 1.4 pixels
+        // Around the camera: 2 units seen from 2000 sqrt(3) / 16 away, some 1.4 pixels.
         assert_eq!(count(DVec3::splat(-1000.0), DVec3::splat(1000.0)), 4);
-        // flat, with the camera on it: 10 sqrt(2) / 16 away; and without any extent
+        // A flat box with the camera on it, seen from 10 sqrt(2) / 16 away; and a box without any
+        // extent.
         assert_eq!(count(DVec3::new(-5.0, -10.0, -5.0), DVec3::new(5.0, -10.0, 5.0)), 680);
         let at_camera = DVec3::new(0.0, -10.0, 0.0);
         assert_eq!(count(at_camera, at_camera), MAX_SAMPLES);
@@ -293,11 +297,11 @@ mod tests {
         let (shutter, camera) = shutter_and_camera(|_| ());
         let still = DVec3::ZERO;
         let paths = [
-            // a cut, inside the shutter and at its ends
+            // A cut, inside the shutter and at its ends.
             vec![key(0.3, still, DVec3::X), key(0.3, DVec3::X * 3.0, DVec3::X)],
             vec![key(1.0, still, DVec3::X), key(1.0, DVec3::X * 3.0, DVec3::X)],
             vec![key(0.0, still, DVec3::X), key(0.0, DVec3::X * 3.0, DVec3::X)],
-            // half a turn in one piece: right runs through zero
+            // Half a turn in one piece, during which `right` passes through zero.
             vec![key(0.0, still, DVec3::X), key(0.7, still, DVec3::NEG_X)],
         ];
         for keys in paths {

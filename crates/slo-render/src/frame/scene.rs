@@ -1,4 +1,4 @@
-//! A scene as one shutter sees it.
+//! A scene during one shutter.
 
 use std::sync::Arc;
 
@@ -16,73 +16,76 @@ use slo_accel::{Isa, Structure};
 use slo_scene::animation::DRigid;
 use slo_scene::{Settings, ShadowMode, Texture};
 
-/// A scene as one shutter sees it.
+/// A scene during one shutter.
 ///
-/// Its space is *render space*: scene space moved so that its origin lies near the camera, in f32.
+/// It is in *render space*: scene space in f32, translated such that its origin lies near the
+/// camera.
 #[derive(Debug)]
 pub struct FrameScene {
     pub(crate) camera: Camera,
     pub(crate) world: World,
     pub(crate) materials: Vec<Material>,
-    /// The same in columns.
+    /// The materials in columns.
     pub(crate) material_table: MaterialTable,
     pub(crate) lights: Lights,
     pub(crate) sampler: Sampler,
     pub(crate) settings: Settings,
-    /// Instruction set of everything that is done in bulk.
+    /// Instruction set of all vectorized code.
     pub(crate) isa: Isa,
     /// Whether variance is reduced by more than good sample points; see [`plain`](Self::plain).
     pub(crate) clever: bool,
     pub(super) textures: Vec<Arc<Texture>>,
     pub(super) objects: Vec<FrameObject>,
     pub(super) looks: Looks,
-    /// Where each still object lies: what the still structure was built of.
+    /// Index and place of each still object: what the still structure was built from.
     pub(super) still_places: Vec<(u32, DRigid)>,
-    /// For each primitive of the still structure its index in `objects`.
+    /// For each primitive of the still structure, the index of its object in `objects`.
     pub(super) still_objects: Vec<u32>,
 }
 
-/// An object, as shading asks for it.
+/// An object with everything that shading needs.
 #[derive(Debug)]
 pub(super) struct FrameObject {
     pub(super) geometry: Geometry,
-    /// `render_from_object` while it is still.
+    /// `render_from_object` of a still object; the identity if it moves.
     pub(super) place: Rigid,
     /// Id of its first triangle in its structure.
     pub(super) first_triangle: u32,
-    /// Unit normals of the vertices, turned as the object is while it is still; empty where it is
-    /// not smooth.
+    /// Unit normals of the vertices: in render space if the object is still, in object space if it
+    /// moves. Empty if the object is not smooth.
     pub(super) normals: Vec<Vec3>,
 }
 
 impl FrameScene {
-    /// The same frame with every estimator in its plainest form: lamps in glossy surfaces are found
-    /// by the lobe's rays only, one light of many is any of them, and no ray is left out for its
-    /// small weight. The expected picture is the same, its noise is not.
+    /// Returns the same frame with every estimator in its plainest form. Lamps in glossy surfaces
+    /// are found by rays of the lobe only, one light of many is chosen uniformly, and no ray is
+    /// left out for its small weight. The expected picture is the same, but its noise is not.
     #[must_use]
     pub fn plain(self) -> Self {
         Self { clever: false, ..self }
     }
 
-    /// Whether light that glossy lobes receive from lamps is sought by rays to the lamps too.
+    /// Whether the light that glossy lobes receive from lamps is also sampled by rays to the lamps.
     ///
-    /// Rays to lights pass through transparent objects straight where rays of lobes do not.
+    /// This requires opaque shadows: rays to lights pass straight through transparent objects, rays
+    /// of lobes do not.
     pub(crate) fn combines(&self) -> bool {
         self.clever && self.settings.shadow == ShadowMode::Opaque
     }
 
-    /// Whether rays to lights behind a surface may bring something.
+    /// Whether rays to lights behind a surface may add light.
     pub(crate) fn receives_through(&self) -> bool {
         let rough = |m: &Material| m.refraction > 0.0 && m.refraction_lobe > 0.0;
         self.combines() && self.materials.iter().any(rough)
     }
 
-    /// The looks of what the rays of a batch hit, as words.
+    /// Finds the looks of what the rays of a batch hit, as words.
     pub(crate) fn find_looks(&self, found: &WorldHits, to: &mut Column<u32>) {
         self.looks.find(self.isa, &self.still_objects, found, to);
     }
 
-    /// Bytes of the structures and tables of this frame, meshes and textures not counted.
+    /// Returns the memory, in bytes, of the structures and tables of this frame without meshes and
+    /// textures.
     pub fn memory(&self) -> usize {
         let normals: usize = self.objects.iter().map(|object| object.normals.capacity()).sum();
         self.world.memory()
@@ -90,12 +93,12 @@ impl FrameScene {
             + normals * size_of::<Vec3>()
     }
 
-    /// How many objects move within the shutter.
+    /// Returns the number of objects that move within the shutter.
     pub fn moving_objects(&self) -> usize {
         self.world.instances.len()
     }
 
-    /// How many primitives there are, in all structures.
+    /// Returns the number of primitives in all structures.
     pub fn primitives(&self) -> usize {
         let of = |s: &Structure| s.triangle_count() + s.curved().len();
         let moving: usize = self.world.instances.iter().map(|i| of(&i.structure)).sum();

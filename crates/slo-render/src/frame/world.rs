@@ -1,5 +1,5 @@
-//! The two-level structure: one tree over all that is still, one over the boxes of what moves, and
-//! a tree of its own for each moving object.
+//! The two-level structure: one tree over everything that is still, one tree over the boxes of
+//! moving objects, and a tree of its own for each moving object.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use slo_accel::{
     BoxScratch, BoxTree, Coherence, Hits, Isa, LANES, NO_HIT, Rays, Scratch, Structure,
 };
 
-/// Instance number of a hit on something still.
+/// Instance number of a hit on a still object.
 pub(crate) const STILL: u32 = u32::MAX;
 
-/// Everything that rays can hit during one shutter. Render space.
+/// Everything that rays can hit during one shutter, in render space.
 #[derive(Debug)]
 pub(crate) struct World {
     pub(super) still: Arc<Structure>,
@@ -27,44 +27,46 @@ pub(crate) struct World {
 /// An object that moves within the shutter.
 #[derive(Debug)]
 pub(crate) struct Instance {
-    /// Its primitives, in object space moved by `-center`.
+    /// Its primitives, in object space translated by `-center`.
     pub(super) structure: Arc<Structure>,
-    /// Middle of the object in object space: counted from there, coordinates keep their digits.
+    /// Middle of the object in object space. Coordinates relative to it are small and keep their
+    /// precision.
     pub(super) center: Vec3,
-    /// `render_from_structure`, evenly spaced over the shutter; a ray takes the nearest one.
+    /// `render_from_structure`, evenly spaced over the shutter. A ray uses the pose nearest to its
+    /// time.
     pub(super) poses: Vec<Rigid>,
     /// Index of the object.
     pub(super) object: u32,
 }
 
 impl Instance {
-    /// `render_from_structure` at a time of the shutter in `[0, 1]`.
+    /// Returns `render_from_structure` at a time of the shutter in `[0, 1]`.
     ///
-    /// Source: thesis 5.3, by rounding.
+    /// Source: thesis 5.3, with rounding to the nearest pose.
     #[inline]
     pub(super) fn pose(&self, time: f32) -> &Rigid {
         let last = self.poses.len() - 1;
         &self.poses[((time * last as f32 + 0.5) as usize).min(last)]
     }
 
-    /// The box over all poses.
+    /// Returns the bounding box of all poses.
     fn bounds(&self) -> Bounds {
         let corners = self.structure.bounds().corners();
         let at = |pose: &Rigid| Bounds::of_points(corners.map(|c| pose.point(c)));
         let bounds = self.poses.iter().map(at).fold(Bounds::EMPTY, Bounds::union);
-        // A ray is moved to object space by its own rounded operations.
+        // Rays are transformed to object space with rounding errors of their own.
         let size = bounds.min.abs().max(bounds.max.abs()).max_element();
         let margin = Vec3::splat(size * gamma(16));
         Bounds { min: bounds.min - margin, max: bounds.max + margin }
     }
 }
 
-/// The first hits of a batch, and on which instance they lie.
+/// The first hits of a batch of rays, and their instances.
 #[derive(Debug, Default)]
 pub(crate) struct WorldHits {
-    /// Primitive ids are those of the structure that was hit.
+    /// The hits. Primitive ids are relative to the structure that was hit.
     pub(crate) hits: Hits,
-    /// Instance number, [`STILL`] for the still structure.
+    /// Instance numbers; [`STILL`] for the still structure.
     pub(crate) instance: Vec<u32>,
 }
 
@@ -72,10 +74,10 @@ pub(crate) struct WorldHits {
 #[derive(Debug, Default)]
 pub(crate) struct WorldScratch {
     accel: Scratch,
-    /// How far each ray counts.
+    /// Distance up to which each ray is followed.
     reach: Vec<f32>,
     boxes: BoxScratch,
-    /// For each instance the rays that enter its box.
+    /// For each instance, the rays that enter its box.
     entering: Vec<Vec<u32>>,
     local: Rays,
     local_hits: Hits,
@@ -88,8 +90,8 @@ impl World {
         Self { still, instances, boxes: BoxTree::new(&boxes), isa }
     }
 
-    /// The first hit of every ray at its own time in `[0, 1]`; comes back with how alike the rays
-    /// turned out to be for what is still.
+    /// Finds the first hit of every ray at its own time in `[0, 1]`. Returns how coherent the rays
+    /// turned out to be in the still structure.
     pub(crate) fn intersect(
         &self,
         rays: &Rays,
@@ -135,8 +137,8 @@ impl World {
         coherence
     }
 
-    /// Whether anything lies on each ray at its own time; comes back with how alike the rays turned
-    /// out to be for what is still.
+    /// Finds whether anything blocks each ray at its own time in `[0, 1]`. Returns how coherent the
+    /// rays turned out to be in the still structure.
     pub(crate) fn occluded(
         &self,
         rays: &Rays,
@@ -174,7 +176,7 @@ impl World {
         coherence
     }
 
-    /// Lists for each instance the rays that enter its box within their reach, in order.
+    /// Lists, for each instance, the rays that enter its box within their reach, in order.
     fn gather(&self, rays: &Rays, scratch: &mut WorldScratch) {
         let WorldScratch { reach, boxes, entering, .. } = scratch;
         entering.resize_with(self.instances.len(), Vec::new);
@@ -182,7 +184,7 @@ impl World {
         self.boxes.gather(self.isa, rays, reach, entering, boxes);
     }
 
-    /// Bytes of all structures and poses.
+    /// Returns the memory, in bytes, of all structures and poses.
     pub(super) fn memory(&self) -> usize {
         let of = |i: &Instance| i.structure.memory() + i.poses.len() * size_of::<Rigid>();
         self.still.memory() + self.instances.iter().map(of).sum::<usize>()

@@ -3,16 +3,17 @@
 use slo_accel::Rays;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
-/// What goes with a ray besides its geometry.
+/// Data of a ray besides its geometry.
 #[derive(Debug)]
 pub(super) struct Labels {
-    /// Time in the shutter, `[0, 1]`.
+    /// Shutter time in `[0, 1]`.
     pub(super) time: Column<f32>,
-    /// Sum to which the ray's light is added.
+    /// Index of the sum that the ray's light is added to.
     pub(super) slot: Column<u32>,
-    /// Code of the branches that led here.
+    /// Hash of the branches that led here.
     pub(super) path: Column<u32>,
-    /// Number of the ray among those of the same path in the pixel's samples.
+    /// Sample number of the ray: its number among the rays of the same path in all samples of the
+    /// pixel.
     pub(super) index: Column<u32>,
 }
 
@@ -22,13 +23,13 @@ impl Default for Labels {
     }
 }
 
-/// Rays of a queue, taken out to be traced.
+/// Rays taken from a queue to be traced.
 #[derive(Debug)]
 pub(super) struct Batch {
-    /// With room for [`BATCH`].
+    /// The rays, with capacity for [`BATCH`].
     pub(super) rays: Rays,
-    /// Weight of the radiance that arrives along each ray; of rays to lights, the light that arrives
-    /// if nothing blocks it.
+    /// Weight of the radiance that arrives along each ray. For a ray to a light: the weighted light
+    /// that arrives if nothing blocks the ray.
     pub(super) weight: Vec3s,
     /// See [`Sent::density`].
     pub(super) density: Column<f32>,
@@ -47,24 +48,24 @@ impl Default for Batch {
 }
 
 impl Batch {
-    /// How many rays there are, [`BATCH`] at most.
+    /// Returns the number of rays, at most [`BATCH`].
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.rays.len().min(BATCH)
     }
 }
 
-/// Rays that the hits of a batch send out: entry `i` is the ray of hit `i`.
+/// Rays that the hits of a batch send out. Entry `i` is the ray of hit `i`.
 #[derive(Debug)]
 pub(super) struct Sent {
     pub(super) origin: Vec3s,
-    /// Unit for bounces; from hit to light for rays to lights.
+    /// Unit direction for bounces; vector from hit to light for rays to lights.
     pub(super) direction: Vec3s,
     pub(super) t_max: Column<f32>,
-    /// See [`Batch::weight`]; 0: no ray is sent.
+    /// See [`Batch::weight`]. If it is 0, no ray is sent.
     pub(super) weight: Vec3s,
-    /// Density per solid angle of the rays of this lobe, times their number, if rays to lamps look for
-    /// the same light; 0 if none do.
+    /// `pdf_solid_angle` of the rays of this lobe, times their number, if rays to lamps sample the
+    /// same light; 0 otherwise.
     pub(super) density: Column<f32>,
 }
 
@@ -81,7 +82,7 @@ impl Default for Sent {
 }
 
 impl Sent {
-    /// Whether ray `i` can be traced: coordinates beyond all bounds leave no direction.
+    /// Whether ray `i` can be traced: its coordinates are finite, and it has a direction.
     #[inline(always)]
     pub(super) fn is_ray(&self, i: usize) -> bool {
         let (o, d) = (self.origin.get(i), self.direction.get(i));

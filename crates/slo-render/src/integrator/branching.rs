@@ -1,4 +1,4 @@
-//! How many rays a hit sends out, by the settings and the bounces behind it.
+//! How many rays a hit sends out, by the settings and the number of bounces before it.
 
 use slo_accel::math::columns::BATCH;
 use slo_scene::{LightSampling, Settings};
@@ -7,16 +7,16 @@ use crate::frame::FrameScene;
 use crate::sampling::Purpose;
 use crate::shading::Light;
 
-/// Most bounces that the hits of one batch of camera rays may send.
+/// Most bounces that the hits of one batch of camera rays may queue.
 const MOST_BOUNCES_WAITING: usize = 512 * BATCH;
 
-/// Number of rays from a hit to a light, or to lights at random.
+/// Returns the number of rays from a hit to a light, or to randomly chosen lights.
 pub(super) fn rays_to(frame: &FrameScene, light: &Light, depth: u32) -> u32 {
     let one = frame.settings.light_sampling == LightSampling::One;
     if depth == 0 && (one || light.is_area()) { frame.settings.soft_shadow_samples } else { 1 }
 }
 
-/// Mean number of rays from a hit to a light.
+/// Returns the mean number of rays from a hit to a light.
 pub(super) fn mean_rays_to(frame: &FrameScene, light: &Light, depth: u32) -> f32 {
     let rays = rays_to(frame, light, depth) as f32;
     match frame.settings.light_sampling {
@@ -25,7 +25,8 @@ pub(super) fn mean_rays_to(frame: &FrameScene, light: &Light, depth: u32) -> f32
     }
 }
 
-/// Number of rays of a glossy lobe: from a first hit as many as the settings say, later one.
+/// Returns the number of rays of a glossy lobe: from a first hit as many as the settings say, from
+/// a later hit one.
 pub(super) fn glossy_samples(settings: &Settings, purpose: Purpose, depth: u32) -> u32 {
     match purpose {
         _ if depth > 0 => 1,
@@ -34,7 +35,8 @@ pub(super) fn glossy_samples(settings: &Settings, purpose: Purpose, depth: u32) 
     }
 }
 
-/// Most camera rays of a batch: its hits send out all their bounces before any of them is traced.
+/// Returns the most camera rays of a batch. Its hits queue all their bounces before any of them is
+/// traced.
 pub(super) fn most_camera_rays(settings: &Settings) -> usize {
     let sent: usize = [Purpose::Reflection, Purpose::Refraction]
         .map(|purpose| glossy_samples(settings, purpose, 0) as usize)

@@ -1,15 +1,15 @@
-//! Which entries of a batch go on.
+//! Selections of the entries of a batch.
 
 use slo_accel::math::columns::{BATCH, Column, lanes};
 use slo_accel::{GROUP, Isa, Lanewise, Word};
 
-/// Some entries of a batch.
+/// A selection of the entries of a batch.
 #[derive(Clone, Debug)]
 pub(super) struct Chosen {
     isa: Isa,
-    /// 1 for those that were chosen.
+    /// 1 for each chosen entry, 0 for the others.
     flags: Column<u32>,
-    /// The same in bits.
+    /// The flags as bits.
     bits: [u16; BATCH / GROUP],
     count: usize,
 }
@@ -21,7 +21,7 @@ impl Default for Chosen {
 }
 
 impl Chosen {
-    /// Chooses the entries below `len` that `is` says yes to.
+    /// Chooses the entries `i < len` for which `is(i)` is true.
     #[inline(always)]
     pub(super) fn set(&mut self, isa: Isa, len: usize, is: impl Fn(usize) -> bool) {
         self.isa = isa;
@@ -29,12 +29,12 @@ impl Chosen {
         self.count = self.bits.iter().map(|bits| bits.count_ones() as usize).sum();
     }
 
-    /// How many there are.
+    /// Returns the number of chosen entries.
     pub(super) fn len(&self) -> usize {
         self.count
     }
 
-    /// The entries below `len` that were not chosen, in order.
+    /// Returns the entries below `len` that were not chosen, in order.
     pub(super) fn others(&self, len: usize) -> impl Iterator<Item = usize> {
         let groups = self.bits.iter().enumerate().take(len.div_ceil(GROUP));
         groups.flat_map(move |(group, &bits)| {
@@ -48,13 +48,13 @@ impl Chosen {
         })
     }
 
-    /// Copies the chosen entries of a column, in order, to a slice of their number. What the column
-    /// has beyond its end counts as not chosen.
+    /// Copies the chosen entries of a column, in order, to a slice of as many entries. Entries
+    /// beyond the end of the column count as not chosen.
     pub(super) fn copy<T: Word>(&self, from: &[T], to: &mut [T]) {
         self.isa.compress(&self.bits[..from.len().div_ceil(GROUP).min(self.bits.len())], from, to);
     }
 
-    /// Adds the chosen entries of a column, in order, to the end of a vector.
+    /// Appends the chosen entries of a column, in order, to a vector.
     pub(super) fn append<T: Word>(&self, from: &Column<T>, to: &mut Vec<T>) {
         let start = to.len();
         to.resize(start + self.count, from[0]);

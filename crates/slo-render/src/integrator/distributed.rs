@@ -1,6 +1,8 @@
-//! Distributed ray tracing: light straight from lamps, and what mirrors, gloss and glass show.
+//! Distributed ray tracing: direct light from lamps, and reflection and refraction, perfect and
+//! glossy.
 //!
-//! A hit sends rays to lights, and rays of its reflected and refracted lobes until the recursion ends.
+//! A hit sends rays to lights, and rays of its reflected and refracted lobes up to the limit of the
+//! recursion.
 
 use slo_picture::film::Features;
 
@@ -23,7 +25,7 @@ use crate::frame::WorldScratch;
 #[derive(Debug, Default)]
 pub(super) struct Distributed {
     camera_rays: Box<CameraRays>,
-    /// The batch at hand.
+    /// The current batch.
     batch: Box<Batch>,
     hits: Box<Hits>,
     ended: Box<Ended>,
@@ -33,24 +35,24 @@ pub(super) struct Distributed {
     direct_light: Box<DirectLight>,
     visibility: Box<Visibility>,
     scattering: Box<Scattering>,
-    /// Working memory of queries, which one stage at a time borrows.
+    /// Working memory of ray queries, used by one stage at a time.
     scratch: WorldScratch,
 }
 
 impl Distributed {
-    /// Begins some work; features are collected for `features` slots.
+    /// Begins new work. Features are collected for `features` slots.
     pub(super) fn restart(&mut self, features: usize) {
         self.camera_rays.restart();
         self.features.reset(features);
     }
 
-    /// Surface features of each slot.
+    /// Returns the surface features of each slot.
     pub(super) fn features(&self) -> &[Features] {
         self.features.get()
     }
 
-    /// Traces the batch, adds the light that its rays bring, and queues the rays that its hits send
-    /// out.
+    /// Traces the batch, adds the light of its rays, and queues the rays that its hits send out.
+    /// Returns `None` if the work is given up.
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
         let Self { batch, hits, ended, points, features, lobes, scratch, .. } = self;
@@ -70,7 +72,7 @@ impl Distributed {
         Some(())
     }
 
-    /// Rays from all points to the lights that the settings let them ask.
+    /// Queues the rays from all points to lights. Returns `None` if the work is given up.
     fn ask_lights(
         &mut self,
         machine: &mut Machine,
@@ -90,7 +92,7 @@ impl Distributed {
         Some(())
     }
 
-    /// Rays of the lobes of all points.
+    /// Queues the rays of the lobes of all points. Returns `None` if the work is given up.
     fn scatter(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let Self { points, lobes, scattering, features, .. } = self;
         for bounce in bounces(job.frame, lobes, points, depth) {

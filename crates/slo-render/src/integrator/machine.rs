@@ -1,5 +1,5 @@
-//! The machine that integrators run on: the queues of one thread, the order in which they are worked
-//! off, and the sums. It knows no light.
+//! The machine that integrators run on: the queues of one thread, the order in which they are
+//! processed, and the sums. It is independent of light transport.
 
 use slo_accel::Isa;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
@@ -11,24 +11,25 @@ use super::sums::Sums;
 use super::work::{Job, SampleSum, Statistics};
 use crate::sampling::PixelSeed;
 
-/// Most connections that wait while the hits of one batch still send others.
+/// Most connections that wait while the hits of one batch send more.
 const MOST_CONNECTIONS_WAITING: usize = 16 * BATCH;
 
-/// Stages that turn rays into light and further rays. Every function is `None` if the work is to be
-/// given up.
+/// Stages that turn rays into light and further rays. Every fallible function returns `None` if the
+/// work is given up.
 pub(super) trait Integrator {
-    /// Makes the first rays of the next paths and traces them; false when all are made.
+    /// Creates the first rays of the next paths and traces them. Returns false when all were
+    /// created.
     fn start_paths(&mut self, machine: &mut Machine, job: &Job<'_>) -> Option<bool>;
 
-    /// Takes the next batch of rays with `depth` bounces behind them, and traces it.
+    /// Takes the next batch of rays after `depth` bounces, and traces it.
     fn extend_paths(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()>;
 
     /// Takes the next batch of a kind of connections, and traces it.
     fn connect(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection);
 }
 
-/// Rays that carry the light that they bring if nothing blocks them, by where they come from: those
-/// of the first hits are coherent, the others are not.
+/// Kinds of connections by their origin. A connection carries the light that it adds if nothing
+/// blocks it. Connections from first hits are coherent, the others are not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Connection {
     /// Hits of camera rays.
@@ -40,13 +41,13 @@ pub(super) enum Connection {
 impl Connection {
     const ALL: [Self; 2] = [Self::FromPrimary, Self::FromDeeper];
 
-    /// The kind of connections from hits with `depth` bounces behind them.
+    /// Returns the kind of connections from hits after `depth` bounces.
     pub(super) fn at(depth: u32) -> Self {
         if depth == 0 { Self::FromPrimary } else { Self::FromDeeper }
     }
 }
 
-/// A queue to be worked off.
+/// The queue to be processed next.
 enum Next {
     Paths(u32),
     Connections(Connection),
@@ -55,10 +56,10 @@ enum Next {
 /// Queues and sums of one thread.
 #[derive(Debug, Default)]
 pub(super) struct Machine {
-    /// Rays by the number of bounces behind them; the first queue stays empty, since camera rays are
-    /// traced as they are made.
+    /// Queues of rays, by the number of bounces before them. The first queue stays empty, since
+    /// camera rays are traced as they are created.
     paths: Vec<RayQueue>,
-    /// By [`Connection`].
+    /// Queues by [`Connection`].
     connections: [RayQueue; 2],
     /// Seed of the pixel of each slot.
     seeds: Vec<PixelSeed>,
@@ -67,8 +68,8 @@ pub(super) struct Machine {
 }
 
 impl Machine {
-    /// Begins some work with `copies` sums for each entry: slot `i` of the first copies is entry
-    /// `i`.
+    /// Begins new work with `copies` sums for each entry. Slot `i` among the first copies belongs
+    /// to entry `i`.
     pub(super) fn begin(&mut self, job: &Job<'_>, copies: usize) {
         let sampler = &job.frame.sampler;
         self.counts = Statistics::default();
@@ -80,7 +81,8 @@ impl Machine {
         self.queue_at(0);
     }
 
-    /// Runs an integrator until no ray is left. If the work is given up, nothing waits afterwards.
+    /// Runs an integrator until no ray is left. If the work is given up, all queues are empty
+    /// afterwards, and the result is `None`.
     pub(super) fn run(&mut self, integrator: &mut impl Integrator, job: &Job<'_>) -> Option<()> {
         let finished = self.run_all(integrator, job);
         if finished.is_none() {
@@ -90,7 +92,7 @@ impl Machine {
         finished
     }
 
-    /// The sums of all copies, added up for each of `len` entries.
+    /// Adds up the sums of all copies for each of `len` entries, and returns them with the counts.
     pub(super) fn finish(&mut self, len: usize) -> (&[SampleSum], Statistics) {
         self.sums.fold(len);
         (self.sums.get(), self.counts)
@@ -103,7 +105,7 @@ impl Machine {
         self.work_off(integrator, job, 1)
     }
 
-    /// Traces batches until no queue holds `least` rays or more.
+    /// Traces batches until every queue holds fewer than `least` rays.
     fn work_off(
         &mut self,
         integrator: &mut impl Integrator,
@@ -120,10 +122,11 @@ impl Machine {
         }
     }
 
-    /// The next queue to take a batch from.
+    /// Returns the queue to take the next batch from.
     ///
-    /// While more rays are to come the deepest full queue goes first, which bounds what waits. At the
-    /// end, when all hold less than a batch, the shallowest goes first, since it fills the others.
+    /// While more rays will follow, the deepest full queue is processed first, which bounds the
+    /// number of waiting rays. At the end, when all queues hold less than a batch, the shallowest
+    /// is processed first, since it fills the others.
     fn next(&self, least: usize) -> Option<Next> {
         let connections = |least| {
             let found = Connection::ALL.into_iter().find(|&kind| self.waiting(kind) >= least);
@@ -141,8 +144,8 @@ impl Machine {
 
     /// Traces waiting connections of a kind if there are many.
     ///
-    /// The hits of one batch send as many as there are lights and samples of each, which only the
-    /// scene bounds.
+    /// The hits of one batch send as many as the product of lights and samples per light, which
+    /// only the scene bounds.
     pub(super) fn relieve(
         &mut self,
         integrator: &mut impl Integrator,
@@ -161,12 +164,12 @@ impl Machine {
         &self.seeds
     }
 
-    /// How alike the rays of `depth` usually are.
+    /// Coherence statistics of the rays after `depth` bounces.
     pub(super) fn habit(&mut self, depth: u32) -> &mut Habit {
         &mut self.queue_at(depth).habit
     }
 
-    /// How alike connections of a kind usually are.
+    /// Coherence statistics of the connections of a kind.
     pub(super) fn connection_habit(&mut self, kind: Connection) -> &mut Habit {
         &mut self.connections[kind as usize].habit
     }
@@ -176,7 +179,7 @@ impl Machine {
         self.counts.camera_rays += batch.len() as u64;
     }
 
-    /// Queues chosen rays with `depth` bounces behind them.
+    /// Queues chosen rays after `depth` bounces.
     pub(super) fn extend(&mut self, depth: u32, sent: &Sent, labels: &Labels, chosen: &Chosen) {
         self.queue_at(depth).append_named(sent, labels, chosen);
     }
@@ -192,7 +195,7 @@ impl Machine {
         self.connections[kind as usize].append(sent, labels, chosen);
     }
 
-    /// Takes the next batch of rays with `depth` bounces behind them.
+    /// Takes the next batch of rays after `depth` bounces.
     pub(super) fn take_paths(&mut self, depth: u32, batch: &mut Batch) {
         self.queue_at(depth).take_batch(batch);
         self.counts.bounce_rays += batch.len() as u64;
@@ -204,7 +207,7 @@ impl Machine {
         self.counts.shadow_rays += batch.len() as u64;
     }
 
-    /// Adds the first `len` radiances, each to its slot.
+    /// Adds the first `len` weighted radiances, each to its slot.
     pub(super) fn add(&mut self, isa: Isa, radiance: &Vec3s, slot: &Column<u32>, len: usize) {
         self.counts.refused_contributions += self.sums.add(isa, radiance, slot, len);
     }
@@ -216,7 +219,7 @@ impl Machine {
         }
         &mut self.paths[depth]
     }
-    /// Rays that fit without a new allocation, of each queue of paths and of connections.
+    /// Capacity, in rays, of each queue of paths and of each queue of connections.
     #[cfg(test)]
     pub(super) fn rooms(&self) -> (Vec<usize>, Vec<usize>) {
         let rooms = |queues: &[RayQueue]| queues.iter().map(RayQueue::room).collect();

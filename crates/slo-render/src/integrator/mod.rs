@@ -1,13 +1,14 @@
-//! Batches of weighted rays -> radiance. Knows no files and no threads.
+//! Turns batches of weighted rays into radiance. Independent of files and threads.
 //!
-//! A sample is a sum over a tree of rays. Every ray carries the weight that radiance arriving along it
-//! has for the pixel, so the tree needs no way back: a hit adds its own light and puts the rays that
-//! it sends out into queues, which are worked off a batch at a time until none is left. Exact sums
-//! make the order irrelevant.
+//! A sample is a sum over a tree of rays. Every ray carries the weight that the radiance arriving
+//! along it has for the pixel, so results need not be passed back up the tree. A hit adds its own
+//! light and queues the rays that it sends out. The queues are processed a batch at a time until
+//! none is left. Sums are exact, so their order does not matter.
 //!
-//! - `machine` has the queues, decides which batch comes next, and adds up; it knows no light.
+//! - `machine` holds the queues, decides which batch comes next, and adds up the light. It is
+//!   independent of light transport.
 //! - `stages` turn columns into columns, each with its own working memory.
-//! - An integrator lists its stages and how they branch: `distributed`.
+//! - An integrator, such as `distributed`, lists its stages and how they branch.
 
 mod batch;
 mod branching;

@@ -1,4 +1,4 @@
-//! Weighted rays that wait to be traced.
+//! Queues of weighted rays that wait to be traced.
 
 use slo_accel::math::columns::{BATCH, Column};
 use slo_accel::{Coherence, Rays};
@@ -6,31 +6,31 @@ use slo_accel::{Coherence, Rays};
 use super::batch::{Batch, Labels, Sent};
 use super::chosen::Chosen;
 
-/// Rays that wait.
+/// A queue of waiting rays.
 #[derive(Debug, Default)]
 pub(super) struct RayQueue {
     rays: Rays,
     weight: [Vec<f32>; 3],
     time: Vec<f32>,
     slot: Vec<u32>,
-    /// Empty in a queue of rays to lights.
+    /// Columns that a queue of rays to lights does not use.
     names: Names,
     pub(super) habit: Habit,
 }
 
-/// Whether the rays of a queue go similar ways, judged by its last batches. It decides how fast they
-/// are traced, and nothing else.
+/// Whether the rays of a queue are coherent, judged by its last batches. It affects only the speed
+/// of tracing.
 #[derive(Debug, Default)]
 pub(super) struct Habit {
-    /// Batches that still count as incoherent without a try.
+    /// Number of batches to trace as incoherent before the next try.
     untried: u32,
 }
 
 impl Habit {
-    /// After an incoherent batch, one batch in so many is tried as a coherent one.
+    /// After an incoherent batch, one batch in this many is traced as a coherent one.
     const TRIED: u32 = 8;
 
-    /// How the next batch should be traced.
+    /// Returns how to trace the next batch.
     pub(super) fn expected(&mut self) -> Coherence {
         if self.untried == 0 {
             return Coherence::Coherent;
@@ -47,7 +47,7 @@ impl Habit {
     }
 }
 
-/// Columns of rays from lobes; rays to lights have none.
+/// Columns of rays of lobes, which rays to lights do not have.
 #[derive(Debug, Default)]
 struct Names {
     density: Vec<f32>,
@@ -60,13 +60,13 @@ impl RayQueue {
         self.rays.len()
     }
 
-    /// Rays that fit without a new allocation: as many as ever waited, or more.
+    /// Capacity in rays: at least the largest number that ever waited.
     #[cfg(test)]
     pub(super) fn room(&self) -> usize {
         self.slot.capacity()
     }
 
-    /// Adds the chosen rays to lights.
+    /// Appends the chosen rays to lights.
     pub(super) fn append(&mut self, sent: &Sent, labels: &Labels, chosen: &Chosen) {
         let start = self.rays.len();
         self.rays.set_len(start + chosen.len());
@@ -85,7 +85,7 @@ impl RayQueue {
         chosen.append(&labels.slot, &mut self.slot);
     }
 
-    /// Adds the chosen rays of lobes.
+    /// Appends the chosen rays of lobes.
     pub(super) fn append_named(&mut self, sent: &Sent, labels: &Labels, chosen: &Chosen) {
         self.append(sent, labels, chosen);
         chosen.append(&sent.density, &mut self.names.density);
@@ -93,7 +93,7 @@ impl RayQueue {
         chosen.append(&labels.index, &mut self.names.index);
     }
 
-    /// Moves the last rays, at most a batch, to `batch` in their order.
+    /// Moves the last rays, at most [`BATCH`], to `batch` in their order.
     pub(super) fn take_batch(&mut self, batch: &mut Batch) {
         let start = self.len().saturating_sub(BATCH);
         self.rays.split_off_into(start, &mut batch.rays);
@@ -112,7 +112,7 @@ impl RayQueue {
     }
 }
 
-/// Moves the entries from `start` on to the front of a column.
+/// Moves the entries from `start` onwards to the front of a column.
 fn move_to<T: Copy>(from: &mut Vec<T>, start: usize, to: &mut Column<T>) {
     to[..from.len() - start].copy_from_slice(&from[start..]);
     from.truncate(start);

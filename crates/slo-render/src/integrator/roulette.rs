@@ -1,5 +1,5 @@
-//! Russian roulette: rays that could add next to nothing are left out at random, and the others made
-//! heavier, so that the mean stays.
+//! Russian roulette: rays that could add next to nothing are left out at random, and the weight of
+//! the others is raised, so that the mean stays the same.
 //!
 //! Source: J. Arvo and D. Kirk, "Particle Transport and Image Synthesis" (1990).
 
@@ -7,17 +7,18 @@ use glam::Vec3;
 
 use crate::frame::FrameScene;
 
-/// Rays of less weight are left to chance: what they could add is about a step of a PNG's channel, what they
-/// cost is as much as that of any other.
+/// Rays of less weight are subject to roulette. They can change a channel of a PNG by about one
+/// step, but cost as much as any other ray.
 const LEAST_WEIGHT: f32 = 1.0 / 256.0;
 
-/// Below which weight rays of a frame are left to chance; 0 where none is.
+/// Returns the weight below which rays of a frame are subject to roulette; 0 if no ray is.
 pub(super) fn least_weight(frame: &FrameScene) -> f32 {
     if frame.clever { LEAST_WEIGHT } else { 0.0 }
 }
 
-/// `weight`, or where its largest component is below `least`, as much as makes that `least`, at a
-/// chance (`u` is uniform) that keeps the mean; 0 otherwise.
+/// Returns `weight` if its largest component is at least `least`. Otherwise it returns `weight`
+/// scaled up to a largest component of `least`, with the probability that keeps the mean, or else
+/// 0. `u` is a uniform random number.
 #[inline(always)]
 pub(super) fn roulette(weight: Vec3, least: f32, u: f32) -> Vec3 {
     let chance = weight.max_element() / least;

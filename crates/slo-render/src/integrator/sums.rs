@@ -1,4 +1,4 @@
-//! Contributions become exact sums: rounded once, then added as integers.
+//! Exact sums of contributions, which are rounded once and then added as integers.
 
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 use slo_accel::{Isa, Lanewise};
@@ -6,7 +6,7 @@ use slo_picture::film::Fixed;
 
 use super::work::SampleSum;
 
-/// Exact sums, one for each slot, and the working memory of adding to them.
+/// Exact sums, one for each slot, and working memory for adding to them.
 #[derive(Debug)]
 pub(super) struct Sums {
     sums: Vec<SampleSum>,
@@ -20,7 +20,7 @@ impl Default for Sums {
 }
 
 impl Sums {
-    /// `len` sums of nothing.
+    /// Resets to `len` sums of 0.
     pub(super) fn reset(&mut self, len: usize) {
         self.sums.clear();
         self.sums.resize(len, SampleSum::default());
@@ -30,7 +30,7 @@ impl Sums {
         &self.sums
     }
 
-    /// Adds the sums from `len` on to the first ones, and leaves those.
+    /// Adds each sum from `len` onwards to one of the first `len` sums, and keeps only these.
     pub(super) fn fold(&mut self, len: usize) {
         let len = len.min(self.sums.len());
         let (first, rest) = self.sums.split_at_mut(len);
@@ -40,8 +40,8 @@ impl Sums {
         self.sums.truncate(len);
     }
 
-    /// Adds the first `len` radiances, each to its slot; comes back with how many numbers were left
-    /// out, because they were not finite or beyond the film's range.
+    /// Adds the first `len` radiances, each to its slot. Returns how many numbers were left out
+    /// because they were not finite or outside the film's range.
     pub(super) fn add(
         &mut self,
         isa: Isa,
@@ -51,7 +51,7 @@ impl Sums {
     ) -> u64 {
         let refused = isa.run(Round { radiance, len, to: &mut self.rounded });
         let Self { sums, rounded: [red, green, blue] } = self;
-        // Neighbours mostly share a slot: their sum stays in registers.
+        // Neighbours mostly share a slot, so their sum stays in registers.
         let mut at = 0;
         let mut sum = SampleSum::default();
         for i in 0..len.min(BATCH) {
@@ -74,7 +74,7 @@ fn put(sums: &mut [SampleSum], slot: usize, sum: SampleSum) {
     }
 }
 
-/// Rounds radiances; what can't be summed becomes 0 and is counted.
+/// Rounds radiances. Numbers that cannot be summed become 0 and are counted.
 struct Round<'a> {
     radiance: &'a Vec3s,
     len: usize,

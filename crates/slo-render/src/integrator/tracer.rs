@@ -7,7 +7,7 @@ use super::machine::Machine;
 use super::work::{Job, Traced, Work};
 use crate::frame::FrameScene;
 
-/// Working memory of one thread: allocated once, used for tile after tile.
+/// Working memory of one thread, allocated once and used for tile after tile.
 #[derive(Debug, Default)]
 pub struct Tracer {
     machine: Machine,
@@ -15,8 +15,8 @@ pub struct Tracer {
 }
 
 impl Tracer {
-    /// Traces camera samples to the end; `with_features` collects surface features too. `None` if
-    /// `gives_up`, which is asked between batches, said yes.
+    /// Traces camera samples completely, and collects surface features too if `with_features`.
+    /// Between batches it asks `gives_up`; it returns `None` if the answer is yes.
     pub fn trace(
         &mut self,
         frame: &FrameScene,
@@ -45,7 +45,7 @@ mod tests {
 
     use super::*;
 
-    /// A floor under lights that are seen in it.
+    /// A glossy floor that reflects `lights` lights.
     fn frame(settings: &str, lights: usize) -> FrameScene {
         let light = "light_rectangle l { color { 1 1 1 }
             vertex0 { 3 -6 6 } vertex1 { 5 -6 6 } vertex2 { 5 -4 6 } }";

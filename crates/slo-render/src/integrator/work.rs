@@ -1,4 +1,4 @@
-//! What an integrator is asked for, and what it answers with.
+//! The input and the output of an integrator.
 
 use slo_picture::film::{Features, Fixed};
 
@@ -17,15 +17,15 @@ pub struct Work {
     pub count: u32,
 }
 
-/// Sum of the radiances of camera samples.
+/// Exact sum of the radiances of camera samples, RGB.
 pub type SampleSum = [Fixed; 3];
 
 /// Result of tracing camera samples, for each entry of the work in its order.
 #[derive(Clone, Copy, Debug)]
 pub struct Traced<'a> {
-    /// Exact sums of light.
+    /// Exact sums of radiance over the samples of each entry.
     pub sums: &'a [SampleSum],
-    /// Exact sums of surface features; empty unless they were asked for.
+    /// Exact sums of surface features over the samples of each entry; empty unless requested.
     pub features: &'a [Features],
     /// Counts of what was traced.
     pub statistics: Statistics,
@@ -36,11 +36,12 @@ pub struct Traced<'a> {
 pub struct Statistics {
     /// Camera samples taken.
     pub camera_rays: u64,
-    /// Rays toward lights.
+    /// Rays to lights.
     pub shadow_rays: u64,
     /// Reflected and refracted rays.
     pub bounce_rays: u64,
-    /// Contributions that were not finite or out of the film's range, left out of the sums.
+    /// Contributions that were left out of the sums because they were not finite or outside the
+    /// film's range.
     pub refused_contributions: u64,
 }
 
@@ -53,7 +54,7 @@ impl std::ops::AddAssign for Statistics {
     }
 }
 
-/// What every stage may read.
+/// The work at hand, read by every stage.
 #[derive(Clone, Copy)]
 pub(super) struct Job<'a> {
     pub(super) frame: &'a FrameScene,
@@ -63,8 +64,8 @@ pub(super) struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// `None` if the work is to be given up; asked between batches, and between the rays that a
-    /// batch sends out.
+    /// Returns `None` if the work is to be given up. Called between batches, and between the rays
+    /// that a batch sends out.
     pub(super) fn goes_on(&self) -> Option<()> {
         (!(self.gives_up)()).then_some(())
     }

@@ -1,4 +1,4 @@
-//! As clean as a span of time allows.
+//! Renders a picture as cleanly as a span of time allows.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard};
@@ -13,23 +13,23 @@ use super::tile::TileRenderer;
 use crate::frame::FrameScene;
 use slo_picture::film::{Area, Film, Steps, tiles_in_order};
 
-/// When a picture that gets better step by step is good enough.
+/// When to stop refining a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Budget {
-    /// When time is over.
+    /// When the time is over.
     pub deadline: Instant,
-    /// What is reached however long it takes: all that the film knows already.
+    /// Steps that are completed however long they take: everything that the film contains already.
     pub least: Steps,
-    /// The step that is not passed even if there is time, unless by `least`.
+    /// The last step, even if time is left, unless `least` is farther.
     pub last: u32,
 }
 
-/// Exposes the film of a whole picture, step by step, as far as `budget` allows, and to the first
-/// step in any case. It says how far it came: a plan [`in_steps`](Plan::in_steps) of that gives the
-/// same film without a clock.
+/// Exposes the film of a whole picture step by step, as far as `budget` allows; the first step is
+/// always completed. Returns how far it came: a plan [`in_steps`](Plan::in_steps) of these steps
+/// gives the same film without a clock.
 ///
-/// Where the observer stops it, tiles may be between two steps; the film goes on to what is
-/// returned then, or to more.
+/// If the observer stops it, tiles may be between two steps. The film can then be continued to the
+/// returned steps, or to more.
 pub fn render_until(
     frame: &FrameScene,
     plan: &Plan,
@@ -73,7 +73,7 @@ pub fn render_until(
     (run.exposed(true), reached)
 }
 
-/// How many tiles have to take a step.
+/// Returns how many tiles must take a step.
 fn must(least: Steps, step: u32, tiles: usize) -> usize {
     match step {
         0 => tiles,
@@ -91,15 +91,15 @@ struct Pass<'a> {
     plan: Plan,
     step: u32,
     must: usize,
-    /// Tiles that were handed out.
+    /// Number of tiles that were handed out.
     next: AtomicUsize,
-    /// No more tiles are handed out.
+    /// Whether to hand out no more tiles.
     is_over: AtomicBool,
     is_stopped: AtomicBool,
 }
 
 impl Pass<'_> {
-    /// Takes tiles, as long as there is time for another one.
+    /// Takes tiles as long as there is time for another one.
     fn work(&self, renderer: &mut MutexGuard<'_, TileRenderer>) {
         while !self.is_over.load(Ordering::Relaxed) {
             let next = self.next.load(Ordering::Relaxed);

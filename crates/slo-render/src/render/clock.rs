@@ -1,4 +1,4 @@
-//! What the steps of tiles cost, and whether there is time for another one.
+//! Measures what the steps of tiles cost, and predicts whether there is time for another one.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -6,40 +6,41 @@ use std::time::{Duration, Instant};
 use super::lock::lock;
 use super::plan::FULL_ERROR_AT;
 
-/// A step may take so much more than the one before it lets expect.
+/// Factor by which a step may be larger than predicted from the one before it.
 const SPREAD: f64 = 1.25;
-/// A step has this share of the samples before it, at least, by thought: the error gets smaller by the
-/// root of 2, and the share of it that is asked for larger by as much as the samples.
+/// Least expected size of a step, as a share of the samples before it. The error falls by the
+/// square root of 2 from step to step, and the share of the error that is demanded rises with the
+/// square root of the samples.
 const LEAST_GROWTH: f64 = 0.5;
-/// The same where all of the error is asked for: what is clean by then takes no more.
+/// The same once the full error is demanded: blocks that are clean by then take no more samples.
 const LEAST_LATE_GROWTH: f64 = 0.3;
 
-/// What tiles cost, and when time is over.
+/// Costs of tiles, and the deadline.
 pub(super) struct Clock {
     start: Instant,
     deadline: Instant,
     tiles: Vec<Mutex<Spent>>,
-    /// Samples of a pixel, at most.
+    /// Most samples of a pixel.
     most: f64,
-    /// The share of the time that was told.
+    /// Share of the time that was reported.
     told: Mutex<f64>,
 }
 
-/// What a tile has cost so far.
+/// Cost of a tile so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Spent {
-    /// Seconds of this run.
+    /// Seconds spent in this run.
     time: f64,
-    /// Samples per pixel that were taken in them.
+    /// Samples per pixel taken in this time.
     taken: f64,
-    /// All samples per pixel.
+    /// All samples per pixel, including earlier runs.
     samples: f64,
-    /// The same before the last step that took any.
+    /// All samples per pixel before the last step that took any.
     before: f64,
 }
 
 impl Clock {
-    /// Begins now; a pixel takes `most` samples at most.
+    /// Starts the clock. A pixel takes `most` samples at most.
     pub(super) fn new(deadline: Instant, tiles: usize, most: u32) -> Self {
         let tiles = (0..tiles).map(|_| Mutex::default()).collect();
         let (start, told) = (Instant::now(), Mutex::new(0.0));
@@ -53,12 +54,12 @@ impl Clock {
         left.is_some_and(|left| expected <= left.as_secs_f64())
     }
 
-    /// A tile took a step, from so many samples per pixel to so many.
+    /// Adds the cost of a step of a tile; `samples` are the samples per pixel before and after it.
     pub(super) fn add(&self, tile: usize, cost: Duration, samples: [f64; 2]) {
         lock(&self.tiles[tile]).add(cost, samples);
     }
 
-    /// The share of the time that has passed since this was asked last.
+    /// Returns the share of the time that has passed since the last call.
     pub(super) fn share(&self) -> f64 {
         let all = self.deadline.saturating_duration_since(self.start).as_secs_f64().max(1e-3);
         let now = (self.start.elapsed().as_secs_f64() / all).min(1.0);
@@ -79,7 +80,7 @@ impl Spent {
         }
     }
 
-    /// Seconds that the next step takes, about; 0 where nothing is known.
+    /// Estimates the seconds of the next step; 0 if nothing is known.
     fn next(&self, most: f64) -> f64 {
         if self.taken == 0.0 {
             return 0.0;
@@ -88,7 +89,8 @@ impl Spent {
         self.time / self.taken * more.max(0.0)
     }
 
-    /// Samples of the next step, as a share of those before it: 1 at most, and where it is not known.
+    /// Estimates the samples of the next step as a share of the samples before it: 1 at most, and 1
+    /// if nothing is known.
     fn growth(&self) -> f64 {
         if self.before == 0.0 {
             return 1.0;
@@ -100,7 +102,7 @@ impl Spent {
         } else if self.before > full {
             last.clamp(LEAST_LATE_GROWTH, 1.0)
         } else {
-            // Between the two rules steps get larger.
+            // Steps get larger between the two rules.
             1.0
         }
     }
@@ -110,7 +112,7 @@ impl Spent {
 mod tests {
     use super::*;
 
-    /// What a tile has cost that took a step from `before` to `samples`, in 60 seconds for all.
+    /// Cost of a tile that took a step from `before` to `samples`, in 60 seconds in all.
     fn spent(before: f64, samples: f64) -> Spent {
         let mut spent = Spent::default();
         spent.add(Duration::from_secs(40), [0.0, before]);

@@ -1,4 +1,4 @@
-//! Tiles over threads, adaptive blocks, progress, stopping and resuming.
+//! Distributes tiles over threads: adaptive blocks, progress, stopping and continuing.
 
 mod budget;
 mod clock;

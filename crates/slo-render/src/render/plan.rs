@@ -1,4 +1,4 @@
-//! How many samples a pixel takes, and which pixels and samples are this run's.
+//! Plans how many samples a pixel takes, and which pixels and samples this run takes.
 
 use std::ops::Range;
 
@@ -8,16 +8,17 @@ use slo_picture::film::{
 };
 use slo_scene::{Contrast, SceneDescription, Settings};
 
-/// From so many samples on a block is held to the error that was asked for; below, to less.
+/// Number of samples from which a block must reach the full demanded error. With fewer samples it
+/// must reach less.
 pub(super) const FULL_ERROR_AT: u32 = 256;
 
-/// Error of the first step that looks at it.
+/// Error demanded by the first step that measures errors.
 const FIRST_ERROR: f32 = 0.2;
 
-/// When a pixel is done, and which of the picture's samples are to be taken.
+/// When a pixel is done, and which of the picture's samples to take.
 ///
-/// How many samples a pixel takes depends on its own samples, or on those of its block, and on
-/// nothing else: not on the run that took them, nor on what was done elsewhere.
+/// How many samples a pixel takes depends only on its own samples, or on the samples of its block.
+/// It does not depend on the run that took them, or on other parts of the picture.
 #[derive(Clone, Debug)]
 pub struct Plan {
     least: u32,
@@ -29,28 +30,28 @@ pub struct Plan {
     steps: Option<Steps>,
 }
 
-/// What makes a pixel go on after `least` samples.
+/// The reason for more samples after the first `least`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Rule {
-    /// Nothing: all pixels take the same number.
+    /// No reason: all pixels take the same number.
     Uniform,
     /// A contrast above a limit.
     Contrast(Contrast, f32),
-    /// An estimated error of its block at or above a [share](error_share) of a limit.
+    /// An estimated error of the pixel's block at or above a [share](error_share) of a limit.
     Noise(f32),
 }
 
-/// A share of a picture's tiles, spread over all of it.
+/// A share of a picture: of its tiles, spread over all of it, or of the samples of each pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// From 1 to `of`.
+    /// Number of the share, from 1 to `of`.
     pub number: u32,
-    /// 1 or more.
+    /// Number of shares, 1 or more.
     pub of: u32,
 }
 
 impl Plan {
-    /// All samples of all pixels that the scene asks for.
+    /// Creates the plan of all samples of all pixels that the scene asks for.
     pub fn new(scene: &SceneDescription) -> Self {
         let settings = &scene.settings;
         let most = settings.image_samples.saturating_mul(settings.dof_samples).max(1);
@@ -66,20 +67,20 @@ impl Plan {
         Self { least, most, rule, display, part: None, samples: None, steps: None }
     }
 
-    /// The fewest camera samples that a pixel takes.
+    /// Returns the fewest camera samples that a pixel takes.
     pub fn least(&self) -> u32 {
         // Step 0 is one sample, see `at_step`.
         if self.steps.is_some() { 1 } else { self.least }
     }
 
-    /// The same for a share of the tiles only.
+    /// Restricts the plan to a share of the tiles.
     #[must_use]
     pub fn of_part(self, part: Part) -> Self {
         Self { part: Some(part), ..self }
     }
 
-    /// The same for a share of each pixel's samples; `None` where their number depends on what is
-    /// seen.
+    /// Restricts the plan to a share of each pixel's samples; `None` if their number depends on the
+    /// picture.
     pub fn of_samples(self, part: Part) -> Option<Self> {
         let border =
             |k: u32| (u64::from(self.most) * u64::from(k) / u64::from(part.of.max(1))) as u32;
@@ -87,14 +88,14 @@ impl Plan {
         (self.rule == Rule::Uniform).then_some(Self { samples: Some(samples), ..self })
     }
 
-    /// The same, but step by step to where `steps` says, instead of by the scene's rule.
+    /// Replaces the scene's rule: the plan exposes step by step up to `steps`.
     #[must_use]
     pub fn in_steps(self, steps: Steps) -> Self {
         let least = LEAST_FOR_NOISE.min(self.most);
         Self { steps: Some(steps), rule: Rule::Noise(FIRST_ERROR), least, ..self }
     }
 
-    /// The plan of one tile.
+    /// Returns the plan of one tile.
     pub(super) fn at(&self, tile: Area, width: u32, height: u32) -> Self {
         match self.steps {
             Some(steps) => self.at_step(steps.of(tile, width, height)),
@@ -102,7 +103,7 @@ impl Plan {
         }
     }
 
-    /// The plan of a tile at a step, see [`Steps`].
+    /// Returns the plan of a tile at a step, see [`Steps`].
     pub(super) fn at_step(&self, step: u32) -> Self {
         let (least, most, rule) = match step {
             0..=3 => {
@@ -119,22 +120,22 @@ impl Plan {
         Self { least, most, rule, steps: None, ..self.clone() }
     }
 
-    /// The numbers of the samples of each pixel, where they are shared out.
+    /// Returns the range of the numbers of each pixel's samples if the plan takes a share of them.
     pub fn samples(&self) -> Option<Range<u32>> {
         self.samples.clone()
     }
 
-    /// Whether a film for this notes the smallest and the largest sample.
+    /// Whether the film must record the smallest and the largest sample of each pixel.
     pub fn needs_spreads(&self) -> bool {
         matches!(self.rule, Rule::Contrast(..))
     }
 
-    /// How errors of this picture are seen.
+    /// Returns the display that errors of this picture are measured for.
     pub fn display(&self) -> Display {
         self.display
     }
 
-    /// Whether all pixels take the same number of samples, known before: that number.
+    /// Returns the number of samples of every pixel if it is the same for all and known in advance.
     pub(super) fn uniform(&self) -> Option<u32> {
         (self.rule == Rule::Uniform).then(|| match &self.samples {
             Some(range) => range.len() as u32,
@@ -142,12 +143,12 @@ impl Plan {
         })
     }
 
-    /// All samples of a pixel, those of other shares too.
+    /// Returns the most samples that a pixel takes, including other shares.
     pub(super) fn most(&self) -> u32 {
         self.most
     }
 
-    /// Whether a tile is this run's.
+    /// Whether this run takes a tile.
     pub(super) fn includes(&self, tile: Area, width: u32) -> bool {
         self.part.is_none_or(|Part { number, of }| {
             let columns = u64::from(width.div_ceil(TILE));
@@ -156,14 +157,14 @@ impl Plan {
         })
     }
 
-    /// Side of the squares of pixels that take the same number of samples.
+    /// Returns the side, in pixels, of the squares that take the same number of samples.
     pub(super) fn group_side(&self) -> u32 {
         if matches!(self.rule, Rule::Noise(_)) { BLOCK } else { 1 }
     }
 
-    /// How many samples a group of pixels takes next, in all; `None` where it is done.
+    /// Returns the total number of samples that a group of pixels takes next; `None` if it is done.
     ///
-    /// `group` are indices of `film`.
+    /// `group` holds indices of pixels of `film`.
     pub(super) fn next(
         &self,
         isa: Isa,
@@ -193,7 +194,7 @@ impl Plan {
         goes_on.then(|| self.rung_after(taken))
     }
 
-    /// Numbers of samples after which a pixel may be done.
+    /// Whether a pixel may be done after this number of samples.
     fn is_rung(&self, samples: u32) -> bool {
         samples == self.least || (samples > self.least && self.rung_after(samples - 1) == samples)
     }
@@ -217,8 +218,8 @@ impl Plan {
         next.min(self.most)
     }
 
-    /// The error of a block as the viewer sees it: root mean square over the pixels and channels of
-    /// its worst quarter, so that what is thin is not lost in its surroundings.
+    /// Returns the error of a block as the viewer sees it: the root mean square over the pixels and
+    /// channels of its worst quarter, so that small details are not lost in their surroundings.
     fn error(&self, isa: Isa, film: &Film, block: &[u32], quarters: &[Range<usize>]) -> f64 {
         let pixels = block.iter().map(|&i| &film.pixels()[i as usize]);
         let squares = self.display.squared_errors(isa, pixels);
@@ -229,12 +230,14 @@ impl Plan {
     }
 }
 
-/// What share of the asked error a block of so many samples per pixel must be below to be done.
+/// Returns the share of the demanded error that a block with `samples` per pixel must be below to
+/// be done.
 ///
-/// The same error everywhere is not the least error in a time: a sample more takes off the squared
-/// error divided by the number of samples, about, and where that quotient is the same everywhere no
-/// sample would do more elsewhere. So where samples are few the error has to be smaller, by the
-/// root of their number; but it is nowhere above what was asked for.
+/// Equal error everywhere is not the least total error for a given time. One more sample reduces
+/// the squared error by about the squared error divided by the number of samples. If this quotient
+/// is equal everywhere, no sample would reduce the error more elsewhere. So a block with few
+/// samples must reach a smaller error, proportional to the root of their number. Nowhere may the
+/// error exceed the demanded one.
 fn error_share(samples: u32) -> f64 {
     (f64::from(samples.min(FULL_ERROR_AT)) / f64::from(FULL_ERROR_AT)).sqrt()
 }
@@ -247,17 +250,17 @@ fn rule(settings: &Settings, is_adaptive: bool) -> Rule {
     }
 }
 
-/// Whether a sample of a pixel differs too much from its mean.
+/// Whether a sample of a pixel differs too much from the pixel's mean.
 ///
 /// Source: thesis 5.12 to 5.14, in each channel. Every contrast is largest for the smallest or the
-/// largest sample, so that these two stand for all.
+/// largest sample, so it is enough to test these two.
 fn stands_out(kind: Contrast, limit: f32, pixel: &Pixel, spread: &Spread) -> bool {
     let mean = pixel.mean();
     let above = |sample: Fixed, c: usize| contrast(kind, sample.to_f64() as f32, mean[c]) > limit;
     (0..3).any(|c| above(spread.least[c], c) || above(spread.most[c], c))
 }
 
-/// Contrast of a sample with the mean; 0 where both are 0. Source: thesis 5.12 to 5.14.
+/// Returns the contrast of a sample with the mean; 0 if both are 0. Source: thesis 5.12 to 5.14.
 fn contrast(kind: Contrast, sample: f32, mean: f32) -> f32 {
     let difference = (sample - mean).abs();
     if difference == 0.0 {
@@ -357,7 +360,8 @@ mod tests {
     fn what_costs_little_gets_cleaner_and_nothing_stays_above_the_error() {
         let shares: Vec<f64> = [1, 4, 64, 256, 257, 4096].map(error_share).to_vec();
         assert_eq!(shares, [1.0 / 16.0, 1.0 / 8.0, 0.5, 1.0, 1.0, 1.0]);
-        // Below full share the squared error over the number of samples is the same everywhere.
+        // Below the full share, the squared error divided by the number of samples is the same
+        // everywhere.
         let quotient = |n: u32| error_share(n) * error_share(n) / f64::from(n);
         assert!((8..=256).all(|n| (quotient(n) / quotient(8) - 1.0).abs() < 1e-12));
     }

@@ -15,14 +15,15 @@ use crate::integrator::Statistics;
 /// The observer asked to stop.
 pub(super) struct Stopped;
 
-/// What all threads look at.
+/// What all threads share.
 pub(super) struct Run<'a> {
     pub(super) frame: &'a FrameScene,
-    /// In the film's area.
+    /// Number of pixels in the film's area.
     pub(super) pixels: f64,
     pub(super) result: Mutex<(Film, Statistics)>,
     pub(super) observer: &'a dyn Observer,
-    /// The furthest step that was begun, `done` in the upper half; 0 where there are no steps.
+    /// The furthest step that was begun, with `done` in the upper half; 0 if the picture is not
+    /// exposed in steps.
     pub(super) steps: AtomicU64,
 }
 
@@ -33,7 +34,7 @@ impl<'a> Run<'a> {
         Self { frame, pixels, result, observer, steps: AtomicU64::new(0) }
     }
 
-    /// A tile is about to be taken to a step.
+    /// Notes that a tile is about to take a step.
     pub(super) fn note_step(&self, steps: Steps) {
         let packed = (u64::from(steps.done) << 32) | u64::from(steps.tiles);
         self.steps.fetch_max(packed, Ordering::SeqCst);
@@ -44,7 +45,8 @@ impl<'a> Run<'a> {
         Exposed { film, statistics, is_complete }
     }
 
-    /// Exposes one tile to a plan: what is known after a while is never lost.
+    /// Exposes one tile as a plan asks. The film receives the samples of each step, so that at most
+    /// one step is lost.
     pub(super) fn expose(
         &self,
         renderer: &mut TileRenderer,
@@ -79,7 +81,8 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Of steps, whose number is not known, the clock tells the progress.
+    /// Reports progress, except for a picture in steps: their number is unknown, so the clock
+    /// reports it.
     pub(super) fn advanced(&self, share: f64) {
         if self.steps.load(Ordering::SeqCst) == 0 {
             self.observer.advanced(share);
@@ -92,7 +95,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Gives the observer a copy of the film where it wants one: the others go on meanwhile.
+    /// Gives the observer a copy of the film if it wants one. Other threads continue meanwhile.
     pub(super) fn show_film(&self) {
         if self.observer.wants_film() {
             let film = lock(&self.result).0.try_clone();

@@ -1,9 +1,9 @@
-//! How a picture is cut: into the sections of the settings, and those into tiles.
+//! Divides a picture into the sections of the settings, and those into tiles.
 
 use slo_picture::film::{Area, TILE};
 use slo_scene::Settings;
 
-/// The thesis's cut of the picture into sections, as evenly as whole tiles can be.
+/// The thesis's division of a picture into sections, as evenly as whole tiles allow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sections {
     width: u32,
@@ -13,7 +13,7 @@ pub(super) struct Sections {
 }
 
 impl Sections {
-    /// As the settings say; one section per tile where they say nothing.
+    /// Creates the division that the settings ask for: by default, one section for each tile.
     pub(super) fn new(settings: &Settings, width: u32, height: u32) -> Self {
         let count = |asked: Option<u32>, pixels: u32| {
             asked.unwrap_or(pixels.div_ceil(TILE)).clamp(1, pixels)
@@ -26,7 +26,7 @@ impl Sections {
         }
     }
 
-    /// All sections that have tiles, row by row.
+    /// Returns all sections that have tiles, row by row.
     pub(super) fn areas(&self) -> Vec<Area> {
         let border = |i: u32, count: u32, pixels: u32| match i {
             _ if i == count => pixels,

@@ -1,4 +1,4 @@
-//! One tile: its pixels take samples in steps, until each has enough.
+//! Renders one tile: its pixels take samples in steps until each has enough.
 
 use std::ops::Range;
 
@@ -8,38 +8,38 @@ use crate::integrator::{SampleSum, Statistics, Traced, Tracer, Work};
 use slo_accel::Isa;
 use slo_picture::film::{Area, BLOCK, Film, base_end, split};
 
-/// Camera samples traced in one go, at most: their sums stay in the second-level cache, and enough
-/// of them are there to fill the batches of deep bounces.
+/// Most camera samples traced together. Their sums stay in the second-level cache, and there are
+/// enough of them to fill the batches of deep bounces.
 const SAMPLES_AT_ONCE: u32 = 16 * 1024;
 
-/// Camera samples of a step, about: what is lost at most where a run is killed, and how long a
-/// thread takes to hear that it should stop.
+/// Approximate number of camera samples of a step: the most that is lost if a run is killed, and
+/// the time a thread takes to notice that it should stop.
 const SAMPLES_OF_A_STEP: u32 = 128 * 1024;
 
 /// Working memory of one thread.
 #[derive(Debug, Default)]
 pub(super) struct TileRenderer {
     tracer: Tracer,
-    /// What is known of the tile.
+    /// Samples of the tile.
     film: Film,
-    /// The pixels in the order of their tracing: block by block, and in them patches of 4 x 4, so
-    /// that neighbours in a batch are neighbours in the picture.
+    /// The pixels in the order in which they are traced: block by block, and within a block in
+    /// patches of 4 x 4, so that neighbours in a batch are neighbours in the picture.
     order: Vec<u32>,
-    /// Ranges of `order` that decide together and are not known to be done, each with its quarters,
-    /// counted from its start.
+    /// Ranges of `order` that are decided together and may need more samples. Each comes with its
+    /// quarters, relative to its start.
     groups: Vec<(Range<usize>, Vec<Range<usize>>)>,
     steps: Vec<Step>,
     work: Vec<Work>,
-    /// For each entry of `work` its pixel.
+    /// For each entry of `work`, its pixel.
     pixels: Vec<u32>,
-    /// Samples in `work`.
+    /// Number of samples in `work`.
     queued: u32,
-    /// Samples per pixel that were there at the beginning.
+    /// Samples per pixel at the beginning.
     before: f64,
     statistics: Statistics,
 }
 
-/// Samples that a pixel is to take: `from..to`, counted within its share.
+/// Samples `from..to` that a pixel takes next, numbered within its share.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     pixel: u32,
@@ -48,7 +48,8 @@ struct Step {
 }
 
 impl TileRenderer {
-    /// Begins with a tile of which `film` may know something; how much of it is done.
+    /// Begins a tile with the samples that `film` has of it. Returns the share of the tile that is
+    /// done.
     pub(super) fn begin(&mut self, isa: Isa, film: &Film, tile: Area, plan: &Plan) -> f64 {
         film.copy_to(tile, &mut self.film);
         self.clear_work();
@@ -61,7 +62,7 @@ impl TileRenderer {
         }
     }
 
-    /// Samples per pixel of the tile at its beginning, and now.
+    /// Returns the samples per pixel of the tile at its beginning and now.
     pub(super) fn samples(&self) -> [f64; 2] {
         [self.before, self.mean_samples()]
     }
@@ -72,11 +73,11 @@ impl TileRenderer {
         all as f64 / pixels.len().max(1) as f64
     }
 
-    /// Plans the next step. False where the tile is done.
+    /// Plans the next step. Returns false if the tile is done.
     pub(super) fn plan_step(&mut self, isa: Isa, plan: &Plan) -> bool {
         let Self { film, order, groups, steps, .. } = self;
         steps.clear();
-        // What is done stays done: only its own samples decide.
+        // A group that is done stays done, since only its own samples decide.
         groups.retain(|(group, quarters)| {
             let group = &order[group.clone()];
             let next = plan.next(isa, film, group, quarters);
@@ -94,8 +95,9 @@ impl TileRenderer {
         !self.steps.is_empty()
     }
 
-    /// Takes the samples of the planned step: the tile as it is then, what was traced, and the
-    /// number of samples. `None` if told to give up, after which the renderer has to begin again.
+    /// Takes the samples of the planned step. Returns the tile after it, counts of what was traced,
+    /// and the number of samples; `None` if `gives_up` asks to give up, after which the renderer
+    /// must begin again.
     pub(super) fn take_step(
         &mut self,
         frame: &FrameScene,
@@ -114,7 +116,7 @@ impl TileRenderer {
         Some((&self.film, self.statistics, taken))
     }
 
-    /// Queues a pixel's samples by ranges of which one sum each is enough.
+    /// Queues a pixel's samples in ranges that need only one sum each.
     fn add_work(
         &mut self,
         frame: &FrameScene,
@@ -135,7 +137,7 @@ impl TileRenderer {
         }
     }
 
-    /// Queues one range, and traces what is queued when it is enough.
+    /// Queues one range, and traces the queue if it is long enough.
     fn add_range(
         &mut self,
         frame: &FrameScene,
@@ -159,7 +161,7 @@ impl TileRenderer {
         Some(())
     }
 
-    /// Traces what is queued and adds it to the film.
+    /// Traces the queue and adds it to the film.
     fn trace(
         &mut self,
         frame: &FrameScene,
@@ -220,7 +222,7 @@ fn add(film: &mut Film, plan: &Plan, pixel: u32, work: &Work, sum: SampleSum) {
     spread.into_iter().for_each(|spread| spread.add(sum));
 }
 
-/// The indices in a tile of the pixels of an area in it, row by row.
+/// Returns the indices, within a tile, of the pixels of an area of it, row by row.
 fn indices(area: Area, tile: Area) -> impl Iterator<Item = u32> {
     let row = move |y| (area.x0..area.x1).map(move |x| (y - tile.y0) * tile.width() + x - tile.x0);
     (area.y0..area.y1).flat_map(row)

@@ -13,13 +13,12 @@ use super::sections::Sections;
 use super::tile::TileRenderer;
 use crate::frame::FrameScene;
 
-/// Exposes a film to what the plan asks for, on the threads of the current rayon pool. It goes on
-/// from what `film` knows: that has to come from the same frame, and from a plan that would have
-/// gone on to this one.
+/// Exposes a film as the plan asks, on the threads of the current rayon pool. It continues from the
+/// samples in `film`, which must come from the same frame and from a plan that this plan continues.
 pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observer) -> Exposed {
     let area = film.area();
     let run = Run::new(frame, film, observer);
-    // One set of working memory per thread; a tile never waits for another inside its thread.
+    // One set of working memory for each thread. A tile never waits for another one on its thread.
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
     let (width, height) = (frame.camera.width(), frame.camera.height());
@@ -27,7 +26,7 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
         let thread = rayon::current_thread_index().unwrap_or(0);
         run.expose(&mut lock(&memory[thread]), tile, &plan.at(tile, width, height))
     };
-    // Threads take sections, and when none is left steal tiles of others' sections.
+    // Threads take sections. When none is left, they steal tiles from the sections of others.
     let stopped = Sections::new(&frame.settings, width, height)
         .areas()
         .into_par_iter()

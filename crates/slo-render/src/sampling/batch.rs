@@ -1,4 +1,4 @@
-//! The same samples as [`Sampler`] names one by one, for whole batches.
+//! Samples for whole batches: the same numbers that [`Sampler`] computes one by one.
 
 use super::net::{self, AT_HIT, CAMERA};
 use super::{CameraSample, Generator, Hit, Key, PixelSeed, Sampler, Use};
@@ -17,14 +17,14 @@ impl Default for CameraSamples {
     }
 }
 
-/// Which camera samples, in columns.
+/// Names of camera samples, in columns.
 pub(crate) struct CameraNames<'a> {
-    /// Words of the seeds of the pixels.
+    /// Seed of each sample's pixel, as given by [`PixelSeed::word`].
     pub(crate) seed: &'a Column<u32>,
     pub(crate) index: &'a Column<u32>,
-    /// One more than the highest index.
+    /// Highest index plus one.
     pub(crate) end: u32,
-    /// Whether anybody looks at the dimensions of the lens.
+    /// Whether the lens dimensions are needed. If not, they may be 0.
     pub(crate) lens: bool,
     pub(crate) len: usize,
 }
@@ -47,7 +47,7 @@ impl CameraSamples {
         &self.numbers[2]
     }
 
-    /// Fills in the named samples.
+    /// Computes the named samples.
     pub(crate) fn take(&mut self, sampler: &Sampler, isa: Isa, names: &CameraNames<'_>) {
         if sampler.generator != Generator::Quasi {
             isa.run(TakeCamera { sampler, names, to: self });
@@ -65,13 +65,14 @@ impl CameraSamples {
     }
 }
 
-/// How many bits of numbers below `end` there is a loop for.
+/// Number of index bits (4, 8, 12, 16 or 32) of the shortest loop that handles every number below
+/// `end`.
 fn bits_of(end: u32) -> u32 {
     let bits = u32::BITS - end.saturating_sub(1).leading_zeros();
     if bits > 16 { 32 } else { bits.next_multiple_of(4).max(4) }
 }
 
-/// Camera samples of `QUASI`, of less than `2^BITS`.
+/// Computes camera samples of `QUASI` whose indices are below `2^BITS`.
 struct TakeCameraQuasi<'a, const BITS: u32, const LENS: bool> {
     names: &'a CameraNames<'a>,
     to: &'a mut CameraSamples,
@@ -91,7 +92,7 @@ impl<const BITS: u32, const LENS: bool> Lanewise for TakeCameraQuasi<'_, BITS, L
     }
 }
 
-/// Camera samples of any generator.
+/// Computes camera samples of any generator.
 struct TakeCamera<'a> {
     sampler: &'a Sampler,
     names: &'a CameraNames<'a>,
@@ -114,7 +115,7 @@ impl Lanewise for TakeCamera<'_> {
     }
 }
 
-/// Points of sets of three dimensions, in columns.
+/// Three-dimensional sample points, in columns.
 #[derive(Debug)]
 pub(crate) struct SetPoints {
     pub(crate) numbers: [Column<f32>; AT_HIT],
@@ -126,12 +127,12 @@ impl Default for SetPoints {
     }
 }
 
-/// Which point of which set, in columns.
+/// Names of sample points, in columns: a set, and the number of a point in it.
 pub(crate) struct SetNames<'a> {
     pub(crate) seed: &'a Column<u32>,
     pub(crate) path: &'a Column<u32>,
     pub(crate) index: &'a Column<u32>,
-    /// Bounces behind all of them.
+    /// Number of bounces before the hits, the same for all.
     pub(crate) depth: u32,
     /// See [`Hit::split`].
     pub(crate) split: bool,
@@ -157,22 +158,22 @@ impl SetNames<'_> {
         place_of(self.index[i], self.place)
     }
 
-    /// A number that no point's place in the order of its set reaches.
+    /// Returns an upper bound, exclusive, of the places of the points in the order of their sets.
     fn end(&self, isa: Isa) -> u32 {
         let end = isa.run(End(self));
         if self.hit(0).is_joint() { end } else { end.max(net::SHUFFLED) }
     }
 }
 
-/// Number of the `i`th of `count` rays of the same kind that one hit sends out, whose own ray has
-/// number `index`.
+/// Sample number of ray `i` of the `count` rays of one kind that a hit sends out. `index` is the
+/// sample number of the ray that led to the hit.
 #[inline(always)]
 pub(crate) fn place_of(index: u32, [i, count]: [u32; 2]) -> u32 {
     index.wrapping_mul(count).wrapping_add(i)
 }
 
 impl SetPoints {
-    /// The first `D` numbers of the named points.
+    /// Computes the first `D` coordinates of the named points.
     pub(crate) fn take<const D: usize>(
         &mut self,
         sampler: &Sampler,
@@ -193,7 +194,7 @@ impl SetPoints {
     }
 }
 
-/// One more than the highest number of the named points.
+/// Finds the highest number of the named points, plus one.
 struct End<'a>(&'a SetNames<'a>);
 
 impl Lanewise for End<'_> {
@@ -207,7 +208,7 @@ impl Lanewise for End<'_> {
     }
 }
 
-/// Points of `QUASI`, of less than `2^BITS`.
+/// Computes points of `QUASI` whose places in the order of their sets are below `2^BITS`.
 struct TakeQuasi<'a, const D: usize, const BITS: u32> {
     names: &'a SetNames<'a>,
     to: &'a mut SetPoints,
@@ -230,7 +231,7 @@ impl<const D: usize, const BITS: u32> Lanewise for TakeQuasi<'_, D, BITS> {
     }
 }
 
-/// Points of any generator.
+/// Computes points of any generator.
 struct Take<'a, const D: usize> {
     sampler: &'a Sampler,
     names: &'a SetNames<'a>,

@@ -1,6 +1,6 @@
-//! Integers that depend on every bit of others.
+//! Hash functions for integers.
 
-/// A bijection of 32-bit words in which every input bit changes every output bit about half the
+/// Maps 32-bit words one to one, such that every input bit changes every output bit about half the
 /// time.
 ///
 /// Source: C. Wellons, "Prospecting for Hash Functions" (2018), constants of the exact-bias search
@@ -14,13 +14,13 @@ pub(super) fn mix(mut x: u32) -> u32 {
     x ^ (x >> 15)
 }
 
-/// A word that depends on both; not symmetric.
+/// Hashes two words into one. Not symmetric in them.
 #[inline(always)]
 pub(super) fn hash2(a: u32, b: u32) -> u32 {
     mix(a.wrapping_mul(0x9e37_79b1) ^ mix(b.wrapping_add(0x7f4a_7c15)))
 }
 
-/// The top 24 bits as a number in `[0, 1)`.
+/// Converts the top 24 bits to a number in `[0, 1)`.
 #[inline(always)]
 pub(super) fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)

@@ -1,7 +1,7 @@
-//! Matrices of the sample points, found by `scripts/sample_matrices.py`: a word is a column of binary digits,
-//! the most significant the lowest bit; a row is the first dimension of a group.
+//! Matrices of the sample points, found by `scripts/sample_matrices.py`. A word is a column of binary
+//! digits, with the most significant digit in the lowest bit. A row is the first dimension of a group.
 
-/// By group, what each bit of a point's number adds.
+/// For each group, the digits that each bit of a point's number XORs.
 pub(super) const MATRICES: [[u32; 12]; 9] = [
     // lens
     [0x1, 0x2, 0x4, 0xf, 0x12, 0x2e, 0x67, 0xbc, 0x16f, 0x29e, 0x442, 0xd8d],
@@ -23,7 +23,7 @@ pub(super) const MATRICES: [[u32; 12]; 9] = [
     [0x1, 0x2, 0x5, 0x9, 0x17, 0x24, 0x40, 0xa5, 0x154, 0x29f, 0x5bc, 0xf16],
 ];
 
-/// By group, what each bit of a pixel's number in its block adds.
+/// For each group, the digits that each bit of a pixel's place in its block XORs.
 pub(super) static MASKS: [[u32; 6]; 9] = [
     // lens
     [0x6ddb, 0xdbb7, 0x4552, 0x69cc, 0xb85f, 0xbda7],

@@ -1,9 +1,10 @@
 //! Named samples: a random number is a pure function of (seed, frame, pixel, sample, dimension).
 //!
-//! Nothing is drawn and no generator has a state. A [`Sampler`] knows seed and frame; a pixel has a
-//! [`PixelSeed`]; within it a [`Key`] names one set of dimensions (the camera's, or one use at one
-//! hit of one path), and `index` numbers the points of the set. The points of one set fill the unit
-//! cube evenly; those of `QUASI` do so together with the sets of the hits before them (`net`).
+//! No generator has a state. A [`Sampler`] holds the seed and the frame, and a [`PixelSeed`] adds
+//! the pixel. Within a pixel a [`Key`] names one set of dimensions (the camera's, or one use at one
+//! hit of one path), and `index` numbers the points of the set. Unless they are independent random
+//! numbers (`Pseudo`), the points of one set fill the unit cube evenly. With `Quasi`, they also do
+//! so jointly with the sets of the hits before them (`net`).
 
 pub(crate) mod batch;
 mod hash;
@@ -18,18 +19,18 @@ pub use names::{Hit, Key, PixelSeed, Purpose};
 pub(crate) use names::{Use, next_path};
 use slo_scene::Generator;
 
-/// One camera sample: all in `[0, 1)`.
+/// One camera sample. All numbers are in `[0, 1)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraSample {
-    /// Position inside the pixel, x to the right.
+    /// Position inside the pixel: x to the right, y downward.
     pub pixel: [f32; 2],
-    /// Time inside the shutter.
+    /// Shutter time: 0 at opening, 1 at closing.
     pub time: f32,
-    /// Point of the unit square that is warped to the lens.
+    /// Point of the unit square, before the warp to the lens.
     pub lens: [f32; 2],
 }
 
-/// The samples of one picture.
+/// Generates the samples of one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     generator: Generator,
@@ -37,19 +38,19 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// The samples of frame `frame` under `seed`.
+    /// Creates the sampler of frame `frame` for a picture with seed `seed`.
     pub fn new(generator: Generator, seed: u64, frame: i64) -> Self {
         let words = [seed as u32, (seed >> 32) as u32, frame as u32, (frame >> 32) as u32];
         Self { generator, seed: words.into_iter().fold(0x5107_2011, hash2) }
     }
 
-    /// The samples of the pixel in column `x` and row `y`.
+    /// Returns the seed of the pixel in column `x` and row `y`, counted from the top left.
     #[inline]
     pub fn pixel(&self, x: u32, y: u32) -> PixelSeed {
         PixelSeed::new(self.seed, x, y)
     }
 
-    /// Camera sample number `index` of a pixel: five jointly stratified dimensions.
+    /// Returns camera sample `index` of a pixel: five jointly stratified dimensions.
     #[inline(always)]
     pub fn camera(&self, pixel: PixelSeed, index: u32) -> CameraSample {
         let key = pixel.camera();
@@ -66,7 +67,8 @@ impl Sampler {
         CameraSample { pixel: [x, y], time, lens: [lens_u, lens_v] }
     }
 
-    /// Point `index` of a three-dimensional set; its first two dimensions are the best stratified.
+    /// Returns point `index` of a three-dimensional set, in `[0, 1)^3`. The first two dimensions
+    /// are the best stratified.
     #[inline(always)]
     pub fn point3(&self, key: Key, index: u32) -> [f32; 3] {
         match self.generator {
@@ -79,7 +81,7 @@ impl Sampler {
         }
     }
 
-    /// The first two numbers of [`point3`](Self::point3).
+    /// Returns the first two coordinates of [`point3`](Self::point3).
     #[inline(always)]
     pub fn point2(&self, key: Key, index: u32) -> [f32; 2] {
         let [u, v, _] = self.point3(key, index);
@@ -87,7 +89,7 @@ impl Sampler {
     }
 }
 
-/// An independent uniform number for every (key, index, dimension).
+/// Returns an independent uniform number for every (key, index, dimension).
 #[inline(always)]
 fn pseudo(key: u32, index: u32, dimension: usize) -> f32 {
     unit(mix(hash2(hash2(key, index), dimension as u32)))
@@ -99,7 +101,8 @@ mod tests {
 
     const GENERATORS: [Generator; 3] = [Generator::Pseudo, Generator::ZeroTwo, Generator::Quasi];
 
-    /// Whether each of the `n` boxes of every shape `2^-a x 2^-b`, `a + b = log2 n`, holds one point.
+    /// Whether each of the `n` boxes of every shape `2^-a x 2^-b`, `a + b = log2 n`, holds exactly
+    /// one point.
     fn is_zero_two_net(points: &[[f32; 2]]) -> bool {
         let bits = points.len().ilog2();
         (0..=bits).all(|a| {
@@ -145,13 +148,14 @@ mod tests {
         for generator in GENERATORS {
             let sampler = Sampler::new(generator, 1, 0);
             let n = 4096;
-            // Over pixels, at a fixed sample: this is what neighbouring pixels' noise is made of.
+            // Correlation over pixels at a fixed sample, which determines the noise of neighbouring
+            // pixels.
             let correlation = |of: &dyn Fn(u32) -> (f32, f32)| {
                 (0..n).map(of).map(|(a, b)| (a - 0.5) * (b - 0.5) * 12.0).sum::<f32>() / n as f32
             };
-            // Standard deviation of the mean is 1/64: five of them.
+            // Five standard deviations of the mean, which are 1/64 each.
             let bound = 5.0 / 64.0;
-            // Neighbours' points of QUASI belong together, those of other blocks do not.
+            // With QUASI, points are correlated within a block of pixels but not between blocks.
             let pixels = correlation(&|i| {
                 let s = |x| sampler.camera(sampler.pixel(x, 0), 0).time;
                 (s(i), s(i + 8))
@@ -175,7 +179,7 @@ mod tests {
         }
     }
 
-    /// Root of the mean square error of integrals by `samples` points, over many pixels.
+    /// Root mean square error, over many pixels, of an integral estimated with `samples` points.
     fn error(
         generator: Generator,
         samples: u32,
@@ -200,7 +204,8 @@ mod tests {
         let gain = |generator, f: &dyn Fn(&CameraSample, [f32; 2]) -> f32| {
             error(generator, 8, f) / error(generator, 128, f)
         };
-        // 16 times the samples: N^-1/2 is a gain of 4, N^-3/2 one of 64.
+        // With 16 times the samples, the error falls by a factor of 4 if it is proportional to
+        // N^-1/2 and by a factor of 64 if proportional to N^-3/2.
         assert!(gain(Generator::Pseudo, &light) < 5.0);
         assert!(gain(Generator::Quasi, &light) > 40.0, "{}", gain(Generator::Quasi, &light));
         assert!(gain(Generator::Quasi, &both) > 25.0, "{}", gain(Generator::Quasi, &both));

@@ -1,33 +1,33 @@
-//! Names of sample sets: integers that depend on everything a sample may depend on.
+//! Names of sample sets: hashes of everything that a sample may depend on.
 
 use super::hash::hash2;
 
-/// Pixels of a block whose samples belong together: 8 x 8.
+/// Number of pixels of a block (8 x 8) whose samples are stratified jointly.
 pub(super) const BLOCK: u32 = 64;
 
-/// Hits of a path that have groups of their own.
+/// Number of hits of a path that have groups of dimensions of their own.
 pub(super) const HITS: usize = 3;
 
-/// The samples of one pixel of one frame under one seed: a word for its block, whose low bits are
-/// the pixel's place in it.
+/// Seed of one pixel of one frame of one picture: a hash of its block of pixels, whose low bits
+/// hold the pixel's place in the block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PixelSeed(u32);
 
 /// Name of one set of sample points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// What it is for, in all pixels of a block.
+    /// Hash of the set's use, the same in all pixels of a block.
     pub(super) set: u32,
     /// Place of the pixel in its block.
     pub(super) at: u32,
-    /// Bounces before it.
+    /// Number of bounces before the hit.
     pub(super) depth: u32,
-    /// Whether the points of the same number of a path belong together.
+    /// Whether points of equal number are stratified jointly along a path.
     pub(super) joint: bool,
 }
 
 impl Key {
-    /// A word for the set of this pixel alone.
+    /// Returns a hash for the set of this pixel alone.
     #[inline(always)]
     pub(super) fn word(self) -> u32 {
         hash2(self.set, self.at)
@@ -37,17 +37,17 @@ impl Key {
 /// A hit of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hit {
-    /// The code of the branches that led there; 0: none did.
+    /// Hash of the branches that led to it; 0 for a camera ray.
     pub path: u32,
-    /// How many there were.
+    /// Number of these branches: the bounces before the hit.
     pub depth: u32,
-    /// Whether rays have numbers of their own, since this or an earlier hit sends several of a
-    /// kind.
+    /// Whether rays have sample numbers of their own, because this or an earlier hit sends several
+    /// rays of one kind.
     pub split: bool,
 }
 
 impl Hit {
-    /// Whether the points of its sets belong to those of the same number before it.
+    /// Whether its points are stratified jointly with the points of equal number at earlier hits.
     #[inline(always)]
     pub(super) fn is_joint(self) -> bool {
         !self.split && (self.depth as usize) < HITS
@@ -57,9 +57,9 @@ impl Hit {
 /// What a hit needs random numbers for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// A point on the light of that number.
+    /// A point on the light with this number.
     Light(u32),
-    /// Which light, and a point on it.
+    /// The choice of a light, and a point on it.
     AnyLight,
     /// A direction of the reflected lobe.
     Reflection,
@@ -67,7 +67,7 @@ pub enum Purpose {
     Refraction,
 }
 
-/// A [`Purpose`] as a word, so that loops over many hits need not ask which it is.
+/// A [`Purpose`] as a word, so that loops over many hits need no branches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Use(u32);
 
@@ -83,33 +83,33 @@ impl From<Purpose> for Use {
 }
 
 impl PixelSeed {
-    /// The seed of the pixel in column `x` and row `y` of a picture whose seed is `picture`.
+    /// Creates the seed of the pixel in column `x` and row `y` of a picture with seed `picture`.
     pub(super) fn new(picture: u32, x: u32, y: u32) -> Self {
         let block = hash2(hash2(picture, x / 8), y / 8);
-        // Blocks differ in which pixel is which, too.
+        // Half of the blocks are transposed.
         let (x, y) = if block >> 31 == 1 { (x, y) } else { (y, x) };
         let places = (x & 1) | (x & 2) << 1 | (x & 4) << 2;
         let places = places | (y & 1) << 1 | (y & 2) << 2 | (y & 4) << 3;
         Self(block ^ places)
     }
 
-    /// The seed as a word, to be kept in arrays.
+    /// Returns the seed as a word, for storage in arrays.
     pub fn word(self) -> u32 {
         self.0
     }
 
-    /// The seed of a word that [`word`](Self::word) gave.
+    /// Restores a seed from the result of [`word`](Self::word).
     pub fn from_word(word: u32) -> Self {
         Self(word)
     }
 
-    /// The set of camera samples.
+    /// Returns the key of the set of camera samples.
     #[inline(always)]
     pub(super) fn camera(self) -> Key {
         Key { set: self.0 / BLOCK, at: self.0 % BLOCK, depth: 0, joint: true }
     }
 
-    /// The set for one purpose at one hit.
+    /// Returns the key of the set for one purpose at one hit.
     #[inline(always)]
     pub fn key(self, hit: Hit, purpose: Purpose) -> Key {
         self.key_of(hit, purpose.into())
@@ -126,7 +126,7 @@ impl PixelSeed {
     }
 }
 
-/// The code of the path that goes on from `path` by reflection or refraction.
+/// Returns the code of the path that continues `path` by reflection or refraction.
 #[inline(always)]
 pub(crate) fn next_path(path: u32, Use(branch): Use) -> u32 {
     hash2(path, branch)

@@ -1,20 +1,22 @@
-//! The points of `QUASI`: groups of dimensions that are well distributed each, with the others, and
-//! with those of the pixels around, for every number of samples.
+//! The points of `QUASI`. Each group of dimensions is well distributed by itself, together with the
+//! other groups, and together with the groups of the pixels around, for every number of samples.
 //!
-//! A group of two dimensions is Sobol's (0,2)-sequence, its index multiplied by a matrix. The
-//! matrices are upper triangular with ones on the diagonal, so that each aligned block of 2^k
-//! indices stays a (0, k, 2)-net; which they are decides how well groups go with each other.
-//! Sobol's own dimensions leave the later pairs badly distributed for some hundreds of points;
-//! sets that are shuffled independently (padding) know nothing of each other. The ones here
-//! were found by `scripts/sample_matrices.py`, by a figure of merit over the groups that meet in an
-//! integral, as in L. Paulin et al., "MatBuilder" (2022), and by its variance for Owen-scrambled
-//! nets: A. Owen, "Scrambled Net Variance for Integrals of Smooth Functions" (1997).
+//! A group of two dimensions is Sobol's (0,2)-sequence with its index multiplied by a matrix. The
+//! matrices are upper triangular with ones on the diagonal, so each aligned block of 2^k indices
+//! stays a (0, k, 2)-net. The choice of matrices determines how well groups combine. With Sobol's
+//! own dimensions, the later pairs stay badly distributed for some hundreds of points; sets that
+//! are shuffled independently (padding) are not stratified jointly at all.
+//! `scripts/sample_matrices.py` searched for the matrices used here. It minimizes a figure of merit
+//! over the groups that meet in an integral, as in L. Paulin et al., "MatBuilder" (2022), with the
+//! variance for Owen-scrambled nets: A. Owen, "Scrambled Net Variance for Integrals of Smooth
+//! Functions" (1997).
 //!
-//! All pixels of a block of 8 x 8 share one Owen scramble, and each XORs a mask to the digits
-//! before, chosen such that the points of neighbours fill the gaps between each other's. Their
-//! errors then cancel where pixels see the same: noise over the screen is blue (E. Heitz and L.
-//! Belcour 2019; A. Ahmed and P. Wonka 2020 get there by an index that needs to know the number
-//! of samples beforehand, which a picture that goes on later does not).
+//! All pixels of a block of 8 x 8 share one Owen scramble. Before it, each pixel XORs a mask of its
+//! own into the digits. The masks are chosen such that the points of neighbours fill each other's
+//! gaps. The errors of neighbours then cancel wherever they see the same thing, so the noise over
+//! the screen is blue (E. Heitz and L. Belcour 2019). A. Ahmed and P. Wonka (2020) achieve this
+//! with an index that depends on the final number of samples, which is unknown if a picture may be
+//! continued later.
 
 use super::hash::unit;
 use super::matrices::{MASKS, MATRICES};
@@ -27,18 +29,19 @@ pub(super) const CAMERA: usize = 5;
 /// Groups of a camera sample: lens, time, pixel.
 const CAMERA_GROUPS: usize = 3;
 
-/// Dimensions of a hit: u, v and w, the last one a group alone.
+/// Dimensions of a hit: u, v and w. The third is a group of its own.
 pub(super) const AT_HIT: usize = 3;
 
 const GROUPS: usize = CAMERA_GROUPS + 2 * HITS;
 
-/// Which hit's groups the hit after `depth` bounces has; those beyond the last share its own.
+/// Number of the hit whose groups serve a hit after `depth` bounces. All hits beyond the last share
+/// its groups.
 #[inline(always)]
 fn hit_of(depth: u32) -> usize {
     (depth as usize).min(HITS - 1)
 }
 
-/// By group, what each bit of the index adds to the digits of its first dimension.
+/// For each group and bit of the index, the digits that a set bit XORs into the first dimension.
 static COLUMNS: [[u32; 32]; GROUPS] = columns();
 
 const fn columns() -> [[u32; 32]; GROUPS] {
@@ -59,18 +62,19 @@ const fn columns() -> [[u32; 32]; GROUPS] {
     all
 }
 
-/// A column for so many points that no search is worth it.
+/// A pseudo-random column of an upper triangular matrix, for bits of such large indices that a
+/// search is not worthwhile.
 const fn any_column(group: u32, bit: u32) -> u32 {
     let word = (group * 32 + bit).wrapping_mul(0x9e37_79b1);
     let word = (word ^ (word >> 15)).wrapping_mul(0x735a_2d97);
     (word ^ (word >> 15)) & ((1 << bit) - 1) | (1 << bit)
 }
 
-/// So many points of a set change places with each other; a power of two.
+/// Points in a block within which an independent set is shuffled; a power of two.
 pub(super) const SHUFFLED: u32 = 1 << 10;
 
-/// Which point of its dimensions point `index` of a set is. Sets whose points do not belong to those
-/// of the same number elsewhere come in an order of their own.
+/// Returns the place, in the order of the sequence, of point `index` of a set. A set that is not
+/// stratified jointly with earlier hits is shuffled by its key.
 #[inline(always)]
 fn order(key: Key, index: u32) -> u32 {
     let low = SHUFFLED - 1;
@@ -78,8 +82,9 @@ fn order(key: Key, index: u32) -> u32 {
     if key.joint { index } else { shuffled }
 }
 
-/// The five dimensions of point `index < 2^BITS` of a set of camera samples; those of the lens are
-/// 0 without `LENS`. No branches, so that loops over many points become vector code.
+/// Returns the five dimensions of point `index < 2^BITS` of a set of camera samples. Without
+/// `LENS`, the lens dimensions are 0. Free of branches, so that loops over many points are
+/// vectorized.
 #[inline(always)]
 pub(super) fn camera<const BITS: u32, const LENS: bool>(key: Key, index: u32) -> [f32; CAMERA] {
     let lens = if LENS { digits::<BITS>(0, index, key.at) } else { 0 };
@@ -90,8 +95,8 @@ pub(super) fn camera<const BITS: u32, const LENS: bool>(key: Key, index: u32) ->
     [u, v, number(2, time), number(3, pixel), number(4, second(pixel))]
 }
 
-/// The dimensions of point `index` of a set of a hit, which has less than `2^BITS` before it in the
-/// set's [order]. No branches.
+/// Returns the dimensions of point `index` of a set at a hit. Its place in the set's [order] is
+/// below `2^BITS`. Free of branches.
 #[inline(always)]
 pub(super) fn at_hit<const BITS: u32>(key: Key, index: u32) -> [f32; AT_HIT] {
     let (index, hit) = (order(key, index), hit_of(key.depth));
@@ -102,8 +107,8 @@ pub(super) fn at_hit<const BITS: u32>(key: Key, index: u32) -> [f32; AT_HIT] {
     [number(dimension, point), number(dimension + 1, second(point)), number(dimension + 2, choice)]
 }
 
-/// Digits of point `index < 2^BITS` in the first dimension of a group, the most significant the
-/// lowest bit, for the pixel at a place of its block.
+/// Returns the digits of point `index < 2^BITS` in the first dimension of a group, for the pixel at
+/// place `at` of its block. The lowest bit is the most significant digit.
 #[inline(always)]
 #[expect(
     clippy::needless_range_loop,
@@ -121,7 +126,7 @@ fn digits<const BITS: u32>(group: usize, index: u32, at: u32) -> u32 {
     digits
 }
 
-/// The number in `[0, 1)` that digits become in the set `set`.
+/// Scrambles digits by the set `set` and converts them to a number in `[0, 1)`.
 #[inline(always)]
 fn number(digits: u32, dimension: usize, set: u32) -> f32 {
     unit(scramble(digits, dimension_key(set, dimension)))
@@ -133,7 +138,7 @@ mod tests {
 
     const DIMENSIONS: usize = CAMERA + HITS * AT_HIT;
 
-    /// Digits of a point in any dimension, for the pixel at a place of its block.
+    /// Digits of a point in any dimension, for the pixel at place `at` of its block.
     fn digits_at(dimension: usize, index: u32, at: u32) -> u32 {
         let (group, is_second) = match dimension {
             0 | 1 => (0, dimension == 1),
@@ -192,15 +197,16 @@ mod tests {
         }
     }
 
-    /// What two points have in common in a dimension, whose digits differ by `digits`.
+    /// Correlation kernel of two points in a dimension in which their digits differ by `digits`.
     fn kernel(digits: u32) -> f64 {
         let part = |scale: u32| 1.0 / (1u64 << scale) as f64;
         let equal = digits.trailing_zeros();
         1.0 + (1.0 - part(equal) - part(equal + 1)) / 2.0
     }
 
-    /// Variance of an Owen-scrambled set of points in some dimensions over that of independent
-    /// ones: for an integrand whose part at scale 2^-k has the variance 2^-k in each dimension.
+    /// Variance of an Owen-scrambled set of points in some dimensions, divided by the variance of
+    /// as many independent points. The integrand has a part of variance 2^-k at each scale 2^-k in
+    /// each dimension.
     fn variance(dimensions: &[usize], words: &[Vec<u32>]) -> f64 {
         let n = words[0].len();
         let sum: f64 = (0..n)
@@ -213,7 +219,8 @@ mod tests {
         (sum / (n * n) as f64 - 1.0) / (independent / n as f64)
     }
 
-    /// As [`variance`], of the first `2^log` points: of a net one row of the table is enough.
+    /// Like [`variance`], for the first `2^log` points. In a net all points are equivalent, so one
+    /// row of the table of pairs suffices.
     fn variance_of_net(dimensions: [usize; 2], log: u32) -> f64 {
         let values = (0..1 << log).map(|i| dimensions.map(|d| kernel(digits(d, i))));
         let sum: f64 = values.map(|[a, b]| a * b).sum();

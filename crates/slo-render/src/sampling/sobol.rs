@@ -1,10 +1,10 @@
-//! What all points are made of: the (0,2)-sequence, scrambles, shuffles.
+//! Building blocks of the sample points: the (0,2)-sequence, scrambles, shuffles.
 
 use super::hash::{mix, unit};
 
-/// The second dimension of Sobol's sequence, given the digits of the first (those of the index):
-/// they are multiplied by the matrix of binomial coefficients modulo 2, which is a product of five
-/// sparse ones. Digits are bits, the most significant the lowest.
+/// Returns the digits of the second dimension of Sobol's sequence, given the digits of the first
+/// (the digits of the index). It multiplies them by the matrix of binomial coefficients modulo 2,
+/// which is a product of five sparse matrices. The lowest bit is the most significant digit.
 ///
 /// Source: I. M. Sobol, "On the Distribution of Points in a Cube" (1967).
 #[inline(always)]
@@ -17,12 +17,12 @@ pub(super) const fn second(first: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// A nested uniform scramble of binary digits, given the most significant last: which digits flip
-/// depends only on the digits above them, so that every elementary interval keeps its number of
-/// points.
+/// Scrambles binary digits by a nested uniform scramble, given the most significant digit in the
+/// lowest bit. Whether a digit flips depends only on the more significant digits, so every
+/// elementary interval keeps its number of points.
 ///
-/// Source: B. Burley, "Practical Hash-based Owen Scrambling" (JCGT 2020), after S. Laine and
-/// T. Karras (2011); the rounds are N. Vegdahl's (2021), which avalanche better.
+/// Source: B. Burley, "Practical Hash-based Owen Scrambling" (JCGT 2020), after S. Laine and T.
+/// Karras (2011). The rounds are N. Vegdahl's (2021), which have better avalanche behaviour.
 #[inline(always)]
 pub(super) fn scramble(reversed: u32, seed: u32) -> u32 {
     let mut x = reversed;
@@ -40,16 +40,17 @@ pub(super) fn dimension_key(key: u32, dimension: usize) -> u32 {
     mix(key.wrapping_add((dimension as u32).wrapping_mul(0x68bc_21eb)))
 }
 
-/// A permutation of the indices, other for every key, that maps aligned blocks of 2^k indices to
-/// aligned blocks: sets whose points have the same order would be correlated.
+/// Permutes indices by a key, mapping aligned blocks of 2^k indices to aligned blocks. Without a
+/// shuffle, sets whose points have the same order would be correlated.
 #[inline(always)]
 pub(super) fn shuffle(index: u32, key: u32) -> u32 {
     scramble(index.reverse_bits(), mix(key ^ 0x02e5_be93))
 }
 
-/// Point `index` of the (0,2)-sequence of the set `key`: van der Corput and Sobol's second
-/// dimension, each XORed with a random word. The order of the points is shuffled, because the
-/// sets of one path would be correlated otherwise (the thesis does not say how it avoids that).
+/// Returns point `index` of the (0,2)-sequence of the set `key`: van der Corput's sequence and
+/// Sobol's second dimension, each XORed with a random word. The order of the points is shuffled,
+/// because the sets of one path would be correlated otherwise (the thesis does not say how it
+/// avoids this).
 ///
 /// Source: thesis, chapter 3.2; T. Kollig and A. Keller, "Efficient Multidimensional Sampling" (2002).
 #[inline(always)]
@@ -75,8 +76,8 @@ mod tests {
 
     #[test]
     fn both_start_as_published() {
-        // Points 1 to 4 of Joe and Kuo's program, which counts in Gray code: its point i has our
-        // index i ^ (i >> 1).
+        // Points 1 to 4 of Joe and Kuo's program. It counts in Gray code, so its point i has the
+        // index i ^ (i >> 1) here.
         let expected = [[0.5, 0.5], [0.75, 0.25], [0.25, 0.75], [0.375, 0.375]];
         for (i, expected) in (1u32..).zip(expected) {
             assert_eq!(point(i ^ (i >> 1)), expected, "point {i}");

@@ -1,10 +1,11 @@
-//! Warps: points of the unit square to points of other domains.
+//! Warps: map points of the unit square to other domains.
 
 use glam::Vec3;
 
 use slo_accel::math::elementary::{power, sin_cos_octant, sin_cos_turns};
 
-/// The unit square to the unit disc, uniform by area, neighbours staying neighbours.
+/// Maps the unit square to the unit disc. Area is preserved up to a constant factor, and neighbours
+/// stay neighbours.
 ///
 /// Source: P. Shirley and K. Chiu, "A Low Distortion Map Between Disk and Square" (1997).
 #[inline(always)]
@@ -17,19 +18,19 @@ pub fn concentric_disc(u: [f32; 2]) -> [f32; 2] {
     if swap { [r * s, r * c] } else { [r * c, r * s] }
 }
 
-/// A unit direction about +z with `pdf_solid_angle = (n + 1) / (2 pi) cos^n`; `n >= 0`.
-///
-/// `inverse` is `1 / (n + 1)`.
+/// Returns a unit direction about +z, distributed with `pdf_solid_angle = (n + 1) / (2 pi) cos^n`,
+/// where `n >= 0` and `inverse` is `1 / (n + 1)`.
 #[inline(always)]
 pub fn cosine_power_lobe(u: [f32; 2], inverse: f32) -> Vec3 {
-    // 1 - u is never 0, so that the direction never lies in the plane exactly.
+    // 1 - u is never 0, so the direction never lies exactly in the plane.
     let cos = power(1.0 - u[0], inverse);
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
     let (s, c) = sin_cos_turns(u[1]);
     Vec3::new(sin * c, sin * s, cos)
 }
 
-/// `1 / (n + 1)` of the lobe whose spread is `sigma`: n = 1 / sigma^2; 0 for a perfect mirror.
+/// Returns `1 / (n + 1)` of the cos^n lobe with spread `sigma`, where n = 1 / sigma^2; 0 for a
+/// perfect mirror.
 pub fn lobe_inverse(sigma: f32) -> f32 {
     let s2 = sigma * sigma;
     s2 / (1.0 + s2)
@@ -39,8 +40,8 @@ pub fn lobe_inverse(sigma: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Chi-square statistic of `counts` against equal expectation, as a number of its standard
-    /// deviations above its mean.
+    /// Chi-square statistic of `counts` against equal expectation, in standard deviations above its
+    /// mean.
     fn deviation(counts: &[u32]) -> f64 {
         let expected = f64::from(counts.iter().sum::<u32>()) / counts.len() as f64;
         let chi2: f64 =
@@ -63,7 +64,7 @@ mod tests {
         sampler.camera(sampler.pixel(i, 0), 0).lens
     }
 
-    /// Chi-square over 16 rings of equal probability times 16 sectors.
+    /// Chi-square deviation over 16 rings of equal probability times 16 sectors.
     fn check(cell: impl Fn([f32; 2]) -> (f64, f64)) -> f64 {
         let mut counts = [0; 256];
         for i in 0..100_000 {
@@ -85,7 +86,7 @@ mod tests {
             (f64::from(x * x + y * y), turn(x, y))
         });
         assert!(d < 5.0, "{d}");
-        // Planted bias: points squeezed toward the centre must be found out.
+        // A planted bias, points squeezed toward the centre, must be detected.
         let planted = check(|u| {
             let [x, y] = concentric_disc(u);
             (f64::from((x * x + y * y) * 0.97), turn(x, y))

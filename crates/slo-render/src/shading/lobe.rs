@@ -5,15 +5,15 @@ use glam::Vec3;
 use crate::sampling::warp::cosine_power_lobe;
 use slo_accel::math::elementary::power;
 
-/// The mirrored direction of travel `d` at a surface of unit normal `n`. Source: thesis 2.10.
+/// Mirrors the direction of travel `d` at a surface with unit normal `n`. Source: thesis 2.10.
 #[inline(always)]
 pub fn reflect(d: Vec3, n: Vec3) -> Vec3 {
     d - 2.0 * d.dot(n) * n
 }
 
-/// The refracted direction of travel, unit, of the unit direction `d` at unit normal `n` that faces
-/// it (`d.n <= 0`), and whether there is one: false for total internal reflection. `eta` is the
-/// index of refraction before the surface over that behind it.
+/// Refracts the unit direction of travel `d` at a surface. The unit normal `n` faces the ray (`d.n
+/// <= 0`), and `eta` is the index of refraction on the incident side divided by the index on the
+/// other side. Returns the unit direction, and false in case of total internal reflection.
 ///
 /// Source: thesis 2.13 and 2.14.
 #[inline(always)]
@@ -25,8 +25,9 @@ pub fn refract(d: Vec3, n: Vec3, eta: f32) -> (Vec3, bool) {
     (t * (1.0 / t.length()), sin2_t <= 1.0)
 }
 
-/// A direction of the lobe cos^n about unit `axis`, by a point of the unit square; `inverse` is
-/// `1 / (n + 1)`, 0 for `axis` itself. Its density is that of the lobe: no weight remains.
+/// Samples a direction of the lobe cos^n about unit `axis` by a point `u` of the unit square.
+/// `inverse` is `1 / (n + 1)`; if it is 0, the result is `axis` itself. The density is proportional
+/// to the lobe, so the sample has weight 1.
 #[inline(always)]
 pub fn about(axis: Vec3, inverse: f32, u: [f32; 2]) -> Vec3 {
     let local = cosine_power_lobe(u, inverse);
@@ -35,8 +36,8 @@ pub fn about(axis: Vec3, inverse: f32, u: [f32; 2]) -> Vec3 {
     if inverse == 0.0 { axis } else { w }
 }
 
-/// `pdf_solid_angle` of unit `w`, on the side of unit normal `side`, among the directions that
-/// [`about`] gives and [`to_side`] leaves or brings there; 0 for a perfect lobe.
+/// Returns the `pdf_solid_angle` of unit `w`, on the side of unit normal `side`, for directions
+/// sampled with [`about`] and then [`to_side`]; 0 for a perfect lobe.
 #[inline(always)]
 pub fn density(axis: Vec3, inverse: f32, side: Vec3, w: Vec3) -> f32 {
     let n = 1.0 / inverse - 1.0;
@@ -46,7 +47,7 @@ pub fn density(axis: Vec3, inverse: f32, side: Vec3, w: Vec3) -> f32 {
     if inverse > 0.0 { sum * (std::f32::consts::FRAC_1_PI * 0.5) / inverse } else { 0.0 }
 }
 
-/// Two unit vectors across unit `z` and each other.
+/// Returns two unit vectors perpendicular to unit `z` and to each other.
 ///
 /// Source: T. Duff et al., "Building an Orthonormal Basis, Revisited" (JCGT 2017).
 #[inline(always)]
@@ -60,8 +61,8 @@ fn pair(z: Vec3) -> (Vec3, Vec3) {
     )
 }
 
-/// `w` where it is on the side of unit normal `n`, otherwise its mirror image there, so that no
-/// energy is lost at grazing angles.
+/// Returns `w` if it is on the side of unit normal `n`, otherwise its mirror image on that side, so
+/// that no energy is lost at grazing angles.
 #[inline(always)]
 pub fn to_side(w: Vec3, n: Vec3) -> Vec3 {
     let cos = w.dot(n);
@@ -89,8 +90,8 @@ mod tests {
         assert!(!at(0.667).1);
     }
 
-    /// Sums over the half sphere: the density is 1 in all, and the mean direction is that of the
-    /// directions that are drawn.
+    /// Integrates over the hemisphere: the density integrates to 1, and its mean direction equals
+    /// the mean of the sampled directions.
     #[test]
     fn densities_are_those_of_the_directions() {
         let n = 512;

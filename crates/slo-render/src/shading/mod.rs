@@ -1,4 +1,4 @@
-//! Phong, glossy lobes, textures and lights at a hit. Knows no structures.
+//! Phong, glossy lobes, textures and lights at a hit. Independent of acceleration structures.
 
 pub mod light;
 pub mod lobe;

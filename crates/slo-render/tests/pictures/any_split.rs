@@ -1,4 +1,4 @@
-//! However the work of a picture is shared out, stopped and gone on with, its file is the same.
+//! However a picture's work is divided, stopped and continued, its file is the same.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -17,7 +17,8 @@ use crate::support::{describe, expose};
 
 const CASES: usize = 200;
 
-/// Blur, lens and soft shadow in a picture whose sides neither tiles nor blocks divide.
+/// Motion blur, lens and soft shadow in a picture whose sides are multiples of neither tiles nor
+/// blocks.
 fn scene(settings: &str) -> SceneDescription {
     describe(&format!(
         "settings s {{ recursion 1 {settings} }}
@@ -56,7 +57,7 @@ fn file(scene: &SceneDescription, film: &Film) -> Vec<u8> {
     out.into_inner()
 }
 
-/// Stops a rendering after some steps, or in the midst of one.
+/// Stops a rendering after some steps, or in the middle of one.
 struct Impatient {
     steps: AtomicI64,
     batches: AtomicI64,
@@ -81,7 +82,7 @@ struct Share {
     plan: Plan,
 }
 
-/// Cuts an area in up to `cuts + 1` regions.
+/// Cuts an area into up to `cuts + 1` regions.
 fn regions(area: Area, cuts: usize, random: &mut StdRng) -> Vec<Area> {
     let mut regions = vec![area];
     for _ in 0..cuts {
@@ -99,7 +100,7 @@ fn regions(area: Area, cuts: usize, random: &mut StdRng) -> Vec<Area> {
     regions
 }
 
-/// The work of a region in parts, of pixels or of samples.
+/// The work of a region in parts, by pixels or by samples.
 fn parts(plan: &Plan, of: u32, random: &mut StdRng) -> Vec<Plan> {
     let by_samples = random.random();
     let part = |number| {
@@ -111,7 +112,7 @@ fn parts(plan: &Plan, of: u32, random: &mut StdRng) -> Vec<Plan> {
     (1..=of).map(part).filter(|plan| !empty(plan)).collect()
 }
 
-/// Renders a share, stopped several times and gone on with from a file, on 1 to 3 threads.
+/// Renders a share, stopped several times and continued from a file, on 1 to 3 threads.
 fn state(scene: &SceneDescription, share: &Share, folder: &Path, random: &mut StdRng) -> State {
     let Share { region, plan } = share;
     let subject = Subject {

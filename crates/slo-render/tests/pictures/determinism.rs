@@ -1,4 +1,4 @@
-//! A picture is the same file, byte for byte, whatever it is rendered with and in which pieces.
+//! A picture is the same file, byte for byte, whatever hardware, threads and regions render it.
 
 use std::io::Cursor;
 
@@ -12,7 +12,7 @@ use crate::support::{Shot, describe, expose, material};
 
 const THREADS: [usize; 4] = [1, 2, 3, 8];
 
-/// Sections across and down: automatic, uneven, and one row each.
+/// Sections across and down: automatic, uneven, and one for each row.
 const TILINGS: [[Option<u32>; 2]; 3] = [[None, None], [Some(3), Some(5)], [Some(1), Some(64)]];
 
 const ACCELERATORS: [Accelerator; 3] = [Accelerator::Bvh, Accelerator::KdTree, Accelerator::None];
@@ -61,12 +61,12 @@ fn everything() -> SceneDescription {
         ..Shot::default()
     };
     let mut scene = describe(&shot.of(&elements.concat()));
-    // more than one tile each way, and none of them whole
+    // More than one tile in each direction, and none of them whole.
     (scene.camera.film.width, scene.camera.film.height) = (53, 37);
     scene
 }
 
-/// The bytes of a PNG and an EXR file of a film.
+/// Returns the bytes of a PNG and an EXR file of a film.
 fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
     [OutputFormat::Png8, OutputFormat::Exr].map(|format| {
         let mut scene = scene.clone();
@@ -81,7 +81,7 @@ fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
     })
 }
 
-/// Renders a scene in every way, on every number of threads at once, and compares the files.
+/// Renders a scene in every way, on every number of threads, and compares the files.
 #[track_caller]
 fn assert_one_file(scene: &SceneDescription) {
     let reference = expose(scene, Isa::Portable);
@@ -124,7 +124,7 @@ fn one_file_with_layers() {
     assert_one_file(&scene);
 }
 
-/// Rods of two long triangles each, across one another, with a lens that sees them.
+/// Crossing rods of two long triangles each, and a lens.
 fn rods() -> SceneDescription {
     let rod = |i: u32| {
         let (turn, rise) = (0.37 * i as f32, 0.61 * i as f32);
@@ -166,7 +166,7 @@ fn spatial_splits_do_not_show() {
     }
 }
 
-/// Two to seven samples per pixel; the test would say little if all pixels took the same number.
+/// Two to seven samples per pixel. The test would prove little if all pixels took the same number.
 #[track_caller]
 fn assert_one_adaptive_file(change: impl Fn(&mut Settings)) {
     let mut scene = everything();

@@ -1,5 +1,5 @@
-//! Whatever makes a picture less noisy leaves it what it is: means over many seeds agree with those
-//! of the plainest estimator, and spread less.
+//! Noise reduction does not change a picture's expectation: means over many seeds agree with the
+//! means of the plainest estimator, and vary less.
 
 use slo_accel::Isa;
 use slo_render::frame::FrameScene;
@@ -21,7 +21,7 @@ fn seen(settings: &str, seed: u32) -> String {
     )
 }
 
-/// A lamp over a rough floor, half behind a pane of rough glass; `settings` besides.
+/// A lamp over a rough floor, half of it behind a pane of rough glass. `settings` are added.
 fn scene(settings: &str, seed: u32) -> String {
     let materials = material(
         "brushed",
@@ -41,7 +41,8 @@ fn scene(settings: &str, seed: u32) -> String {
     )
 }
 
-/// A dark ball and a dark floor, seen in a dim mirror: every ray to a light counts little.
+/// A dark ball and a dark floor, seen in a dim mirror, so that every ray to a light has little
+/// weight.
 fn dark_scene(settings: &str, seed: u32) -> String {
     let materials = material("mirror", "reflectance .12 diffuse { 0 0 0 }")
         + &material("dark", "diffuse { .03 .02 .012 } specular { .01 .01 .01 } shininess 9");
@@ -57,7 +58,7 @@ fn dark_scene(settings: &str, seed: u32) -> String {
     )
 }
 
-/// Means of the left and the right half of a picture, by channel.
+/// Means of the left and the right half of a picture, for each channel.
 fn halves(scene: &str, plain: bool) -> [f64; 6] {
     let description = describe(scene);
     let frame = FrameScene::build(&description, 0, Isa::best()).expect("the frame can be built");
@@ -71,7 +72,7 @@ fn halves(scene: &str, plain: bool) -> [f64; 6] {
     sums
 }
 
-/// Mean and variance of the mean over seeds.
+/// Mean over seeds, and the variance of the mean.
 fn moments(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -79,8 +80,8 @@ fn moments(values: &[f64]) -> (f64, f64) {
     (mean, variance / n)
 }
 
-/// For each half and channel how many standard deviations apart the two ways are, and how much
-/// smaller the variance of the second is; of a scene by its seed.
+/// For each half and channel: how many standard deviations apart the two estimators are, and the
+/// ratio of their variances. `scene` takes a seed.
 fn compare(scene: impl Fn(u32) -> String, bias: f64) -> [(f64, f64); 6] {
     let take = |plain| -> Vec<[f64; 6]> {
         let first = if plain { 0 } else { SEEDS };
@@ -96,7 +97,8 @@ fn compare(scene: impl Fn(u32) -> String, bias: f64) -> [(f64, f64); 6] {
 
 const SEEDS: u32 = 48;
 
-/// Beyond what one of all the comparisons here reaches by chance in a thousand runs of the suite.
+/// Limit, in standard deviations, that chance exceeds in one comparison of the suite once in a
+/// thousand runs.
 const APART: f64 = 4.8;
 
 #[test]
@@ -109,7 +111,7 @@ fn lamps_in_rough_surfaces_are_as_bright_and_less_noisy() {
     ] {
         let compared = compare(|seed| scene(settings, seed), 1.0);
         assert!(compared.iter().all(|(apart, _)| *apart < APART), "{settings}: {compared:?}");
-        // Through transparent shadows nothing is combined.
+        // With transparent shadows, estimators are not combined.
         if settings.is_empty() {
             let less = compared.iter().map(|(_, less)| less).sum::<f64>() / 6.0;
             assert!(less > 1.2, "{compared:?}");
@@ -119,7 +121,7 @@ fn lamps_in_rough_surfaces_are_as_bright_and_less_noisy() {
 
 #[test]
 fn one_light_of_many_is_one_that_matters() {
-    // Most are dim, below the floor, or behind what is seen of it.
+    // Most lights are dim, below the floor, or behind the visible surfaces.
     let many: String = (0..12)
         .map(|i| {
             let (bright, z) = (0.05 * f64::from(i % 4), f64::from(i % 3) * 4.0 - 3.0);
@@ -140,7 +142,7 @@ fn weak_rays_to_lights_bring_as_much_at_a_chance() {
     for settings in ["", "lightSamplingType SAMPLE_ONE_AT_TIME", "shadow TRANSPARENT"] {
         let compared = compare(|seed| dark_scene(settings, seed), 1.0);
         assert!(compared.iter().all(|(apart, _)| *apart < APART), "{settings}: {compared:?}");
-        // They do play: fewer rays have more variance.
+        // Roulette is active: fewer rays have more variance.
         let more = compared.iter().map(|(_, less)| 1.0 / less).sum::<f64>() / 6.0;
         assert!(!settings.is_empty() || more > 1.2, "{compared:?}");
     }

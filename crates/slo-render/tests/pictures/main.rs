@@ -1,4 +1,4 @@
-//! Pictures against theory, against a plain recursive renderer, and against themselves.
+//! Compares pictures with theory, with a plain recursive renderer, and with each other.
 
 mod analytic;
 mod any_split;

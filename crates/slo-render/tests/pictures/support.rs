@@ -1,4 +1,4 @@
-//! From scene text to a picture, for tests.
+//! Helpers that render pictures from scene texts.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ impl Observer for Unwatched {
     fn advanced(&self, _share: f64) {}
 }
 
-/// The description of a scene that has no errors; its files lie among the test scenes of `slo-scene`.
+/// Loads a scene that has no errors. Its files lie among the test scenes of `slo-scene`.
 #[track_caller]
 pub(crate) fn describe(text: &str) -> SceneDescription {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../slo-scene/tests/scenes");
@@ -22,12 +22,12 @@ pub(crate) fn describe(text: &str) -> SceneDescription {
     loaded.scene.unwrap_or_else(|| panic!("{:#?}\n{text}", loaded.diagnostics))
 }
 
-/// The film of frame 0 of a scene.
+/// Renders frame 0 of a scene.
 pub(crate) fn expose(scene: &SceneDescription, isa: Isa) -> Film {
     expose_frame(scene, &FrameScene::build(scene, 0, isa).expect("the frame can be built"))
 }
 
-/// The film of a frame of a scene.
+/// Renders a frame of a scene.
 pub(crate) fn expose_frame(scene: &SceneDescription, frame: &FrameScene) -> Film {
     let (plan, picture) = (Plan::new(scene), &scene.camera.film);
     let area = Area::whole(picture.width, picture.height);
@@ -40,27 +40,27 @@ pub(crate) fn expose_frame(scene: &SceneDescription, frame: &FrameScene) -> Film
     exposed.film
 }
 
-/// How a test scene is seen and sampled. x is to the right, y into the picture, z up; pictures have
-/// 64 x 64 pixels.
+/// View and sampling of a test scene. x is to the right, y into the picture, z up. Pictures have 64
+/// x 64 pixels.
 #[derive(Clone)]
 pub(crate) struct Shot {
     /// Control points of the camera's path.
     pub(crate) from: Vec<[f64; 3]>,
     /// Control points of the target's path.
     pub(crate) to: Vec<[f64; 3]>,
-    /// Upward.
+    /// Upward direction.
     pub(crate) sky: [f64; 3],
     /// Half height of the view at distance 1.
     pub(crate) fov: f64,
-    /// Distance of the sharp plane.
+    /// Distance of the plane in focus.
     pub(crate) dof: f64,
     /// Lens radius.
     pub(crate) lens: f64,
-    /// Seconds that the shutter is open, of 1 s that scene time 0 to 1 takes.
+    /// Seconds that the shutter is open; scene time 0 to 1 takes 1 s.
     pub(crate) blur: f64,
     /// Samples per pixel.
     pub(crate) samples: u32,
-    /// Bounces.
+    /// Limit of the recursion, in bounces.
     pub(crate) recursion: u32,
     /// More settings.
     pub(crate) settings: String,
@@ -87,7 +87,7 @@ impl Default for Shot {
 }
 
 impl Shot {
-    /// The text of a scene seen this way.
+    /// Returns the text of a scene with this view.
     pub(crate) fn of(&self, elements: &str) -> String {
         let Self { fov, dof, lens, blur, samples, recursion, settings, .. } = self;
         let path = |name: &str, points: &[[f64; 3]]| {
@@ -110,12 +110,12 @@ impl Shot {
         )
     }
 
-    /// The picture of a scene seen this way.
+    /// Renders a scene with this view.
     pub(crate) fn take(&self, elements: &str) -> Picture {
         Picture(self.film(&describe(&self.of(elements))).image())
     }
 
-    /// The same with the layers of albedo and normals.
+    /// Like `take`, with the layers of albedo and normals.
     pub(crate) fn take_layers(&self, elements: &str) -> [Picture; 3] {
         let mut scene = describe(&self.of(elements));
         scene.camera.film.layers = Layer::ALL.to_vec();
@@ -148,7 +148,7 @@ pub(crate) fn glow(name: &str, color: [f64; 3]) -> String {
     material(name, &format!("ambient {}", vector(color)))
 }
 
-/// A rectangle with three consecutive corners; `more` are further attributes.
+/// A rectangle with three consecutive corners; `more` holds further attributes.
 pub(crate) fn rectangle(name: &str, material: &str, corners: [[f64; 3]; 3], more: &str) -> String {
     let [a, b, c] = corners.map(vector);
     format!(
@@ -156,7 +156,7 @@ pub(crate) fn rectangle(name: &str, material: &str, corners: [[f64; 3]; 3], more
     )
 }
 
-/// A rectangle that faces a camera that looks along y, at depth `y`.
+/// A rectangle at depth `y` that faces a camera looking along y.
 pub(crate) fn panel(name: &str, material: &str, x: [f64; 2], y: f64, z: [f64; 2]) -> String {
     rectangle(name, material, panel_corners(x, y, z), "")
 }
@@ -166,7 +166,7 @@ pub(crate) fn panel_corners(x: [f64; 2], y: f64, z: [f64; 2]) -> [[f64; 3]; 3] {
     [[x[0], y, z[0]], [x[1], y, z[0]], [x[1], y, z[1]]]
 }
 
-/// A key frame of a pivot alone.
+/// A key frame with only a pivot.
 pub(crate) fn pivot_at(time: f64, pivot: [f64; 3]) -> String {
     format!("addKframe {{ time {time} key {{ pivot {} }} }}", vector(pivot))
 }
@@ -175,17 +175,17 @@ pub(crate) fn pivot_at(time: f64, pivot: [f64; 3]) -> String {
 pub(crate) struct Picture(pub(crate) Image);
 
 impl Picture {
-    /// Pixel in column `x` of row `y`, counted from the top.
+    /// Returns the pixel in column `x` of row `y`, counted from the top.
     pub(crate) fn at(&self, x: usize, y: usize) -> [f64; 3] {
         self.0.rgb[y * self.0.width as usize + x].map(f64::from)
     }
 
-    /// One channel of every pixel of a row.
+    /// Returns one channel of every pixel of a row.
     pub(crate) fn row(&self, y: usize, channel: usize) -> Vec<f64> {
         (0..self.0.width as usize).map(|x| self.at(x, y)[channel]).collect()
     }
 
-    /// The mean of some rows, of one channel, column by column.
+    /// Returns the mean of some rows in one channel, for each column.
     pub(crate) fn columns(&self, rows: std::ops::Range<usize>, channel: usize) -> Vec<f64> {
         let n = rows.len() as f64;
         (0..self.0.width as usize)
@@ -193,12 +193,12 @@ impl Picture {
             .collect()
     }
 
-    /// The sum of one channel over all pixels.
+    /// Returns the sum of one channel over all pixels.
     pub(crate) fn sum(&self, channel: usize) -> f64 {
         self.0.rgb.iter().map(|p| f64::from(p[channel])).sum()
     }
 
-    /// Every pixel is this colour, within `tolerance` per channel.
+    /// Asserts that every pixel has this colour, within `tolerance` for each channel.
     #[track_caller]
     pub(crate) fn assert_is(&self, color: [f64; 3], tolerance: f64) {
         for (i, pixel) in self.0.rgb.iter().enumerate() {
@@ -213,7 +213,7 @@ impl Picture {
     }
 }
 
-/// The mean of `f` over the pixel in column `x` of row `y`, from 8 x 8 places in it; `f` takes film
+/// Mean of `f` over the pixel in column `x` of row `y`, sampled at 8 x 8 points. `f` takes film
 /// coordinates from -1 to 1, y upward.
 pub(crate) fn over_pixel(x: usize, y: usize, f: impl Fn(f64, f64) -> f64) -> f64 {
     let place = |pixel: usize, k: u32| (pixel as f64 + (f64::from(k) + 0.5) / 8.0) / 32.0 - 1.0;
@@ -221,7 +221,7 @@ pub(crate) fn over_pixel(x: usize, y: usize, f: impl Fn(f64, f64) -> f64) -> f64
     sum / 64.0
 }
 
-/// Two rows of numbers agree within `tolerance`, everywhere.
+/// Asserts that two rows of numbers agree within `tolerance` everywhere.
 #[track_caller]
 pub(crate) fn assert_profile(found: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(found.len(), expected.len());

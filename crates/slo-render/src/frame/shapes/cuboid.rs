@@ -4,7 +4,7 @@ use super::geometry::Geometry;
 use super::quads::flat;
 use slo_scene::shape::{Cuboid, Rectangle};
 
-/// Six faces, counter-clockwise seen from outside; uv over each face.
+/// Returns six faces, counter-clockwise seen from outside. uv covers the unit square on each face.
 pub(super) fn geometry(&Cuboid { vertices, height }: &Cuboid) -> Geometry {
     let [a, b, c, d] = Rectangle { vertices }.corners();
     let out = (c - b).cross(a - b).normalize();
@@ -12,7 +12,7 @@ pub(super) fn geometry(&Cuboid { vertices, height }: &Cuboid) -> Geometry {
     let [e, f, g, h] = [a, b, c, d].map(|p| p + up);
     let faces =
         [[a, b, f, e], [b, c, g, f], [c, d, h, g], [d, a, e, h], [e, f, g, h], [d, c, b, a]];
-    // The corners run counter-clockwise about `out`; a negative height turns all faces round.
+    // The corners run counter-clockwise about `out`. A negative height reverses all faces.
     flat(&if height >= 0.0 { faces } else { faces.map(|[p, q, r, s]| [s, r, q, p]) })
 }
 

@@ -1,4 +1,4 @@
-//! What a shape consists of.
+//! Geometry of a shape.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use slo_accel::curved::Part;
 use slo_scene::Mesh;
 use slo_scene::animation::DRigid;
 
-/// What a shape consists of, in object space.
+/// Geometry of a shape, in object space.
 #[derive(Debug)]
 pub(in crate::frame) enum Geometry {
     /// Triangles, and whether their vertex normals are interpolated.
@@ -20,17 +20,18 @@ pub(in crate::frame) enum Geometry {
     Curved(Box<dyn CurvedSurface>),
 }
 
-/// A surface that structures know as one primitive, in object space.
+/// A surface that is a single primitive for structures, in object space.
 pub(in crate::frame) trait CurvedSurface: fmt::Debug + Send + Sync {
-    /// The primitive where the object lies at a place.
+    /// Returns the primitive of the object transformed by `place`.
     fn primitive(&self, place: &DRigid) -> Curved;
 
-    /// A box about the surface.
+    /// Returns a bounding box of the surface.
     fn bounds(&self) -> ObjectBox;
 
-    /// uv at a point of the surface.
+    /// Returns uv at a point of the surface.
     ///
-    /// u runs once around the axis (z for a sphere), from x where the axis is z; v from the lower
-    /// pole or the base to the upper pole or the tip. A disc shows the image's inscribed circle.
+    /// u runs once around the axis (z for a sphere), starting at x if the axis is z. v runs from
+    /// the lower pole or the base to the upper pole or the tip. A disc shows the image's inscribed
+    /// circle.
     fn uv_at(&self, point: Vec3, part: Part) -> [f32; 2];
 }

@@ -1,5 +1,5 @@
-//! Shapes as primitives, one file each: flat shapes become small meshes, curved ones stay what they
-//! are.
+//! Converts shapes to primitives, one file for each shape. Flat shapes become small meshes; curved
+//! shapes remain single primitives.
 
 mod cone;
 mod cuboid;
@@ -18,7 +18,7 @@ use slo_scene::Shape;
 
 pub(super) use geometry::Geometry;
 
-/// The geometry of a shape.
+/// Returns the geometry of a shape.
 pub(super) fn geometry(shape: &Shape) -> Geometry {
     match shape {
         Shape::Plane(shape) => plane::geometry(shape),

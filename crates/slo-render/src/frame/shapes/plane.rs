@@ -6,7 +6,7 @@ use super::geometry::Geometry;
 use super::quads::flat;
 use slo_scene::shape::Plane;
 
-/// The first side lies in the xy plane where the normal allows it.
+/// Returns a square across the normal. Its first side is parallel to the xy plane.
 pub(super) fn geometry(&Plane { normal, position, side }: &Plane) -> Geometry {
     let n = normal.normalize();
     let x = if n.x.abs() < 1e-9 && n.y.abs() < 1e-9 { DVec3::X } else { DVec3::Z.cross(n) };

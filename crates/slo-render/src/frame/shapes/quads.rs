@@ -1,4 +1,4 @@
-//! Flat shapes of rectangles.
+//! Flat shapes made of rectangles.
 
 use std::sync::Arc;
 
@@ -7,11 +7,11 @@ use glam::DVec3;
 use super::geometry::Geometry;
 use slo_scene::Mesh;
 
-/// A rectangle by four corners in order; uv runs from (0, 0) at the first along the second to
-/// (1, 1) at the third.
+/// A rectangle, given by its four corners in order. uv runs from (0, 0) at the first corner along
+/// the second to (1, 1) at the third.
 pub(super) type Quad = [DVec3; 4];
 
-/// A surface of rectangles.
+/// Makes a flat mesh of rectangles.
 pub(super) fn flat(quads: &[Quad]) -> Geometry {
     let mut mesh =
         Mesh { uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], ..Mesh::default() };

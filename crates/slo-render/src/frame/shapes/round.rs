@@ -1,12 +1,12 @@
-//! Surfaces about an axis.
+//! Surfaces of revolution about an axis.
 
 use glam::{DVec3, Vec3};
 
 use crate::frame::sampled_motion::ObjectBox;
 use slo_accel::curved::Part;
 
-/// uv at a point of a surface about an axis, or of a disc at one of its ends. `v` says how high a
-/// point of the surface is, by how far along the axis it lies, and how long that is.
+/// Returns uv at a point of a surface of revolution, or of a disc at one of its ends. `v` returns v
+/// at a point of the surface, given the point's position along the axis and the length of the axis.
 pub(super) fn uv_about(
     [base, axis]: [DVec3; 2],
     radius: f64,
@@ -26,7 +26,7 @@ pub(super) fn uv_about(
     [(turns - turns.floor()) as f32, v(p.dot(axis), length) as f32]
 }
 
-/// The box about balls of one radius.
+/// Returns the bounding box of balls of one radius.
 pub(super) fn about_balls(centers: &[DVec3], radius: f64) -> ObjectBox {
     let radius = DVec3::splat(radius);
     ObjectBox::about(centers.iter().flat_map(|&center| [center - radius, center + radius]))

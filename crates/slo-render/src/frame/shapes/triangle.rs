@@ -6,7 +6,8 @@ use super::geometry::Geometry;
 use slo_scene::Mesh;
 use slo_scene::shape::Triangle;
 
-/// uv runs from (0, 0) at the first corner along the second to (1, 1) at the third.
+/// Returns a mesh of one face. uv runs from (0, 0) at the first corner along the second to (1, 1)
+/// at the third.
 pub(super) fn geometry(shape: &Triangle) -> Geometry {
     let mesh = Mesh {
         positions: shape.vertices.to_vec(),

@@ -1,35 +1,35 @@
-//! What is at the hits of a batch.
+//! Surfaces at the hits of a batch.
 
 use glam::Vec3;
 
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
-/// Index of the material of hits whose colour nobody asks for.
+/// Index of the material of hits that need no colour.
 pub(crate) const NO_MATERIAL: u32 = u32::MAX;
 
-/// What is at the hits of a batch. Render space.
+/// Surfaces at the hits of a batch. Points and normals are in render space.
 #[derive(Debug)]
 pub(crate) struct Surfaces {
-    /// How many hits there are.
+    /// Number of hits.
     pub(crate) len: usize,
-    /// Number of the ray in its batch.
+    /// Index of the ray in its batch.
     pub(crate) ray: Column<u32>,
     /// Index of the material.
     pub(crate) material: Column<u32>,
-    /// The hits.
+    /// Positions of the hits.
     pub(crate) point: Vec3s,
-    /// Bound of the rounding errors of `point`, and of those that a test of a ray from there
-    /// makes, along the normal.
+    /// Bound, along the normal, of the rounding errors of `point` and of the intersection test of a
+    /// ray that starts there.
     pub(super) offset: Column<f32>,
-    /// Unit normals of the surfaces themselves, on the sides that the rays came from.
+    /// Unit geometric normals, on the side that the ray came from.
     pub(crate) n_geo: Vec3s,
-    /// Unit normals for shading, within 90 degrees of `n_geo`.
+    /// Unit shading normals, within 90 degrees of `n_geo`.
     pub(crate) n_shade: Vec3s,
-    /// 1 where the ray came from outside, 0 elsewhere.
+    /// 1 if the ray came from outside, 0 otherwise.
     pub(crate) from_outside: Column<u32>,
-    /// Colours of the materials' images; white where there is none.
+    /// Colours of the materials' images; white if a material has none.
     pub(crate) tint: Vec3s,
-    /// Largest coordinates that points were computed from.
+    /// Bounds of the absolute coordinates from which points were computed.
     pub(super) magnitude: Vec3s,
 }
 
@@ -51,7 +51,7 @@ impl Default for Surfaces {
 }
 
 impl Surfaces {
-    /// Adds a hit: the number of its ray and its material, or [`NO_MATERIAL`].
+    /// Adds a hit with the index of its ray and its material, or [`NO_MATERIAL`].
     #[inline(always)]
     pub(crate) fn push(&mut self, ray: usize, material: u32) {
         self.ray[self.len] = ray as u32;
@@ -59,38 +59,38 @@ impl Surfaces {
         self.len += 1;
     }
 
-    /// Where a ray from hit `i` toward `direction` starts, so that it can't hit the surface that
-    /// it leaves.
+    /// Returns the origin of a ray from hit `i` toward `direction`, such that the ray cannot hit
+    /// the surface that it leaves.
     ///
-    /// Source: Wächter and Binder (Ray Tracing Gems 6) for the problem; as in pbrt 3.9.5 the
-    /// offset is the error bound of this very hit, not a constant.
+    /// Source: Wächter and Binder (Ray Tracing Gems 6) describe the problem. As in pbrt 3.9.5, the
+    /// offset is the error bound of this hit, not a constant.
     #[inline(always)]
     pub(crate) fn leave(&self, i: usize, direction: Vec3) -> Vec3 {
         let n_geo = self.n_geo.get(i);
         let side = if direction.dot(n_geo) < 0.0 { -n_geo } else { n_geo };
         let moved = self.point.get(i) + side * self.offset[i];
-        // The sum is rounded too: away from the surface.
+        // The sum is rounded too, so it is rounded away from the surface.
         Vec3::new(away(moved.x, side.x), away(moved.y, side.y), away(moved.z, side.z))
     }
 }
 
 #[cfg(test)]
 impl Surfaces {
-    /// Gives hit `i` one normal, as if it were flat.
+    /// Sets both normals of hit `i`, as on a flat surface.
     pub(crate) fn set_normals(&mut self, i: usize, n: Vec3) {
         self.n_geo.set(i, n);
         self.n_shade.set(i, n);
     }
 }
 
-/// The next number after `p` on the side that `n` points to; `p` where `n` is 0 or `p` is not
-/// finite. Without branches.
+/// Returns the next number after `p` in the direction of the sign of `n`; `p` itself if `n` is 0 or
+/// `p` is not finite. Free of branches.
 #[inline(always)]
 fn away(p: f32, n: f32) -> f32 {
     const SIGN: u32 = 1 << 31;
     let bits = p.to_bits();
     let size = bits & !SIGN;
-    // Counted so that the next number is one more, through both zeros.
+    // Numbers in order, through both zeros: the next number is one more.
     let count = if bits & SIGN == 0 { size as i32 } else { -(size as i32) };
     let step = i32::from(n > 0.0) - i32::from(n < 0.0);
     let moved = count + step;

@@ -1,4 +1,4 @@
-//! From hits to surfaces, whole columns at a time.
+//! Computes surfaces from hits, whole columns at a time.
 
 use glam::{DVec3, Vec3};
 
@@ -15,8 +15,8 @@ use slo_accel::{Lanewise, Rays};
 pub(crate) struct SurfaceScratch(Gathered);
 
 impl FrameScene {
-    /// Fills in everything about the hits that were pushed: those of `rays` at `time`, `found` in
-    /// the world.
+    /// Computes everything about the hits that were pushed to `surfaces`: hits of `rays` at `time`,
+    /// which are `found` in the world.
     pub(crate) fn find_surfaces(
         &self,
         rays: &Rays,
@@ -37,8 +37,8 @@ impl FrameScene {
     }
 }
 
-/// Points and normals of triangles in the space of their structure; the normals of vertices are
-/// left as they are interpolated, in `n_shade`.
+/// Computes points and normals of triangles in the space of their structure. Interpolated vertex
+/// normals are stored in `n_shade` without normalization.
 struct OnTriangles<'a> {
     gathered: &'a Gathered,
     to: &'a mut Surfaces,
@@ -59,7 +59,7 @@ fn on_triangles(gathered: &Gathered, to: &mut Surfaces) {
         let (u, v) = (gathered.u[i], gathered.v[i]);
         let [a, b, c] = &gathered.corners;
         let (a, b, c) = (a.get(i), b.get(i), c.get(i));
-        // In f64: the squares of tiny edges would underflow.
+        // In f64, since the squares of tiny edges would underflow.
         let (edge_b, edge_c) = ((b - a).as_dvec3(), (c - a).as_dvec3());
         let normal = edge_b.cross(edge_c);
         let length = normal.dot(normal).sqrt();
@@ -77,7 +77,7 @@ fn on_triangles(gathered: &Gathered, to: &mut Surfaces) {
 
 /// Turns normals to the side of the ray, and bounds the errors of points.
 struct Facing<'a> {
-    /// Of the batch's rays.
+    /// Directions of the batch's rays.
     directions: [&'a Column<f32>; 3],
     to: &'a mut Surfaces,
 }
@@ -101,13 +101,13 @@ fn face(directions: [&Column<f32>; 3], to: &mut Surfaces) {
         let n_geo = if from_outside { outward } else { -outward };
         to.n_geo.set(i, n_geo);
         to.from_outside[i] = u32::from(from_outside);
-        // Opposite normals may cancel, and what is flat has none.
+        // Opposite normals may cancel, and flat objects have no vertex normals.
         let n = to.n_shade.get(i);
         let scale = 1.0 / n.length();
         let n = if scale.is_finite() && scale > 0.0 { n * scale } else { n_geo };
         to.n_shade.set(i, if n.dot(n_geo) < 0.0 { -n } else { n });
-        // Roundings: 3 of a weighted sum, 5 of a transform there, 5 of one back, and those of
-        // the next ray's own test of this surface.
+        // Roundings: 3 in a weighted sum, 5 in a transform to the structure, 5 in one back, and
+        // those of the next ray's own test of this surface.
         to.offset[i] = n_geo.abs().dot(to.magnitude.get(i)) * gamma(32);
     }
 }

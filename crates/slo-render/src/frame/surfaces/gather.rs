@@ -1,4 +1,5 @@
-//! What is fetched from tables for each hit, one hit at a time: memory is random there.
+//! Fetches data from tables for each hit, one hit at a time, since access to memory is random
+//! there.
 
 use std::ops::Range;
 
@@ -15,19 +16,19 @@ use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 use slo_accel::{Curved, Lanewise, NO_HIT, Rays, Structure, Triangle};
 use slo_scene::Mesh;
 
-/// What the points of hits are computed from.
+/// The data from which the points of hits are computed.
 #[derive(Debug)]
 pub(super) struct Gathered {
     /// Corners of the triangles, in the space of their structure.
     pub(super) corners: [Vec3s; 3],
-    /// Normals of their corners in that space; 0 where the triangle itself is what is seen.
+    /// Normals at the corners, in the same space; 0 if they are not interpolated.
     pub(super) normals: [Vec3s; 3],
-    /// Weights of their second and third corners.
+    /// Weights of the second and third corners.
     pub(super) u: Column<f32>,
     pub(super) v: Column<f32>,
-    /// Hits whose primitive is curved.
+    /// Indices of hits on curved primitives.
     curved: Vec<u16>,
-    /// Hits on what moves.
+    /// Indices of hits on moving objects.
     moving: Vec<u16>,
 }
 
@@ -44,14 +45,14 @@ impl Default for Gathered {
     }
 }
 
-/// One hit, as the structures tell it.
+/// One hit, as reported by the structures.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hit {
-    /// Number of the ray in its batch.
+    /// Index of the ray in its batch.
     ray: usize,
-    /// Distance.
+    /// Distance along the ray.
     t: f32,
-    /// As [`Hits`](slo_accel::Hits) tells them.
+    /// u and v as in [`Hits`](slo_accel::Hits).
     uv: [f32; 2],
     /// Primitive id in its structure.
     primitive: u32,
@@ -72,17 +73,17 @@ impl Hit {
         }
     }
 
-    /// 0 where a ray hits the same primitive.
+    /// Returns 0 if a ray hits the same primitive of the same instance.
     #[inline(always)]
     fn differs(&self, found: &WorldHits, ray: usize) -> u32 {
         (self.primitive ^ found.hits.primitive[ray]) | (self.instance ^ found.instance[ray])
     }
 }
 
-/// Hits that are looked at together: neighbours often see the same triangle.
+/// Number of hits that are processed together: neighbours often hit the same triangle.
 const GROUP: usize = 16;
 
-/// A triangle that was seen last.
+/// The triangle that was fetched last.
 struct Corners {
     /// Its primitive and its instance.
     of: (u32, u32),
@@ -91,7 +92,7 @@ struct Corners {
 }
 
 impl Default for Corners {
-    /// Stands where a hit has no triangle.
+    /// A placeholder for a hit without a triangle.
     fn default() -> Self {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
         Self { of: (NO_HIT, STILL), corners, normals: [Vec3::ZERO; 3] }
@@ -107,7 +108,7 @@ impl Gathered {
         }
     }
 
-    /// Sets all of the group of hits that begins at `start`.
+    /// Sets all hits of the group that begins at `start`.
     #[inline(always)]
     fn fill(&mut self, start: usize, from: &Corners) {
         for k in 0..3 {
@@ -118,7 +119,8 @@ impl Gathered {
 }
 
 impl FrameScene {
-    /// Fetches corners and normals, and notes what needs more than those.
+    /// Fetches corners and normals, and lists the hits that need more: those on curved primitives
+    /// and on moving objects.
     pub(super) fn gather(
         &self,
         found: &WorldHits,
@@ -148,8 +150,8 @@ impl FrameScene {
         }
     }
 
-    /// Corners and normals of the triangle that some hits lie on, if `last` is not that; notes which
-    /// of the hits need more.
+    /// Fetches corners and normals of the triangle that contains `hits`, unless `last` is that
+    /// triangle, and lists the hits that need more.
     #[inline(always)]
     fn find_corners(&self, hit: &Hit, hits: Range<usize>, last: &mut Corners, to: &mut Gathered) {
         let numbers = hits.start as u16..hits.end as u16;
@@ -171,7 +173,7 @@ impl FrameScene {
         }
     }
 
-    /// Points and normals of curved surfaces, in the space of their structure.
+    /// Computes points and normals of curved surfaces, in the space of their structure.
     pub(super) fn place_curved(
         &self,
         rays: &Rays,
@@ -200,7 +202,8 @@ impl FrameScene {
         }
     }
 
-    /// Carries what moves from the space of its structure to render space, each hit by its time.
+    /// Transforms hits on moving objects from the space of their structure to render space, each at
+    /// its own time.
     pub(super) fn place_moving(
         &self,
         time: &Column<f32>,
@@ -220,12 +223,12 @@ impl FrameScene {
         }
     }
 
-    /// Colours of images; `to.point` is still in the space of the structures.
+    /// Looks up the colours of images. `to.point` must still be in the space of the structures.
     pub(super) fn look_up_images(&self, found: &WorldHits, to: &mut Surfaces) {
         self.isa.run(Images { frame: self, found, to });
     }
 
-    /// Texture coordinates of a hit, whose point is given in the space of its structure.
+    /// Returns the texture coordinates of a hit. `point` is in the space of its structure.
     fn uv(&self, hit: &Hit, point: Vec3) -> [f32; 2] {
         let (object, object_point, place) = if hit.instance == STILL {
             let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
@@ -254,10 +257,11 @@ impl FrameScene {
         }
     }
 
-    /// The share of light that passes a primitive on its way to another one, where shadows are
-    /// transparent; `None` where it blocks.
+    /// Returns the share of light that passes a primitive on its way to another one, for
+    /// transparent shadows; `None` if the primitive blocks it.
     ///
-    /// A closed object lets `refraction` through in all: the square root at each of its surfaces.
+    /// A closed object lets the share `refraction` through in all, so each of its surfaces lets the
+    /// square root of it through.
     pub(crate) fn light_passed(&self, primitive: u32, instance: u32) -> Option<f32> {
         let number = self.object_of(primitive, instance);
         let Look::Material(material) = self.looks.of(number) else { return None };
@@ -268,7 +272,7 @@ impl FrameScene {
     }
 }
 
-/// Fetches colours of images.
+/// Looks up the colours of images.
 struct Images<'a> {
     frame: &'a FrameScene,
     found: &'a WorldHits,
@@ -302,7 +306,7 @@ impl Lanewise for Images<'_> {
 }
 
 impl FrameObject {
-    /// Normals at the corners of the triangle of an id; 0 where none are interpolated.
+    /// Returns the normals at the corners of a triangle; 0 if they are not interpolated.
     #[inline]
     fn corner_normals(&self, primitive: u32) -> [Vec3; 3] {
         match self.geometry {
@@ -315,12 +319,12 @@ impl FrameObject {
     }
 }
 
-/// A point of a primitive, in one space.
+/// A point of a primitive, in the space of its structure.
 struct Local {
     point: Vec3,
-    /// Unit, outward.
+    /// Unit outward normal.
     normal: Vec3,
-    /// Largest coordinates that the point was computed from.
+    /// Bounds of the absolute coordinates from which the point was computed.
     magnitude: Vec3,
 }
 
@@ -329,7 +333,7 @@ fn on_curved(structure: &Structure, hit: &Hit, origin: Vec3, direction: Vec3) ->
     let part = Part::from_u(hit.uv[0]);
     let along = origin.as_dvec3() + f64::from(hit.t) * direction.as_dvec3();
     let normal = curved.normal_at(along.as_vec3(), part);
-    // The error of t grows with the distance; the surface itself does not.
+    // The error of t grows with the distance, so the point is moved back onto the surface.
     let point: DVec3 = along - normal.as_dvec3() * curved.signed_distance(along, part);
     let bounds = curved.bounds();
     Local {
@@ -339,12 +343,12 @@ fn on_curved(structure: &Structure, hit: &Hit, origin: Vec3, direction: Vec3) ->
     }
 }
 
-/// |m| v, by components.
+/// Returns |m| v, with absolute values by components.
 fn abs_product(m: &Mat3, v: Vec3) -> Vec3 {
     m.x_axis.abs() * v.x + m.y_axis.abs() * v.y + m.z_axis.abs() * v.z
 }
 
-/// Texture coordinates of a point of a face; 0 for a mesh that has none.
+/// Returns the texture coordinates of a point of a face; 0 if the mesh has none.
 fn interpolated_uv(mesh: &Mesh, face: u32, [u, v]: [f32; 2]) -> [f32; 2] {
     let Some(corners) = mesh.face_uvs.get(face as usize) else { return [0.0; 2] };
     let [a, b, c] = corners.map(|i| mesh.uvs[i as usize]);

@@ -1,6 +1,6 @@
-//! From hits to what shading needs: points, normals, colours of images, rounding bounds.
+//! Computes what shading needs at hits: points, normals, colours of images, rounding bounds.
 //!
-//! Tables are looked up hit by hit (`gather`); all arithmetic is done for whole columns (`find`).
+//! Tables are read hit by hit (`gather`); all arithmetic works on whole columns (`find`).
 
 mod columns;
 mod find;

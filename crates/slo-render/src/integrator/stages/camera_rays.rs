@@ -11,12 +11,12 @@ use crate::integrator::work::{Job, Work};
 use crate::sampling::PixelSeed;
 use crate::sampling::batch::{CameraNames, CameraSamples};
 
-/// How far the camera rays of some work are made, and the working memory of making them.
+/// Progress in creating the camera rays of some work, and working memory.
 #[derive(Debug)]
 pub(in crate::integrator) struct CameraRays {
     place: Place,
     samples: CameraSamples,
-    /// Words of the seeds of the pixels.
+    /// Seeds of the pixels, as words.
     seed: Column<u32>,
     x: Column<u32>,
     y: Column<u32>,
@@ -38,23 +38,23 @@ impl Default for CameraRays {
     }
 }
 
-/// How far the camera rays of some work are made.
+/// Progress in creating the camera rays of some work.
 #[derive(Clone, Copy, Debug, Default)]
 struct Place {
-    /// Entry of the work.
+    /// Index of the current entry of the work.
     work: usize,
-    /// Samples of it that are made already.
+    /// Number of its samples that were created.
     samples: u32,
 }
 
 impl CameraRays {
-    /// Begins with the first sample of some work.
+    /// Starts again at the first sample of some work.
     pub(in crate::integrator) fn restart(&mut self) {
         self.place = Place::default();
     }
 
-    /// Fills a batch with the next camera rays of the work, `most` or fewer; it comes out empty when
-    /// all are made.
+    /// Fills a batch with the next camera rays of the work, at most `most`. The batch stays empty
+    /// when all were created.
     pub(in crate::integrator) fn fill(
         &mut self,
         job: &Job<'_>,
@@ -90,8 +90,8 @@ impl CameraRays {
     }
 }
 
-/// Lists the next samples of some work, up to `most`: how many, and one more than the highest
-/// number.
+/// Lists the next samples of some work, at most `most`. Returns their number, and the highest
+/// sample number plus one.
 struct List<'a> {
     work: &'a [Work],
     seeds: &'a [PixelSeed],
@@ -128,8 +128,9 @@ impl Lanewise for List<'_> {
     }
 }
 
-/// Puts numbers into some entries of a column, counted from the first of them; behind them may be
-/// others, too, since most pixels of adaptive pictures take fewer samples than a register holds.
+/// Sets the entries `lanes` of a column to `of(0)`, `of(1)` and so on. It may also overwrite
+/// entries behind them, which makes it fast for short ranges: most pixels of adaptive pictures take
+/// fewer samples than a register holds.
 #[inline(always)]
 fn put(column: &mut Column<u32>, lanes: Range<usize>, of: impl Fn(u32) -> u32) {
     const REGISTER: usize = 16;

@@ -22,13 +22,13 @@ use crate::shading::{Lamp, WithLamp, WithLamps, lobe};
 /// One ray from every point to a light.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrator) struct Question {
-    /// The light's index; `None`: each point asks one at random.
+    /// Index of the light. `None`: each point chooses one at random.
     light: Option<u32>,
-    /// Number of the ray, and how many there are.
+    /// Number of the ray, and the number of rays.
     place: [u32; 2],
 }
 
-/// The rays of all points to lights, by the settings.
+/// Returns the rays of all points to lights, by the settings.
 pub(in crate::integrator) fn questions(
     frame: &FrameScene,
     depth: u32,
@@ -55,8 +55,8 @@ pub(in crate::integrator) struct DirectLight {
 }
 
 impl DirectLight {
-    /// Makes the rays of one question, except those whose light could add nothing. If `glossy`, the light
-    /// that lobes receive from lamps is looked for too. `None` if the work is to be given up.
+    /// Creates the rays of one question, except those whose light could add nothing. If `glossy`,
+    /// it includes the light that lobes receive from lamps. Returns `None` if the work is given up.
     pub(in crate::integrator) fn ask(
         &mut self,
         job: &Job<'_>,
@@ -95,20 +95,20 @@ impl DirectLight {
     }
 }
 
-/// What the rays of all points to lights have in common.
+/// What the rays from all points to lights have in common.
 #[derive(Clone, Copy)]
 struct Asking<'a> {
     points: &'a Points,
     lobes: &'a Lobes,
     set: &'a SetPoints,
-    /// The random number that decides whether a weak ray is sent.
+    /// Random number of the roulette, for each point.
     survival: &'a Column<f32>,
     /// See [`mean_rays_to`].
     tries: f32,
     /// Number of rays of a glossy lobe: reflected, refracted.
     rays: [f32; 2],
-    /// Rays of less weight are left to chance. None is at the first hit: where all is dark, its light
-    /// is all there is to see.
+    /// Weight below which rays are subject to roulette. It is 0 at first hits: where all is dark,
+    /// their light is all that is visible.
     least: f32,
 }
 
@@ -125,7 +125,7 @@ impl WithLamp for AskOne<'_> {
 
     fn run<L: Lamp>(self, lamp: L) {
         let Self { frame, glossy, from, to } = self;
-        // A copy, which no column can overlap.
+        // A copy, which cannot alias a column.
         ask(frame, glossy, from, |_| (lamp, 1.0, true), to);
     }
 }
@@ -152,8 +152,8 @@ impl WithLamps for AskChosen<'_> {
     }
 }
 
-/// Makes a ray from every point `i` to a light: `choose(i)` is that light, the weight of its choice,
-/// and whether it is to be asked; if not, the point keeps the ray that it has.
+/// Creates a ray from every point `i` to a light. `choose(i)` returns the light, the weight of the
+/// choice, and whether to ask the light. If not, the point keeps the ray that it has.
 fn ask<L: Lamp>(
     frame: &FrameScene,
     glossy: bool,
@@ -209,7 +209,8 @@ fn ask_lanes<const SHINES: bool, const GLOSSY: bool, L: Lamp>(
             toward,
             -points.direction.get(i),
         );
-        // Lit from behind the surface itself, whatever the interpolated normal says.
+        // The geometric normal decides whether light comes from the front, not the interpolated
+        // one.
         let front = toward.dot(surfaces.n_geo.get(i)) > 0.0;
         let mut added = if front { reflected * share } else { Vec3::ZERO };
         if GLOSSY {
@@ -223,7 +224,8 @@ fn ask_lanes<const SHINES: bool, const GLOSSY: bool, L: Lamp>(
         to.origin.set(i, if is_asked { origin } else { to.origin.get(i) });
         to.direction.set(i, if is_asked { direction } else { to.direction.get(i) });
         to.t_max[i] = if is_asked { t_max } else { to.t_max[i] };
-        // A dim light must not be left to chance more than a bright one.
+        // The limit scales with a dim light, so that its rays are not removed more often than those
+        // of a bright one.
         let radiance = light.radiance(way);
         let least = least * radiance.max_element().min(1.0);
         let weight = roulette(added * radiance * times, least, survival[i]);
@@ -233,12 +235,12 @@ fn ask_lanes<const SHINES: bool, const GLOSSY: bool, L: Lamp>(
 }
 
 impl Lobe {
-    /// Share of one ray to a lamp in the light that the lobe of point `i` receives from it, if rays of
-    /// both kinds look for it: `by_light` rays to the lamp per solid angle, and `rays` of the
-    /// lobe.
+    /// Returns the share of one ray to a lamp in the light that the lobe of point `i` receives from
+    /// it, if rays to the lamp and rays of the lobe both sample this light. There are `by_light`
+    /// rays to the lamp per solid angle, and `rays` rays of the lobe.
     ///
-    /// Source: E. Veach and L. Guibas, "Optimally Combining Sampling Techniques" (1995), the
-    /// balance heuristic.
+    /// Source: E. Veach and L. Guibas, "Optimally Combining Sampling Techniques" (1995), balance
+    /// heuristic.
     #[inline(always)]
     fn share_of_light(&self, i: usize, toward: Vec3, by_light: f32, rays: f32) -> f32 {
         let density = lobe::density(self.axis.get(i), self.inverse.0[i], self.side.get(i), toward);

@@ -1,4 +1,4 @@
-//! Rays that end: on a light, or on nothing.
+//! Rays that end on a light or in the background.
 
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
@@ -9,7 +9,7 @@ use crate::integrator::batch::Batch;
 use crate::integrator::branching::mean_rays_to;
 use crate::shading::Light;
 
-/// Light of the rays that are not shaded: those to the background and to lights.
+/// Light of the rays that are not shaded: rays to the background and to lights.
 #[derive(Debug)]
 pub(in crate::integrator) struct Ended {
     /// Weighted radiance.
@@ -25,7 +25,7 @@ impl Default for Ended {
 }
 
 impl Ended {
-    /// Finds the light of the rays of a batch that are not shaded.
+    /// Computes the light of the rays of a batch that are not shaded.
     pub(in crate::integrator) fn find(
         &mut self,
         frame: &FrameScene,
@@ -56,8 +56,8 @@ impl Ended {
     }
 }
 
-/// Weight of a lobe's ray that finds a lamp at the end of `way`, `depth` bounces behind the camera,
-/// if rays to the lamp look for the same light and bring the rest of it: the balance heuristic.
+/// Returns the weight, by the balance heuristic, of a lobe's ray that hits a lamp after `depth`
+/// bounces, at the end of the vector `way`. It is 1 if no rays to the lamp sample the same light.
 fn lobe_share(frame: &FrameScene, light: &Light, way: Vec3, density: f32, depth: u32) -> f32 {
     if density == 0.0 {
         return 1.0;

@@ -1,9 +1,10 @@
-//! Surface features for denoisers: what rays see of surfaces, whatever the light.
+//! Surface features for denoisers: what rays see of surfaces, independent of light.
 //!
-//! Perfect mirrors and clear glass show what is behind them, so rays of perfect lobes collect features
-//! too, each with its weight. Rays behind a rough lobe do not. If features are collected, every sample has two
-//! slots: one for light along the camera ray and perfect lobes, and, behind those of all samples, one
-//! for light through a rough lobe. Their sums of light are added up in the end.
+//! Perfect mirrors and clear glass show the objects behind them, so rays of perfect lobes collect
+//! features too, each with its weight. Rays after a rough lobe do not. If features are collected,
+//! every sample has two slots: one for light along the camera ray and perfect lobes, and one,
+//! behind the first slots of all samples, for light through a rough lobe. The two sums of light are
+//! added up at the end.
 
 use glam::Vec3;
 
@@ -16,12 +17,13 @@ use crate::frame::{FrameScene, Look};
 use crate::integrator::batch::Batch;
 use crate::shading::Material;
 
-/// Exact sums, one for each slot that is not behind a rough lobe; none if features are not collected.
+/// Exact sums, one for each slot that is not for light through a rough lobe; empty if features are
+/// not collected.
 #[derive(Debug, Default)]
 pub(in crate::integrator) struct FeatureSums(Vec<Features>);
 
 impl FeatureSums {
-    /// `len` sums of nothing.
+    /// Resets to `len` sums of 0.
     pub(in crate::integrator) fn reset(&mut self, len: usize) {
         self.0.clear();
         self.0.resize(len, Features::default());
@@ -31,12 +33,12 @@ impl FeatureSums {
         &self.0
     }
 
-    /// The first slot of light through a rough lobe; `None` if features are not collected.
+    /// Returns the first slot of light through a rough lobe; `None` if features are not collected.
     pub(in crate::integrator) fn first_behind(&self) -> Option<u32> {
         Some(self.0.len() as u32).filter(|slots| *slots > 0)
     }
 
-    /// Adds what the rays of a batch see.
+    /// Adds the features that the rays of a batch see.
     pub(in crate::integrator) fn add(
         &mut self,
         frame: &FrameScene,
@@ -78,7 +80,8 @@ impl FeatureSums {
     }
 }
 
-/// Share of white light from everywhere that a surface sends back, without perfect lobes.
+/// Returns the share of white light from everywhere that a surface returns, without perfect lobes,
+/// RGB.
 fn albedo(material: &Material, tint: Vec3) -> Vec3 {
     let rough = |share: f32, inverse: f32| if inverse > 0.0 { share } else { 0.0 };
     let spread = rough(material.reflectance, material.reflection_lobe)
@@ -86,7 +89,7 @@ fn albedo(material: &Material, tint: Vec3) -> Vec3 {
     ((material.ambient + material.diffuse) * tint + spread).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// Share of a surface's look that is its own and not behind perfect lobes.
+/// Returns the share of a surface's appearance that is not seen through perfect lobes.
 fn own_share(material: &Material) -> f32 {
     let perfect = |share: f32, inverse: f32| if inverse > 0.0 { 0.0 } else { share };
     let passed_on = perfect(material.reflectance, material.reflection_lobe)

@@ -7,7 +7,7 @@ use crate::integrator::batch::Batch;
 use crate::integrator::chosen::Chosen;
 use crate::integrator::queue::Habit;
 
-/// What the rays of a batch hit.
+/// First hits of the rays of a batch.
 #[derive(Debug)]
 pub(in crate::integrator) struct Hits {
     pub(super) found: WorldHits,
@@ -24,7 +24,7 @@ impl Default for Hits {
 }
 
 impl Hits {
-    /// Finds what the rays of a batch hit first.
+    /// Finds the first hits of the rays of a batch.
     pub(in crate::integrator) fn trace(
         &mut self,
         frame: &FrameScene,

@@ -1,4 +1,4 @@
-//! Which light each hit asks if it asks one of many.
+//! Choice of a light for each hit, if a hit asks only one of many.
 
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, lanes};
@@ -16,13 +16,13 @@ pub(super) struct LightChoice {
     times: Column<f32>,
     /// Light expected from all lights.
     total: Column<f32>,
-    /// Light expected from the lights up to this one.
+    /// Sum of the light expected from the lights visited so far.
     below: Column<f32>,
-    /// Light expected from the chosen one.
+    /// Light expected from the chosen light.
     kept: Column<f32>,
-    /// Light expected from the lights before the chosen one.
+    /// Sum of the light expected from the lights before the chosen one.
     before: Column<f32>,
-    /// The random number rescaled after the choice: uniform again.
+    /// The random number, rescaled after the choice to be uniform again.
     rest: Column<f32>,
 }
 
@@ -42,8 +42,9 @@ impl Default for LightChoice {
 }
 
 impl LightChoice {
-    /// Chooses a light for each point by a random number, in the order of the lights: stratified
-    /// numbers make stratified choices. `None`, without a choice, if the work is to be given up.
+    /// Chooses a light for each point by a random number, in the order of the lights, so that
+    /// stratified numbers give stratified choices. Returns `None`, without a choice, if the work is
+    /// given up.
     pub(super) fn choose(&mut self, job: &Job<'_>, points: &Points, u: &Column<f32>) -> Option<()> {
         let frame = job.frame;
         let expect = Expect { points, through: frame.receives_through(), alike: !frame.clever };
@@ -64,29 +65,30 @@ impl LightChoice {
         Some(())
     }
 
-    /// The light of each point.
+    /// Returns the index of the light of each point.
     pub(super) fn light(&self) -> &Column<u32> {
         &self.light
     }
 
-    /// The weight of the light of each point, relative to a uniform choice.
+    /// Returns the weight of the light of each point, relative to a uniform choice.
     pub(super) fn times(&self) -> &Column<f32> {
         &self.times
     }
 
-    /// The random numbers rescaled after the choice: uniform again, and nearly independent of it.
+    /// Returns the random numbers rescaled after the choice: uniform again, and nearly independent
+    /// of it.
     pub(super) fn rest(&self) -> &Column<f32> {
         &self.rest
     }
 }
 
-/// Estimates the light of lights at points.
+/// Estimates the light that points receive from a light.
 #[derive(Clone, Copy)]
 struct Expect<'a> {
     points: &'a Points,
     /// See [`Lamp::expected`].
     through: bool,
-    /// Whether all lights count the same.
+    /// Whether all lights have the same probability.
     alike: bool,
 }
 
@@ -114,7 +116,8 @@ impl WithLamp for AddUp<'_> {
     }
 }
 
-/// Moves the choice to this light if the random number is not below the end of the one before.
+/// Moves the choice to this light if the random number is not below the end of the previous light's
+/// interval.
 struct Pass<'a> {
     frame: &'a FrameScene,
     expect: Expect<'a>,
@@ -131,7 +134,7 @@ impl WithLamp for Pass<'_> {
     }
 }
 
-/// Work for a light of a known kind. The light is a copy, which no column can overlap.
+/// Work for a light of a known kind. The light is a copy, which cannot alias a column.
 struct OfLamp<L, W> {
     lamp: L,
     work: W,
@@ -182,7 +185,7 @@ impl Lanewise for Finish<'_> {
         for i in lanes(len) {
             let times = to.total[i] / (to.kept[i] * count);
             to.times[i] = if to.kept[i] > 0.0 { times } else { 0.0 };
-            // Rounding may take it below 0.
+            // Rounding may make it negative.
             to.rest[i] = ((u[i] * to.total[i] - to.before[i]) / to.kept[i]).max(0.0);
         }
     }

@@ -1,4 +1,4 @@
-//! The lobes of a batch of hits: what they reflect and refract.
+//! The reflected and refracted lobes of a batch of hits.
 
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up};
@@ -13,20 +13,20 @@ use crate::shading::{MaterialTable, lobe};
 pub(in crate::integrator) struct Lobes {
     pub(super) reflected: Lobe,
     pub(super) refracted: Lobe,
-    /// Index of refraction before the surface over that behind it.
+    /// Index of refraction on the incident side divided by the index on the other side.
     eta: Zeros,
 }
 
 /// One lobe at every hit.
 #[derive(Debug, Default)]
 pub(in crate::integrator) struct Lobe {
-    /// The perfect directions.
+    /// Directions of perfect reflection or refraction, unit.
     pub(super) axis: Vec3s,
     /// Unit normals of the sides that the rays stay on.
     pub(super) side: Vec3s,
-    /// `1 / (n + 1)`; 0: perfect.
+    /// `1 / (n + 1)` of the lobe cos^n; 0 for a perfect lobe.
     pub(super) inverse: Zeros,
-    /// Factor of the radiance that arrives; 0: no ray is sent.
+    /// Share of the radiance that arrives through the lobe; if it is 0, no ray is sent.
     pub(super) weight: Zeros,
 }
 
@@ -40,12 +40,12 @@ impl Default for Zeros {
 }
 
 impl Lobes {
-    /// The lobe that rays of a purpose belong to.
+    /// Returns the lobe of rays of a purpose.
     pub(in crate::integrator) fn of(&self, purpose: Purpose) -> &Lobe {
         if purpose == Purpose::Refraction { &self.refracted } else { &self.reflected }
     }
 
-    /// Finds the lobes of all points; false if none reflects or refracts anything.
+    /// Finds the lobes of all points. Returns false if none reflects or refracts light.
     pub(in crate::integrator) fn find(&mut self, frame: &FrameScene, points: &Points) -> bool {
         frame.isa.run(FromTable { table: &frame.material_table, points, to: self });
         let some = |lobe: &Lobe| lobe.weight.0[..points.surfaces.len].iter().any(|w| *w > 0.0);
@@ -84,7 +84,7 @@ impl Lanewise for FromTable<'_> {
 }
 
 impl Lobe {
-    /// Whether any glossy lobe sends a ray, and any perfect one.
+    /// Returns whether any glossy lobe sends a ray, and whether any perfect lobe does.
     pub(super) fn kinds(&self, len: usize) -> (bool, bool) {
         let (mut glossy, mut perfect) = (false, false);
         for (&weight, &inverse) in self.weight.0.iter().zip(&self.inverse.0).take(len) {
@@ -95,8 +95,8 @@ impl Lobe {
     }
 }
 
-/// Finds the axes of lobes, and moves totally reflected light from the refracted to the reflected
-/// lobe.
+/// Computes the axes of lobes, and moves totally reflected light from the refracted to the
+/// reflected lobe.
 struct FindAxes<'a> {
     points: &'a Points,
     lobes: &'a mut Lobes,
@@ -117,7 +117,7 @@ fn find_axes(points: &Points, lobes: &mut Lobes) {
     for i in lanes(surfaces.len) {
         let direction = points.direction.get(i);
         let (n_shade, n_geo) = (surfaces.n_shade.get(i), surfaces.n_geo.get(i));
-        // An interpolated normal may look away from a ray that grazes the surface.
+        // An interpolated normal may face away from a ray that grazes the surface.
         let n = if n_shade.dot(direction) < 0.0 { n_shade } else { n_geo };
         let (axis, passes) = lobe::refract(direction, n, lobes.eta.0[i]);
         let refraction = lobes.refracted.weight.0[i];

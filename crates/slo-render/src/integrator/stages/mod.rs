@@ -1,5 +1,5 @@
-//! The stages of integrators: each turns columns into columns, with working memory of its own that
-//! others read at most.
+//! The stages of integrators. Each turns columns into columns, and has working memory of its own
+//! that other stages may only read.
 
 pub(super) mod camera_rays;
 pub(super) mod direct_light;

@@ -1,4 +1,4 @@
-//! The hits of one batch that are shaded, with everything that shading reads.
+//! The shaded hits of one batch, with everything that shading needs.
 
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up, look_up_each};
@@ -12,18 +12,18 @@ use crate::sampling::batch::SetNames;
 use crate::sampling::{PixelSeed, Purpose};
 use crate::shading::MaterialTable;
 
-/// Hits in columns; `surfaces.len` of them.
+/// Shaded hits in columns: `surfaces.len` of them.
 #[derive(Debug)]
 pub(in crate::integrator) struct Points {
     pub(super) surfaces: Surfaces,
-    /// Unit directions of the rays that came here.
+    /// Unit directions of travel of the rays that hit the points.
     pub(super) direction: Vec3s,
     /// Weight of the radiance that leaves toward the ray's origin.
     pub(super) weight: Vec3s,
     pub(in crate::integrator) labels: Labels,
-    /// k_a of the material, tinted and weighted: light from everywhere.
+    /// k_a of the material, tinted and weighted: light from the ambient term.
     pub(in crate::integrator) ambient: Vec3s,
-    /// Words of the seeds of the pixels.
+    /// Seeds of the pixels, as words.
     pub(super) seed: Column<u32>,
     /// k_d of the material, tinted and weighted.
     pub(super) diffuse: Vec3s,
@@ -59,7 +59,7 @@ impl Points {
         self.surfaces.len
     }
 
-    /// Finds everything about the hits of a batch that are shaded; `seeds` are those of the slots.
+    /// Computes everything about the shaded hits of a batch. `seeds` are the seeds of the slots.
     pub(in crate::integrator) fn find(
         &mut self,
         frame: &FrameScene,
@@ -80,7 +80,7 @@ impl Points {
         self.shines = frame.material_table.shines && self.specular.columns().into_iter().any(some);
     }
 
-    /// Fetches what goes with the rays.
+    /// Fetches the columns that belong to the rays.
     fn take(&mut self, batch: &Batch, chosen: &Chosen) {
         let len = chosen.len();
         let Self { direction, weight, labels, .. } = self;
@@ -106,8 +106,8 @@ impl Points {
         }
     }
 
-    /// Names of the random numbers of ray `i` of `count` from every point, `depth` bounces behind the
-    /// camera.
+    /// Returns the names of the random numbers of ray `i` of `count` from every point, after
+    /// `depth` bounces.
     pub(super) fn names(
         &self,
         settings: &Settings,
@@ -130,7 +130,7 @@ impl Points {
     }
 }
 
-/// Numbers of the rays of a batch.
+/// Indices of the rays of a batch.
 static NUMBERS: Column<u32> = {
     let mut numbers = [0; BATCH];
     let mut i = 0;
@@ -141,7 +141,7 @@ static NUMBERS: Column<u32> = {
     numbers
 };
 
-/// Fetches what goes with the pixels and the materials.
+/// Fetches the seeds of pixels and the numbers of materials.
 struct FromTables<'a> {
     table: &'a MaterialTable,
     seeds: &'a [PixelSeed],
@@ -180,7 +180,7 @@ impl<'a> Lanewise for FromTables<'a> {
     }
 }
 
-/// Multiplies materials with weights and tints.
+/// Multiplies the colours of materials by weights and tints.
 struct Weighted<'a>(&'a mut Points);
 
 impl Lanewise for Weighted<'_> {

@@ -21,7 +21,7 @@ pub(in crate::integrator) struct Bounce {
     /// The lobe.
     purpose: Purpose,
     wanted: Wanted,
-    /// Number of the ray, and how many there are.
+    /// Number of the ray, and the number of rays.
     place: [u32; 2],
 }
 
@@ -33,8 +33,8 @@ enum Wanted {
     Perfect,
 }
 
-/// The bounces of all points: several rays of each glossy lobe at first hits, one of each perfect
-/// lobe.
+/// Returns the bounces of all points: several rays of each glossy lobe at first hits, and one ray
+/// of each perfect lobe.
 pub(in crate::integrator) fn bounces(
     frame: &FrameScene,
     lobes: &Lobes,
@@ -70,8 +70,8 @@ pub(in crate::integrator) struct Scattering {
 }
 
 impl Scattering {
-    /// Makes the rays of one bounce. If surface features are collected, `first_behind` is the first
-    /// slot of light through rough lobes.
+    /// Creates the rays of one bounce. If surface features are collected, `first_behind` is the
+    /// first slot of light through rough lobes.
     pub(in crate::integrator) fn send(
         &mut self,
         frame: &FrameScene,
@@ -105,7 +105,7 @@ impl Scattering {
     }
 }
 
-/// Gives rays of rough lobes the slots of light through one.
+/// Moves rays of rough lobes to the slots of light through a rough lobe.
 fn leave_features(lobe: &Lobe, slots: &mut [u32], first_behind: u32) {
     for (slot, inverse) in slots.iter_mut().zip(&lobe.inverse.0) {
         if *inverse > 0.0 && *slot < first_behind {
@@ -114,14 +114,14 @@ fn leave_features(lobe: &Lobe, slots: &mut [u32], first_behind: u32) {
     }
 }
 
-/// One ray of each lobe.
+/// Creates one ray of each lobe.
 struct Send<'a> {
     points: &'a Points,
     lobe: &'a Lobe,
     set: &'a SetPoints,
-    /// Share of one ray in the lobe.
+    /// Share of one ray in the light of the lobe.
     share: f32,
-    /// Number of rays of the lobe that are combined with rays to lamps.
+    /// Number of rays of the lobe that are combined with rays to lamps; 0 if none are.
     rays: f32,
     /// See [`roulette`].
     least: f32,
@@ -161,11 +161,11 @@ fn send(
     }
 }
 
-/// Labels of the rays.
+/// Sets the labels of the rays.
 struct Name<'a> {
     points: &'a Points,
     purpose: Purpose,
-    /// Number of the ray, of how many.
+    /// Number of the ray, and the number of rays.
     place: [u32; 2],
     next: &'a mut Labels,
 }

@@ -1,4 +1,4 @@
-//! Connections: rays that carry the light that they bring if nothing blocks them.
+//! Connections: rays that carry the light that they add if nothing blocks them.
 
 use glam::Vec3;
 use slo_accel::math::columns::Vec3s;
@@ -10,10 +10,10 @@ use crate::integrator::batch::{Batch, Labels, Sent};
 use crate::integrator::chosen::Chosen;
 use crate::integrator::queue::Habit;
 
-/// A batch of connections, and those that go on behind what lets light pass.
+/// A batch of connections, and their continuations behind transparent objects.
 #[derive(Debug, Default)]
 pub(in crate::integrator) struct Visibility {
-    /// Its weights become the light that arrives.
+    /// The batch. Tracing turns its weights into the light that arrives.
     pub(in crate::integrator) batch: Batch,
     blocked: Vec<bool>,
     passing: Option<Box<Passing>>,
@@ -52,14 +52,14 @@ impl Visibility {
         habit.learn(expected, alike);
     }
 
-    /// Connections that start again behind what they passed through: rays, labels, and which of them
-    /// there are.
+    /// Returns the connections that start again behind the objects that they passed through: rays,
+    /// labels, and the selection.
     pub(in crate::integrator) fn beyond(&self) -> Option<(&Sent, &Labels, &Chosen)> {
         let passing = self.passing.as_ref()?;
         Some((&passing.sent, &passing.labels, &passing.chosen))
     }
 
-    /// Takes the light of blocked rays.
+    /// Removes the light of blocked rays.
     fn trace_opaque(
         &mut self,
         frame: &FrameScene,
@@ -75,7 +75,7 @@ impl Visibility {
 }
 
 impl Passing {
-    /// Takes the light of rays that hit something. Those that meet a refractive object start again
+    /// Removes the light of rays that hit something. Rays that hit a refractive object start again
     /// behind it, weaker.
     fn trace(
         &mut self,
@@ -106,7 +106,7 @@ impl Passing {
             let ray = surfaces.ray[i] as usize;
             let (origin, direction) = (rays.origin(ray), rays.direction(ray));
             let from = surfaces.leave(i, direction);
-            // The rest of the way ends where it ended before.
+            // The ray keeps its end.
             sent.origin.set(i, from);
             sent.direction.set(i, origin + direction * rays.t_max[ray] - from);
             sent.t_max[i] = 1.0;
@@ -118,7 +118,7 @@ impl Passing {
     }
 }
 
-/// Makes the light of blocked rays 0.
+/// Sets the light of blocked rays to 0.
 struct Darken<'a> {
     blocked: &'a [bool],
     light: &'a mut Vec3s,

@@ -1,9 +1,9 @@
-//! Work that is compiled for each kind of light, and the one list of kinds.
+//! Work that is compiled for each kind of light, and the list of kinds.
 
 use super::lamp::Lamp;
 
-/// Work for one light that is compiled for each kind, so that it handles a whole column of hits
-/// without asking for the kind.
+/// Work for one light, compiled for each kind, so that it handles a whole column of hits without
+/// branching on the kind.
 pub trait WithLamp {
     /// Result of the work.
     type Output;
@@ -12,10 +12,11 @@ pub trait WithLamp {
     fn run<L: Lamp>(self, lamp: L) -> Self::Output;
 }
 
-/// Work for lights of one kind that is compiled for each kind.
+/// Work for all lights of one kind, compiled for each kind.
 pub trait WithLamps {
-    /// Does the work for the lights of a table: lane by lane `mine` says whether light `i` of the frame
-    /// is one of them, and `place` where it lies; `place` may be asked of any light of the frame.
+    /// Does the work for the lights of one table. `mine` tells whether light `i` of the frame is in
+    /// the table, and `place` returns its index there; `place` may be called for any light of the
+    /// frame.
     fn run<L: Lamp>(
         &mut self,
         lamps: &[L],
@@ -26,7 +27,7 @@ pub trait WithLamps {
 
 /// Defines an enum of lights, and a collection of them that also has a table for each kind.
 ///
-/// Kinds have the names of those in slo-scene. Each is a type that implements [`Lamp`], with a
+/// The kinds have the same names as in slo-scene. Each is a type that implements [`Lamp`], with a
 /// function `new` that takes the light of the scene and the origin of render space.
 macro_rules! lamps {
     (
@@ -42,7 +43,8 @@ macro_rules! lamps {
         }
 
         impl $Light {
-            /// The light with the origin of render space at `origin` of scene space.
+            /// Converts a light of the scene; `origin` is the origin of render space in scene
+            /// space.
             pub fn new(light: &slo_scene::Light, origin: glam::DVec3) -> Self {
                 match &light.kind {
                     $( slo_scene::LightKind::$Kind(light) => Self::$Kind(<$Type>::new(light, origin)), )+
@@ -58,14 +60,14 @@ macro_rules! lamps {
             }
         }
 
-        /// The lights of a frame. For loops in which every lane has a light of its own, the lights of
-        /// each kind lie in a table.
+        /// The lights of a frame. They also lie in one table for each kind, for loops in which
+        /// every lane has a light of its own.
         #[derive(Clone, Debug, Default)]
         pub struct $Lights {
             all: Vec<$Light>,
-            /// Number of the table of each light.
+            /// For each light, the number of its table.
             table: Vec<u32>,
-            /// Place of each light in its table.
+            /// For each light, its index in its table.
             place: Vec<u32>,
             $( $table: Vec<$Type>, )+
         }
@@ -76,7 +78,7 @@ macro_rules! lamps {
         }
 
         impl $Lights {
-            /// Calls `work` once for each kind of which there are lights.
+            /// Calls `work` once for each kind that the frame has lights of.
             pub fn for_each_kind(&self, work: &mut impl WithLamps) {
                 $( self.for_kind(Table::$Kind as u32, &self.$table, work); )+
             }

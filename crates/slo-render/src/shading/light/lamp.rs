@@ -1,35 +1,38 @@
-//! What the integrator asks of a light, whatever its kind.
+//! The interface of lights to the integrator, whatever their kind.
 
 use glam::Vec3;
 
-/// A light of one kind, in render space. Everything is computed without branches, for whole columns
-/// of hits.
+/// A light of one kind, in render space. All functions are free of branches, for use on whole
+/// columns of hits.
 pub trait Lamp: Copy {
-    /// Whether its points differ, so that several of them are worth a ray each.
+    /// Whether the light has an area, so that several rays to different points of it reduce noise.
     const IS_AREA: bool;
 
-    /// Radiance that reaches a hit from a point of the light that lies `way` from it.
+    /// Returns the radiance that reaches a hit from a point of the light if nothing blocks it;
+    /// `way` is the vector from the hit to the point.
     fn radiance(&self, way: Vec3) -> Vec3;
 
-    /// The point `u` of the light as it is sampled for a hit at `from`.
+    /// Samples a point of the light for a hit at `from`, by a point `u` of the unit square.
     fn point(&self, from: Vec3, u: [f32; 2]) -> Vec3;
 
-    /// `pdf_solid_angle`, as seen from a hit, of the point of the light that lies `way` from it, as
-    /// [`point`](Self::point) samples it; infinite for a light without an area.
+    /// Returns the `pdf_solid_angle`, as seen from a hit, with which [`point`](Self::point) samples
+    /// the point of the light at the end of the vector `way` from the hit; infinite for a light
+    /// without an area.
     fn density(&self, way: Vec3) -> f32;
 
-    /// About how bright the light makes a hit: its luminance times the cosine of its middle, and a
-    /// little more, since a highlight or a lobe may see it better. 0 where all of it lies behind the
-    /// surface, unless light from there counts (`through`). The normals are those for shading and
-    /// of the surface itself.
+    /// Estimates how much light the hit receives: the luminance of the light times the cosine at
+    /// its middle, plus a little, since a highlight or a lobe may receive more. Returns 0 if the
+    /// whole light lies behind the surface, unless light from behind counts (`through`). The
+    /// normals are the shading normal and the geometric normal, in this order.
     fn expected(&self, hit: Vec3, normals: [Vec3; 2], through: bool) -> f32;
 
-    /// Direction of a shadow ray from `from` to a `point` of the light, and the t at which it ends:
-    /// 1, less what keeps the light's own surface from being hit.
+    /// Returns the direction of a shadow ray from `from` to a `point` of the light, not normalized,
+    /// and the t at which it ends: 1, minus a margin that keeps it from hitting the light's own
+    /// surface.
     fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32);
 }
 
-/// What is expected of a light at a hit, by its luminance and the cosine of its middle.
+/// Estimates the light at a hit from the light's colour and the cosine at its middle.
 #[inline(always)]
 pub(super) fn expected(color: Vec3, cos: f32, is_seen: bool) -> f32 {
     const LEAST: f32 = 0.1;

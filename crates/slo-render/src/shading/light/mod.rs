@@ -84,7 +84,7 @@ mod tests {
 
     use super::*;
 
-    /// Radiance of each light of a frame, found through the tables.
+    /// Radiance of each light of a frame, looked up through the tables.
     struct Colors(Vec<Option<Vec3>>);
 
     impl WithLamps for Colors {

@@ -8,16 +8,16 @@ use slo_scene::light::PointLight;
 /// A point.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Radiance that reaches a hit, at any distance.
+    /// Radiance that reaches a hit, at any distance (lights have no falloff).
     pub(super) color: Vec3,
     pub(super) position: Vec3,
 }
 
 impl Point {
-    /// The light with the origin of render space at `origin` of scene space.
+    /// Converts a light of the scene; `origin` is the origin of render space in scene space.
     pub fn new(light: &PointLight, origin: DVec3) -> Self {
         let position = (light.position - origin).as_vec3();
-        // The sum turns -0 into 0, so that rays do not depend on the sign of a zero.
+        // Adding 0 turns -0 into 0, so rays do not depend on the sign of a zero.
         Self { color: light.color.into(), position: position + Vec3::ZERO }
     }
 }

@@ -1,4 +1,4 @@
-//! `light_rectangle`: a rectangle that shines on both sides.
+//! `light_rectangle`: a rectangle that emits light on both sides.
 
 use glam::{DVec3, Vec3};
 
@@ -9,22 +9,23 @@ use slo_scene::light::RectangleLight;
 /// A rectangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Rectangle {
-    /// Radiance that reaches a hit, at any distance.
+    /// Radiance that reaches a hit, at any distance (lights have no falloff).
     pub(super) color: Vec3,
     /// First corner.
     pub(super) corner: Vec3,
     pub(super) sides: [Vec3; 2],
-    /// Unit.
+    /// Unit normal.
     pub(super) normal: Vec3,
-    /// `|normal|`, by components, times the roundings of [`shadow_ray`](Lamp::shadow_ray).
+    /// Absolute values of the components of `normal`, times the rounding bound of
+    /// [`shadow_ray`](Lamp::shadow_ray).
     pub(super) sensitivity: Vec3,
-    /// Coordinates that the points of the light are computed from, at most.
+    /// Upper bound of the absolute coordinates from which points of the light are computed.
     pub(super) magnitude: Vec3,
     pub(super) area: f32,
 }
 
 impl Rectangle {
-    /// The light with the origin of render space at `origin` of scene space.
+    /// Converts a light of the scene; `origin` is the origin of render space in scene space.
     pub fn new(light: &RectangleLight, origin: DVec3) -> Self {
         let [v0, v1, v2] = light.rectangle.vertices;
         let sides = [v1 - v0, v2 - v1];
@@ -50,7 +51,7 @@ impl Lamp for Rectangle {
         self.color
     }
 
-    /// Uniform by area. Source: thesis 5.11.
+    /// Samples uniformly by area. Source: thesis 5.11.
     #[inline(always)]
     fn point(&self, _from: Vec3, u: [f32; 2]) -> Vec3 {
         self.corner + self.sides[0] * u[0] + self.sides[1] * u[1]
@@ -70,20 +71,21 @@ impl Lamp for Rectangle {
         expected(self.color, cos, through || middle.dot(n_geo) + reach > 0.0)
     }
 
-    /// Point and rectangle differ by roundings of coordinates, and the test of the rectangle by
-    /// roundings of its corners as seen from `from`, sheared along the ray. Both count along the
-    /// normal only, so that a flat ray ends no earlier than it must: 6 roundings of the point and
-    /// the direction, 10 of the test, and as many again for the slope of the ray, which is rounded
-    /// too. The rest is for a ray that starts again behind what lets it pass.
+    /// The sampled point differs from the rectangle by roundings of its coordinates. The
+    /// rectangle's intersection test rounds the corners relative to `from`, sheared along the ray.
+    /// Both errors count along the normal only, so that a ray at a grazing angle ends no earlier
+    /// than necessary: 6 roundings of the point and the direction, 10 of the test, and as many
+    /// again for the slope of the ray, which is rounded too. The rest of the bound covers a ray
+    /// that starts again behind a transparent object.
     #[inline(always)]
     fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32) {
         let direction = point - from;
         let far = (self.corner - from).abs() + self.sides[0].abs() + self.sides[1].abs();
         let along = direction.abs();
-        // The shear moves a corner as far as the ray goes on its way to that depth.
+        // The shear moves a corner as far as the ray moves sideways on its way to that depth.
         let sheared = along * (far.max_element() / along.max_element());
         let error = self.sensitivity.dot(self.magnitude + far + sheared);
-        // A ray in the rectangle's plane is kept as long as half its way.
+        // A ray in the rectangle's plane keeps half its length.
         (direction, (1.0 - error / direction.dot(self.normal).abs()).max(0.5))
     }
 }
@@ -119,8 +121,8 @@ mod tests {
         assert_eq!(edge_on, 0.5);
     }
 
-    /// Rays toward random places on lights of any size and slant never hit the light's own
-    /// triangles, from near, far away, and almost in their plane; and they end just before them.
+    /// Rays to random points on lights of any size and slant, from nearby, from far away and almost
+    /// in the light's plane, never hit the light's own triangles, but end just before them.
     #[test]
     fn shadow_rays_never_hit_their_own_light() {
         let mut rng = StdRng::seed_from_u64(19);
@@ -142,7 +144,7 @@ mod tests {
             let u = [number(0.5) + 0.5, number(0.5) + 0.5].map(|u| u as f32);
             let (direction, t_max) = light.shadow_ray(from, light.point(from, u));
             let ray = ShearedRay::new(from, direction);
-            // An edge-on ray, which ends half way, may meet it.
+            // An edge-on ray, which ends half way, may still hit the light.
             for triangle in [[v0, v1, v2], [v0, v2, v3]].iter().filter(|_| t_max > 0.5) {
                 assert_eq!(intersect(&ray, triangle, t_max), None, "{light:?} from {from}");
                 let longer = 1.0 - (1.0 - t_max) / 32.0;

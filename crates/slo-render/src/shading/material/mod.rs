@@ -1,8 +1,8 @@
 //! Materials at a hit: one file for each kind.
 //!
-//! Each kind becomes a [`Material`], one row of the columns in [`MaterialTable`]. A kind that needs
-//! other numbers than these gets columns of its own beside them, and hits are sorted by kind before
-//! they are shaded, as they are sorted by what they show.
+//! Each kind is converted to a [`Material`], one row of the columns of [`MaterialTable`]. A kind
+//! that needs other numbers gets columns of its own, and hits are sorted by kind before shading, as
+//! they are already sorted by what they show.
 
 pub mod phong;
 mod row;
@@ -13,7 +13,7 @@ use slo_scene::MaterialKind;
 pub use row::Material;
 pub use table::MaterialTable;
 
-/// A material of a scene, ready for shading.
+/// Prepares a material of a scene for shading.
 pub fn ready(material: &slo_scene::Material) -> Material {
     match &material.kind {
         MaterialKind::Phong(phong) => phong::row(phong),

@@ -7,7 +7,7 @@ use crate::sampling::warp::lobe_inverse;
 use slo_accel::math::elementary::power;
 use slo_scene::material::Phong;
 
-/// What the columns of materials hold of it.
+/// Returns the row of a Phong material in the material table.
 pub(super) fn row(Phong { info, texture }: &Phong) -> Material {
     Material {
         ambient: info.ambient.into(),
@@ -23,9 +23,10 @@ pub(super) fn row(Phong { info, texture }: &Phong) -> Material {
     }
 }
 
-/// What a light of radiance 1 in direction `l` adds toward `e`: k_d (L.N) + k_s (E.R)^shininess,
-/// without any distance. `n`, `l`, `e` are unit and point away from the surface; 0 where the light
-/// is behind `n`. Without branches; `SHINES` is false where all of `specular` is 0.
+/// Returns the light reflected toward `e` from a light of radiance 1 in direction `l`: k_d (L.N) +
+/// k_s (E.R)^shininess. The cosine is included in the first term only; there is no falloff with
+/// distance. `n`, `l`, `e` are unit vectors that point away from the surface. The result is 0 if
+/// the light is behind `n`. Free of branches; `SHINES` may be false if all of `specular` is 0.
 ///
 /// Source: thesis 2.15.
 #[inline(always)]
@@ -61,11 +62,11 @@ mod tests {
     fn terms_are_those_of_the_thesis() {
         let (s, c) = (0.6f32, 0.8f32);
         let l = Vec3::new(s, 0.0, c);
-        // Seen from the mirrored direction the highlight is at its peak.
+        // Seen from the mirrored direction, the highlight is at its peak.
         let diffuse = Vec3::new(0.5, 0.25, 0.0);
         let at_peak = light(diffuse, l, Vec3::new(-s, 0.0, c));
         assert!((at_peak - Vec3::new(0.9, 0.7, 0.5)).length() < 1e-6, "{at_peak}");
-        // Seen along the normal E.R is 0.8.
+        // Seen along the normal, E.R is 0.8.
         let from_above = light(Vec3::new(0.5, 0.0, 0.0), l, Vec3::Z);
         let highlight = 0.5 * 0.107_374_18;
         let expected = Vec3::new(0.4 + highlight, highlight, highlight);

@@ -1,30 +1,30 @@
-//! What is known of every material at a hit, whatever its kind.
+//! The numbers of a material at a hit, whatever its kind.
 
 use glam::Vec3;
 
 use slo_scene::TextureUse;
 
-/// A material, ready for shading: a row of the material table.
+/// A material prepared for shading: a row of the material table.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
-    /// k_a
+    /// k_a, RGB.
     pub ambient: Vec3,
-    /// k_d
+    /// k_d, RGB.
     pub diffuse: Vec3,
-    /// k_s
+    /// k_s, RGB.
     pub specular: Vec3,
     /// Exponent of the highlight.
     pub shininess: f32,
-    /// k_r
+    /// k_r, the reflected share of light.
     pub reflectance: f32,
-    /// k_t
+    /// k_t, the refracted share of light.
     pub refraction: f32,
-    /// `1 / (n + 1)` of the reflected lobe cos^n; 0: mirror.
+    /// `1 / (n + 1)` of the reflected lobe cos^n; 0 for a perfect mirror.
     pub reflection_lobe: f32,
-    /// `1 / (n + 1)` of the refracted lobe cos^n; 0: clear.
+    /// `1 / (n + 1)` of the refracted lobe cos^n; 0 for clear glass.
     pub refraction_lobe: f32,
-    /// Index of refraction inside, 1 outside.
+    /// Index of refraction inside the object; outside it is 1.
     pub refraction_index: f32,
-    /// Multiplies ambient and diffuse.
+    /// Image that multiplies `ambient` and `diffuse`.
     pub texture: Option<TextureUse>,
 }

@@ -1,20 +1,20 @@
-//! Materials in columns: what is looked up at every hit.
+//! Materials in columns, looked up at every hit.
 
 use glam::Vec3;
 
 use super::row::Material;
 
-/// One number of every material, by its index.
+/// One number of every material, indexed by the material.
 type Entries = Vec<f32>;
 
-/// What hits read of materials, but for images; see [`Material`].
+/// All numbers of materials except images, in columns; see [`Material`].
 #[derive(Clone, Debug, Default)]
 pub struct MaterialTable {
-    /// Red, green, blue.
+    /// One column each for red, green and blue.
     pub ambient: [Entries; 3],
-    /// Red, green, blue.
+    /// One column each for red, green and blue.
     pub diffuse: [Entries; 3],
-    /// Red, green, blue.
+    /// One column each for red, green and blue.
     pub specular: [Entries; 3],
     /// Whether any of `ambient` is not 0.
     pub has_ambient: bool,
@@ -26,16 +26,16 @@ pub struct MaterialTable {
     pub reflectance: Entries,
     /// k_t
     pub refraction: Entries,
-    /// `1 / (n + 1)`
+    /// `1 / (n + 1)` of the lobe cos^n; 0 if perfect.
     pub reflection_lobe: Entries,
-    /// `1 / (n + 1)`
+    /// `1 / (n + 1)` of the lobe cos^n; 0 if perfect.
     pub refraction_lobe: Entries,
-    /// Inside.
+    /// Indices of refraction inside the objects.
     pub refraction_index: Entries,
 }
 
 impl MaterialTable {
-    /// The same materials, in columns.
+    /// Arranges materials in columns.
     pub fn new(materials: &[Material]) -> Self {
         let all = |of: fn(&Material) -> f32| materials.iter().map(of).collect();
         Self {

@@ -2,7 +2,8 @@
 
 use crate::support::{Picture, Shot, glow, material, pivot_at};
 
-/// Everything that is sampled at once: pixel, time, lens, lights, glossy reflection and refraction.
+/// A scene that samples everything at once: pixel, time, lens, lights, glossy reflection and
+/// refraction.
 fn everything(settings: &str, samples: u32) -> Picture {
     let keys = pivot_at(0.0, [-2.0, 0.0, 1.0]) + &pivot_at(1.0, [2.0, 0.0, 1.0]);
     let elements = material("paper", "ambient { 0.1 0.1 0.1 } diffuse { 0.6 0.5 0.4 }")
@@ -39,7 +40,8 @@ fn blocks(picture: &Picture) -> Vec<f64> {
     (0..64).map(mean).collect()
 }
 
-/// Root of the mean square difference of blocks, and the difference of the whole pictures.
+/// Root mean square difference of the blocks, and the difference of the means of the whole
+/// pictures.
 fn differences(a: &[f64], b: &[f64]) -> [f64; 2] {
     let each = a.iter().zip(b).map(|(a, b)| a - b);
     [(each.clone().map(|d| d * d).sum::<f64>() / 64.0).sqrt(), (each.sum::<f64>() / 64.0).abs()]
@@ -57,12 +59,12 @@ fn generators_and_ways_to_ask_lights_agree() {
         "softShadowSamples 4 diffuseReflectionSamples 3 diffuseRefractionSamples 2",
         "dofSamples 2 accelerator NONE",
     ] {
-        // The standard deviation of one sample is below 0.3 here: over 64 pixels of 64 samples 0.005
-        // at most, over the picture 0.0006.
+        // The standard deviation of one sample is below 0.3 here: at most 0.005 over 64 pixels of
+        // 64 samples, and 0.0006 over the picture.
         let [each, whole] = differences(&blocks(&everything(settings, 64)), &reference);
         assert!(each < 5e-3 && whole < 2e-3, "{settings}: {each}, {whole}");
     }
-    // a bias of 2 % would be seen
+    // A bias of 2 % would be detected.
     let darker: Vec<f64> = reference.iter().map(|v| v * 0.98).collect();
     assert!(differences(&darker, &reference)[0] > 5e-3);
 }

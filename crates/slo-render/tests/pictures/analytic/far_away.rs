@@ -1,11 +1,11 @@
-//! A scene a million units from the origin looks as it does at the origin.
+//! A scene a million units from the origin looks the same as at the origin.
 
 use slo_accel::Isa;
 use slo_render::frame::FrameScene;
 
 use crate::support::{Picture, Shot, describe, expose_frame, glow, material, pivot_at, vector};
 
-/// A little of everything about a point, seen from 10 units before it.
+/// A little of everything around a point, seen from 10 units in front of it.
 fn scene(o: [f64; 3]) -> Picture {
     let at = |x: f64, y: f64, z: f64| vector([o[0] + x, o[1] + y, o[2] + z]);
     let keys = pivot_at(0.0, [o[0] - 1.5, o[1], o[2] + 1.5])
@@ -60,7 +60,8 @@ fn a_million_units_away_nothing_changes_but_the_last_digits() {
     assert!(near.sum(0) > 1000.0 && near.sum(0) < 3000.0);
     for origin in [[1e6, -1e6, 1e6], [123_456.78, 987_654.32, -1e6]] {
         let far = scene(origin);
-        // Both pictures take the same samples: what differs is which side of an edge a few rays fall on.
+        // Both pictures take the same samples. They differ only in a few rays that pass an edge on
+        // the other side.
         let mut differences: Vec<f32> = near
             .0
             .rgb
@@ -78,7 +79,7 @@ fn a_million_units_away_nothing_changes_but_the_last_digits() {
     }
 }
 
-/// Curved things and the shadows that they throw, about a point.
+/// Curved objects around a point, and the shadows that they cast.
 fn curved(from: Vec<[f64; 3]>, o: [f64; 3], frames: u32) -> Picture {
     let at = |x: f64, y: f64, z: f64| vector([o[0] + x, o[1] + y, o[2] + z]);
     let elements = material("paper", "diffuse { 0.9 0.9 0.9 }")
@@ -97,7 +98,7 @@ fn curved(from: Vec<[f64; 3]>, o: [f64; 3], frames: u32) -> Picture {
             at(-3.0, -5.0, 5.0),
         );
     let shot = Shot { from, to: vec![o], samples: 16, ..Shot::default() };
-    // Frame 1 is in the middle of the segment if there are two a second.
+    // With two frames a second, frame 1 is in the middle of the segment.
     let text = shot.of(&elements).replace("fps 1", &format!("fps {frames}"));
     let scene = describe(&text);
     let frame = FrameScene::build(&scene, i64::from(frames - 1), Isa::best()).expect("it is seen");

@@ -1,5 +1,5 @@
-//! White furnace: where light of 1 comes from everywhere and nothing is absorbed, everything is 1,
-//! whatever its shape and gloss; and what the recursion cuts off is black.
+//! White furnace: if light of radiance 1 comes from everywhere and nothing is absorbed, every pixel
+//! is 1, whatever the shape and the gloss. The part that the recursion cuts off is black.
 
 use crate::support::{Shot, material};
 
@@ -23,8 +23,8 @@ const SHAPES: [&str; 7] = [SPHERE, BOX, CYLINDER, CONE, MESH, SMOOTH_MESH, MOVIN
 
 #[test]
 fn convex_mirrors_of_any_gloss_reflect_everything_at_once() {
-    // A convex thing meets no reflected ray again: one bounce must do. A ray that hit the surface that
-    // it leaves, or went below it, would be lost.
+    // A reflected ray cannot hit a convex object again, so one bounce must suffice. Light would be
+    // lost if a ray hit the surface that it leaves, or passed below it.
     for shape in SHAPES {
         for sigma in [0.0, 0.1, 0.5, 1.0] {
             let mirror = material("m", &format!("reflectance 1 diffuse_reflection {sigma}"));
@@ -37,13 +37,13 @@ fn convex_mirrors_of_any_gloss_reflect_everything_at_once() {
 #[test]
 fn clear_spheres_pass_everything_in_two_bounces() {
     for index in [1.5, 1.0, 0.7] {
-        // what meets the thin sphere at a slant is totally reflected outside, in one bounce
+        // Rays that meet the thin sphere at a slant are totally reflected outside, in one bounce.
         let glass = material("m", &format!("refraction 1 refraction_index {index}"));
         furnace(2, 8).take(&(glass + SPHERE)).assert_is([1.0; 3], 1e-6);
     }
 }
 
-/// Reflects 0.4 and lets 0.6 through, both with one spread.
+/// Material that reflects 0.4 and transmits 0.6, both with the same spread.
 fn frosted(sigma: f64, more: &str) -> String {
     let phong = format!(
         "refraction 0.6 reflectance 0.4 refraction_index 1.5
@@ -54,11 +54,12 @@ fn frosted(sigma: f64, more: &str) -> String {
 
 #[test]
 fn frosted_things_keep_nothing() {
-    // Total internal reflection holds light for many bounces: near the rim of a ball it turns by
-    // about sigma at each, and some directions never find out of a smooth mesh. So nothing is said
-    // of when it comes out, only that none is lost. With ambient light of 1 every hit adds its
-    // weight; the weights of the last hits, where the recursion ends, are what is left if those of
-    // all earlier hits are taken away: they and what came out are 1 together.
+    // Total internal reflection keeps light inside for many bounces. Near the rim of a ball its
+    // direction changes by about sigma at each bounce, and in a smooth mesh some directions never
+    // escape. So the test does not check when light escapes, only that none is lost. With ambient
+    // light of 1, every hit adds its weight. Subtracting the weights of all earlier hits leaves the
+    // weights of the last hits, where the recursion ends. These and the light that escaped add up
+    // to 1.
     let recursion = 24;
     for shape in SHAPES {
         for sigma in [0.0, 0.2, 1.0] {
@@ -68,7 +69,7 @@ fn frosted_things_keep_nothing() {
             let (all, earlier) = (all.take(&scene), earlier.take(&scene));
             for (i, (all, earlier)) in all.0.rgb.iter().zip(&earlier.0.rgb).enumerate() {
                 let sum = all[0] - earlier[0];
-                // 25 hits at most, each with its weight rounded 24 times by 2^-24
+                // At most 25 hits, with weights that are rounded 24 times by 2^-24.
                 assert!((sum - 1.0).abs() < 5e-5, "{sum} in pixel {i} of {shape}, sigma {sigma}");
             }
         }
@@ -77,8 +78,8 @@ fn frosted_things_keep_nothing() {
 
 #[test]
 fn frosted_things_give_everything_back_in_the_end() {
-    // With a cosine lobe a ball, the worst of them, keeps 0.85 of the light inside at each bounce:
-    // 1e-9 is left after 128.
+    // With a cosine lobe, a ball, the worst shape, keeps 0.85 of the light inside at each bounce:
+    // 1e-9 is left after 128 bounces.
     for shape in SHAPES {
         let shot = Shot { blur: 1.0, ..furnace(128, 1) };
         shot.take(&(frosted(1.0, "") + shape)).assert_is([1.0; 3], 1e-4);

@@ -1,13 +1,13 @@
-//! Layers of albedo and normals: what they hold on surfaces whose share is known.
+//! Layers of albedo and normals, tested on surfaces whose shares are known.
 
 use crate::support::{Shot, glow, material, panel, pivot_at, rectangle};
 
-/// A wall that fills the view, behind which there is nothing.
+/// A wall that fills the view, with nothing behind it.
 fn wall(phong: &str) -> String {
     material("wall", phong) + &panel("wall", "wall", [-90.0, 90.0], 0.0, [-90.0, 90.0])
 }
 
-/// A wall that turns rays to the left, and a blue one there whose normal is x.
+/// A wall that deflects rays to the left, and a blue wall there with normal x.
 fn corner(phong: &str) -> String {
     material("turn", phong)
         + &material("side", "diffuse { 0.1 0.2 0.8 }")
@@ -27,7 +27,7 @@ fn check(shot: &Shot, elements: &str, albedo: [f64; 3], normal: [f64; 3]) {
     normals.assert_is(normal, 1e-6);
 }
 
-/// A view so narrow that all of it is the middle of what it shows.
+/// A view so narrow that all pixels show the same point.
 fn narrow() -> Shot {
     Shot { fov: 0.01, samples: 2, ..Shot::default() }
 }
@@ -47,7 +47,7 @@ fn a_mirror_shows_the_layers_of_what_it_mirrors() {
     let mirror = corner("diffuse { 0.1 0.1 0.1 } reflectance 0.75");
     let normal = [0.75 - 0.25 * half, -0.25 * half, 0.0];
     check(&narrow(), &mirror, [0.175, 0.25, 0.7], normal);
-    // Without a bounce there is nothing in it, as in the picture.
+    // Without a bounce the layers are empty, like the picture.
     let flat = Shot { recursion: 0, ..narrow() };
     check(&flat, &mirror, [0.1; 3], [-0.25 * half, -0.25 * half, 0.0]);
 }
@@ -68,7 +68,7 @@ fn clear_glass_shows_the_layers_of_what_is_behind() {
     let pane = panel("pane", "clear", [-90.0, 90.0], -1.0, [-90.0, 90.0]);
     let elements = clear.clone() + &pane + &wall("diffuse { 0.8 0.6 0.4 }");
     check(&narrow(), &elements, [0.4, 0.3, 0.2], [0.0, -1.0, 0.0]);
-    // Behind a rough mirror nothing counts, clear glass or not.
+    // Surfaces behind a rough mirror do not count, whether clear glass is in between or not.
     let across = [[-5.0, -90.0, -90.0], [-5.0, 90.0, -90.0], [-5.0, 90.0, 90.0]];
     let turned = corner("reflectance 0.5 diffuse_reflection 0.01")
         + &clear
@@ -90,7 +90,8 @@ fn lamps_and_the_background_have_no_normals() {
 
 #[test]
 fn lens_and_motion_blur_layers_as_they_blur_colours() {
-    // What glows, and is mirrored by what glows, has the albedo that it shows.
+    // A glowing surface has its displayed colour as albedo, and so does a mirror image of it in a
+    // glowing surface.
     let moving = rectangle(
         "moving",
         "red",

@@ -1,9 +1,9 @@
-//! Depth of field: a thin lens of radius c, sharp at distance F, spreads a point at distance z over a
-//! disc of radius c |1/z - 1/F| (at distance 1), times 32 / fov in pixels.
+//! Depth of field. A thin lens of radius c, focused at distance F, spreads a point at distance z
+//! over a disc of radius c |1/z - 1/F| (at distance 1); times 32 / fov, that is in pixels.
 
 use crate::support::{Shot, assert_profile, glow, panel};
 
-/// The part of the unit disc to the left of `t`.
+/// Share of the unit disc to the left of `t`.
 fn disc_left_of(t: f64) -> f64 {
     let t = t.clamp(-1.0, 1.0);
     0.5 + (t * (1.0 - t * t).sqrt() + libm::asin(t)) / std::f64::consts::PI
@@ -13,12 +13,12 @@ fn blur_radius_px(shot: &Shot, distance: f64) -> f64 {
     shot.lens * (1.0 / distance - 1.0 / shot.dof).abs() * 32.0 / shot.fov
 }
 
-/// The right half of the picture glows, at depth `y`.
+/// A surface at depth `y` that fills the right half of the picture with light.
 fn half_plane(y: f64) -> String {
     glow("white", [1.0; 3]) + &panel("half", "white", [0.0, 100.0], y, [-100.0, 100.0])
 }
 
-/// An edge in the middle of the picture, blurred by a disc of that radius.
+/// Row of a picture with an edge in its middle, blurred by a disc of this radius.
 fn blurred_edge(radius_px: f64) -> Vec<f64> {
     let column = |x: usize| {
         let steps = (0..100).map(|k| (x as f64 - 32.0 + (k as f64 + 0.5) / 100.0) / radius_px);
@@ -55,8 +55,9 @@ fn lens_samples_multiply_image_samples() {
 
 #[test]
 fn a_defocused_point_is_a_disc() {
-    // A square of 4 pixels, spread over a disc of radius 12.8. Variances along an axis add up: r^2/4
-    // of a disc, a^2/12 of a square, 1/12 of a pixel. Its light is that of the square.
+    // A square of 4 pixels, spread over a disc of radius 12.8. Variances along an axis add up:
+    // r^2/4 for a disc, a^2/12 for a square, 1/12 for a pixel. The total light is the light of the
+    // square.
     let shot = Shot { lens: 2.0, samples: 256, ..Shot::default() };
     let (side, radius) = (4.0, 12.8);
     let half = side / 2.0 * 5.0 * shot.fov / 32.0;
@@ -77,7 +78,7 @@ fn a_defocused_point_is_a_disc() {
     for mean in [moment(&|x, _| x), moment(&|_, y| y), moment(&|x, y| x * y) / radius] {
         assert!(mean.abs() < 0.2, "{mean}");
     }
-    // all of the disc, and nothing beyond it: the square reaches 2 sqrt 2 pixels from its middle
+    // All of the disc, and nothing beyond it: the square reaches 2 sqrt 2 pixels from its middle.
     for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
         let distance = f64::hypot(x as f64 - 31.5, y as f64 - 31.5);
         if (distance - radius).abs() > 4.0 {

@@ -16,7 +16,7 @@ fn ambient_is_what_it_says() {
     let wall =
         glow("wall", [0.125, 0.5, 2.0]) + &panel("w", "wall", [-50.0, 50.0], 0.0, [-50.0, 50.0]);
     Shot::default().take(&wall).assert_is([0.125, 0.5, 2.0], 0.0);
-    // a light does not change it
+    // A light does not change it.
     let lit = wall + "light_point lamp { color { 1 1 1 } position { 0 -5 0 } }";
     Shot::default().take(&lit).assert_is([0.125, 0.5, 2.0], 0.0);
 }
@@ -67,7 +67,7 @@ fn light_from_behind_does_not_light() {
 
 #[test]
 fn both_sides_of_a_wall_are_lit_alike() {
-    // the same wall with the corners the other way round
+    // The same wall with the corners in reverse order.
     let corners = [[-50.0, 0.0, 50.0], [50.0, 0.0, 50.0], [50.0, 0.0, -50.0]];
     let phong = "diffuse { 0.5 0.75 0.25 } specular { 1 1 1 } shininess 9";
     let turned = material("wall", phong)
@@ -81,9 +81,9 @@ fn both_sides_of_a_wall_are_lit_alike() {
 
 #[test]
 fn highlight_has_its_peak_and_width() {
-    // Camera at (0, -4, 4) and lamp at (0, 4, 4) over the floor: the mirror direction meets the camera at
-    // the origin, where the highlight is 1; it is half as bright where the angle between E and R is
-    // acos(2^(-1/50)) = 9.5 degrees.
+    // Camera at (0, -4, 4) and lamp at (0, 4, 4) over the floor. The mirror direction meets the
+    // camera at the origin, where the highlight is 1. It is half as bright where the angle between
+    // E and R is acos(2^(-1/50)) = 9.5 degrees.
     let shot = Shot { from: vec![[0.0, -4.0, 4.0]], fov: 0.3, ..Shot::default() };
     let floor = [[-50.0, -50.0, 0.0], [50.0, -50.0, 0.0], [50.0, 50.0, 0.0]];
     let scene = material("floor", "specular { 1 0.5 0.25 } shininess 50")
@@ -91,7 +91,7 @@ fn highlight_has_its_peak_and_width() {
         + "light_point lamp { color { 1 1 1 } position { 0 4 4 } }";
     let picture = shot.take(&scene);
     let highlight = |u: f64, v: f64| {
-        // the ray of film point (u, v): D = (0, 1, -1) / sqrt 2, R = x, U = (0, 1, 1) / sqrt 2
+        // The ray of film point (u, v): D = (0, 1, -1) / sqrt 2, R = x, U = (0, 1, 1) / sqrt 2.
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let direction = glam::DVec3::new(0.3 * u, half + 0.3 * v * half, -half + 0.3 * v * half);
         let eye = glam::DVec3::new(0.0, -4.0, 4.0);

@@ -1,11 +1,11 @@
-//! Mirrors: where the image is, how bright, after how many bounces.
+//! Mirrors: the position and brightness of the image, and the number of bounces.
 
 use crate::support::{Shot, assert_profile, glow, material, panel, rectangle};
 
 #[test]
 fn a_slanted_mirror_shows_the_image_behind_it() {
-    // The mirror x + y = 0 maps (x, y) to (-y, -x): the panel at x = -8, y in 0.3..2.1 appears at
-    // y = 8, 18 from the camera, x in -2.1..-0.3. A pixel is 18 / 64 there.
+    // The mirror x + y = 0 maps (x, y) to (-y, -x). The panel at x = -8, y in 0.3..2.1 appears at y
+    // = 8, 18 from the camera, x in -2.1..-0.3. A pixel is 18 / 64 there.
     let scene = glow("white", [1.0; 3])
         + &material("mirror", "reflectance 0.75")
         + &rectangle(
@@ -33,7 +33,8 @@ fn a_slanted_mirror_shows_the_image_behind_it() {
 
 #[test]
 fn recursion_counts_bounces_after_the_first_hit() {
-    // Between two mirrors: 0.3 of its own and half of what it sees in front, 0.7 and a quarter behind.
+    // Between two mirrors. The front one adds 0.3 of its own and half of what it reflects; the back
+    // one adds 0.7 and a quarter.
     let wall = |name: &str, y: f64| panel(name, name, [-1e3, 1e3], y, [-1e3, 1e3]);
     let scene = material("front", "ambient { 0.3 0.3 0.3 } reflectance 0.5")
         + &material("back", "ambient { 0.7 0.7 0.7 } reflectance 0.25")
@@ -62,15 +63,16 @@ fn the_background_is_mirrored_too() {
 
 #[test]
 fn a_glossy_mirror_spreads_a_line_by_its_lobe() {
-    // Parallel rays (a view of 0.0005 to each side) meet a mirror that returns them, spread by a lobe of
-    // density proportional to cos^n, n = 1 / sigma^2. A wall behind the camera, glowing on one side of
-    // a plane through the axis at angle a from it, tells how much of the lobe lies beyond that angle.
-    // For a cone: the share of directions farther from the axis than a is cos^(n+1) a.
+    // Parallel rays (a view of 0.0005 to each side) meet a mirror that reflects them back, spread
+    // by a lobe of density proportional to cos^n, n = 1 / sigma^2. Behind the camera, a wall glows
+    // on one side of a plane through the axis at angle a from it, and so measures how much of the
+    // lobe lies beyond that angle. For a cone, the share of directions farther from the axis than a
+    // is cos^(n+1) a.
     for sigma in [0.1, 0.3, 1.0] {
         let n = 1.0 / (sigma * sigma);
         let a = sigma * 0.8;
         let radius = 40.0 * libm::tan(a);
-        // the glow is all but a disc of that radius, 40 behind the mirror's face
+        // The whole wall glows except a disc of this radius, 40 behind the mirror's face.
         let scene = material("mirror", &format!("reflectance 1 diffuse_reflection {sigma}"))
             + &panel("glass", "mirror", [-9.0, 9.0], 0.0, [-9.0, 9.0])
             + &glow("black", [0.0; 3])

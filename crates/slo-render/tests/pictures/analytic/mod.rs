@@ -1,4 +1,4 @@
-//! Pictures whose pixels can be derived by hand. Each test says how.
+//! Pictures whose pixels can be derived by hand. Each test explains how.
 
 mod expectation;
 mod far_away;

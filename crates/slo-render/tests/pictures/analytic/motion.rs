@@ -1,15 +1,15 @@
-//! Motion blur: a pixel's value is the part of the shutter during which it is covered.
+//! Motion blur: a pixel's value is the share of the shutter time during which it is covered.
 
 use crate::support::{
     Picture, Shot, assert_profile, glow, material, panel, panel_corners, pivot_at, rectangle,
     vector,
 };
 
-/// A pixel of the plane through the origin, of the default shot.
+/// Size of a pixel in the plane through the origin, in the default shot.
 const PX: f64 = 10.0 * 0.5 / 32.0;
 
-/// Column by column, the part of the shutter during which a bar 6 pixels wide covers the pixel, when
-/// its middle is at `place(s)` pixels at shutter time `s`.
+/// For each column, the share of the shutter during which a bar 6 pixels wide covers the pixel, if
+/// the middle of the bar is at `place(s)` pixels at shutter time `s`.
 fn streak(place: impl Fn(f64) -> f64) -> Vec<f64> {
     let times = 4000;
     let mut columns = vec![0.0; 64];
@@ -23,7 +23,7 @@ fn streak(place: impl Fn(f64) -> f64) -> Vec<f64> {
     columns
 }
 
-/// A glowing bar 6 pixels wide and 20 pixels high, which moves as the key frames say.
+/// A glowing bar 6 pixels wide and 20 pixels high, which moves by the key frames.
 fn bar(key_frames: &str) -> String {
     let corners = panel_corners([-3.0 * PX, 3.0 * PX], 0.0, [-10.0 * PX, 10.0 * PX]);
     glow("white", [1.0; 3]) + &rectangle("bar", "white", corners, key_frames)
@@ -64,7 +64,7 @@ fn before_and_after_its_keys_the_bar_rests() {
 
 #[test]
 fn handles_make_the_bar_start_and_stop_gently() {
-    // control points 0, 0, 1, 1 of the way: 3 u^2 - 2 u^3
+    // Control points 0, 0, 1, 1 of the way: 3 u^2 - 2 u^3.
     let at = |x: f64| vector([x * PX, 0.0, 0.0]);
     let keys = format!(
         "addKframe {{ time 0 key {{ pivot {0} }} nex {{ pivot {0} }} }}
@@ -96,14 +96,15 @@ fn a_camera_that_follows_a_bar_sees_it_sharp() {
         ..shutter(1.0)
     };
     let found = shot.take(&bar(&keys)).columns(23..41, 0);
-    // the bar is placed to half a sample step, a hundredth of a pixel here
+    // The bar is placed to half a sample step, a hundredth of a pixel here.
     assert_profile(&found, &streak(|_| 0.0), 0.02);
 }
 
 #[test]
 fn a_turning_blade_covers_a_sector() {
-    // A blade from the axis to radius 20 px turns a quarter within the shutter, right -> up, with
-    // the y axis (object "forward") kept along the view: up runs from z to -x, right from x to z.
+    // A blade from the axis to radius 20 px makes a quarter turn within the shutter, right -> up,
+    // with the y axis (object "forward") kept along the view: up runs from z to -x, right from x to
+    // z.
     let blade = glow("white", [1.0; 3])
         + &rectangle(
             "blade",
@@ -119,15 +120,15 @@ fn a_turning_blade_covers_a_sector() {
             ),
         );
     let picture = shutter(1.0).take(&blade);
-    // The blade is the quadrant below right (angles -90..0 degrees) at first and above right
-    // (0..90) at last. A point at angle a in between is covered once the edge that leads has passed
-    // it, from the time u with atan(u / (1 - u)) = a on; a point at a - 90 until then.
+    // The blade is the quadrant below right (angles -90..0 degrees) at first, and above right
+    // (0..90) at last. A point at angle a in between is covered after the leading edge has passed
+    // it, from the time u with atan(u / (1 - u)) = a on. A point at a - 90 is covered until then.
     for (x, y) in [(60, 20), (40, 5), (50, 28), (33, 2), (62, 30)] {
         let tan = (31.5 - y as f64) / (x as f64 - 31.5);
         let time = tan / (1.0 + tan);
         let above = picture.at(x, y)[0];
         assert!((above - (1.0 - time)).abs() < 0.03, "{above} at {x} {y}, expected {}", 1.0 - time);
-        // a quarter turn back: (x, y) -> (y, -x)
+        // A quarter turn back: (x, y) -> (y, -x).
         let below = picture.at(63 - y, x)[0];
         assert!((below - time).abs() < 0.03, "{below} below {x} {y}, expected {time}");
     }
@@ -135,7 +136,7 @@ fn a_turning_blade_covers_a_sector() {
     assert_eq!(picture.at(10, 50)[0], 0.0);
 }
 
-/// Two panels that move together, the near one just covering the far one: what lies behind shows
+/// Two panels that move together, the near one just covering the far one. The far one is visible
 /// only to a ray that mixes two times.
 fn covered_pair(far: &str, near: &str) -> String {
     let keys = pivot_at(0.0, [-20.0 * PX, 0.0, 0.0]) + &pivot_at(1.0, [20.0 * PX, 0.0, 0.0]);
@@ -152,20 +153,20 @@ fn all_that_one_ray_meets_is_seen_at_one_time() {
     let direct = shutter(1.0).take(&(scene.clone() + &covered_pair("red", "green")));
     assert_eq!(direct.sum(0), 0.0);
     assert!((direct.sum(1) / 144.0 - 1.0).abs() < 0.02);
-    // and in a mirror behind the camera, seen by a camera that looks away from them
+    // And in a mirror behind the camera, which looks away from the panels.
     let mirror = material("mirror", "reflectance 1")
         + &panel("glass", "mirror", [-90.0, 90.0], -20.0, [-90.0, 90.0]);
     let away = Shot { to: vec![[0.0, -20.0, 0.0]], ..shutter(1.0) };
     let mirrored = away.take(&(scene + &mirror + &covered_pair("red", "green")));
     assert_eq!(mirrored.sum(0), 0.0);
-    // three times as far away as directly: the camera is 10 from the mirror, they 20
+    // Three times as far away as directly: the camera is 10 from the mirror, the panels 20.
     assert!((mirrored.sum(1) / 144.0 * 9.0 - 1.0).abs() < 0.05);
 }
 
 #[test]
 fn a_shadow_is_cast_at_the_time_of_its_ray() {
-    // A lid goes along above a diffuse piece of floor, between it and the lamp: the piece is always
-    // in its shadow. The underside of the lid is dark too, so that nothing is lit at any time.
+    // A lid moves along with a diffuse piece of floor, between it and the lamp, so the piece is
+    // always in its shadow. The underside of the lid is dark too, so nothing is lit at any time.
     let keys = |to: f64| pivot_at(0.0, [-3.0, 0.0, 0.0]) + &pivot_at(1.0, [to, 0.0, 0.0]);
     let square = |name: &str, half: f64, z: f64, to: f64| {
         let corners = [[-half, -half, z], [half, -half, z], [half, half, z]];
@@ -184,8 +185,8 @@ fn a_shadow_is_cast_at_the_time_of_its_ray() {
 
 #[test]
 fn the_shadow_of_a_moving_bar_is_blurred_as_long_as_the_light_makes_its_way() {
-    // The lamp is at height 4, the bar at height 1 above the floor: its shadow is larger than the
-    // bar and moves faster, by 4 / (4 - 1). The camera looks down from below the bar.
+    // The lamp is at height 4, the bar at height 1 above the floor, so its shadow is larger than
+    // the bar and moves faster, by 4 / (4 - 1). The camera looks down from below the bar.
     let px = 0.9 / 32.0;
     let scale = 4.0 / 3.0;
     let bar = |more: &str| {
@@ -213,7 +214,7 @@ fn the_shadow_of_a_moving_bar_is_blurred_as_long_as_the_light_makes_its_way() {
 
 #[test]
 fn a_mirror_shows_motion_as_far_as_it_goes() {
-    // the bar moves 10 behind the camera; a mirror 10 in front of it shows it 30 away
+    // The bar moves 10 behind the camera. A mirror 10 in front of it shows the bar 30 away.
     let keys = pivot_at(0.0, [-30.0 * PX, -20.0, 0.0]) + &pivot_at(1.0, [42.0 * PX, -20.0, 0.0]);
     let corners = panel_corners([-9.0 * PX, 9.0 * PX], 0.0, [-30.0 * PX, 30.0 * PX]);
     let scene = glow("white", [1.0; 3])

@@ -1,9 +1,9 @@
-//! Shadows: of points and of rectangles of light.
+//! Shadows of point lights and rectangular lights.
 
 use crate::support::{Picture, Shot, assert_profile, material, over_pixel, rectangle, vector};
 
-/// Looks down on the floor from a height of 0.9, below whatever throws the shadows; the view is 0.9
-/// to each side.
+/// A camera that looks down on the floor from a height of 0.9, below all objects that cast shadows.
+/// The view reaches 0.9 to each side.
 fn from_above() -> Shot {
     Shot {
         from: vec![[0.0, 0.0, 0.9]],
@@ -34,7 +34,8 @@ fn lamp() -> String {
     format!("light_rectangle lamp {{ color {{ 1 1 1 }} vertex0 {a} vertex1 {b} vertex2 {c} }}\n")
 }
 
-/// Light at (x, y) of the floor: the mean over the lamp of the cosine, where `sees` the point of it.
+/// Light at (x, y) of the floor: the mean of the cosine over the lamp, counting the points of the
+/// lamp for which `sees` is true.
 fn lit(x: f64, y: f64, sees: impl Fn(f64) -> bool) -> f64 {
     let steps = 16;
     let place = |k: u32| ((f64::from(k) + 0.5) / f64::from(steps) - 0.5) * 0.5;
@@ -49,7 +50,7 @@ fn lit(x: f64, y: f64, sees: impl Fn(f64) -> bool) -> f64 {
     sum / f64::from(steps * steps)
 }
 
-/// What rows 28 to 35 of the floor should show, on average.
+/// Expected mean of rows 28 to 35 of the floor.
 fn profile(sees: impl Fn(f64, f64) -> bool) -> Vec<f64> {
     let column = |x: usize| {
         let rows = (28..36).map(|y| {
@@ -72,8 +73,9 @@ fn a_rectangle_lights_the_floor_by_the_cosine_alone() {
 
 #[test]
 fn a_wide_lamp_at_a_slant_does_not_shade_itself() {
-    // 16 units wide and only 0.9 above the floor, as high as the camera: coordinates relative to the
-    // camera are 0 along the lamp's normal, and roundings along the rays are those of its width.
+    // The lamp is 16 units wide and only 0.9 above the floor, as high as the camera. Coordinates
+    // relative to the camera are 0 along the lamp's normal, and roundings along the rays are
+    // proportional to the lamp's width.
     let [a, b, c] = horizontal([-8.0, 8.0], [-8.0, 8.0], 0.9).map(vector);
     let lamp =
         format!("light_rectangle lamp {{ color {{ 1 1 1 }} vertex0 {a} vertex1 {b} vertex2 {c} }}");
@@ -88,13 +90,14 @@ fn a_wide_lamp_at_a_slant_does_not_shade_itself() {
 
 #[test]
 fn penumbra_of_an_edge() {
-    // The line from (x, 0) to a point (lx, 2) of the lamp passes height 1 at (x + lx) / 2, free of the
-    // lid where that is positive: the penumbra is as wide as the lamp, since the lid is half way.
+    // The line from (x, 0) to a point (lx, 2) of the lamp passes height 1 at (x + lx) / 2. It
+    // misses the lid if that is positive. The penumbra is as wide as the lamp, since the lid is
+    // half way.
     let shot = Shot { settings: "softShadowSamples 4".into(), ..from_above() };
     let picture = shot.take(&(floor() + &lamp() + &lid()));
     assert_profile(&found(&picture), &profile(|x, lamp_x| x + lamp_x > 0.0), 0.01);
     for y in 0..64 {
-        // umbra up to x = -0.25: column 23.1
+        // Umbra up to x = -0.25: column 23.1.
         assert!((0..23).all(|x| picture.at(x, y)[0] == 0.0));
         assert!(picture.at(24, y)[0] > 0.0);
     }
@@ -111,8 +114,8 @@ fn one_light_at_a_time_has_the_same_penumbra() {
 
 #[test]
 fn a_lamp_throws_a_shadow_but_not_on_its_own_light() {
-    // A point light straight above the lamp: the lamp shades a square of side 0.5 * 4 / (4 - 2) = 1 on
-    // the floor, in the light of the point alone.
+    // A point light straight above the lamp. The lamp shades a square of side 0.5 * 4 / (4 - 2) = 1
+    // on the floor, in the light of the point alone.
     let point = "light_point point { color { 1 1 1 } position { 0 0 4 } }";
     let picture = from_above().take(&(floor() + &lamp() + point));
     let expected = |x: f64, y: f64| {
@@ -129,7 +132,7 @@ fn a_lamp_throws_a_shadow_but_not_on_its_own_light() {
 
 #[test]
 fn a_shadow_of_a_point_light_is_sharp_and_black() {
-    // from (0.3, 0, 2) past the edge (0, y, 1) to (-0.3, y, 0): column 21.33
+    // From (0.3, 0, 2) past the edge (0, y, 1) to (-0.3, y, 0): column 21.33.
     let point = "light_point point { color { 1 1 1 } position { 0.3 0 2 } }";
     let picture = from_above().take(&(floor() + &lid() + point));
     for y in 0..64 {

@@ -12,11 +12,11 @@ use super::motion::{Shutter, camera_ray};
 use super::points::{lobe, next_path};
 use super::solid::{Meeting, Ray, Solid, light_solids, solids};
 
-/// What a ray leaves is met again at 0, up to the rounding of f64; nothing in the scenes is as near
-/// to anything else as this.
+/// Distance within which a ray meets the surface that it leaves, by rounding in f64. No two
+/// surfaces of the scenes are as close as this.
 const NEAR: f64 = 1e-7;
 
-/// A scene, ready to be looked at in the plainest way.
+/// A scene prepared for plain recursive rendering.
 pub(super) struct Oracle<'a> {
     scene: &'a SceneDescription,
     shutter: Shutter,
@@ -28,7 +28,7 @@ struct Thing<'a> {
     solids: Vec<Solid>,
     keys: &'a [KeyFrame],
     look: Look,
-    /// It has no inside.
+    /// Whether the object has no inside.
     open: bool,
 }
 
@@ -38,27 +38,27 @@ enum Look {
     Light(usize),
 }
 
-/// Which ray of a pixel this is.
+/// Identity of a ray of a pixel.
 #[derive(Clone, Copy)]
 struct Branch {
     seed: PixelSeed,
     path: u32,
     index: u32,
     depth: u32,
-    /// Rays of the lobe per solid angle, where rays to lamps look for the same light; 0: none do.
+    /// Rays of the lobe per solid angle if rays to lamps sample the same light; 0 if none do.
     density: f64,
-    /// What its radiance counts in the picture.
+    /// Weight of its radiance in the picture.
     weight: f64,
 }
 
-/// Rays that count less are left out at random.
+/// Weight below which rays are left out at random.
 const LEAST_WEIGHT: f64 = 1.0 / 256.0;
 
-/// A light that is asked for all.
+/// A light chosen to stand for all lights.
 struct Choice {
     number: usize,
     chance: f64,
-    /// What is left of the number that chose it.
+    /// The random number rescaled after the choice.
     rest: f64,
 }
 
@@ -67,16 +67,16 @@ struct Ask {
     number: usize,
     u: [f32; 2],
     tries: f64,
-    /// What it counts more, being asked for others too.
+    /// Factor by which the light counts more, because it stands for others too.
     times: f64,
-    /// In `[0, 1)`; decides whether a weak one is sent.
+    /// Random number in `[0, 1)` that decides whether a weak ray is sent.
     survival: f64,
 }
 
-/// What there is to shade.
+/// A hit to be shaded.
 struct Hit<'a> {
     point: DVec3,
-    /// Toward where the ray came from.
+    /// Unit vector to the origin of the ray.
     eye: DVec3,
     time: f64,
     n_geo: DVec3,
@@ -124,7 +124,7 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// The colour of the pixel in column `x` and row `y`.
+    /// Returns the colour of the pixel in column `x` and row `y`.
     pub(super) fn pixel(&self, x: u32, y: u32) -> DVec3 {
         let settings = &self.scene.settings;
         let samples = settings.image_samples * settings.dof_samples;
@@ -159,7 +159,7 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// The first thing on a ray, `but` that light's rectangle.
+    /// Returns the first object on a ray, leaving out the rectangle of light `but`.
     fn nearest(&self, ray: &Ray, but: Option<usize>) -> Option<(&Thing<'a>, Meeting)> {
         let counts =
             |thing: &&Thing<'_>| !matches!((thing.look, but), (Look::Light(a), Some(b)) if a == b);
@@ -196,7 +196,8 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// The image at uv: it repeats, v grows upward, and between the centres of texels it is linear.
+    /// Returns the image at uv. It repeats, v grows upward, and between the centres of texels it is
+    /// linear.
     fn tint(&self, material: &Phong, uv: DVec2) -> DVec3 {
         let Some(used) = material.texture else { return DVec3::ONE };
         let image = &self.scene.textures[used.texture.0 as usize];
@@ -212,7 +213,7 @@ impl<'a> Oracle<'a> {
         row(low.y) * (1.0 - part.y) + row(low.y + 1.0) * part.y
     }
 
-    /// How many rays a hit sends to a light, and in the mean.
+    /// Returns the number of rays from a hit to a light, and its mean.
     fn tries(&self, number: usize, depth: u32) -> (u32, f64) {
         let settings = &self.scene.settings;
         let one = settings.light_sampling == LightSampling::One;
@@ -223,7 +224,7 @@ impl<'a> Oracle<'a> {
         (count, f64::from(count) / among as f64)
     }
 
-    /// The set that `count` rays for a purpose take their numbers from.
+    /// Returns the sample set of the `count` rays for a purpose.
     fn key(&self, branch: Branch, purpose: Purpose, count: u32) -> Key {
         let settings = &self.scene.settings;
         let glossy = settings.diffuse_reflection_samples.max(settings.diffuse_refraction_samples);
@@ -262,7 +263,7 @@ impl<'a> Oracle<'a> {
         (0..lights.len()).map(all).sum()
     }
 
-    /// A light by a number in `[0, 1)`: by what each is expected to bring.
+    /// Chooses a light by a number in `[0, 1)`, in proportion to the light expected from each.
     fn choose(&self, hit: &Hit<'_>, u: f64) -> Choice {
         let expected: Vec<_> = self.scene.lights.iter().map(|l| self.expected(l, hit)).collect();
         let total: f64 = expected.iter().sum();
@@ -277,7 +278,7 @@ impl<'a> Oracle<'a> {
         Choice { number: 0, chance: 0.0, rest: 0.0 }
     }
 
-    /// About how bright a light makes a hit.
+    /// Estimates how much light a hit receives from a light.
     fn expected(&self, light: &Light, hit: &Hit<'_>) -> f64 {
         let (corner, sides) = match &light.kind {
             LightKind::Point(light) => (light.position, [DVec3::ZERO; 2]),
@@ -300,8 +301,8 @@ impl<'a> Oracle<'a> {
         luminance * (0.1 + middle.normalize().dot(hit.n_shade).max(0.0))
     }
 
-    /// One of `tries` estimates of what arrives from a light and is sent to the eye: (2.15), and
-    /// its part of what glossy lobes receive.
+    /// Returns one of `tries` estimates of the light that arrives from a light and is reflected to
+    /// the eye: (2.15), and its share of the light that glossy lobes receive.
     fn light(&self, hit: &Hit<'_>, branch: Branch, ask: &Ask, lobes: &[Glossy]) -> DVec3 {
         let &Ask { number, u, tries, times, survival } = ask;
         let light = &self.scene.lights[number];
@@ -339,12 +340,13 @@ impl<'a> Oracle<'a> {
         sent * self.passed(ray, way.length(), number) / chance
     }
 
-    /// Rays to lamps look for what lobes receive too, where they end at the same things.
+    /// Whether rays to lamps also sample the light that lobes receive: if both kinds of rays end at
+    /// the same objects.
     fn combines(&self) -> bool {
         self.scene.settings.shadow == ShadowMode::Opaque
     }
 
-    /// What a ray of a lobe counts that finds a lamp.
+    /// Returns the weight of a lobe's ray that hits a lamp.
     fn lobe_share(&self, light: usize, way: DVec3, branch: Branch) -> f64 {
         if branch.density == 0.0 || !self.combines() {
             return 1.0;
@@ -354,7 +356,7 @@ impl<'a> Oracle<'a> {
         branch.density / (branch.density + by_light)
     }
 
-    /// The share of light that comes through between a hit and a point of a light.
+    /// Returns the share of light that passes between a hit and a point of a light.
     fn passed(&self, ray: Ray, distance: f64, light: usize) -> f64 {
         let Some((thing, meeting)) = self.nearest(&ray, Some(light)) else { return 1.0 };
         if meeting.t >= distance {
@@ -370,7 +372,7 @@ impl<'a> Oracle<'a> {
         share * self.passed(behind, distance - meeting.t, light)
     }
 
-    /// What a hit reflects and refracts.
+    /// Returns the light that a hit reflects and refracts.
     fn lobes(&self, hit: &Hit<'_>, depth: u32) -> Vec<Glossy> {
         let settings = &self.scene.settings;
         if depth == settings.recursion {
@@ -402,7 +404,7 @@ impl<'a> Oracle<'a> {
         [Some(mirror), clear].into_iter().flatten().filter(|lobe| lobe.weight > 0.0).collect()
     }
 
-    /// What comes from about a direction, weighted.
+    /// Returns the weighted light from the directions about an axis.
     fn glossy(&self, hit: &Hit<'_>, branch: Branch, glossy: &Glossy) -> DVec3 {
         let count = glossy.samples;
         let key = self.key(branch, glossy.purpose, count);
@@ -428,7 +430,7 @@ impl<'a> Oracle<'a> {
     }
 }
 
-/// The local light: (2.15).
+/// Returns the local light: (2.15).
 fn phong(hit: &Hit<'_>, l: DVec3) -> DVec3 {
     let cos = hit.n_shade.dot(l);
     if cos <= 0.0 || hit.n_geo.dot(l) <= 0.0 {
@@ -440,13 +442,14 @@ fn phong(hit: &Hit<'_>, l: DVec3) -> DVec3 {
     color(material.diffuse) * hit.tint * cos + color(material.specular) * highlight
 }
 
-/// Density by solid angle of the point of a light that is `way` from a hit, uniform by area.
+/// Returns the `pdf_solid_angle` of the point of a light at the end of the vector `way` from a hit,
+/// sampled uniformly by area.
 fn density_of_light(light: &Light, way: DVec3) -> f64 {
     let [a, b, c] = match &light.kind {
         LightKind::Point(_) => return f64::INFINITY,
         LightKind::Rectangle(light) => light.rectangle.vertices,
     };
-    // Twice the area of the triangle: the rectangle, along its normal.
+    // Twice the area of the triangle is the area of the rectangle, along its normal.
     let normal = (b - a).cross(c - b);
     way.length_squared() * way.length() / way.dot(normal).abs()
 }
@@ -457,14 +460,15 @@ struct Glossy {
     /// Unit normal of the side that rays stay on.
     side: DVec3,
     spread: f32,
-    /// What arrives is multiplied with it.
+    /// Factor of the light that arrives.
     weight: f64,
     samples: u32,
     purpose: Purpose,
 }
 
 impl Glossy {
-    /// Density by solid angle of its rays: of the lobe, and of what is mirrored to its side.
+    /// Returns the `pdf_solid_angle` of its rays: the density of the lobe, plus the density of the
+    /// part that is mirrored to its side.
     fn density(&self, w: DVec3) -> f64 {
         let below = w.dot(self.side);
         if self.spread == 0.0 || below <= 0.0 {
@@ -477,11 +481,11 @@ impl Glossy {
     }
 }
 
-/// Snell's law, (2.13) and (2.14); `None` under total internal reflection.
+/// Refracts by Snell's law, (2.13) and (2.14); `None` under total internal reflection.
 fn refracted(hit: &Hit<'_>) -> Option<DVec3> {
     let index = f64::from(hit.material.info.refraction_index);
     let eta = if hit.from_outside { 1.0 / index } else { index };
-    // An interpolated normal that looks away from the ray can't bend it.
+    // An interpolated normal that faces away from the ray cannot refract it.
     let n = if hit.n_shade.dot(hit.eye) > 0.0 { hit.n_shade } else { hit.n_geo };
     let cos = n.dot(hit.eye);
     let square = 1.0 - eta * eta * (1.0 - cos * cos);

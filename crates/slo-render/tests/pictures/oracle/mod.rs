@@ -1,6 +1,6 @@
-//! The renderer against the plainest one that follows docs/rendering.md: recursive, one ray at a
-//! time, in f64, without any structure. Both look at the same sample points, so that they differ by
-//! rounding only.
+//! Compares the renderer with the plainest renderer that follows docs/rendering.md: recursive, one
+//! ray at a time, in f64, without any acceleration structure. Both use the same sample points, so
+//! they differ only by rounding.
 
 mod light;
 mod motion;
@@ -18,25 +18,26 @@ use slo_scene::{Files, LightKind, MaterialKind, SceneDescription, load};
 use crate::support::{describe, expose, material};
 use light::Oracle;
 
-/// Largest difference of a channel by rounding.
+/// Largest difference of a channel caused by rounding.
 ///
-/// Coordinates up to 10 are off by 1e-6 in f32. A mirror of radius 1 turns a ray by twice that, over
-/// ways of about 3, and a highlight of exponent 20 or the next mirror makes 6 times that, and so on
-/// with each bounce, while its weight falls: two of them leave 1e-4 or so in the worst pixels.
+/// Coordinates up to 10 have an error of 1e-6 in f32. A mirror of radius 1 deflects a ray by twice
+/// that, over distances of about 3. A highlight of exponent 20 or the next mirror multiplies the
+/// error by 6, and so on with each bounce, while the ray's weight falls. After two bounces, about
+/// 1e-4 is left in the worst pixels.
 const ROUNDING: f64 = 2e-4;
 
-/// Half of all pixels differ by no more than this: a few roundings of what is added up.
+/// Limit of the differences of half of all pixels: a few roundings of the terms that are added up.
 const MEDIAN: f64 = 2e-6;
 
-/// The share of pixels in which a ray may pass an edge on the other side. About 10 edges cross a
-/// pixel's 100 rays, each at a chance of 1e-6 to 1e-5 (the rounding, over a unit of space), which
-/// makes a pixel in a picture of 384; four are a coincidence, or a mistake.
+/// Share of pixels in which a ray may pass an edge on the other side. About 10 edges cross the 100
+/// rays of a pixel, each with a probability of 1e-6 to 1e-5 (the rounding, for each unit of space),
+/// which affects one pixel in a picture of 384. Four would be a coincidence, or a mistake.
 const AT_EDGES: f64 = 3.0 / 384.0;
 
 const WIDTH: u32 = 24;
 const HEIGHT: u32 = 16;
 
-/// A scene of 24 x 16 pixels and 4 samples; times 0 to 1 take a second, and the camera stands in
+/// A scene of 24 x 16 pixels with 4 samples. Times 0 to 1 take a second, and the camera stands in
 /// front of the origin.
 fn scene(settings: &str, elements: &str) -> String {
     scene_seen("addPosition { 0 -9 1.5 } addTarget { 0 0 0.2 }", settings, elements)
@@ -54,7 +55,7 @@ fn scene_seen(segment: &str, settings: &str, elements: &str) -> String {
     )
 }
 
-/// Differences of all pixels, the largest last.
+/// Differences of all pixels, in rising order.
 fn differences(scene: &SceneDescription) -> Vec<f64> {
     let image = expose(scene, Isa::best()).image();
     let oracle = Oracle::new(scene, 0);
@@ -68,7 +69,7 @@ fn differences(scene: &SceneDescription) -> Vec<f64> {
     differences
 }
 
-/// Whether sorted differences are those of rounding.
+/// Whether sorted differences are explained by rounding.
 fn agrees(differences: &[f64]) -> bool {
     let share = differences.iter().filter(|d| **d > ROUNDING).count() as f64;
     share <= AT_EDGES * differences.len() as f64 && differences[differences.len() / 2] <= MEDIAN
@@ -92,7 +93,7 @@ const FLOOR: &str = "phong_info plank { ambient { .1 .1 .1 } diffuse { .8 .8 .8 
     rectangle floor { material wood vertex0 { -6 -4 -1 } vertex1 { 6 -4 -1 } vertex2 { 6 6 -1 } }
     plane ground { material dull normal { 0 0 1 } position { 0 0 -1.5 } }\n";
 
-/// One of each shape, of materials a to d.
+/// One of each shape, with materials a to d.
 const SHAPES: &str = "
     sphere s1 { material a center { -1.6 0 0 } radius 0.9 }
     mesh m1 { filename files/ball.obj smooth_normals 1 material b
@@ -102,7 +103,7 @@ const SHAPES: &str = "
     cone k1 { material d base { -2 -2.5 -0.8 } apex { -2 -2.4 0.4 } radius 0.5 }
     triangle t1 { material c vertex0 { -1 2 -0.5 } vertex1 { 1 2 -0.5 } vertex2 { 0 2.5 2 } }\n";
 
-/// The shapes on the floor, of these materials.
+/// The shapes on the floor, with these materials.
 fn shapes(phong: [&str; 4]) -> String {
     let materials: String =
         ["a", "b", "c", "d"].iter().zip(phong).map(|(name, phong)| material(name, phong)).collect();
@@ -170,7 +171,7 @@ fn every_recursion_ends_where_it_should() {
     }
 }
 
-/// Things that turn, fly in curves, and rest, with an image on one of them.
+/// Objects that turn, fly along curves and rest, one of them with an image.
 const MOVING: &str = "
     sphere globe { material wood center { 0 0 0 } radius 0.5
         addKframe { time -2 key { pivot { -1 -3 0 } right { 1 0 0 } } nex { pivot { 0 -4 3 } right { 1 1 0 } } }
@@ -188,7 +189,7 @@ fn things_that_move() {
     assert_agrees(&scene_seen(still, "", &all));
 }
 
-/// A camera that moves, turns and zooms, with an open lens, through all of time.
+/// A camera that moves, turns and zooms, with an open lens and an open shutter.
 const FLIGHT: &str = "addPosition { -1 -9 1 } addPosition { 0 -8 4 } addPosition { 2 -9 1 }
     addTarget { 0 0 0 } addTarget { .5 0 .5 } skyStart { 0 0 1 } skyEnd { .3 0 1 }
     fovEnd .3 lensRadiusStart .1 lensRadiusEnd .3 dofStart 8 dofEnd 10 blurDuration 3";
@@ -223,7 +224,7 @@ fn everything_at_once_by_every_generator() {
 fn shipped_scenes() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = root.join("scenes");
-    // the others have 10000 triangles and more, each of which the oracle tests
+    // The others have 10000 triangles and more, and the oracle tests each of them.
     for name in ["thesis2011.txt", "motion_blur.txt"] {
         let text = fs::read_to_string(folder.join(name)).unwrap();
         let loaded = load(name, &text, &Files::on_disk(&folder, &root, true));

@@ -1,4 +1,4 @@
-//! Where things and the camera are, from docs/rendering.md, "Camera" and "Animation".
+//! Positions of objects and of the camera, from docs/rendering.md, "Camera" and "Animation".
 
 use glam::{DMat3, DVec3};
 
@@ -7,7 +7,7 @@ use slo_scene::{KeyFrame, SceneDescription};
 
 use super::solid::Ray;
 
-/// A place: x -> rotation x + translation.
+/// A placement: x -> rotation x + translation.
 #[derive(Clone, Copy)]
 pub(super) struct Pose {
     pub(super) rotation: DMat3,
@@ -15,7 +15,7 @@ pub(super) struct Pose {
 }
 
 impl Pose {
-    /// A ray, as the thing that stands there sees it.
+    /// Transforms a ray to the space of the placed object.
     pub(super) fn inverse(&self, ray: &Ray) -> Ray {
         let back = self.rotation.transpose();
         Ray {
@@ -38,7 +38,7 @@ pub(super) struct Shutter {
 }
 
 impl Shutter {
-    /// The shutter of a frame of a scene with one segment.
+    /// Creates the shutter of a frame of a scene with one segment.
     pub(super) fn new(scene: &SceneDescription, frame: i64) -> Self {
         let segment = &scene.camera.segments[0];
         let duration = segment.blur_duration;
@@ -52,13 +52,14 @@ impl Shutter {
         }
     }
 
-    /// How far through the segment a shutter time is; it stops at the segment's end.
+    /// Returns the share of the segment that has passed at a shutter time. It stops at the
+    /// segment's end.
     fn parameter(&self, time: f64) -> f64 {
         let along = self.opens + self.duration * time - self.video[0];
         (along / (self.video[1] - self.video[0])).clamp(0.0, 1.0)
     }
 
-    /// Where an object is for a ray: at the nearest of its samples.
+    /// Returns the placement of an object for a ray: the nearest of its samples.
     pub(super) fn pose(&self, keys: &[KeyFrame], time: f64) -> Pose {
         let last = self.samples - 1.0;
         let sampled = (time * last + 0.5).floor() / last;
@@ -70,7 +71,7 @@ fn mix(a: f64, b: f64, u: f64) -> f64 {
     a + (b - a) * u
 }
 
-/// A Bézier curve of any degree, by its definition.
+/// Evaluates a Bézier curve of any degree, by definition.
 fn bezier(points: &[DVec3], u: f64) -> DVec3 {
     match points {
         [point] => *point,
@@ -82,7 +83,7 @@ fn bezier(points: &[DVec3], u: f64) -> DVec3 {
     }
 }
 
-/// Pivot, up and right of every key, what is missing taken from the key before.
+/// Pivot, up and right of every key. Missing values are taken from the key before.
 fn complete(keys: &[KeyFrame]) -> Vec<[DVec3; 3]> {
     let mut last = [DVec3::ZERO, DVec3::Z, DVec3::X];
     let fill = |key: &KeyFrame| {
@@ -93,7 +94,7 @@ fn complete(keys: &[KeyFrame]) -> Vec<[DVec3; 3]> {
     keys.iter().map(fill).collect()
 }
 
-/// The pose of an object at a scene time.
+/// Returns the pose of an object at a scene time.
 fn pose(keys: &[KeyFrame], time: f64) -> Pose {
     let controls = complete(keys);
     let [translation, up, right] = match keys.iter().position(|key| key.time > time) {
@@ -117,7 +118,7 @@ fn pose(keys: &[KeyFrame], time: f64) -> Pose {
     Pose { rotation: DMat3::from_cols(right, up.cross(right), up), translation }
 }
 
-/// The ray of a camera sample of the pixel in column `x` and row `y`: (5.6) to (5.9).
+/// Returns the ray of a camera sample of the pixel in column `x` and row `y`: (5.6) to (5.9).
 pub(super) fn camera_ray(
     scene: &SceneDescription,
     shutter: &Shutter,
@@ -145,7 +146,7 @@ pub(super) fn camera_ray(
     Ray { origin: position + offset, direction, time }
 }
 
-/// The unit square to the unit disc: Shirley's concentric map.
+/// Maps the unit square to the unit disc by Shirley's concentric map.
 fn disc(u: [f64; 2]) -> [f64; 2] {
     let [a, b] = u.map(|c| 2.0 * c - 1.0);
     let quarter = std::f64::consts::FRAC_PI_4;

@@ -1,12 +1,13 @@
-//! Directions by points of the unit square, and the names of the points.
+//! Directions for points of the unit square, and the names of the points.
 
 use glam::DVec3;
 
 use slo_render::sampling::Purpose;
 
-/// A direction about unit `axis` of density proportional to cos^n, n = 1 / spread^2.
+/// Returns a direction about unit `axis` with density proportional to cos^n, n = 1 / spread^2.
 ///
-/// The frame about the axis is Duff's (JCGT 2017), since a sample point means nothing without one.
+/// The frame about the axis is Duff's (JCGT 2017): which direction a sample point means depends on
+/// it.
 pub(super) fn lobe(axis: DVec3, spread: f64, u: [f64; 2]) -> DVec3 {
     if spread == 0.0 {
         return axis;
@@ -19,13 +20,13 @@ pub(super) fn lobe(axis: DVec3, spread: f64, u: [f64; 2]) -> DVec3 {
     x * (sin * c) + y * (sin * s) + axis * cos
 }
 
-/// Name of the path that goes on from `path` by a reflection or refraction.
+/// Returns the name of the path that continues `path` by a reflection or refraction.
 pub(super) fn next_path(path: u32, branch: Purpose) -> u32 {
     let word = if branch == Purpose::Reflection { 2 } else { 3 };
     mix(path.wrapping_mul(0x9e37_79b1) ^ mix(word + 0x7f4a_7c15))
 }
 
-/// Wellons' and Ettinger's bijection of words.
+/// The bijection of words of Wellons and Ettinger.
 fn mix(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x21f0_aaad);

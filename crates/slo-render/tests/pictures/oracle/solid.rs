@@ -1,11 +1,11 @@
-//! Surfaces and where rays meet them, in f64, one after the other.
+//! Surfaces and their intersections with rays, in f64, tested one after the other.
 
 use glam::{DVec2, DVec3};
 
 use slo_scene::shape::{Cone, Cuboid, Cylinder, Plane, Rectangle, Sphere, Triangle};
 use slo_scene::{LightKind, Mesh, Shape};
 
-/// A ray in f64; the direction is unit.
+/// A ray in f64 with a unit direction.
 #[derive(Clone, Copy)]
 pub(super) struct Ray {
     pub(super) origin: DVec3,
@@ -20,11 +20,11 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a surface.
+/// An intersection of a ray with a surface.
 #[derive(Clone, Copy)]
 pub(super) struct Meeting {
     pub(super) t: f64,
-    /// Unit normal of the surface.
+    /// Unit geometric normal.
     pub(super) outward: DVec3,
     /// Interpolated normal, not unit.
     pub(super) smooth: Option<DVec3>,
@@ -39,7 +39,7 @@ pub(super) enum Solid {
     Cone { base: DVec3, apex: DVec3, radius: f64 },
 }
 
-/// The surfaces of a shape, and whether it has no inside.
+/// Returns the surfaces of a shape, and whether the shape has no inside.
 pub(super) fn solids(shape: &Shape) -> (Vec<Solid>, bool) {
     match *shape {
         Shape::Plane(Plane { normal, position, side }) => {
@@ -65,7 +65,7 @@ pub(super) fn solids(shape: &Shape) -> (Vec<Solid>, bool) {
     }
 }
 
-/// The surface of a light that has one.
+/// Returns the surface of a light, if it has one.
 pub(super) fn light_solids(light: &LightKind) -> Vec<Solid> {
     match light {
         LightKind::Point(_) => vec![],
@@ -73,7 +73,8 @@ pub(super) fn light_solids(light: &LightKind) -> Vec<Solid> {
     }
 }
 
-/// Two triangles; uv from (0, 0) at the first corner along the second to (1, 1) at the third.
+/// Returns two triangles. uv runs from (0, 0) at the first corner along the second to (1, 1) at the
+/// third.
 fn rectangle([a, b, c]: [DVec3; 3]) -> Vec<Solid> {
     let half = |corners, middle| {
         let uvs = [DVec2::ZERO, middle, DVec2::ONE];
@@ -87,7 +88,7 @@ fn rectangle([a, b, c]: [DVec3; 3]) -> Vec<Solid> {
     vec![half([a, b, c], DVec2::X), other]
 }
 
-/// Six rectangles that face away from their middle; uv is left open.
+/// Returns six rectangles that face away from their common middle. uv is not defined.
 fn cuboid([a, b, c]: [DVec3; 3], height: f64) -> Vec<Solid> {
     let up = (c - b).cross(a - b).normalize() * height;
     let d = a + c - b;
@@ -123,7 +124,7 @@ fn triangles(mesh: &Mesh, smooth: bool) -> Vec<Solid> {
 }
 
 impl Solid {
-    /// The first meeting behind `least`.
+    /// Returns the first intersection beyond distance `least`.
     pub(super) fn meet(&self, ray: &Ray, least: f64) -> Option<Meeting> {
         let all = match *self {
             Self::Triangle { corners, uvs, normals } => triangle(ray, corners, uvs, normals),
@@ -135,7 +136,7 @@ impl Solid {
     }
 }
 
-/// Möller and Trumbore.
+/// Intersects a triangle by the method of Möller and Trumbore.
 fn triangle(
     ray: &Ray,
     [a, b, c]: [DVec3; 3],
@@ -157,13 +158,13 @@ fn triangle(
     [(u >= 0.0 && v >= 0.0 && w >= 0.0).then(meeting), None, None, None]
 }
 
-/// The two roots of a t^2 + 2 b t + c; NaN where they are not real.
+/// Returns the two roots of a t^2 + 2 b t + c; NaN if they are not real.
 fn roots(a: f64, b: f64, c: f64) -> [f64; 2] {
     let root = (b * b - a * c).sqrt();
     [(-b - root) / a, (-b + root) / a]
 }
 
-/// How far around `axis` a point is, in turns; `x` is where it starts.
+/// Returns the angle of a point around `axis` in turns, starting at `x`.
 fn turns(p: DVec3, axis: DVec3, x: DVec3) -> f64 {
     let turns = libm::atan2(p.dot(axis.cross(x)), p.dot(x)) / std::f64::consts::TAU;
     turns - turns.floor()
@@ -183,15 +184,16 @@ fn sphere(ray: &Ray, center: DVec3, radius: f64) -> [Option<Meeting>; 4] {
     [meeting(near), meeting(far), None, None]
 }
 
-/// What a cylinder and a cone have in common: a ray in parts along the axis and across it.
+/// The common part of a cylinder and a cone: a ray split into its parts along the axis and across
+/// it.
 struct Axial {
     axis: DVec3,
     height: f64,
     radius: f64,
-    /// Along the axis: at the origin, and per length of the ray.
+    /// Part along the axis: at the origin, and for each unit of length of the ray.
     rise: f64,
     slope: f64,
-    /// Across.
+    /// Part across the axis.
     across: DVec3,
     drift: DVec3,
 }
@@ -216,7 +218,7 @@ impl Axial {
         if upright { DVec3::X } else { DVec3::Z.cross(self.axis).normalize() }
     }
 
-    /// A meeting with the side, whose normal is `lean` along the axis for 1 across.
+    /// Returns an intersection with the side, whose normal is `lean` along the axis for 1 across.
     fn side(&self, t: f64, lean: f64) -> Option<Meeting> {
         let s = self.rise + t * self.slope;
         let across = self.across + self.drift * t;
@@ -226,7 +228,7 @@ impl Axial {
         inside.then_some(Meeting { t, outward, smooth: None, uv })
     }
 
-    /// A meeting with the disc at height `s`.
+    /// Returns an intersection with the disc at height `s`.
     fn disc(&self, s: f64, outward: DVec3) -> Option<Meeting> {
         let t = (s - self.rise) / self.slope;
         let p = self.across + self.drift * t;
@@ -249,7 +251,7 @@ fn cylinder(ray: &Ray, base: DVec3, top: DVec3, radius: f64) -> [Option<Meeting>
 
 fn cone(ray: &Ray, base: DVec3, apex: DVec3, radius: f64) -> [Option<Meeting>; 4] {
     let c = Axial::new(ray, base, apex, radius);
-    // At distance x below the apex its radius is k x.
+    // At distance x below the apex, the cone's radius is k x.
     let (k, below) = (radius / c.height, c.height - c.rise);
     let [near, far] = roots(
         c.drift.length_squared() - k * k * c.slope * c.slope,
