@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Tests the Blender extension on the real thing, Blender as a Python module.
+"""Tests the Blender extension in Blender itself, as a Python module.
 
     scripts/blender/test.py                     Blender 5.0
     scripts/blender/test.py --all               Blender 4.5 and 5.0
     scripts/blender/test.py --all test_motion.py
 
-Needs Python 3.11, for which Blender's wheels are made, and the program: `$SLO_RT`, or
+Needs Python 3.11, the version of Blender's wheels, and the program: `$SLO_RT`, or
 target/release/slo-rt. The wheels (370 MB each) are fetched from PyPI once and kept in
 `$XDG_CACHE_HOME/slo-rt-ci`.
 
-Exit code: 0 all tests pass, 1 some fail, 3 Blender can't be had.
+Exit code: 0 all tests pass, 1 some fail, 3 Blender is not available.
 """
 
 import argparse
@@ -52,7 +52,7 @@ def parse():
 
 
 def environment(version, seconds):
-    """The Python of a virtual environment with Blender in it, made if need be; None if that
+    """Returns the Python of a virtual environment with Blender, created if necessary; None if that
     fails."""
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "slo-rt-ci"
     folder = cache / f"bpy-{version}"

@@ -37,4 +37,4 @@ if "$openjd" run "$template" --step Render "${parameters[@]}" -p Frames=99 >"$fo
     echo 'a frame that the scene does not have is said to be rendered'
     exit 1
 fi
-printf '%s frames by OpenJD, byte for byte those of a run without it\n' "$(wc -l <"$folder/list")"
+printf '%s frames by OpenJD, byte for byte equal to a direct run\n' "$(wc -l <"$folder/list")"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """slo-rt in Blender: a render engine, and export of scenes, animations and meshes.
 
-`format`, `fit`, `passes`, `process`, `program` and `report` know nothing of Blender; `convert`
-reads its evaluated data; the other modules are what Blender sees.
+`format`, `fit`, `passes`, `process`, `program` and `report` do not depend on Blender; `convert`
+reads its evaluated data; the other modules are called by Blender.
 """
 
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What differs between Blender 4.2 and 5.x."""
+"""Differences between Blender 4.2 and 5.x."""
 
 import bpy
 
 
 def fcurves(animation_data):
-    """All F-curves that act on the owner of `animation_data`, drivers not included.
+    """Returns all F-curves that act on the owner of `animation_data`, without drivers.
 
     Blender 4.4 divided actions into layers, strips and channel bags, one bag for each slot; Blender
     5.0 took `Action.fcurves` away.
@@ -33,7 +33,7 @@ def is_animated(owner):
 
 
 def node_tree(owner):
-    """The node tree of a material, world or light if it counts, or None.
+    """Returns the node tree of a material, world or light if it is used, or None.
 
     `use_nodes` of materials and worlds is always on, and deprecated, in Blender 5.0.
     """
@@ -44,7 +44,7 @@ def node_tree(owner):
 
 
 def light_strength(light):
-    """Power of a light in watts (sun: watts per square metre), and its linear colour.
+    """Returns the power of a light in watts (sun: watts per square metre), and its linear colour.
 
     Exposure and temperature came with Blender 4.5.
     """
@@ -56,7 +56,7 @@ def light_strength(light):
 
 
 def compositing_nodes(scene):
-    """The nodes of the compositor, none if it is off."""
+    """Returns the nodes of the compositor; none if it is off."""
     if bpy.app.version < (5, 0, 0):
         tree = scene.node_tree if scene.use_nodes else None
     else:
@@ -65,15 +65,15 @@ def compositing_nodes(scene):
 
 
 def strips(scene):
-    """The strips of the video sequencer, named sequences before Blender 4.4."""
+    """Returns the strips of the video sequencer, called sequences before Blender 4.4."""
     editor = scene.sequence_editor
     return (
         list(getattr(editor, "strips", None) or getattr(editor, "sequences", ())) if editor else []
     )
 
 
-# Blender 5.0 resolves reroutes, muted nodes and groups itself before Cycles sees them: a chain of
-# links that begins nowhere leaves a socket its own value, which is 0 before; and that an output node
-# is muted means nothing.
+# Blender 5.0 resolves reroutes, muted nodes and groups itself before Cycles sees them. If a chain of
+# links has no source, the socket keeps its own value (0 in earlier versions), and muting an output
+# node has no effect.
 ENDLESS_CHAINS_ARE_ZERO = bpy.app.version < (5, 0, 0)
 MUTED_OUTPUTS_ARE_NONE = bpy.app.version < (5, 0, 0)

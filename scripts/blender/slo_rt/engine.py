@@ -17,17 +17,17 @@ from .convert.scene import Job, write_scene
 from .convert.settings import picture_size
 from .format.names import plain
 
-# What the last rendering or export could not carry over, for the panel.
+# Report of the last rendering or export, for the panel.
 last_notes = []
 
 
 class RenderFailed(Exception):
-    """The picture can't be made; the message is for the artist."""
+    """The picture cannot be rendered; the message is for the artist."""
 
 
 def complaint(error):
-    """What the artist reads about an exception; of a mistake in the extension, the console shows
-    the place."""
+    """Returns the artist's message about an exception. The console shows where an error in the
+    extension occurred."""
     if isinstance(error, (RenderFailed, program.ProgramMissing, OSError, ValueError)):
         return str(error)
     traceback.print_exception(error)
@@ -47,7 +47,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
     bl_use_preview = False
     bl_use_eevee_viewport = True
     bl_use_postprocess = True
-    hint = ""  # what the line above the picture warns of
+    hint = ""  # warnings in the line above the picture
 
     def render(self, depsgraph):
         """Called by Blender for each frame and view layer."""
@@ -56,8 +56,8 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             if request.view_layer == depsgraph.view_layer.name:
                 self._export(depsgraph, request)
             return
-        # Blender takes an exception of an engine for a black picture and goes on with the next
-        # frame; only `error_set` stops it. So nothing may get past here.
+        # Blender takes an exception of an engine for a black picture and continues with the next
+        # frame. Only `error_set` stops it, so every exception must be caught here.
         try:
             last_notes.clear()
             self._render_frame(depsgraph)
@@ -122,7 +122,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
 
     def _run_passes(self, run, depsgraph):
         values = depsgraph.scene.slo_rt
-        # What was stopped goes on at once.
+        # A stopped rendering continues at once.
         early = not run.begin() and self._shows_early(values)
         plan = passes.planned(values.samples, early, run.goes_on)
         run.goes_on &= len(plan) > 1 or values.time > 0.0
@@ -145,10 +145,10 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         return values.show_early and not self.is_animation and not bpy.app.background
 
     def _run(self, run, samples, all_samples):
-        """One run of the program; False if it was stopped."""
+        """Runs the program once; returns False if it was stopped."""
         self._show_progress(0.0, samples)
         outcome = process.run(
-            # The scene says how many samples there are in all: a run with them needs no option.
+            # The scene holds the total number of samples, so a run with all of them needs no option.
             run.command(None if samples == all_samples else samples),
             lambda fraction: self._show_progress(fraction, samples),
             self._should_stop,
@@ -168,7 +168,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         self.update_stats("slo-rt", self._info(fraction, samples))
 
     def _info(self, fraction, samples):
-        """What the line above the picture says."""
+        """Returns the text of the line above the picture."""
         count = "1 sample" if samples == 1 else f"{samples} samples"
         parts = [self.hint, count, f"{100.0 * fraction:.0f} %"]
         return ", ".join(part for part in parts if part)
@@ -177,7 +177,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         return self.test_break()
 
     def _show(self, run, depsgraph):
-        """Hands the picture to Blender."""
+        """Passes the picture to Blender."""
         pixels = run.pixels()
         width, height = picture_size(depsgraph.scene.render)
         result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
@@ -191,7 +191,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
                 f"{run.found.path} wrote a picture of {found} pixels, which is another size than "
                 f"Blender's. {program.WHAT_TO_DO}"
             )
-        # With stereo there is one for each view.
+        # With stereo, there is one for each view.
         for combined in result.layers[0].passes:
             if combined.name == "Combined":
                 combined.rect.foreach_set(shown.ravel())
@@ -199,15 +199,15 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
         os.remove(run.picture)
 
 
-# What was begun and is not complete, by work folder: `Run.identity`.
+# Incomplete renderings, by work folder: `Run.identity`.
 _begun = {}
 
 
 class Run:
     """How the program is called for a frame, and where its picture lies.
 
-    With a render border only that region is rendered, by a program that can; `left` and `bottom`
-    say where what Blender wants lies in the picture, in pixels.
+    With a render border, a program that supports regions renders only that region. `left` and
+    `bottom` are the position, in pixels, of Blender's region in the picture.
     """
 
     def __init__(self, found, job, render):
@@ -221,7 +221,7 @@ class Run:
         self.folder = os.path.dirname(job.scene_path)
         name = program.picture_name(job.prefix, job.first, "exr", self.region)
         self.picture = os.path.join(self.folder, name)
-        # Meshes and textures are named by what is in them, so the text tells scenes apart.
+        # Meshes and textures are named by their contents, so the text identifies the scene.
         with open(job.scene_path, "rb") as file:
             self.identity = name, hashlib.blake2b(file.read()).digest()
 
@@ -235,15 +235,15 @@ class Run:
             self.left, self.bottom = left, bottom
 
     def command(self, samples):
-        """The command line; `samples` None: as many as the scene says."""
+        """Returns the command line. If `samples` is None, the scene sets their number."""
         return self.found.command(
             self.job.scene_path, self.job.first, self.folder, samples, self.region, self.goes_on
         )
 
     def pixels(self):
-        """The pixels of the picture, as `linear_pixels`.
+        """Returns the pixels of the picture, as `linear_pixels`.
 
-        # Errors `RenderFailed` if there is no picture that can be read.
+        # Errors `RenderFailed` if there is no readable picture.
         """
         if not os.path.exists(self.picture):
             raise RenderFailed(
@@ -259,8 +259,8 @@ class Run:
         return pixels
 
     def begin(self):
-        """Removes what other renderings left in the folder. Returns whether this very rendering was
-        stopped before it was complete, so that it can go on."""
+        """Removes files that other renderings left in the folder. Returns whether the same rendering was
+        stopped before it was complete, so that it can be continued."""
         goes_on = _begun.get(self.folder) == self.identity
         if not goes_on:
             self._remove_states()
@@ -270,7 +270,7 @@ class Run:
         return goes_on and bool(self._states())
 
     def end(self):
-        """Removes what was kept from pass to pass, now that the picture is complete."""
+        """Removes the files kept from pass to pass, once the picture is complete."""
         self._remove_states()
         _begun.pop(self.folder, None)
 
@@ -283,15 +283,15 @@ class Run:
 
 
 def _pixel(fraction, size):
-    """A border in pixels, in single precision and cut off as in Blender."""
+    """Returns a border in pixels, computed in single precision and truncated as in Blender."""
     return int(np.float32(fraction) * np.float32(size))
 
 
 def linear_pixels(path):
-    """Pixels of an EXR file as they are, (height, width, 4), the bottom row first.
+    """Returns the unchanged pixels of an EXR file, (height, width, 4), the bottom row first.
 
-    `RenderLayer.load_from_file` reads files of Blender only, so the file becomes an image of
-    Blender for a moment.
+    `RenderLayer.load_from_file` reads only files by Blender, so the file temporarily becomes a
+    Blender image.
     """
     image = bpy.data.images.load(path)
     try:
@@ -304,7 +304,7 @@ def linear_pixels(path):
 
 
 def remove_stale_files(scene_path):
-    """Removes meshes and textures of earlier frames that the scene does not use, which would fill
+    """Removes meshes and textures of earlier frames that the scene does not use, since they would fill
     the disk."""
     with open(scene_path, encoding="utf-8") as file:
         text = file.read()
@@ -318,7 +318,7 @@ _session_folder = None
 
 
 def work_folder(scene, view_layer):
-    """A folder for the files of a view layer of a scene, by their names, which lasts as long as
+    """Returns the folder, by name, for the files of a view layer of a scene. It exists as long as
     Blender runs."""
     global _session_folder
     if _session_folder is None or not os.path.isdir(_session_folder):

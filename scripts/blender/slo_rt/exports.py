@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Export of a whole scene.
 
-Only inside of a render engine does Blender evaluate a scene for rendering: render visibility,
-render levels of modifiers. So an export is a rendering by the engine slo-rt that writes files and
-makes no picture.
+Blender evaluates a scene for rendering (render visibility, render levels of modifiers) only inside a
+render engine. So an export is a rendering by the engine slo-rt that writes files and makes no
+picture.
 """
 
 import contextlib
@@ -18,7 +18,7 @@ ENGINE = "SLO_RT"
 
 @dataclass
 class Request:
-    """What the engine is to write; `report` or `error` is set when it is done."""
+    """What the engine is to write. `report` or `error` is set when it is done."""
 
     view_layer: str
     scene_path: str
@@ -35,7 +35,7 @@ _pending = None
 
 
 def request():
-    """The export that the engine is to do instead of a rendering, or None."""
+    """Returns the export that the engine does instead of a rendering, or None."""
     return _pending
 
 
@@ -43,8 +43,8 @@ def export_scene(scene, view_layer, scene_path, first, last, prefix, output="PNG
     """Writes frames `first` to `last` of a view layer of `scene` to a scene text. Returns the
     `Report`.
 
-    # Errors `OSError`, `ValueError` as `convert.scene.write_scene`; `RuntimeError` of Blender where
-    it does not render, as without a camera.
+    # Errors `OSError`, `ValueError` as `convert.scene.write_scene`; Blender's `RuntimeError` if it
+    does not render, for example without a camera.
     """
     global _pending
     notes = [("scene", message) for message in _left_to_blender(scene, view_layer)]
@@ -63,10 +63,10 @@ def export_scene(scene, view_layer, scene_path, first, last, prefix, output="PNG
 
 
 def _left_to_blender(scene, view_layer):
-    """What Blender does around a rendering by F12, and nobody to an exported scene."""
+    """Notes what Blender does before and after a rendering by F12, but nobody does for an exported scene."""
     render = scene.render
     if render.use_freestyle and view_layer.use_freestyle:
-        # Blender draws them into its own picture, and crashes where there is none.
+        # Blender draws them into its own picture, and crashes if there is none.
         yield "Freestyle's lines are not carried"
     if render.use_border:
         yield "the render border is not carried: the whole picture is rendered (slo-rt has --region)"
@@ -82,7 +82,7 @@ def _left_to_blender(scene, view_layer):
 
 @contextlib.contextmanager
 def _switched_on(view_layer):
-    """The view layer with its rendering on, put back at the end."""
+    """Turns on the rendering of the view layer, and restores it at the end."""
     before = view_layer.use
     view_layer.use = True
     try:
@@ -93,7 +93,7 @@ def _switched_on(view_layer):
 
 @contextlib.contextmanager
 def _as_our_scene(scene):
-    """The scene with our engine and nothing behind it, put back at the end."""
+    """Sets our engine without post-processing for the scene, and restores both at the end."""
     render = scene.render
     wanted = {
         "engine": ENGINE,

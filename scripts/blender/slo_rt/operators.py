@@ -18,7 +18,7 @@ from .format.names import Names, plain
 
 
 def target_path(filepath, ending):
-    """The file to write by what the artist typed: absolute, with its ending, never a `.blend`.
+    """Returns the file to write for the artist's input: absolute, with its ending, never a `.blend`.
 
     # Errors `ValueError` where that names no file.
     """
@@ -98,7 +98,7 @@ class SLO_RT_OT_export_mesh(bpy.types.Operator, ExportHelper):
         return {"FINISHED"} if written else {"CANCELLED"}
 
     def _write(self, path, thing):
-        """Writes an evaluated object; whether it has triangles."""
+        """Writes an evaluated object; returns whether it has triangles."""
         triangles = arrays_of_object(thing)
         if triangles is None:
             self.report({"WARNING"}, f"{thing.name} has no faces")
@@ -112,9 +112,9 @@ class SLO_RT_OT_export_mesh(bpy.types.Operator, ExportHelper):
 
 
 def arrays_of_object(thing):
-    """Triangles of an evaluated object in its own space, scale baked in; None without faces.
+    """Returns the triangles of an evaluated object in its own space, scale baked in; None without faces.
 
-    # Errors `ValueError` where its scale is no finite number.
+    # Errors `ValueError` if its scale is not finite.
     """
     matrix = finite(np.array(thing.matrix_world, np.float64), f'object "{thing.name}"')
     _, shape = split_matrix(matrix)

@@ -206,7 +206,7 @@ def join_shared_panels():
 
 
 def leave_shared_panels():
-    """Takes our engine out of Blender's own panels."""
+    """Removes our engine from Blender's own panels."""
     for panel in _shared_panels():
         panel.COMPAT_ENGINES.discard(ENGINE)
 

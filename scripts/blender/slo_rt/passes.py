@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""With how many samples a frame is rendered, one pass after the other. Knows nothing of Blender.
+"""Numbers of samples of the passes in which a frame is rendered. Independent of Blender.
 
-The last pass is the picture; those before it show something early, or measure how long a sample
-takes. A program that goes on from where the last pass ended (`goes_on`) loses nothing by them.
+The last pass is the picture. The passes before it show an early picture, or measure how long a
+sample takes. They cost nothing extra if the program continues where the last pass ended (`goes_on`).
 """
 
 EARLY = 1
-GROWTH = 8  # a program that begins anew spends a seventh on all passes before the last
+GROWTH = 8  # a program that starts over spends a seventh of the time on all passes before the last
 WORTH_SHARING = 64
 
 
 def planned(samples, show_early, goes_on):
-    """Samples of the passes of a frame that may take as long as it likes."""
+    """Returns the samples of the passes of a frame without a time limit."""
     passes = [EARLY]
     while goes_on and passes[-1] * GROWTH < samples:
         passes.append(passes[-1] * GROWTH)
@@ -21,13 +21,13 @@ def planned(samples, show_early, goes_on):
 
 
 def following(seconds, samples, measured, goes_on):
-    """Samples of the next pass of a frame that has a time limit, or None if the last pass was the
-    picture.
+    """Returns the samples of the next pass of a frame that has a time limit, or None if the last pass
+    was the picture.
 
-    `measured` is a list of `(samples, seconds)` of the passes so far, and `samples` the most that
-    are wanted. A pass is counted as all work in proportion to its samples, so that the limit holds,
-    up to the start of a last short pass. A pass that begins anew is worth it only with twice the
-    samples of the last.
+    `measured` is a list of `(samples, seconds)` of the passes so far, and `samples` is the maximum.
+    The estimate assumes that the whole time of a pass is proportional to its samples, so the limit
+    holds except for the startup of a last short pass. If the program starts over, a pass is
+    worthwhile only with twice the samples of the last.
     """
     if not measured:
         return min(EARLY, samples)

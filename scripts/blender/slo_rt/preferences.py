@@ -25,7 +25,7 @@ class SloRtPreferences(bpy.types.AddonPreferences):
 
 
 def draw_program(layout):
-    """Draws what is wrong with the program, if anything is; returns it, or None."""
+    """Draws the error of the program, if any; returns the program, or None."""
     try:
         return program.find(preferred_path())
     except program.ProgramMissing as error:
@@ -37,7 +37,7 @@ def draw_program(layout):
 
 
 def preferred_path():
-    """The path that the user chose, absolute; empty if none."""
+    """Returns the absolute path that the user chose; empty if none."""
     addon = bpy.context.preferences.addons.get(__package__)
     path = addon.preferences.program_path if addon and addon.preferences else ""
     return bpy.path.abspath(path) if path.startswith("//") else path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs slo-rt and watches it. Knows nothing of Blender."""
+"""Runs slo-rt and watches it. Independent of Blender."""
 
 import json
 import os
@@ -12,15 +12,14 @@ import time
 from dataclasses import dataclass, field
 
 POLL_SECONDS = 0.1
-GRACE_SECONDS = 5.0  # after being asked to stop, before it is made to
+GRACE_SECONDS = 5.0  # between asking the program to stop and killing it
 STOPPED_CODES = {75, 130}
 _PERCENT = re.compile(r"slo-rt:\s+(\d+)\s*%")
 
 
 @dataclass
 class Outcome:
-    """How a run ended: exit code, whether it was asked to stop, and what it said on standard
-    error."""
+    """Result of a run: exit code, whether it was asked to stop, and its output on standard error."""
 
     code: int
     stopped: bool
@@ -32,12 +31,12 @@ class Outcome:
         return self.code == 0
 
     def complaint(self):
-        """What went wrong, in the program's words."""
+        """Returns the program's error message."""
         text = "\n".join(self.messages).strip()
         return "\n".join(part for part in (text, self._end()) if part)
 
     def _end(self):
-        """How a program ended that did not say why."""
+        """Returns how a program ended that printed no message."""
         if self.code < 0:
             return f"slo-rt was ended by {_signal_name(-self.code)}"
         return "" if self.messages else f"slo-rt ended with exit code {self.code}"
@@ -53,12 +52,12 @@ def _signal_name(number):
 def run(command, on_progress, should_stop):
     """Runs a command to its end.
 
-    `on_progress(fraction)` is called whenever the program tells how far it is; `should_stop()`
-    several times a second, and when it is true the program is asked to stop as Ctrl-C does, so that
-    it can save what it has.
+    `on_progress(fraction)` is called whenever the program reports progress. `should_stop()` is called
+    several times a second; if it returns true, the program is asked to stop as by Ctrl-C, so that it
+    can save its samples.
 
     # Errors
-    `OSError` where the program can't be started.
+    `OSError` if the program cannot be started.
     """
     process = subprocess.Popen(
         command,
@@ -92,7 +91,7 @@ def run(command, on_progress, should_stop):
 
 
 def fraction_of(line):
-    """How far a frame is (0 to 1) by a line of the program, or None if it says nothing of it.
+    """Returns the progress of a frame (0 to 1) from a line of the program, or None if it has none.
 
     Understands the events of `--progress json` and the lines for people.
     """
@@ -105,7 +104,7 @@ def fraction_of(line):
 
 
 def event_of(line):
-    """The JSON object on a line, or None."""
+    """Returns the JSON object on a line, or None."""
     if not line.startswith("{"):
         return None
     try:
@@ -122,7 +121,7 @@ def _read(stream, is_talk, lines):
 
 
 def _drain(lines, messages, on_progress, wait):
-    """Takes what has come; waits up to `wait` seconds for the first line."""
+    """Takes the lines that have arrived; waits up to `wait` seconds for the first one."""
     try:
         is_talk, line = lines.get(timeout=wait) if wait else lines.get_nowait()
         while True:
@@ -150,8 +149,8 @@ def _stop(process):
 
 
 def _able_to_stop():
-    """Options for a program that can be asked to stop: on Windows only in a group of its own,
-    elsewhere only if it does not inherit that Ctrl-C is ignored, as jobs in the background do."""
+    """Returns options for a program that can be asked to stop: on Windows it must have a group of its
+    own; elsewhere it must not inherit that Ctrl-C is ignored, as background jobs do."""
     if os.name == "nt":
         return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

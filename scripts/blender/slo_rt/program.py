@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The program slo-rt: where it is, what it can do, how it is called. Knows nothing of Blender."""
+"""The program slo-rt: its path, its features, and its command line. Independent of Blender."""
 
 import functools
 import os
@@ -17,25 +17,25 @@ WHAT_TO_DO = (
 
 
 class ProgramMissing(Exception):
-    """slo-rt can't be found or does not run; the message says what to do."""
+    """slo-rt cannot be found or does not run; the message explains what to do."""
 
 
 @dataclass(frozen=True)
 class Program:
-    """A program that runs: its path, its version, and the long options that its help names."""
+    """A working program: its path, its version, and the long options in its help."""
 
     path: str
     version: str
     options: frozenset
 
     def can(self, option):
-        """Whether its help names a long option, such as `--region`."""
+        """Whether its help lists a long option, such as `--region`."""
         return option in self.options
 
     def command(self, scene_path, frame, outdir, samples=None, region=None, keep_state=False):
-        """The command line that renders one frame of a scene.
+        """Returns the command line that renders one frame of a scene.
 
-        Paths in the scene stay in its folder, so that no more need be allowed. `region` is
+        Paths in the scene stay in its folder, so `--allow-outside` is not needed. `region` is
         `WxH+X+Y`.
         """
         folder, name = os.path.split(scene_path)
@@ -53,7 +53,7 @@ class Program:
 
 
 def find(preferred):
-    """The program to use: `preferred` (a path) if it is not empty, `$SLO_RT`, or `slo-rt` on the
+    """Returns the program to use: `preferred` (a path) if it is not empty, `$SLO_RT`, or `slo-rt` on the
     PATH.
 
     # Errors
@@ -73,15 +73,16 @@ def find(preferred):
 
 
 def _as_meant(path):
-    """A path as people paste it: with quotes around it, `~` for their folder, or the folder that
-    holds the program."""
+    """Cleans a path as people paste it: with quotes around it, `~` for their home, or the folder that
+    contains the program."""
     path = os.path.expanduser(path.strip().strip("\"'").strip())
     return os.path.join(path, NAME) if os.path.isdir(path) else path
 
 
 @functools.lru_cache(maxsize=8)
 def _examined(path, _modified):
-    """A `Program`, or the `ProgramMissing` that says why it is none; panels ask often."""
+    """Returns a `Program`, or the `ProgramMissing` that explains why there is none. Cached, because
+    panels ask often."""
     try:
         return _examine(path)
     except ProgramMissing as error:
@@ -109,7 +110,7 @@ def _output(path, option):
 
 
 def picture_name(prefix, frame, ending, region=None):
-    """Name of the picture of a frame: `prefix` and five digits, behind a minus sign if negative."""
+    """Returns the name of the picture of a frame: `prefix`, a minus sign if negative, and five digits."""
     sign = "-" if frame < 0 else ""
     part = f"_region={region}" if region else ""
     return f"{prefix}{sign}{abs(frame):05d}{part}.{ending}"

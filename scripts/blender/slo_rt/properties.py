@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What artists set: of the scene, of materials, of lights."""
+"""Settings by the artist: of the scene, of materials, of lights."""
 
 import bpy
 from bpy.props import (
@@ -193,6 +193,6 @@ def attach():
 
 
 def detach():
-    """Takes the settings away again."""
+    """Removes the settings again."""
     for owner, _ in OWNERS:
         del owner.slo_rt

@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What could not be carried over, so that nothing is lost in silence."""
+"""Reports what could not be exported, so that nothing is lost silently."""
 
 
 class Report:
-    """Notes about things of the scene, each said once, in the order in which they came up."""
+    """Notes about things of the scene, each reported once, in the order in which they arose."""
 
     def __init__(self):
         self._notes = {}
         self.hint = ""
 
     def note(self, subject, message, hint=""):
-        """Notes that `subject` (such as `material "Gold"`) is carried over differently or not at
-        all. `hint` says in two words why the picture may not be what anybody wants."""
+        """Notes that `subject` (such as `material "Gold"`) is exported differently or not at all.
+        `hint` gives in two words the reason why the picture may be unusable."""
         self._notes.setdefault((subject, message))
         self.hint = self.hint or hint
 
     def lines(self):
-        """One line per message: the subjects that it concerns, then the message."""
+        """Returns one line for each message: the subjects that it concerns, then the message."""
         subjects_of = {}
         for subject, message in self._notes:
             subjects_of.setdefault(message, []).append(subject)

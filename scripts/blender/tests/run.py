@@ -13,7 +13,7 @@ import sys
 import tempfile
 import unittest
 
-SECONDS = 1800.0  # after which something hangs
+SECONDS = 1800.0  # after this time, the run counts as hanging
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(HERE)
 

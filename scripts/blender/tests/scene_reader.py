@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads scene texts and moves things by the rules of docs/scene-format.md.
 
-Written from the document, not from the exporter, which is checked against it.
+Written from the document, not from the exporter, so that it can check the exporter.
 """
 
 import math
@@ -153,7 +153,7 @@ def _control(a, b, name):
 
 
 def camera(scene, frame, shutter):
-    """What the camera does at `shutter` (0 to 1) of a frame: position, forward, up, fov, dof, lens
+    """Returns the camera at `shutter` (0 to 1) of a frame: position, forward, up, fov, dof, lens
     radius, and the scene time in seconds."""
     element = scene.all("Camera")[0]
     fps = element.number("fps")

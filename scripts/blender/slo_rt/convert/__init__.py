@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender's evaluated data becomes in slo-rt."""
+"""Converts Blender's evaluated data to slo-rt."""

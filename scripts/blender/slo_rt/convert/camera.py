@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's camera becomes camera segments."""
+"""Converts Blender's camera to camera segments."""
 
 import numpy as np
 
@@ -9,18 +9,18 @@ from ..format.scene_text import Element, exact
 MILLIMETRE = 1e-3  # Blender counts lenses in millimetres and the scene in metres
 SMALLEST_SCALE = 1e-20
 SMALLEST_FSTOP = 1e-3
-# Objects that are no cameras and no lights look through this lens, as in Cycles.
+# Lens of objects that are neither cameras nor lights, as in Cycles.
 BARE_LENS, BARE_SENSOR = 50.0, 36.0
 BARE_FOCUS = 10.0
-# Directions of a camera further from right angles, as cosines, are noted.
+# A camera is noted if the cosines between its axes are larger.
 SHEAR_TOLERANCE = 1e-4
 
 
 class CameraReader:
     """Reads cameras of an evaluated scene, for a picture of `width` x `height` pixels.
 
-    Any object can be the camera: a light sees what it lights, and others look through a lens of
-    50 mm, as in Cycles.
+    Any object can be the camera: a light sees the area that it lights, and other objects have a
+    lens of 50 mm, as in Cycles.
     """
 
     def __init__(self, render, width, height, report):
@@ -53,7 +53,7 @@ class CameraReader:
         return np.concatenate([position, forward, axes[:, 1], [view, focus, radius]])
 
     def _note_axes(self, camera, axes):
-        """Notes a camera whose directions make no right-handed system of right angles."""
+        """Notes a camera whose axes are not a right-handed system of right angles."""
         subject = f'camera "{camera.name}"'
         if np.linalg.det(axes) < 0.0:
             self._report.note(
@@ -86,14 +86,14 @@ class CameraReader:
 
 
 def _focus_point(dof, depsgraph):
-    """Where the focus object is, or the head of its bone."""
+    """Returns the position of the focus object, or of the head of its bone."""
     target = dof.focus_object.evaluated_get(depsgraph)
     bone = target.pose.bones.get(dof.focus_subtarget) if target.pose else None
     return (target.matrix_world @ bone.matrix if bone else target.matrix_world).translation
 
 
 def samples_of(times, rows):
-    """`CameraSamples` from rows of `CameraReader`."""
+    """Makes `CameraSamples` from rows of `CameraReader`."""
     return CameraSamples(
         times=np.asarray(times, np.float64),
         position=rows[:, 0:3],
@@ -134,7 +134,7 @@ def segments_of_shot(timeline, camera, first, stop, shutter, size):
 
 
 def segment_element(name, segment, fps, shutter):
-    """The text of a segment."""
+    """Returns the text of a segment."""
     offset = shutter.offset
     scene_times = [
         ("sceneStart", exact(segment.start / fps)),
@@ -158,7 +158,7 @@ def segment_element(name, segment, fps, shutter):
 
 
 def _whole(frame):
-    """A time in frames without the error of adding a shutter's offset and taking it off again."""
+    """Removes the rounding error of adding and subtracting a shutter's offset from a time in frames."""
     return round(frame, 9)
 
 
@@ -169,7 +169,7 @@ def _pair(name, values):
 
 
 def note_limits(camera, render, report):
-    """Notes what of `camera` slo-rt has no word for."""
+    """Notes the properties of `camera` that slo-rt lacks."""
     subject = f'camera "{camera.name}"'
     if render.pixel_aspect_x != render.pixel_aspect_y:
         change = "less" if render.pixel_aspect_x > render.pixel_aspect_y else "more"

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers that no picture can be made of, found while it is still known whose they are."""
+"""Finds numbers that cannot be rendered while their owner is still known."""
 
 import numpy as np
 
-# The square of more is infinite in single precision. Blender turns infinite places into such.
+# The square of a larger number is infinite in single precision. Blender turns infinite positions
+# into such numbers.
 LARGEST = 1e18
 
 
 def finite(values, subject, what="its place"):
-    """`values` as they are.
+    """Returns `values` unchanged.
 
     # Errors `ValueError` that names `subject` (such as `object "Cube"`) and `what` of it is infinite,
     nearly so, or not a number.

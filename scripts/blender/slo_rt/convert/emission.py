@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the shaders of worlds and lights shine with: one colour."""
+"""Reads the light of the shaders of worlds and lights: one colour."""
 
 from .nodes import constant, follow, luma
 
@@ -8,8 +8,8 @@ _SHINING = {"BACKGROUND", "EMISSION"}
 
 
 def emitted(feed, reader):
-    """The light of a `Feed` of a shader socket; `reader` (`nodes.Reader`) notes what can't be
-    read."""
+    """Returns the light of a `Feed` of a shader socket; `reader` (`nodes.Reader`) notes what cannot
+    be read."""
     node = feed.node
     if node is None:
         return BLACK

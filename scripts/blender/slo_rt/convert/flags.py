@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What slo-rt makes of each property of Blender's data, as tables.
+"""Tables of how slo-rt handles each property of Blender's data.
 
 Every property that an artist can set is in one of three lists of its kind: `read` (the exporter
-reads it, Blender itself acts on it, or code notes it), `listed` (noted unless it has the value at
-which it does nothing), or `idle` (no matter for the picture: it concerns the user interface, other
-engines, or things that are not carried anyway). A test compares the tables with Blender's own, so
-that a property of a new version can't be forgotten.
+reads it, Blender itself applies it, or code notes it), `listed` (noted unless it has the value at
+which it has no effect), or `idle` (it does not affect the picture: it concerns the user interface,
+other engines, or objects that are not exported anyway). A test compares the tables with Blender's
+own, so that no property of a new version is forgotten.
 """
 
 from dataclasses import dataclass, field
@@ -108,7 +108,7 @@ TABLES = {
         use_dof focus_object focus_subtarget focus_distance aperture_fstop aperture_blades
         aperture_ratio
         """,
-        idle="aperture_rotation",  # of blades and ratio, which are noted
+        idle="aperture_rotation",  # only affects blades and ratio, which are noted
     ),
     "Light": _table(
         read="""
@@ -213,8 +213,8 @@ TABLES = {
     "LayerCollection": _table(
         read="collection children exclude holdout indirect_only", idle="hide_viewport"
     ),
-    # Settings of Cycles that artists find again after changing the engine; the others are how
-    # Cycles computes.
+    # Settings of Cycles that artists expect to keep after changing the engine; the others concern
+    # how Cycles computes.
     "CyclesRenderSettings": _table(
         film_exposure=(1.0, "Cycles' film exposure of {value} is not carried"),
         shading_system=(False, "Open Shading Language is not carried"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images become PNG files of linear light, which is what slo-rt multiplies with."""
+"""Writes images as PNG files of linear light, which slo-rt multiplies colours by."""
 
 import hashlib
 
@@ -12,10 +12,10 @@ _LINEAR = {"Non-Color", "Linear Rec.709", "Linear", "Raw", "scene_linear"}
 
 
 class Picture:
-    """An image of Blender, or the grey of its alpha, as a picture to be written.
+    """An image of Blender, or its alpha as grey, to be written as a file.
 
-    Byte images are held by Blender as their file has them, in sRGB mostly, and are turned to linear
-    light; float images are linear already.
+    Blender stores byte images as in their files, mostly in sRGB, so they are converted to linear
+    light. Float images are linear already.
     """
 
     def __init__(self, image, is_alpha):
@@ -28,11 +28,11 @@ class Picture:
 
     @property
     def subject(self):
-        """How notes call it."""
+        """Its name in notes."""
         return f'image "{self.image.name}"'
 
     def digest(self):
-        """Hash of all that its file depends on, as 32 hexadecimal digits."""
+        """Hash of everything that its file depends on, as 32 hexadecimal digits."""
         image = self.image
         words = repr(
             (
@@ -44,7 +44,7 @@ class Picture:
         return hashlib.blake2b(both, digest_size=16).hexdigest()
 
     def write(self, path):
-        """Writes a 16-bit PNG file; returns what must be noted of it."""
+        """Writes a 16-bit PNG file; returns the notes on it."""
         image, notes = self.image, []
         width, height = image.size
         pixels = self._values.reshape(height, width, image.channels)[::-1]
@@ -72,7 +72,7 @@ class Picture:
 
 
 def linear_of_srgb(values):
-    """Linear light of sRGB values in [0, 1]."""
+    """Converts sRGB values in [0, 1] to linear light."""
     return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
 
 

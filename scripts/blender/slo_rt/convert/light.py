@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lights.
 
-Light does not fall off with distance in slo-rt, and in Blender it does. A light becomes as bright
-as Blender's is at one distance: its own setting, or, if that is 0, the distance to the middle of the
-scene, but not less than the median distance to the surfaces of things: a bulb in the middle of a room
-lights its walls.
+In Blender light falls off with distance, in slo-rt it does not. An exported light is as bright as
+Blender's light at one distance: the distance that the artist set, or, if it is 0, the distance to
+the middle of the scene, but at least the median distance to the surfaces of things, since a bulb in
+the middle of a room lights its walls.
 
 A white surface that faces a lamp of P watts at distance d has, in Blender, the radiance P / (4 pi^2
 d^2) for a point, P / (pi^2 d^2) for a small area that faces it, and E / pi for a sun of E watts per
@@ -25,9 +25,9 @@ SUN_DISTANCE = 200.0  # in diagonals of the scene
 
 
 def elements_of_light(name, light, matrix, surroundings, report):
-    """Elements of one light; none where slo-rt has no such light, which is noted.
+    """Returns the elements of one light; none, and a note, if slo-rt has no such light.
 
-    `matrix` (4, 4) leads to world space; `surroundings` (`Surroundings`) describe the scene.
+    `matrix` (4, 4) transforms to world space; `surroundings` (`Surroundings`) describes the scene.
     """
     center, diagonal = surroundings.center, surroundings.diagonal
     subject = f'light "{light.name}"'
@@ -86,7 +86,7 @@ def _rectangle(name, light, color, brightness, matrix, subject, report):
 
 
 def _light_of_nodes(light, reader):
-    """What the nodes of a light multiply its own light by: three numbers."""
+    """Returns the factor by which the nodes of a light multiply its own light: three numbers."""
     tree = compat.node_tree(light)
     if tree is None:
         return (1.0, 1.0, 1.0)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of objects, view layers and render settings slo-rt has no word for."""
+"""Notes on properties of objects, view layers and render settings that slo-rt lacks."""
 
 import bpy
 
 from .flags import note_flags
 from .physics import note_unbaked
 
-# Rays from which Blender can hide an object.
+# Kinds of rays from which Blender can hide an object.
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 _PASSES = ("use_pass_", "pass_debug", "pass_render", "denoising_store_passes")
-# How particles may be shown, other than as objects.
+# Ways to show particles other than as objects.
 _PARTICLES = {"HALO": "halos", "LINE": "lines", "PATH": "paths"}
-# View settings that leave colours alone.
+# View settings that do not change colours.
 _PLAIN_VIEW = {
     "view_transform": "Standard",
     "look": "None",
@@ -23,7 +23,7 @@ _PLAIN_VIEW = {
 
 
 def note_object(thing, view_layer, report):
-    """Notes what of the visibility of `thing` (an evaluated object) slo-rt has no word for."""
+    """Notes the visibility settings of `thing` (an evaluated object) that slo-rt lacks."""
     is_light = thing.type == "LIGHT"
     subject, original = f'{"light" if is_light else "object"} "{thing.name}"', thing.original
     if not is_light:
@@ -48,7 +48,7 @@ def note_object(thing, view_layer, report):
 
 
 def note_particles(thing, report):
-    """Notes hair and particles of `thing` that are not shown as objects, which are no objects."""
+    """Notes hair and particles of `thing` that are not shown as objects, since they have no objects."""
     for system in thing.particle_systems:
         how = system.settings
         subject = f'particle system "{system.name}" of object "{thing.name}"'
@@ -58,14 +58,14 @@ def note_particles(thing, report):
 
 
 def note_physics(depsgraph, report):
-    """Notes physics of all objects, seen or not, that are not baked."""
+    """Notes physics that is not baked, of all objects, visible or not."""
     for thing in depsgraph.objects:
         note_unbaked(thing.original, depsgraph.scene, report)
 
 
 def is_empty(thing):
-    """Whether an object that is no mesh has nothing of its own kind, as hair of which geometry nodes
-    make a mesh."""
+    """Whether an object that is not a mesh has no data of its own kind, such as hair that geometry
+    nodes turn into a mesh."""
     data = thing.data
     if thing.type == "VOLUME":
         data.grids.load()
@@ -81,7 +81,7 @@ def note_blur(thing, report):
 
 
 def note_view_layer(layer, report):
-    """Notes what of a view layer slo-rt has no word for."""
+    """Notes the settings of a view layer that slo-rt lacks."""
     subject = f'view layer "{layer.name}"'
     note_flags(layer, "ViewLayer", subject, report)
     passes = [
@@ -97,7 +97,7 @@ def note_view_layer(layer, report):
 
 
 def note_scene(scene, report):
-    """Notes what of the render settings slo-rt has no word for."""
+    """Notes the render settings that slo-rt lacks."""
     render = scene.render
     note_flags(getattr(scene, "cycles", None), "CyclesRenderSettings", "scene", report)
     if render.film_transparent:
@@ -114,8 +114,8 @@ def note_scene(scene, report):
 
 
 def note_export(scene, layer, report):
-    """Notes what Blender does to a rendered picture or sequence, and slo-rt to an exported scene
-    does not."""
+    """Notes what Blender does to a rendered picture or sequence, but nobody does to the pictures of an
+    exported scene."""
     view = scene.view_settings
     odd = [
         f"{name.removeprefix('use_').replace('_', ' ')} {value}"

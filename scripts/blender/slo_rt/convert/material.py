@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials: the surface shader of a node tree becomes a `phong_info`."""
+"""Converts the surface shader of a material's node tree to a `phong_info`."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ _KNOWN = {
     "BSDF_PRINCIPLED", "BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_METALLIC", "BSDF_GLASS", "EMISSION",
     _TRANSPARENT,
 }  # fmt: skip
-# What these do has no likeness to a matt surface of their colour.
+# These do not resemble a matt surface of their colour.
 _BLACK = {"HOLDOUT"}
 _GLASSY = {"BSDF_REFRACTION"}
 # Factors of a mix closer to 0 or 1 show one shader only.
@@ -25,16 +25,16 @@ SMALLEST_IOR = 1e-3
 
 @dataclass
 class Finish:
-    """How a surface looks: Phong values, and the texture that multiplies ambient and diffuse, or
-    None."""
+    """The appearance of a surface: Phong values, and the texture that multiplies ambient and diffuse,
+    or None."""
 
     phong: Phong
     texture: Texture | None = None
 
 
 def finish(material, ambient_light, report):
-    """The finish of a material (None: Blender's default grey); None if the material has no surface,
-    only a volume, so that what has it is not seen."""
+    """Returns the finish of a material (None: Blender's default grey), or None if the material has only
+    a volume and no surface, so that its objects are invisible."""
     if material is None:
         return Finish(phong_of_surface(Surface(), ambient_light))
     subject = f'material "{material.name}"'
@@ -49,7 +49,7 @@ def finish(material, ambient_light, report):
 
 
 def own_phong(values):
-    """The Phong values that the artist typed in (`MaterialSettings`)."""
+    """Returns the Phong values that the artist entered (`MaterialSettings`)."""
     return Phong(
         **{
             name: tuple(value) if hasattr(value, "__len__") else value
@@ -75,7 +75,7 @@ class _MaterialReader(Reader):
         self.ambient_light = ambient_light
 
     def finish(self, tree):
-        """The `Finish` of a tree, or None if it has a volume and no surface."""
+        """Returns the `Finish` of a tree, or None if it has a volume and no surface."""
         output = output_node(tree)
         if output is None:
             self.note("has no output; it is black")
@@ -92,7 +92,7 @@ class _MaterialReader(Reader):
         return self._shader(surface)
 
     def own_texture(self, tree):
-        """The texture of a tree, of which nothing else counts."""
+        """Returns the texture of a tree whose other nodes do not matter."""
         output = tree and output_node(tree)
         open_ = [follow(Feed(output).input("Surface"))] if output else []
         while open_:
@@ -109,7 +109,7 @@ class _MaterialReader(Reader):
     # Shaders
 
     def _shader(self, feed):
-        """The `Finish` of what feeds a shader socket."""
+        """Returns the `Finish` of the shader that feeds a socket."""
         node = feed.node
         if node is None:
             return Finish(Phong())
@@ -123,7 +123,7 @@ class _MaterialReader(Reader):
         return self._stranger(feed)
 
     def _mix(self, feed):
-        """Mixes of known parts are mixed; of others, one is taken."""
+        """Mixes two known shaders; of other mixes it takes one shader."""
         first, second = (follow(i) for i in feed.inputs() if i.socket.type == "SHADER")
         if feed.node.type == "ADD_SHADER":
             return self._blend(feed, ((1.0, first), (1.0, second)))
@@ -156,7 +156,7 @@ class _MaterialReader(Reader):
         return Finish(phong, textures[0] if textures else None)
 
     def _stranger(self, feed):
-        """A shader that slo-rt has nothing like."""
+        """Returns the nearest `Finish` to a shader without a counterpart in slo-rt, and notes it."""
         node = feed.node
         socket = feed.input("Base Color") or feed.input("Color")
         if node.type in _BLACK or socket is None:
@@ -236,7 +236,7 @@ class _MaterialReader(Reader):
         return max(self.value(feed.input("IOR"), otherwise), SMALLEST_IOR)
 
     def _note_surface(self, surface, texture):
-        """Notes what slo-rt does differently with a surface that it can read."""
+        """Notes how slo-rt treats a surface differently that it can read."""
         if surface.emission != BLACK:
             self.note("shines by itself, and on nothing else: only lights light other things")
         if texture and surface.emission != BLACK and surface.base_color != BLACK:
@@ -266,7 +266,7 @@ class _MaterialReader(Reader):
 
 
 def _something(first, second):
-    """Of a mix of something with nothing, something is what the artist looks at."""
+    """Returns the visible part of a mix of a shader with nothing."""
     for feed in (first, second):
         if feed.node is not None and feed.node.type != _TRANSPARENT:
             return feed
@@ -274,7 +274,7 @@ def _something(first, second):
 
 
 def _nearest_image(feed):
-    """The `Feed` of the nearest image texture with an image at or behind `feed`, or None."""
+    """Returns the `Feed` of the nearest image texture with an image at or behind `feed`, or None."""
     seen, open_ = set(), [feed]
     while open_:
         feed = open_.pop(0)

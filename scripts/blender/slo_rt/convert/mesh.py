@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's meshes become triangles, with numpy all the way."""
+"""Converts Blender's meshes to triangles, with numpy throughout."""
 
 from dataclasses import replace
 
@@ -7,15 +7,15 @@ import numpy as np
 
 from ..format.slo_mesh import MeshArrays
 
-# Corner normals whose components differ by less are the same.
+# Corner normals whose components differ by less count as equal.
 NORMAL_STEP = 1e-4
 
 
 class Triangles:
-    """The triangles of a mesh: `geometry`, arrays without uvs, and the `material` index of each.
+    """The triangles of a mesh: `geometry`, arrays without uvs, and the `material` index of each triangle.
 
-    `shape` (3, 3) is applied to vertices and normals; one that mirrors turns triangles round. To be
-    used as long as the mesh is there.
+    `shape` (3, 3) is applied to vertices and normals; if it mirrors, triangles are reversed. Valid as
+    long as the mesh exists.
     """
 
     def __init__(self, mesh, shape=None):
@@ -41,9 +41,9 @@ class Triangles:
         self.geometry = MeshArrays(vertices, vertex_of_corner[self._corners], normals=normals)
 
     def arrays(self, uv_map, is_needed):
-        """The geometry with the uv map of a name, "" that for rendering, None for none.
+        """Returns the geometry with the named uv map: "" for the render uv map, None for none.
 
-        Where there is none, all of a texture is one point if it `is_needed`, as in Blender.
+        If there is no uv map but it `is_needed`, all uvs are the same point, as in Blender.
         """
         uvs, corner_uv = _uvs(self._mesh, self._corner_vertex, uv_map, is_needed)
         if uvs is None:
@@ -52,18 +52,18 @@ class Triangles:
 
 
 def has_faces(mesh):
-    """Whether there are triangles in a mesh."""
+    """Whether a mesh has triangles."""
     return len(mesh.polygons) > 0
 
 
 def is_flat(matrix):
-    """Whether the columns of a matrix (3, 3) span no space."""
+    """Whether a matrix (3, 3) is singular."""
     lengths = np.linalg.norm(matrix, axis=0)
     return abs(np.linalg.det(matrix)) <= 1e-9 * np.prod(lengths)
 
 
 def part(mesh, chosen):
-    """The triangles of a mesh for which `chosen` (m,) is true, with the vertices that they use."""
+    """Returns the triangles of a mesh for which `chosen` (m,) is true, with the vertices that they use."""
     faces, vertices = _compact(mesh.faces[chosen], len(mesh.vertices))
     result = MeshArrays(mesh.vertices[vertices], faces)
     if mesh.normals is not None:
@@ -82,13 +82,13 @@ def _compact(indices, count):
 
 
 def _attribute(mesh, name, field, width, kind):
-    """Values of an attribute; many times quicker than those of vertices and corners themselves."""
+    """Returns the values of an attribute, many times faster than vertex by vertex or corner by corner."""
     values = mesh.attributes[name].data
     return _read(values, field, len(values), width, kind)
 
 
 def _materials(mesh, count):
-    """Material index of each triangle."""
+    """Returns the material index of each triangle."""
     if "material_index" not in mesh.attributes:
         return np.zeros(count, np.int32)
     of_face = _attribute(mesh, "material_index", "value", 1, np.int32)[:, 0]
@@ -102,7 +102,7 @@ def _read(collection, attribute, count, width, kind):
 
 
 def _uvs(mesh, corner_vertex, uv_map, is_needed):
-    """Distinct uv coordinates, and the index of that of each corner; `(None, None)` without."""
+    """Returns the distinct uv coordinates, and their index for each corner; `(None, None)` without uvs."""
     layers = mesh.uv_layers
     layer = layers.get(uv_map) if uv_map else None
     if uv_map == "":
@@ -124,8 +124,8 @@ def _uvs(mesh, corner_vertex, uv_map, is_needed):
 def _normals(mesh, corner_vertex):
     """`(vertex of each corner, source vertices, normals)`.
 
-    Vertices whose corners have different normals are divided; `source` tells from which vertex each
-    one comes, None if none was divided. Normals are None for flat meshes.
+    Vertices whose corners have different normals are split. `source` holds the original of each
+    vertex, or is None if none was split. Normals are None for flat meshes.
     """
     domain = mesh.normals_domain
     if domain == "FACE":

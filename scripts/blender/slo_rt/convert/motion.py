@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where things are at any time, read from Blender's evaluated scene."""
+"""Positions of things at any time, read from Blender's evaluated scene."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from .checks import LARGEST, finite
 
 
 def instance_key(instance):
-    """What tells an instance of the dependency graph from all others, at all times."""
+    """Returns a key that identifies an instance of the dependency graph at all times."""
     name = instance.object.original.name_full
     if not instance.is_instance:
         return (name, "", ())
@@ -19,9 +19,9 @@ def instance_key(instance):
 class Timeline:
     """Samples the whole scene, at each time once.
 
-    `set_frame(frame)` takes the dependency graph to a time in frames, fractions included. Matrices
-    are read in columns. Things are counted from 0 in the order in which they were first seen; of
-    each, the first matrix is kept, and of each time the matrices that differ from it.
+    `set_frame(frame)` moves the dependency graph to a time in frames, fractions included. Matrices
+    are read in columns. Things are numbered from 0 in the order in which they were first seen. It
+    stores the first matrix of each thing, and for each time the matrices that differ from it.
     """
 
     def __init__(self, depsgraph, set_frame, cameras, read_camera):
@@ -31,19 +31,19 @@ class Timeline:
         self._read_camera = read_camera
         self._numbers = {}  # key -> number of a thing
         self._first = np.empty((0, 4, 4), np.float32)
-        self._counts = np.empty(0, np.int64)  # at how many times each was seen
+        self._counts = np.empty(0, np.int64)  # number of times at which each thing was seen
         self._has_moved = np.empty(0, bool)
         self._changes = {}  # time -> (numbers, matrices)
-        self._known_order = None  # what the instances were last: their signature and numbers
+        self._known_order = None  # the last instances: their signature and numbers
         self._camera_values = {}
 
     @property
     def samples(self):
-        """How many times were looked at."""
+        """Number of times that were sampled."""
         return len(self._changes)
 
     def visit(self, times):
-        """Makes sure that `times` (frames) were looked at."""
+        """Samples those of `times` (frames) that were not sampled yet."""
         for time in times:
             if time not in self._changes:
                 self._set_frame(float(time))
@@ -51,7 +51,7 @@ class Timeline:
                 self._look_at_cameras(float(time))
 
     def _look(self):
-        """Numbers and matrices of what is elsewhere than at first."""
+        """Returns the numbers and matrices of things that have left their first position."""
         instances = self._depsgraph.object_instances
         count = len(instances)
         shown, ids = np.empty(count, bool), np.empty(count, np.int32)
@@ -72,8 +72,8 @@ class Timeline:
         return numbers[elsewhere], matrices[elsewhere]
 
     def _numbers_of(self, instances, signature):
-        """Numbers of the instances that show themselves, in order. Their names are read only if
-        they are others than last time."""
+        """Returns the numbers of the visible instances, in order. Their names are read only if the
+        instances differ from last time."""
         if self._known_order is None or self._known_order[0] != signature:
             keys = [instance_key(instance) for instance in instances if instance.show_self]
             numbers = [self._numbers.setdefault(key, len(self._numbers)) for key in keys]
@@ -87,16 +87,16 @@ class Timeline:
             self._camera_values[camera.name_full, time] = values
 
     def moves(self, key):
-        """Whether the thing was ever seen at another place than at first."""
+        """Whether the thing was ever seen away from its first position."""
         number = self._numbers.get(key)
         return number is not None and bool(self._has_moved[number])
 
     def not_always_there(self):
-        """Keys of things that were seen at some times only."""
+        """Returns the keys of things that were visible only at some times."""
         return [k for k, number in self._numbers.items() if self._counts[number] < self.samples]
 
     def matrices(self, keys, times):
-        """Matrices to world space (n, k, 4, 4) of things at times (n, k).
+        """Returns the matrices to world space (n, k, 4, 4) of things at times (n, k).
 
         # Errors `ValueError` if one is not finite.
         """
@@ -121,7 +121,7 @@ class Timeline:
         return found
 
     def camera_values(self, camera, times):
-        """What `read_camera` said of a camera at times (n,), one row each."""
+        """Returns the results of `read_camera` for a camera at times (n,), one row each."""
         self.visit(times)
         return np.array([self._camera_values[camera.name_full, time] for time in times], np.float64)
 
@@ -141,7 +141,7 @@ def breaks(thing, first, last, remapped=1.0):
 
 
 def _sources(thing):
-    """The object and all that it follows: parents, targets of constraints and drivers, its data."""
+    """Returns the object and all that it follows: parents, targets of constraints and drivers, data."""
     found, open_ = [], [thing]
     while open_:
         owner = open_.pop()

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What slo-rt reads of each node, as data.
+"""Table of what slo-rt reads of each node.
 
-A node's sockets and properties are all in its entry: those that are read, those that are noted
-unless they have the value at which they do nothing, and those that do nothing while another one
-does nothing. A test compares the table with Blender's nodes, so that none is forgotten; what a newer
-Blender adds is noted as soon as it is linked or not 0.
+A node's entry has all its sockets and properties: the ones that are read, the ones that are noted
+unless they have the value at which they have no effect, and the ones that have no effect while
+another one has none. A test compares the table with Blender's nodes, so that none is forgotten. A
+socket added by a newer Blender is noted if it is linked or not 0.
 """
 
 from dataclasses import dataclass, field
@@ -16,12 +16,12 @@ _GGX = ("GGX", "MULTI_GGX")
 
 @dataclass(frozen=True)
 class Entry:
-    """What is known of a type of node; sockets by identifier.
+    """Properties of a type of node; sockets by identifier.
 
-    `read`: sockets that are read. `neutral`: sockets that are not, and their value at which they do
-    nothing; None: they do nothing unless linked. `follows`: sockets and properties that do nothing
-    while another one, which is noted, does nothing. `properties`: values that are read or do nothing;
-    None: the property is read, or noted by the code that reads the node.
+    `read`: sockets that are read. `neutral`: sockets that are not read, and the value at which they
+    have no effect; None: they have no effect unless linked. `follows`: sockets and properties that
+    have no effect while another one, which is noted, has none. `properties`: values that are read or
+    have no effect; None: the property is read, or noted by the code that reads the node.
     """
 
     read: frozenset = frozenset()
@@ -62,7 +62,7 @@ ENTRIES = {
     "BSDF_METALLIC": _entry(
         "Base Color, Roughness, IOR, Extinction",
         {"Anisotropy": 0.0, "Thin Film Thickness": 0.0},
-        "Rotation, Tangent, Thin Film IOR, Edge Tint",  # Edge Tint is noted in any case
+        "Rotation, Tangent, Thin Film IOR, Edge Tint",  # Edge Tint is always noted
         distribution=_GGX,
         fresnel_type=None,
     ),
@@ -95,7 +95,7 @@ ENTRIES = {
     "VALUE": _entry(),
 }  # fmt: skip
 
-# What is noted of a socket or property, where that says more than its name.
+# Notes on sockets and properties whose names do not say enough.
 MESSAGES = {
     ("OUTPUT_MATERIAL", "Volume"): "volume is not carried",
     ("OUTPUT_MATERIAL", "Displacement"): "displacement is not carried",
@@ -111,7 +111,7 @@ MESSAGES = {
 for _kind in ENTRIES:
     MESSAGES[_kind, "Normal"] = "normal and bump maps are not carried"
 
-# Of a texture's own mapping (`ImageTexture.texture_mapping`): values at which it does nothing.
+# Values at which a texture's own mapping (`ImageTexture.texture_mapping`) has no effect.
 PLAIN_TEXTURE_MAPPING = {
     "translation": ZERO,
     "rotation": ZERO,

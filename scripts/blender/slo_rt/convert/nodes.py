@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node trees: what feeds a socket, and what of a node is not read.
+"""Node trees: the inputs of sockets, and notes on the parts of nodes that are not read.
 
-Links are followed as Cycles does: a muted link counts for nothing, a muted node lets through what
-its inner links say, reroutes and node groups are looked through.
+Links are followed as in Cycles: muted links are ignored, muted nodes pass their inputs on by their
+internal links, and reroutes and node groups are followed through.
 """
 
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from .. import compat
 from .node_table import ENTRIES, MESSAGES, Entry
 
-# So many reroutes, groups and muted nodes in a row make a circle.
+# A longer chain of reroutes, groups and muted nodes counts as a circle.
 MOST_STEPS = 1000
 
 
 @dataclass(frozen=True)
 class Input:
-    """A socket and the group nodes that it lies in, outermost first."""
+    """A socket and the group nodes that contain it, outermost first."""
 
     socket: object
     groups: tuple = ()
@@ -24,8 +24,8 @@ class Input:
 
 @dataclass(frozen=True)
 class Feed:
-    """What an input gets: the output `socket` of a `node`, or the own value of `own`, or, without
-    either, 0."""
+    """The source of an input: the output `socket` of a `node`, or the value of the socket `own`, or 0
+    without either."""
 
     node: object = None
     socket: object = None
@@ -33,21 +33,21 @@ class Feed:
     own: object = None
 
     def input(self, name):
-        """The input of the node with an identifier or a name, or None."""
+        """Returns the input of the node with an identifier or a name, or None."""
         for socket in self.node.inputs:
             if name in (socket.identifier, socket.name) and socket.enabled:
                 return Input(socket, self.groups)
         return None
 
     def inputs(self):
-        """All inputs of the node that count."""
+        """Returns all inputs of the node that have an effect."""
         return [Input(socket, self.groups) for socket in self.node.inputs if socket.enabled]
 
 
 def follow(start):
-    """The `Feed` of an `Input`."""
+    """Returns the `Feed` of an `Input`."""
     socket, groups = start.socket, start.groups
-    own = socket  # whose value counts where the chain ends in nothing
+    own = socket  # the socket whose value is used if the chain ends without a source
     for _ in range(MOST_STEPS):
         link = _link(socket)
         if link is None:
@@ -74,7 +74,7 @@ def follow(start):
 
 
 def _link(socket):
-    """The link to a socket that counts, or None."""
+    """Returns the link to a socket that has an effect, or None."""
     for link in socket.links:
         if link.is_valid and not link.is_muted and link.from_socket.enabled and socket.enabled:
             return link
@@ -82,13 +82,13 @@ def _link(socket):
 
 
 def _through(node, output):
-    """The input that a muted node passes on to `output`, or None."""
+    """Returns the input that a muted node passes on to `output`, or None."""
     inner = (link for link in node.internal_links if link.to_socket == output)
     return next((link.from_socket for link in inner), None)
 
 
 def _inside(group, output):
-    """The socket in a group's tree that feeds an output of the group, or None."""
+    """Returns the socket in a group's tree that feeds an output of the group, or None."""
     nodes = group.node_tree.nodes if group.node_tree else ()
     ends = [n for n in nodes if n.type == "GROUP_OUTPUT" and n.is_active_output and not n.mute]
     return _by_identifier(ends[0].inputs, output) if ends else None
@@ -99,7 +99,7 @@ def _by_identifier(sockets, wanted):
 
 
 def output_node(tree):
-    """The output node of a tree that Cycles takes, or None."""
+    """Returns the output node of a tree that Cycles uses, or None."""
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
     if output is not None and output.mute and compat.MUTED_OUTPUTS_ARE_NONE:
         return None
@@ -107,7 +107,7 @@ def output_node(tree):
 
 
 class Reader:
-    """Reads constants of the node trees of one owner, and notes what can't be read."""
+    """Reads constants of the node trees of one owner, and notes what cannot be read."""
 
     def __init__(self, subject, report):
         self.subject = subject
@@ -117,7 +117,7 @@ class Reader:
         self.report.note(self.subject, message)
 
     def note_rest(self, feed):
-        """Notes what of a node does something in Blender and nothing in slo-rt, by its entry in
+        """Notes the parts of a node that have an effect in Blender but not in slo-rt, by its entry in
         the table."""
         node = feed.node
         entry = ENTRIES.get(node.type, Entry())
@@ -140,8 +140,8 @@ class Reader:
         self.note(message.format(value=value))
 
     def _is_neutral(self, input_, neutral):
-        """Whether an input does nothing: nothing is linked and, if `neutral` is not None, its value
-        is that."""
+        """Whether an input has no effect: nothing is linked and, if `neutral` is not None, its value is
+        `neutral`."""
         feed = follow(input_)
         if feed.node is not None and constant(feed) is None:
             return False
@@ -153,7 +153,7 @@ class Reader:
         return value is None or (value if count > 1 else (value,)) == wanted[:count]
 
     def value(self, input_, otherwise=0.0):
-        """A number; what feeds it counts only if it is a constant."""
+        """Reads a number. Its input is read only if it is constant."""
         if input_ is None:
             return otherwise
         feed = follow(input_)
@@ -164,7 +164,7 @@ class Reader:
         return luma(found) if isinstance(found, tuple) else found
 
     def color(self, input_):
-        """A colour; what feeds it counts only if it is a constant."""
+        """Reads a colour. Its input is read only if it is constant."""
         feed = follow(input_)
         found = constant(feed)
         if found is None:
@@ -173,22 +173,22 @@ class Reader:
         return found if isinstance(found, tuple) else (found,) * 3
 
     def light(self, color):
-        """A colour without what is below 0, as which nothing can shine in slo-rt."""
+        """Reads a colour, clamped to 0 or more, since slo-rt has no negative light."""
         if any(channel < 0.0 for channel in color):
             self.note("negative light and colours are not carried; they are 0")
         return tuple(max(channel, 0.0) for channel in color)
 
     def unit(self, input_, otherwise=0.0):
-        """A number, as Cycles takes it: between 0 and 1."""
+        """Reads a number, clamped to [0, 1] as in Cycles."""
         return min(max(self.value(input_, otherwise), 0.0), 1.0)
 
     def note_feed(self, feed, input_, instead="the socket's own value is"):
-        """Notes what is linked to a socket and can't be carried."""
+        """Notes a link to a socket that cannot be exported."""
         self.note(f"{feed.node.bl_label} on {input_.socket.name} is not carried, {instead}")
 
 
 def constant(feed):
-    """The number or colour (three numbers) of a feed, or None if it is no constant."""
+    """Returns the number or colour (three numbers) of a feed, or None if it is not constant."""
     if feed.node is not None:
         if feed.node.type not in {"VALUE", "RGB"}:
             return None
@@ -200,7 +200,7 @@ def constant(feed):
 
 
 def _number_or_tuple(feed, socket):
-    """The constant of a feed as `socket` takes it; None if it is neither number nor colour."""
+    """Returns the constant of a feed as converted by `socket`; None if it is neither number nor colour."""
     value = constant(feed)
     if socket.type in {"VALUE", "INT"}:
         return luma(value) if isinstance(value, tuple) else value
@@ -210,7 +210,7 @@ def _number_or_tuple(feed, socket):
 
 
 def luma(color):
-    """The number that Blender makes of a colour."""
+    """Converts a colour to a number as Blender does."""
     return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
 
 

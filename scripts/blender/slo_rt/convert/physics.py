@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Physics that are not baked: Blender computes them only while frames are played one after the
-other, so that what moves by them rests in a rendering or an export."""
+"""Physics that is not baked. Blender computes it only while frames are played one after the other, so
+the objects that it moves are at rest in a rendering or an export."""
 
 import os
 
@@ -10,7 +10,7 @@ NODES = "simulation of geometry nodes"
 
 
 def note_unbaked(thing, scene, report):
-    """Notes physics of an object (the original) that have no bake."""
+    """Notes physics of an object (the original) that is not baked."""
     for kind in sorted(set(_unbaked(thing, scene))):
         message = f"its {kind} is not baked, so what it moves may rest; bake it (Physics > Cache)"
         if kind == NODES:
@@ -58,8 +58,8 @@ def _unbaked_particles(system):
 
 
 def _has_files(modifier, bake):
-    """Whether there are files of a bake of geometry nodes. Of a bake in the `.blend` file Blender
-    does not tell."""
+    """Whether a bake of geometry nodes has files. Blender does not reveal a bake inside the `.blend`
+    file."""
     folder = bake.directory
     if not bake.use_custom_path:
         folder = os.path.join(modifier.bake_directory, str(bake.bake_id))

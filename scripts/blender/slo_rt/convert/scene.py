@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A whole scene: from Blender's evaluated scene to a scene text with its meshes and textures."""
+"""Writes Blender's evaluated scene as a scene text with its meshes and textures."""
 
 import os
 from dataclasses import dataclass
@@ -19,9 +19,9 @@ from .surfaces import Surfaces
 from .surroundings import Surroundings
 from .things import Collector, outlines
 
-# Shapes whose entries change by more, in parts of the thing's size, count as changing.
+# A shape counts as changing if its entries change by more than this fraction of the thing's size.
 SHAPE_TOLERANCE = 1e-4
-# At how many times deforming things are looked at, at most.
+# Most times at which deforming things are checked.
 OUTLINE_TIMES = 32
 
 
@@ -29,11 +29,11 @@ OUTLINE_TIMES = 32
 class Job:
     """What to write, and how.
 
-    `depsgraph` is the dependency graph and `set_frame(frame)` takes it to a time in frames.
+    `depsgraph` is the dependency graph, and `set_frame(frame)` moves it to a time in frames.
     `scene_path` is the file to write; meshes and textures go to a folder beside it with its name.
-    `first` to `last`: the frames, whole numbers. `output`: the Film's. `by_content` names meshes by
-    what is in them, so that they need not be written twice. `notes`: pairs of subject and message
-    that the report begins with.
+    `first` to `last` are the frames, whole numbers. `output` is the Film's format. `by_content` names
+    meshes by a hash of their contents, so that none is written twice. `notes` holds pairs of subject
+    and message with which the report begins.
     """
 
     depsgraph: object
@@ -48,15 +48,15 @@ class Job:
 
     @property
     def single(self):
-        """Whether only one frame is wanted."""
+        """Whether the job has only one frame."""
         return self.first == self.last
 
 
 def write_scene(job):
-    """Writes the scene of `job`. Returns the `Report` of what could not be carried.
+    """Writes the scene of `job`. Returns the `Report` of everything that could not be exported.
 
-    # Errors `OSError` where a file can't be written; `ValueError` where the scene has no camera or
-    holds numbers that are not finite.
+    # Errors `OSError` if a file cannot be written; `ValueError` if the scene has no camera or contains
+    numbers that are not finite.
     """
     return _Writer(job).write()
 
@@ -112,11 +112,11 @@ class _Writer:
         return self.report
 
     def _now(self, item):
-        """An item of Blender's data with the values of the frame that is evaluated; None for None."""
+        """Returns an item of Blender's data with the values of the evaluated frame; None for None."""
         return item.evaluated_get(self.job.depsgraph) if item else None
 
     def _note_darkness(self, lights):
-        """Notes that nothing is lit, which explains a black picture."""
+        """Notes that the scene has no light, which explains a black picture."""
         if lights:
             return
         ambient = self.values.world_light * max(self.background)
@@ -151,12 +151,12 @@ class _Writer:
 
     @property
     def _moving(self):
-        """Whether anything but one moment is to be shown."""
+        """Whether the job shows more than one moment."""
         return not self.job.single or self.shutter.duration > 0.0
 
     @property
     def _span(self):
-        """First and last scene time in frames that a shutter can see."""
+        """Returns the first and the last scene time, in frames, at which a shutter is open."""
         tail = self.shutter.duration
         return self.job.first + self.shutter.offset, self.job.last + self.shutter.offset + tail
 
@@ -195,8 +195,8 @@ class _Writer:
         return segments
 
     def _distance_of(self, positions):
-        """The shortest distance from a camera at `positions` to the middle of a thing, which is the
-        length that its errors are measured by; not below a thousandth of the scene."""
+        """Returns the shortest distance from a camera at `positions` to the middle of a thing, but at
+        least a thousandth of the scene. The camera's errors are relative to it."""
         shortest = min(
             np.linalg.norm(self.surroundings.centers - position, axis=1).min()
             for position in np.unique(positions, axis=0)
@@ -228,7 +228,7 @@ class _Writer:
         return [] if np.array_equal(thing.placement, rest) else [key_frames.still(thing.placement)]
 
     def _paths(self, things, timeline):
-        """Key frames of the things that move, by their keys."""
+        """Returns the key frames of the things that move, by their keys."""
         moving = [thing for thing in things if self._moving and timeline.moves(thing.key)]
         if not moving:
             return {}
@@ -253,7 +253,7 @@ class _Writer:
         return {key: path for key, (path, _) in zip(keys, fitted)}
 
     def _breaks(self, thing, first, last):
-        """The `Break`s of all sources of a thing, which many things share."""
+        """Returns the `Break`s of all sources of a thing. Many things share their sources."""
         remapped = self.render.frame_map_new / self.render.frame_map_old
         found = []
         for source in thing.sources:
@@ -292,7 +292,7 @@ class _Writer:
             )
         return elements
 
-    # What changes although slo-rt has no word for it
+    # Changes that slo-rt cannot represent
 
     def _note_changes(self, found, timeline):
         if not self._moving:
@@ -319,8 +319,8 @@ class _Writer:
                     )
 
     def _outline_times(self):
-        """Times (frames) at which deforming things are looked at: the last, and whole frames, all
-        or so scattered that no swing has its period."""
+        """Returns the times (frames) at which deforming things are checked: the last one, and whole
+        frames: either all, or scattered irregularly, so that no oscillation is missed."""
         first, last = self._span
         frames = np.arange(self.job.first + 1, self.job.last)
         if len(frames) > OUTLINE_TIMES:
@@ -341,7 +341,7 @@ class _Writer:
 
 
 class _Frozen:
-    """A timeline in which it is always the same time."""
+    """A timeline that stays at one time."""
 
     def __init__(self, timeline, time):
         self._timeline = timeline

@@ -10,15 +10,15 @@ from ..format.scene_text import Element
 
 @dataclass
 class Shutter:
-    """When the shutter is open: `duration` frames, from `offset` frames after the frame's time
-    on."""
+    """When the shutter is open: for `duration` frames, starting `offset` frames after the frame's
+    time."""
 
     offset: float
     duration: float
 
     @classmethod
     def of(cls, render, view_layer):
-        """The shutter of Blender's render settings."""
+        """Reads the shutter from Blender's render settings."""
         if not (render.use_motion_blur and view_layer.use_motion_blur):
             return cls(0.0, 0.0)
         duration = render.motion_blur_shutter
@@ -27,23 +27,23 @@ class Shutter:
 
 
 def frames_per_second(render):
-    """Frames per second of the video.
+    """Returns the frames per second of the video.
 
-    Blender holds the base in single precision, where 1.001 is 1.00100004673; the shortest decimal
-    that stands for it is what the artist chose.
+    Blender stores the base in single precision, where 1.001 is 1.00100004673. The shortest decimal
+    number that rounds to it is the artist's value.
     """
     return render.fps / float(str(np.float32(render.fps_base)))
 
 
 def picture_size(render):
-    """Width and height of the picture in pixels."""
+    """Returns the width and height of the picture in pixels."""
     percentage = render.resolution_percentage
     sides = (render.resolution_x * percentage // 100, render.resolution_y * percentage // 100)
     return max(sides[0], 1), max(sides[1], 1)
 
 
 def settings_element(values, background):
-    """`settings` from the artist's values (`RenderSettings`) and the colour of the background."""
+    """Makes `settings` from the artist's values (`RenderSettings`) and the colour of the background."""
     body = [("imageSamples", values.samples)]
     if values.noise > 0.0:
         body += [
@@ -74,6 +74,6 @@ def settings_element(values, background):
 
 
 def film_element(size, prefix, output):
-    """`Film`; PNG files get sRGB values, as pictures for people have."""
+    """Makes a `Film`; PNG files get sRGB values, since they are meant for display."""
     body = [("width", size[0]), ("height", size[1]), ("prefix", prefix), ("output", output)]
     return Element("Film", "film", body + ([] if output == "EXR_IMAGE" else [("encoding", "SRGB")]))

@@ -9,15 +9,16 @@ from . import material
 from .image import Picture
 from .things import Look
 
-# What was noted of images that were written, by the names of their files.
+# Notes on images that were written, by the names of their files.
 _notes_of_images = {}
 
 
 class Surfaces:
-    """The materials that things have. Each is read when it is asked for first.
+    """The materials of things. Each is read when it is first requested.
 
-    `now(item)` gives an item of Blender's data with the values of the frame; textures go to `folder`,
-    named by what is in them if `by_content`; `ambient_light` is the light of the world.
+    `now(item)` returns an item of Blender's data with the values of the frame. Textures go to
+    `folder`, named by a hash of their contents if `by_content`. `ambient_light` is the light of the
+    world.
     """
 
     def __init__(self, now, ambient_light, folder, by_content, report):
@@ -31,7 +32,7 @@ class Surfaces:
         self._names = {kind: Names() for kind in ("material", "texture")}
 
     def _finish(self, item):
-        """Name in the scene and finish (or None) of a `bpy` material or None."""
+        """Returns the name in the scene and the finish (or None) of a `bpy` material or None."""
         key = item.name_full if item else None
         if key not in self._finishes:
             name = self._names["material"].new(item.name if item else "no_material")
@@ -40,21 +41,21 @@ class Surfaces:
         return self._finishes[key]
 
     def name_of(self, item):
-        """Name in the scene of a `bpy` material or None."""
+        """Returns the name in the scene of a `bpy` material or None."""
         return self._finish(item)[0]
 
     def look_of(self, item):
-        """The `Look` of a `bpy` material or None; None if what has it is not seen."""
+        """Returns the `Look` of a `bpy` material or None; None if its objects are invisible."""
         finish = self._finish(item)[1]
         if finish is None:
             return None
         if finish.texture:
             return Look(finish.texture.uv_map, True)
-        # An export may get a texture by hand.
+        # A texture may be added to an export by hand.
         return Look(None if self._by_content else "", False)
 
     def elements(self, things):
-        """The elements of all materials that `things` have; writes their textures."""
+        """Returns the elements of all materials of `things`, and writes their textures."""
         elements = []
         used = {
             part.material.name_full if part.material else None for t in things for part in t.parts
@@ -74,8 +75,8 @@ class Surfaces:
         return sorted(elements, key=lambda element: order.get(element.kind, 2))
 
     def _texture(self, texture, elements):
-        """Name of the texture's element, which is written when it is needed first; None if
-        unreadable."""
+        """Returns the name of the texture's element, which is written when it is first needed; None if
+        the image is unreadable."""
         picture, key = texture.image, (texture.image.name_full, texture.is_alpha)
         if key not in self._textures:
             wish = os.path.splitext(picture.name)[0] + ("_alpha" if texture.is_alpha else "")
@@ -87,7 +88,7 @@ class Surfaces:
         return self._textures[key]
 
     def _store_image(self, picture, name):
-        """Writes an image, unless it is there; its path in the scene, or None if there is none."""
+        """Writes an image unless it exists. Returns its path in the scene, or None if there is no image."""
         if picture.image.source in {"MOVIE", "SEQUENCE", "TILED"}:
             self._report.note(
                 picture.subject, "of movies, sequences and tiles only the first picture is carried"

@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How large a scene is, and how far its things are from a point."""
+"""The size of a scene, and the distances of its things from a point."""
 
 import numpy as np
 
 from ..fit.rigid import axes_of
 
-# In metres; what is nearer counts as that far.
+# Least distance, in metres.
 NEAREST = 1e-3
-# A thing around a light or next to it whose diagonal is less than this part of the scene's is the
-# light's own fixture: a bulb, a shade.
+# A thing around a light or next to it is the light's own fixture (a bulb, a shade) if its diagonal
+# is less than this fraction of the scene's.
 FIXTURE = 0.05
 DEFAULT_CLIP_START = 0.1
 
 
 class Surroundings:
-    """The things of a scene at one moment: the middles of their boxes (`centers`), the median of
-    those (`center`), and the diagonal of the whole (`diagonal`)."""
+    """The things of a scene at one moment: the middles of their boxes (`centers`), the median of the
+    middles (`center`), and the diagonal of the whole scene (`diagonal`)."""
 
     def __init__(self, things):
         self.centers = np.array([thing.center for thing in things] or np.zeros((1, 3)))
@@ -29,17 +29,17 @@ class Surroundings:
         self._boxes = np.array([thing.box for thing in things]).reshape(-1, 2, 3)
 
     def eyes(self, position):
-        """A point (3,) in the space of each thing's box, and its distance to the box, 0 inside."""
+        """Returns a point (3,) in the space of each thing's box, and its distance to the box, 0 inside."""
         eyes = np.einsum("nji,nj->ni", self._axes, position - self._pivots)
         low, high = self._boxes[:, 0], self._boxes[:, 1]
         return eyes, np.linalg.norm(eyes - np.clip(eyes, low, high), axis=1)
 
     def distance(self, position):
-        """Distance in metres at which a light at `position` (3,) lights the scene, typically.
+        """Returns the typical distance, in metres, at which a light at `position` (3,) lights the scene.
 
-        The distance to the middle of the scene, or the median distance to the surfaces of things if
-        that is more. To a box around the point it is the median over the box's faces. The light's
-        own fixture does not count.
+        This is the distance to the middle of the scene, or the median distance to the surfaces of
+        things if that is larger. The distance to a box around the point is the median over the box's
+        faces. The light's own fixture does not count.
         """
         to_middle = float(np.linalg.norm(self.center - position))
         eyes, gaps = self.eyes(position)
@@ -52,8 +52,8 @@ class Surroundings:
         return max(to_middle, float(np.median(to_things)), NEAREST)
 
     def note_clipping(self, camera, values, report):
-        """Notes what lies before the start or behind the end of a camera's clipping, which Blender
-        does not show; `values` is what `CameraReader` says of it."""
+        """Notes things in front of the start or behind the end of a camera's clipping range, which
+        Blender does not show. `values` are the camera's numbers from `CameraReader`."""
         if not len(self._boxes) or camera.type != "CAMERA":
             return
         optics, subject = camera.data, f'camera "{camera.name}"'
@@ -62,7 +62,7 @@ class Surroundings:
         farthest = np.where(gaze > 0.0, self._boxes[:, 1], self._boxes[:, 0]) - eyes
         if np.sum(farthest * gaze, axis=1).max() > optics.clip_end:
             report.note(subject, f"what is behind its clip end, {optics.clip_end:g} m, is seen too")
-        # Around a camera in a room is a box, whose walls are farther off.
+        # A camera in a room is inside a box, whose walls are farther away.
         outside = (gaps > 0.0) | (optics.clip_start > DEFAULT_CLIP_START * 1.001)
         if (outside & (gaps < optics.clip_start)).any():
             report.note(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image textures: which image, which of its channels, and where it lies on a surface."""
+"""Image textures: the image, its channels, and its position on a surface."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ from .nodes import follow
 
 @dataclass(frozen=True)
 class Texture:
-    """An image on the base colour, `scale` times over one unit of uv coordinates.
+    """An image on the base colour, repeated `scale` times over one unit of uv coordinates.
 
-    `uv_map` is the name of the uv map, "" that for rendering; `is_alpha`: the grey of the image's
-    alpha instead of its colours.
+    `uv_map` is the name of the uv map, "" for the render uv map. `is_alpha`: the image's alpha as
+    grey is used instead of its colours.
     """
 
     image: bpy.types.Image
@@ -25,7 +25,7 @@ class Texture:
 
 
 def read_texture(feed, reader):
-    """The `Texture` of an image texture node; `reader` (`nodes.Reader`) notes what is not carried."""
+    """Returns the `Texture` of an image texture node; `reader` (`nodes.Reader`) notes what is lost."""
     node = feed.node
     reader.note_rest(feed)
     mapping = node.texture_mapping
@@ -36,7 +36,7 @@ def read_texture(feed, reader):
 
 
 def _coordinates(input_, reader):
-    """`(scale, uv map)` of texture coordinates."""
+    """Returns `(scale, uv map)` of texture coordinates."""
     feed = follow(input_)
     scale = (1.0, 1.0)
     if feed.node is not None and feed.node.type == "MAPPING":
@@ -50,7 +50,7 @@ def _coordinates(input_, reader):
         feed = behind
     node = feed.node
     if node is None:
-        # Only the socket of the image itself stands for the uv map if nothing is linked.
+        # Only the image's own socket means the uv map if nothing is linked.
         if feed.own not in {None, input_.socket} and not compat.ENDLESS_CHAINS_ARE_ZERO:
             reader.note("a vector as coordinates is one point of the image; here the uv map is")
         return scale, ""
@@ -86,5 +86,5 @@ def _mapping_scale(feed, reader):
 
 
 def _plain(value):
-    """A property's value as number, word or tuple."""
+    """Returns a property's value as a number, word or tuple."""
     return value if isinstance(value, str) or not hasattr(value, "__len__") else tuple(value)

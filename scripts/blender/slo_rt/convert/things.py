@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is visible at one moment: things with triangles, lights, and what is neither."""
+"""Everything visible at one moment: things with triangles, lights, and notes on the rest."""
 
 import hashlib
 from dataclasses import dataclass, field
@@ -13,16 +13,17 @@ from .checks import finite
 from .motion import instance_key
 
 SOLID = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-# What is never seen itself. The surfaces of curves, texts and metaballs are instances of meshes.
+# Types that are never visible themselves. The surfaces of curves, texts and metaballs are instances
+# of meshes.
 UNSEEN = SOLID | {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "SPEAKER", "LIGHT", "LIGHT_PROBE"}
-# Triangles with a smaller part of their size squared as area are none.
+# Triangles whose area is a smaller fraction of their squared size are ignored.
 NO_AREA = 1e-12
 
 
 @dataclass
 class Look:
-    """What a material wants of a mesh: a uv map, "" that for rendering, None for none; and whether a
-    texture lies on it."""
+    """What a material needs from a mesh: a uv map ("" for the render uv map, None for none), and whether
+    it has a texture."""
 
     uv_map: str | None
     is_textured: bool
@@ -39,10 +40,9 @@ class Part:
 
 @dataclass
 class Thing:
-    """A thing with triangles: where it is (`placement`: pivot, up, right), what is left of its
-    transform (`shape`, baked into its files), the low and the high corner of the `box` around what
-    is in its files, and, where its vertices may move in its own space, a hash of them
-    (`outline`)."""
+    """A thing with triangles: its `placement` (pivot, up, right), the rest of its transform (`shape`,
+    baked into its files), the lower and upper corner of the `box` around the contents of its files,
+    and, if its vertices may move in its own space, a hash of them (`outline`)."""
 
     key: tuple
     name: str
@@ -77,17 +77,17 @@ class Lamp:
 
 @dataclass
 class Inventory:
-    """All that was found."""
+    """Everything that was found."""
 
     things: list = field(default_factory=list)
     lamps: list = field(default_factory=list)
 
 
 class Collector:
-    """Takes stock of an evaluated scene; meshes go to `store(name, arrays) -> filename`.
+    """Collects the contents of an evaluated scene; meshes go to `store(name, arrays) -> filename`.
 
-    `look_of(material)` is the `Look` of a material, or None if it is not seen. `is_blurred`: whether
-    the shutter is open for a while.
+    `look_of(material)` returns the `Look` of a material, or None if it is invisible. `is_blurred`
+    tells whether the shutter is open for longer than a moment.
     """
 
     def __init__(self, store, look_of, is_blurred, report):
@@ -99,9 +99,9 @@ class Collector:
         self._noted = set()
 
     def take_stock(self, depsgraph):
-        """The things and lights of `depsgraph` as they are now.
+        """Returns the things and lights of `depsgraph` in their current state.
 
-        # Errors `ValueError` where a place is no finite number.
+        # Errors `ValueError` if a position is not finite.
         """
         found = Inventory()
         layer = depsgraph.view_layer
@@ -121,7 +121,7 @@ class Collector:
         return found
 
     def _note_limits(self, instance, layer):
-        """Notes what slo-rt has no word for, once for all instances of an object."""
+        """Notes the settings that slo-rt lacks, once for all instances of an object."""
         thing = instance.object
         what = thing.name, instance.show_self, instance.show_particles
         if what in self._noted:
@@ -179,7 +179,7 @@ class Collector:
         return thing.data.as_pointer(), materials, tuple(np.round(shape, 6).ravel())
 
     def _files(self, thing, shape, override):
-        """Parts of a thing, its box, and its outline."""
+        """Returns the parts of a thing, its box, and its outline."""
         nothing = [], np.zeros((2, 3)), None
         mesh = thing.to_mesh()
         if mesh is None:
@@ -210,7 +210,7 @@ class Collector:
         return parts, box, outline
 
     def _pieces(self, name, triangles, materials):
-        """`(name, material, arrays)` of the triangles of each material that is seen."""
+        """Returns `(name, material, arrays)` of the triangles of each visible material."""
         first_like = np.array([materials.index(material) for material in materials])
         material_index = first_like[np.clip(triangles.material, 0, len(materials) - 1)]
         used = np.unique(material_index)
@@ -229,7 +229,7 @@ class Collector:
 
 
 def _box(pieces):
-    """The low and the high corner of the box around the vertices of `MeshArrays`."""
+    """Returns the lower and upper corner of the box around the vertices of `MeshArrays`."""
     low = np.min([arrays.vertices.min(axis=0) for arrays in pieces], axis=0)
     high = np.max([arrays.vertices.max(axis=0) for arrays in pieces], axis=0)
     return np.array([low, high], np.float64)
@@ -242,7 +242,7 @@ def _matrix(instance):
 
 
 def _has_no_area(triangles, box):
-    """Whether no triangle has an area, as where all is scaled to a point or a line."""
+    """Whether no triangle has an area, for example if the thing is scaled to a point or a line."""
     a, b, c = (triangles.vertices[triangles.faces[:, i]].astype(np.float64) for i in range(3))
     size = np.linalg.norm(box[1] - box[0])
     doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1).max()
@@ -258,7 +258,7 @@ def may_deform(thing):
 
 
 def outlines(depsgraph, keys):
-    """Hashes of the vertices, as they are now, of the things with these keys."""
+    """Returns hashes of the current vertices of the things with these keys."""
     found = {}
     for instance in depsgraph.object_instances:
         key = instance_key(instance) if instance.object.type == "MESH" else None
@@ -275,7 +275,7 @@ def _hash(mesh):
 
 
 def materials_of(thing, mesh):
-    """Materials of a thing by index, at least one; None where a slot is empty."""
+    """Returns the materials of a thing by index, at least one; None for an empty slot."""
     slots = [slot.material for slot in thing.material_slots]
     inner = list(mesh.materials)
     materials = [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world becomes one background colour."""
+"""Converts the world to one background colour."""
 
 from .. import compat
 from .checks import finite
@@ -11,9 +11,9 @@ BLACK = (0.0, 0.0, 0.0)
 
 
 def background(world, report):
-    """Linear colour of the background; what is not one colour is noted.
+    """Returns the linear colour of the background, and notes a background that is not one colour.
 
-    # Errors `ValueError` where it is not finite.
+    # Errors `ValueError` if it is not finite.
     """
     if world is None:
         return BLACK
@@ -36,7 +36,7 @@ def _color(world, subject, report):
 
 
 def _note_rays(world, subject, report):
-    """Notes rays for which Cycles has no world; slo-rt has it for all."""
+    """Notes kinds of rays for which Cycles hides the world; in slo-rt all rays see it."""
     rays = getattr(world, "cycles_visibility", None)
     names = ("camera", "diffuse", "glossy", "transmission")
     hidden = [name for name in names if not getattr(rays, name, True)]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves through sampled motion. Knows nothing of Blender."""
+"""Fits curves to sampled motion. Independent of Blender."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bézier curves through samples, by least squares."""
+"""Fits Bézier curves to samples by least squares."""
 
 from math import comb
 
@@ -7,7 +7,7 @@ import numpy as np
 
 
 def basis(degree, u):
-    """Bernstein polynomials at `u` (n,), shape (n, degree + 1)."""
+    """Returns the Bernstein polynomials at `u` (n,), shape (n, degree + 1)."""
     u = np.asarray(u, np.float64)[:, None]
     k = np.arange(degree + 1)
     binomials = np.array([comb(degree, int(i)) for i in k], np.float64)
@@ -15,12 +15,12 @@ def basis(degree, u):
 
 
 def evaluate(control, u):
-    """Points of the curve with `control` (degree + 1, d) at `u` (n,), shape (n, d)."""
+    """Returns points of the curve with `control` (degree + 1, d) at `u` (n,), shape (n, d)."""
     return basis(len(control) - 1, u) @ control
 
 
 def fit_many(degree, u, values):
-    """As `fit` of each of `values` (n, k, d): control points (n, degree + 1, d)."""
+    """Does `fit` for each of `values` (n, k, d); returns control points (n, degree + 1, d)."""
     line = np.linspace(0.0, 1.0, degree + 1)[:, None]
     control = values[:, :1] * (1.0 - line) + values[:, -1:] * line
     if degree >= 2 and len(u) > 2:
@@ -31,17 +31,17 @@ def fit_many(degree, u, values):
 
 
 def fit(degree, u, values):
-    """Control points of the curve that starts and ends at the first and last of `values` (n, d) and
-    is nearest to the others in the mean.
+    """Returns the control points of the curve that starts and ends at the first and last of `values`
+    (n, d) and fits the others by least squares.
 
-    `u` (n,) rises from 0 to 1. Where there are too few samples for the degree, the curve with the
-    shortest control points about the straight line is taken.
+    `u` (n,) rises from 0 to 1. If there are too few samples for the degree, it returns the curve
+    whose control points deviate least from the straight line.
     """
     return fit_many(degree, u, np.asarray(values)[None])[0]
 
 
 def tidy_many(points):
-    """As `tidy` of each of `points` (n, m, d)."""
+    """Does `tidy` for each of `points` (n, m, d)."""
     largest = np.abs(points).max(axis=(1, 2), keepdims=True)
     decimals = 8 - np.ceil(np.log10(np.where(largest > 0.0, largest, 1.0)))
     scale = 10.0 ** np.clip(np.abs(decimals), 0, 300)
@@ -50,5 +50,5 @@ def tidy_many(points):
 
 
 def tidy(points):
-    """The same points without digits that single precision never had: to 1e-8 of the largest."""
+    """Rounds points to the digits of single precision: to 1e-8 of the largest number."""
     return tidy_many(points[None])[0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera segments through sampled cameras.
+"""Fits camera segments to sampled cameras.
 
 In a camera segment of slo-rt, position and target follow Bézier curves of any degree; the sky
 vector, the size of the view, the focus distance and the lens radius are linear. Segments begin and
@@ -19,7 +19,7 @@ DEGREES_WITHIN_A_FRAME = (0, 1, 2, 3, 4, 5, 6, 7)
 # Relative errors: 3e-4 of the size of the view is a sixth of a pixel at the edge of a thousand.
 VIEW_TOLERANCE = 3e-4
 FOCUS_TOLERANCE = 1e-3
-# Frames that a segment of one still frame lasts: a segment must not be empty.
+# Duration in frames of a segment of one still frame, since a segment must not be empty.
 SHORTEST_SEGMENT = 0.5
 SAMPLES_OF_A_SHUTTER = 17
 Z = np.array([0.0, 0.0, 1.0])
@@ -27,10 +27,10 @@ Z = np.array([0.0, 0.0, 1.0])
 
 @dataclass
 class CameraSamples:
-    """What the camera does at `times` (n,): vectors (n, 3), unit in world space, scalars (n,).
+    """The camera at `times` (n,): vectors (n, 3), directions unit, in world space; scalars (n,).
 
-    `view` is half the height of the view at distance 1, `focus` the distance of the sharp plane,
-    `lens_radius` 0 for a pinhole.
+    `view` is half the height of the view at distance 1, `focus` is the distance of the plane in
+    focus, and `lens_radius` is 0 for a pinhole.
     """
 
     times: np.ndarray
@@ -58,12 +58,12 @@ class Segment:
 
 
 def fit_segments(sample, first, stop, shutter, size, is_last=True):
-    """Camera segments for the frames from `first` to before `stop`.
+    """Returns camera segments for the frames from `first` to before `stop`.
 
-    `sample(times)` gives `CameraSamples`; `shutter` has `offset` and `duration` in frames; `size`
-    is the length of which positions may miss a fraction. What the camera does while no shutter is
-    open does not matter. `is_last`: nothing joins at `stop`. Returns `(segments, misfit)`: times in
-    frames of the scene, and `(frame, length, radians)` of the worst frame that misses the
+    `sample(times)` returns `CameraSamples`. `shutter` has `offset` and `duration` in frames. `size`
+    is the length that errors of positions are relative to. The camera does not matter while no
+    shutter is open. `is_last`: no segment follows at `stop`. Returns `(segments, misfit)`: times in
+    frames of the scene, and `(frame, length, radians)` of the worst frame that exceeds the
     tolerances, or None.
     """
     is_leaf = stop - first == 1
@@ -79,11 +79,11 @@ def fit_segments(sample, first, stop, shutter, size, is_last=True):
 
 
 def visible_times(first, stop, shutter, is_last):
-    """Times (frames of the scene) that a segment for the frames `first` to before `stop` is looked
-    at.
+    """Returns the times (frames of the scene) at which a segment for the frames `first` to before
+    `stop` is sampled.
 
-    Those while a shutter is open; and the end, where the next segment begins. A segment that
-    nothing joins, or of one frame, ends with its last shutter.
+    These are times while a shutter is open, and the end, at which the next segment begins. A segment
+    that no other follows, or of one frame, ends with its last shutter.
     """
     steps = np.linspace(
         0.0, shutter.duration, SAMPLES_OF_A_SHUTTER if shutter.duration > 0.0 else 1
@@ -97,8 +97,8 @@ def visible_times(first, stop, shutter, is_last):
 
 
 def _best(samples, size, degrees):
-    """The segment of the lowest degree that fits, or else the nearest one, and by how much it
-    misses: `(in units of what is allowed, length, radians)`."""
+    """Returns the segment of the lowest degree that fits, or else the nearest one, and its error:
+    `(in units of the tolerances, length, radians)`."""
     best = None
     for degree in degrees:
         segment = _fit(samples, degree)
@@ -142,7 +142,7 @@ def _ends(values):
 
 
 def _sky(samples):
-    """Sky vectors of start and end: z, where the camera is never rolled, or else its own up
+    """Returns the sky vectors of start and end: z if the camera is never rolled, or else its own up
     vector."""
     sideways = np.abs(np.cross(samples.forward, samples.up)[:, 2])
     upright = (sideways < 1e-5) & (samples.up[:, 2] > 0.05)
@@ -150,10 +150,10 @@ def _sky(samples):
 
 
 def common_target(position, forward):
-    """The point that a moving camera looks at all the time, or None.
+    """Returns the point that a moving camera looks at all the time, or None.
 
     It is the point nearest to all lines of view, if it lies ahead of all cameras and on their lines
-    to a twentieth of what is allowed.
+    within a twentieth of the tolerance.
     """
     spread = np.linalg.norm(np.ptp(position, axis=0))
     if spread <= 1e-9:
@@ -172,7 +172,7 @@ def common_target(position, forward):
 
 
 def axes(position, target, sky):
-    """Columns (right, up, forward) of cameras, shape (n, 3, 3), as slo-rt makes them."""
+    """Returns the axes (columns right, up, forward) of cameras, shape (n, 3, 3), as in slo-rt."""
     forward = target - position
     forward = forward / np.linalg.norm(forward, axis=-1, keepdims=True)
     right = np.cross(forward, sky)

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Key frames through sampled placements.
+"""Fits key frames to sampled placements.
 
 Between two key frames of slo-rt, pivot, up and right are cubic Bézier curves in time. A stretch of
-motion is fitted by one piece; where the piece misses the samples, it is divided, first at whole
-frames. The times of the artist's own key frames are borders of pieces from the start, so that a
-motion which is cubic between them, as that of Bézier curves with automatic handles is, comes back
-as it was.
+motion is fitted by one piece. If the piece misses the samples, it is divided, first at whole frames.
+The times of the artist's own key frames are borders of pieces from the start. So a motion that is
+cubic between them, such as Bézier curves with automatic handles, is reproduced exactly.
 
-Times are in frames here; samples are taken at multiples of a power of two of a frame, so that all
-things that move ask for the same times.
+Times are in frames here. Samples are taken at multiples of a power of two of a frame, so that all
+moving things are sampled at the same times.
 """
 
 from dataclasses import dataclass
@@ -20,16 +19,16 @@ from .rigid import angle_between, axes_of
 
 POSITION_TOLERANCE = 1e-4  # of the thing's size
 DIRECTION_TOLERANCE = np.radians(0.05)
-# Between samples a piece misses by a little more than at them.
+# Between samples, the error of a piece is a little larger than at them.
 MARGIN = 0.5
-# Turns between neighbouring samples beyond this say that there are too few of them.
+# If neighbouring samples are rotated by more than this, there are too few of them.
 SAMPLE_TURN = np.radians(20.0)
 COARSEST_STEP = 0.25
 SHORTEST_PIECE = 1.0 / 64.0
 INNER_SAMPLES = 8
-# So many placements are worked on together.
+# Number of placements that are processed together.
 SAMPLES_AT_ONCE = 1 << 17
-# How long before its time a leap begins.
+# Time by which a jump begins early.
 LEAP = 1.0 / 256.0
 
 
@@ -37,7 +36,7 @@ LEAP = 1.0 / 256.0
 class KeyFrame:
     """One key frame at `time` (frames): `key`, `pre`, `nex` hold pivot, up, right (9,).
 
-    `pre` and `nex` are None where nothing leads in or out, or in a straight line at even speed.
+    `pre` and `nex` are None if no motion leads in or out, or if it is straight at constant speed.
     """
 
     time: float
@@ -56,7 +55,7 @@ class Break:
 
 @dataclass
 class Misfit:
-    """Where the key frames miss the motion: time (frames), fraction of the size, radians."""
+    """Place at which the key frames miss the motion: time (frames), fraction of the size, radians."""
 
     time: float
     position: float
@@ -72,7 +71,7 @@ class _Piece:
 
 
 def fit_key_frames(sample, start, end, size, breaks=()):
-    """Key frames of one motion; `sample(times)` gives placements (n, 9) at times (n,). As `fit_all`."""
+    """Does `fit_all` for one motion; `sample(times)` returns placements (n, 9) at times (n,)."""
 
     def sample_one(_who, times):
         return np.array([sample(row) for row in times])
@@ -81,13 +80,13 @@ def fit_key_frames(sample, start, end, size, breaks=()):
 
 
 def fit_all(sample, start, end, sizes, breaks, prepare=None):
-    """Key frames of many motions from `start` to `end` (frames).
+    """Returns the key frames of many motions from `start` to `end` (frames).
 
-    `sample(who, times)` gives placements (n, k, 9) of the motions with numbers `who` (n,) at times
-    (n, k); `prepare(times)` is told before which times are asked for next. `sizes` are the diagonals
-    of the things, `breaks` lists of `Break`s. Returns `(key_frames, misfit)` of each; `misfit` is None
-    if the tolerances hold at all samples, otherwise the place where the motion is too wild, such as a
-    leap that no curve announces.
+    `sample(who, times)` returns placements (n, k, 9) of the motions with numbers `who` (n,) at times
+    (n, k). `prepare(times)` is called in advance with the times to be sampled next. `sizes` are the
+    diagonals of the things, `breaks` lists of `Break`s. Returns `(key_frames, misfit)` of each motion.
+    `misfit` is None if the tolerances hold at all samples, otherwise the place at which the motion is
+    too wild, such as a jump that no curve announces.
 
     Pieces of all motions that have the same pattern of samples are fitted together.
     """
@@ -107,7 +106,7 @@ def fit_all(sample, start, end, sizes, breaks, prepare=None):
 
 
 def sample_times(start, end):
-    """Times at which the piece from `start` to `end` is looked at, both included."""
+    """Returns the times at which the piece from `start` to `end` is sampled, both included."""
     step = COARSEST_STEP
     while (end - start) / step <= INNER_SAMPLES:
         step /= 2.0
@@ -116,7 +115,7 @@ def sample_times(start, end):
 
 
 def middle(start, end):
-    """Where to divide a piece: at a whole frame if there is one inside."""
+    """Returns the time at which to divide a piece: a whole frame if there is one inside."""
     center = (start + end) / 2.0
     whole = float(np.round(center))
     return whole if start < whole < end else center
@@ -131,8 +130,8 @@ class _Fitter:
         self.misfits = {}
 
     def cover(self, stretches):
-        """Appends the pieces that fit of stretches `(who, start, end)`; returns the halves of the
-        others."""
+        """Fits stretches `(who, start, end)` by pieces. Appends the pieces that fit, and returns the
+        halves of the other stretches."""
         patterns, asked = {}, {}
         for stretch in stretches:
             _, start, end = stretch
@@ -151,7 +150,7 @@ class _Fitter:
         return halves
 
     def _cover_alike(self, stretches, times):
-        """As `cover`, for stretches with one pattern of samples at `times` (n, k)."""
+        """Does `cover` for stretches with the same pattern of samples at `times` (n, k)."""
         who = np.array([stretch[0] for stretch in stretches])
         placements = self.sample(who, times)
         u = (times[0] - times[0, 0]) / (times[0, -1] - times[0, 0])
@@ -182,8 +181,8 @@ class _Fitter:
         return halves
 
     def leap(self, stretches):
-        """From one place to the other in half the time, so that rounded times can't fall into
-        it."""
+        """Moves from one placement to the other in half the time, so that no rounded time can fall
+        into the jump."""
         if not stretches:
             return
         ends = np.array([stretch[1:] for stretch in stretches])
@@ -206,7 +205,7 @@ def _axes(placements):
 
 
 def _borders(start, end, breaks):
-    """Borders of pieces as `(time, whether a leap ends there)`, rising from `start` to `end`."""
+    """Returns the borders of pieces as `(time, whether a jump ends there)`, rising from `start` to `end`."""
     borders = {start: False, end: False}
     for point in breaks:
         if not start < point.time <= end:
@@ -218,7 +217,7 @@ def _borders(start, end, breaks):
 
 
 def _join(pieces):
-    """Key frames of adjoining pieces; straight handles are left out, and rest is told once."""
+    """Returns the key frames of adjoining pieces, without straight handles and repeated keys at rest."""
     keys = [KeyFrame(pieces[0].start, pieces[0].control[0])]
     for piece in pieces:
         control = piece.control
@@ -229,19 +228,19 @@ def _join(pieces):
 
 
 def _tidy(control):
-    """Control points (n, m, 9) without digits that single precision never had, for pivot, up and
-    right each."""
+    """Rounds control points (n, m, 9) to the digits of single precision, separately for pivot, up and
+    right."""
     return np.concatenate([bezier.tidy_many(control[..., i : i + 3]) for i in (0, 3, 6)], axis=-1)
 
 
 def _is_straight(control):
-    """Which of the curves with control points (n, 4, 9) are straight and even."""
+    """Returns which curves with control points (n, 4, 9) are straight with constant speed."""
     line = control[:, :1] + (control[:, 3:] - control[:, :1]) * np.array([[1.0 / 3.0], [2.0 / 3.0]])
     return np.abs(control[:, 1:3] - line).max(axis=(1, 2)) <= 1e-9
 
 
 def _without_middle_of_rest(keys):
-    """Leaves out keys at which the thing rests before and after."""
+    """Removes keys at which the thing is at rest before and after."""
 
     def rests(a, b):
         return a.nex is None and b.pre is None and np.array_equal(a.key, b.key)

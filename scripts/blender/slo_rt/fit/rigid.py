@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Placements of rigid bodies, as the scene language has them: pivot, up and right."""
+"""Placements of rigid bodies as in the scene language: pivot, up and right."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ FLAT = 1e-9
 
 
 def split_matrix(matrix):
-    """Divides object-to-world matrices into a rigid placement and what is left for the vertices.
+    """Splits object-to-world matrices into a rigid placement and a remainder for the vertices.
 
     `matrix` has shape (..., 4, 4) and acts on columns. Returns `(placement, shape)`: `placement`
     (..., 9) is pivot, up, right, the latter two unit vectors in world space; `shape` (..., 3, 3)
@@ -30,9 +30,9 @@ def split_matrix(matrix):
 
 
 def axes_of(up, right):
-    """Columns (right, forward, up) of a placement, shape (..., 3, 3), by Gram-Schmidt.
+    """Returns the columns (right, forward, up) of a placement, shape (..., 3, 3), by Gram-Schmidt.
 
-    `right` keeps its direction and `up` gives way, as in slo-rt.
+    `right` keeps its direction and `up` is adjusted, as in slo-rt.
     """
     right = _unit(right)
     up = _unit(_across(up, right))
@@ -40,20 +40,20 @@ def axes_of(up, right):
 
 
 def angle_between(axes_a, axes_b):
-    """Largest angle in radians between corresponding columns, for small angles."""
+    """Returns the largest angle in radians between corresponding columns, for small angles."""
     chord = np.linalg.norm(axes_a - axes_b, axis=-2).max(axis=-1)
     return 2.0 * np.arcsin(np.clip(chord / 2.0, 0.0, 1.0))
 
 
 def cross(a, b):
-    """Vector products, shape (..., 3); many times quicker than numpy's for few vectors."""
+    """Returns vector products, shape (..., 3); many times faster than numpy's for few vectors."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def _across(vector, direction):
-    """The part of `vector` at right angles to the unit vector `direction`."""
+    """Returns the part of `vector` perpendicular to the unit vector `direction`."""
     along = np.sum(vector * direction, axis=-1, keepdims=True)
     return vector - along * direction
 
@@ -63,7 +63,7 @@ def _unit(vector):
 
 
 def _direction(vector, longest, otherwise):
-    """Unit vectors; where `vector` is too short, `otherwise`, or zero."""
+    """Normalizes vectors; if a `vector` is too short, the result is `otherwise`, or zero."""
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     has_one = length > FLAT * np.maximum(longest, 1e-300)
     unit = vector / np.where(has_one, length, 1.0)
@@ -71,7 +71,8 @@ def _direction(vector, longest, otherwise):
 
 
 def _any_across(direction):
-    """A unit vector at right angles to the unit vector `direction`; z where that is possible."""
+    """Returns a unit vector perpendicular to the unit vector `direction`, from z if they are not
+    nearly parallel, otherwise from y."""
     z = np.broadcast_to((0.0, 0.0, 1.0), direction.shape)
     y = np.broadcast_to((0.0, 1.0, 0.0), direction.shape)
     other = np.where(np.abs(direction[..., 2:]) < 0.9, z, y)

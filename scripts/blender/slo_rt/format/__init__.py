@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files of slo-rt: scene text, meshes, textures, names. Knows nothing of Blender."""
+"""The files of slo-rt: scene text, meshes, textures, names. Independent of Blender."""

@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers as text: single ones for people, millions of them for meshes."""
+"""Converts numbers to text: single numbers for people, millions of numbers for meshes."""
 
 import math
 
 import numpy as np
 
-ROWS_AT_ONCE = 1 << 14  # what stays in the cache
+ROWS_AT_ONCE = 1 << 14  # rows that stay in the cache
 
 
 def number(value):
-    """Text of one number: as short as single precision allows, nine digits where that is not
+    """Returns the text of one number: as short as single precision allows, nine digits if that is not
     enough.
 
     Whole numbers stay whole. Never exponents with a comma, never negative zero.
 
-    # Errors `ValueError` for infinity and what is not a number.
+    # Errors `ValueError` for infinity and NaN.
     """
     if isinstance(value, (bool, int, np.integer)):
         return str(int(value))
@@ -47,7 +47,7 @@ def vectors(values):
 
 
 def _significant(values, digits):
-    """Numbers rounded to so many significant digits, to the nearest that has them; never -0."""
+    """Rounds numbers to a number of significant digits, to the nearest; never -0."""
     size = np.abs(values)
     decimals = digits - 1 - np.floor(np.log10(np.where(size > 0.0, size, 1.0)))
     scale = 10.0 ** np.clip(np.abs(decimals), 0, 300)
@@ -131,7 +131,7 @@ def _digits_to_text(rows, decimals):
 
 
 def _drop_zeros(text, keep, places):
-    """Marks zeros as unwanted, along `places` up to the first digit that is none."""
+    """Marks zeros as unwanted, along `places` up to the first other digit."""
     leading = np.ones(len(text), bool)
     for place in places:
         leading &= text[:, place] == ord("0")

@@ -10,11 +10,11 @@ _WEIGHTS = np.random.default_rng(20110627).integers(0, 2**63, BLOCK, dtype=np.ui
 
 
 def fingerprint(array):
-    """16 bytes that differ for arrays of different bytes.
+    """Returns 16 bytes that differ for arrays of different bytes.
 
-    Blocks become one word each, by sums of products with fixed odd numbers modulo 2^64, so that a
-    change of one word always changes its block; the words are hashed by BLAKE2. Not for input that
-    somebody chose in order to deceive.
+    Each block is reduced to one word, the sum of products with fixed odd numbers modulo 2^64, so that
+    a change of one word always changes its block. The words are hashed by BLAKE2. Not
+    collision-resistant against crafted input.
     """
     data = np.ascontiguousarray(array).reshape(-1).view(np.uint8)
     whole = data.size // (8 * BLOCK) * (8 * BLOCK)

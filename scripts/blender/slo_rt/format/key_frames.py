@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Key frames as text. What the scene language supplies by itself is left out."""
+"""Key frames as text, without the parts that the scene language supplies by default."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from .decimal_text import vectors
 from .scene_text import block, exact
 
 PARTS = {"pivot": slice(0, 3), "up": slice(3, 6), "right": slice(6, 9)}
-STRAIGHT = 1e-8  # how far a handle may lie from a straight line, in units of the largest number
+STRAIGHT = 1e-8  # largest distance of a straight handle from the line, in units of the largest number
 
 
 def still(placement):
@@ -18,8 +18,8 @@ def still(placement):
 def moving(keys, frames_per_second):
     """`addKframe` blocks of `fit.motion.KeyFrame`s.
 
-    A key says what has changed since the key before; a handle what does not lie on the straight line
-    between two keys.
+    A key holds the values that have changed since the key before; a handle holds the values that do
+    not lie on the straight line between two keys.
     """
     points, is_told = _points(keys)
     texts = iter(vectors(points[is_told]))
@@ -35,8 +35,8 @@ def moving(keys, frames_per_second):
 
 
 def _points(keys):
-    """Handle, key, handle of `n` key frames by their parts, (n, 3, 3, 3), and which of the vectors
-    must be told, (n, 3, 3)."""
+    """Returns handle, key, handle of `n` key frames by their parts, (n, 3, 3, 3), and which vectors
+    must be written, (n, 3, 3)."""
     key = np.array([each.key for each in keys])
     step = np.diff(key, axis=0) / 3.0
     lines = key[:-1] + step, key[1:] - step

@@ -4,7 +4,7 @@
 import re
 import unicodedata
 
-# White space and braces end a name in the scene language; the others are refused by file systems.
+# White space and braces end a name in the scene language; file systems reject the others.
 _UNSEEN = r"\s\u00a0\x00-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202f\ufeff\ud800-\udfff"
 _UNFIT = re.compile(rf"[{_UNSEEN}{{}}/\\:*?\"<>|]+")
 _RESERVED = {"con", "prn", "aux", "nul"} | {f"{n}{i}" for n in ("com", "lpt") for i in range(1, 10)}
@@ -12,7 +12,7 @@ _LONGEST = 120  # bytes; file systems take 255, of which endings and counts need
 
 
 def plain(name):
-    """`name` as one word that can stand in a scene and as a file: `Cube 1/2` becomes `Cube_1_2`."""
+    """Returns `name` as a word for scenes and files: `Cube 1/2` becomes `Cube_1_2`."""
     word = _UNFIT.sub("_", unicodedata.normalize("NFC", name)).lstrip("#.")
     word = word.encode()[:_LONGEST].decode(errors="ignore").rstrip(".") or "unnamed"
     stem, dot, rest = word.partition(".")
@@ -20,14 +20,14 @@ def plain(name):
 
 
 class Names:
-    """Hands out names that differ from each other, capitals not counted."""
+    """Makes names that differ from each other, ignoring case."""
 
     def __init__(self):
         self._taken = set()
-        self._counts = {}  # how often each wish came
+        self._counts = {}  # how often each wish occurred
 
     def new(self, wish):
-        """A name like `wish` that was not handed out before."""
+        """Returns a name like `wish` that was not used before."""
         base = plain(wish)
         name, count = base, self._counts.get(base.casefold(), 1)
         while name.casefold() in self._taken:

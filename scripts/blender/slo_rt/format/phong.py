@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""slo-rt's description of a surface, and how measured-looking parameters become one."""
+"""slo-rt's description of a surface, and the conversion of physically based parameters to it."""
 
 import math
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from .scene_text import Element
 
 BLACK = (0.0, 0.0, 0.0)
 
-# Values that say nothing while another one is 0.
+# Values that have no effect while another one is 0.
 NEEDS = {
     "shininess": "specular",
     "diffuse_reflection": "reflectance",
@@ -33,11 +33,11 @@ class Phong:
 
     @property
     def is_lit(self):
-        """Whether it has what a texture multiplies."""
+        """Whether it has colours that a texture multiplies."""
         return any(self.ambient) or any(self.diffuse)
 
     def element(self, name):
-        """Its text; what has its default, or no effect, is left out."""
+        """Returns its text, without values that are defaults or have no effect."""
         default = Phong()
         body = [
             (k, v)
@@ -47,16 +47,16 @@ class Phong:
         return Element("phong_info", name, body)
 
     def _counts(self, name):
-        """Whether a value has an effect, which some have only beside another one."""
+        """Whether a value has an effect. Some values have one only together with another value."""
         needs = NEEDS.get(name)
         return needs is None or any(tuple_of(getattr(self, needs)))
 
 
 def blend(parts):
-    """A mixture of surfaces: `(Phong, whether nothing is lost)` of `(weight, Phong)` pairs.
+    """Mixes surfaces: returns `(Phong, whether nothing is lost)` for `(weight, Phong)` pairs.
 
-    Light adds up, so colours do; a surface has one roughness and one refraction index, those of the
-    part that reflects and refracts most.
+    Colours add up, as light does. A surface has one roughness and one refraction index, which are
+    taken from the part that reflects and refracts most.
     """
 
     def total(name):
@@ -87,8 +87,7 @@ def tuple_of(value):
 
 @dataclass
 class Surface:
-    """A surface as artists set it: the sockets of the Principled BSDF that slo-rt has a word
-    for."""
+    """A surface as artists set it: the sockets of the Principled BSDF that slo-rt supports."""
 
     base_color: tuple = (0.8, 0.8, 0.8)
     metallic: float = 0.0
@@ -101,23 +100,22 @@ class Surface:
 
 
 def spread_of_roughness(roughness):
-    """Standard deviation in radians of the directions in which a surface reflects.
+    """Returns the standard deviation, in radians, of the directions in which a surface reflects.
 
-    A microfacet distribution of width alpha = roughness^2 tilts facets by alpha / sqrt(2) in the
-    mean, and a mirror turns rays by twice its tilt.
+    A microfacet distribution of width alpha = roughness^2 tilts facets by alpha / sqrt(2) on average,
+    and a mirror deflects rays by twice its tilt.
     """
     return min(1.0, math.sqrt(2.0) * max(0.0, roughness) ** 2)
 
 
 def reflectance_at_normal(ior, specular_level):
-    """How much of the light that falls straight onto a dielectric is reflected (Fresnel)."""
+    """Returns the reflected share of light at normal incidence on a dielectric (Fresnel)."""
     fresnel = ((ior - 1.0) / (ior + 1.0)) ** 2
     return min(1.0, fresnel * 2.0 * specular_level)
 
 
 def phong_of_surface(surface, ambient_light=BLACK):
-    """The Phong values nearest to `surface`, in a world that shines with `ambient_light` from
-    everywhere."""
+    """Returns the Phong values nearest to `surface`, in a world with `ambient_light` from everywhere."""
     spread = spread_of_roughness(surface.roughness)
     dielectric = reflectance_at_normal(surface.ior, surface.specular_level)
     metal = mean(surface.base_color)
@@ -147,22 +145,23 @@ def phong_of_surface(surface, ambient_light=BLACK):
 
 
 def mean(color):
-    """One number for a colour: the mean of its channels."""
+    """Returns one number for a colour: the mean of its channels."""
     return sum(color) / 3.0
 
 
 def _shininess(spread):
-    """Exponent of the highlight whose lobe has this spread; not so sharp that it is never seen."""
+    """Returns the exponent of the highlight whose lobe has this spread, limited so that it stays visible."""
     return min(1.0 / max(spread, 1e-3) ** 2, 2000.0)
 
 
 def _peak(roughness):
-    """Height of the highlight of a point lamp in units of the reflectance: 1 / (4 alpha^2)
+    """Returns the peak of the highlight of a point lamp in units of the reflectance: 1 / (4 alpha^2)
     (GGX)."""
     return 1.0 / (4.0 * max(roughness, 0.05) ** 4)
 
 
 def _spread_through(spread, ior):
-    """A facet turns refracted rays less than reflected ones: by (1 - 1/ior) of its tilt on the way
-    in and ior - 1 on the way out, where a mirror has 2."""
+    """Returns the spread of refracted rays. A facet deflects them less than reflected rays: by
+    (1 - 1/ior) of its tilt on the way in and by ior - 1 on the way out, of which this is the
+    geometric mean, instead of by 2 as a mirror."""
     return 0.5 * spread * math.sqrt(max(0.0, (1.0 - 1.0 / ior) * (ior - 1.0)))

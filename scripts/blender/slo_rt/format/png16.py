@@ -9,15 +9,15 @@ import numpy as np
 
 
 def levels(values):
-    """The 16-bit levels of values in [0, 1]; values outside are clamped."""
+    """Converts values in [0, 1] to 16-bit levels; values outside are clamped."""
     return np.rint(np.clip(values, 0.0, 1.0) * 65535.0).astype(">u2")
 
 
 def write(path, pixels):
     """Writes an image, whole or not at all.
 
-    `pixels` has shape (height, width, 3), the top row first, and holds `levels`, which are stored as
-    they are.
+    `pixels` has shape (height, width, 3), the top row first, and holds `levels`, which are stored
+    unchanged.
     """
     height, width, _ = pixels.shape
     values = np.ascontiguousarray(pixels, ">u2")

@@ -28,12 +28,12 @@ def block(name, body):
 
 
 def exact(value):
-    """Text of a number in double precision, as short as it can be read back without loss.
+    """Returns the shortest text of a number in double precision that can be read back without loss.
 
-    Frame rates and times need this: if they were rounded differently, frames would slip over the
-    borders of camera segments, and the more so the later they are.
+    Frame rates and times need this: if they were rounded differently, frames would cross the borders
+    of camera segments, and later frames even more so.
 
-    # Errors `ValueError` for infinity and what is not a number.
+    # Errors `ValueError` for infinity and NaN.
     """
     value = float(value) + 0.0
     if not math.isfinite(value):
@@ -44,7 +44,7 @@ def exact(value):
 def write(elements, comments=()):
     """The text of a scene: `comments` as lines on top, then the elements.
 
-    Elements of one line stand together; an empty line sets off longer ones and changes of kind.
+    Elements of one line stand together. An empty line separates longer elements and changes of kind.
 
     # Errors `ValueError` that names the element with a number that is not finite.
     """

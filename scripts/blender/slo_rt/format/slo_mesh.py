@@ -9,7 +9,7 @@ import numpy as np
 
 from .decimal_text import decimal_lines, integer_lines
 
-VERTEX_DIGITS = 9  # what single precision needs
+VERTEX_DIGITS = 9  # digits that single precision needs
 NORMAL_DIGITS = 6
 UV_DIGITS = 8
 
@@ -34,7 +34,7 @@ class MeshArrays:
         return self.normals is not None
 
     def digest(self):
-        """Hash of all that a file of this mesh says, as 32 hexadecimal digits."""
+        """Hash of the contents of a file of this mesh, as 32 hexadecimal digits."""
         hasher = hashlib.blake2b(digest_size=16)
         for array in (self.vertices, self.faces, self.uvs, self.face_uvs, self.normals):
             if array is not None:
@@ -48,7 +48,7 @@ def write(path, mesh):
     """Writes `mesh` to the file `path`; whole or not at all.
 
     # Errors
-    `OSError` where the file can't be written; `ValueError` if a number is not finite.
+    `OSError` if the file cannot be written; `ValueError` if a number is not finite.
     """
     for name in ("vertices", "uvs", "normals"):
         array = getattr(mesh, name)

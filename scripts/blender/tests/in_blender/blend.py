@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the tests in Blender share: the extension, empty scenes, things to put there."""
+"""Helpers of the tests in Blender: the extension, empty scenes, and things for them."""
 
 import math
 import os
@@ -15,14 +15,14 @@ import slo_rt.engine  # noqa: E402
 
 FOLDER = tempfile.mkdtemp(prefix="slo-rt-test-")
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(slo_rt.__path__[0])))
-# `$SLO_RT` as the tests were started, or the program of this checkout.
+# `$SLO_RT` of the environment in which the tests were started, or the program of this checkout.
 PROGRAM = os.environ.get("SLO_RT") or os.path.join(ROOT, "target", "release", "slo-rt")
 _registered = False
 
 
 def fresh_scene(size=(64, 48)):
-    """Blender's default scene without cube and light, with our engine, and a camera 10 m in front
-    of the origin that looks along y, z up."""
+    """Makes Blender's default scene without cube and light, with our engine, and with a camera 10 m in
+    front of the origin that looks along y, z up."""
     global _registered
     bpy.ops.wm.read_factory_settings()
     bpy.context.preferences.filepaths.use_scripts_auto_execute = True
@@ -55,7 +55,7 @@ def cube(name="Cube", size=2.0):
 
 
 def lamp(name="Lamp", kind="POINT", location=(3.0, -5.0, 5.0), energy=500.0):
-    """A light; one of the kind POINT is all that slo-rt can carry over."""
+    """Adds a light; slo-rt supports only the kind POINT."""
     light = bpy.data.lights.new(name, kind)
     light.energy = energy
     if kind == "POINT":
@@ -104,7 +104,7 @@ def export(name="scene", **options):
 
 
 def work_folder():
-    """Where the engine keeps the files of the scene."""
+    """Returns the folder in which the engine keeps the files of the scene."""
     return slo_rt.engine.work_folder(bpy.context.scene.name, bpy.context.view_layer.name)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which camera sees a frame, and how: markers, objects as cameras, mirrors, what is in focus."""
+"""Tests which camera sees a frame, and how: markers, objects as cameras, mirrors, focus."""
 
 import unittest
 
@@ -38,7 +38,7 @@ class MarkerTest(unittest.TestCase):
         return [round(scene_reader.camera(scene, f, 0.0)["position"][0] / 10.0) for f in frames]
 
     def check(self, *frames):
-        """As `seen_by`, which must be what Blender does, whatever frame is shown."""
+        """Returns `seen_by`, which must agree with Blender, whichever frame is shown."""
         texts = []
         for shown in (30, 1, 15):
             self.scene.frame_set(shown)

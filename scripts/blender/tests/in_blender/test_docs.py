@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/blender.md, walked from start to end as a newcomer would.
+"""Follows docs/blender.md from start to end, as a newcomer would.
 
-With `SLO_RT_PICTURES=FOLDER` its pictures are rendered there as the document says; otherwise small
-ones.
+With `SLO_RT_PICTURES=FOLDER`, its pictures are rendered to that folder in the document's size;
+otherwise they are small.
 """
 
 import os

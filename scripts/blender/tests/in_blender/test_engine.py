@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""F12: the engine, the program, and what goes wrong."""
+"""F12: the engine, the program, and failures."""
 
 import os
 import stat
@@ -16,7 +16,7 @@ from . import blend
 
 
 def result_pixels(scene):
-    """Linear pixels of a rendering (height, width, 3), by way of an EXR file."""
+    """Renders and returns linear pixels (height, width, 3), through an EXR file."""
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
     scene.render.filepath = os.path.join(blend.FOLDER, "result.exr")
@@ -25,7 +25,7 @@ def result_pixels(scene):
 
 
 def false_program(body):
-    """Path of a program that calls itself slo-rt and does what the shell lines of `body` say."""
+    """Returns the path of a program that calls itself slo-rt and runs the shell lines of `body`."""
     path = os.path.join(blend.FOLDER, f"slo-rt-{abs(hash(body))}")
     with open(path, "w", encoding="utf-8") as file:
         file.write(

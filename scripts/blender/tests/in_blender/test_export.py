@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What lands in scene texts, meshes and textures."""
+"""Contents of exported scene texts, meshes and textures."""
 
 import math
 import os
@@ -139,7 +139,7 @@ class SceneTest(unittest.TestCase):
         self.scene = blend.fresh_scene()
 
     def export(self, warning="", **options):
-        """The scene read back, its text and its folder; the program must find no mistake in it."""
+        """Exports the scene and returns it read back, its text and its folder; the program must accept it."""
         path = blend.export(**options)
         check = subprocess.run(
             [blend.program(), "--check", "--scene", path],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whatever goes wrong while a frame is made stops the rendering, and the artist reads why."""
+"""Every failure while a frame is rendered stops the rendering, and the artist reads the reason."""
 
 import os
 import unittest
@@ -117,7 +117,7 @@ class FailureTest(unittest.TestCase):
 
 
 class StoppedTest(unittest.TestCase):
-    """What a stopped rendering keeps, and for how long."""
+    """Tests what a stopped rendering keeps, and for how long."""
 
     def setUp(self):
         self.scene = blend.fresh_scene((160, 120))

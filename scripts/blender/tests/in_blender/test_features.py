@@ -464,7 +464,7 @@ FEATURES = {
 
 
 class Frame:
-    """A cube, a light, a camera, in a scene of which all can be carried over."""
+    """A scene of a cube, a light and a camera that can be exported completely."""
 
     def __init__(self):
         self.scene = blend.fresh_scene()
@@ -553,7 +553,7 @@ class FeatureTest(unittest.TestCase):
 
 
 class NumbersTest(unittest.TestCase):
-    """What is not finite is an error that says whose it is."""
+    """A number that is not finite is an error that names its owner."""
 
     def check(self, words, frame_of=Frame, **changes):
         for path, value in changes.items():

@@ -50,7 +50,7 @@ class TableTest(unittest.TestCase):
             self.assertFalse((table.read | table.idle) & set(table.listed), kind)
 
     def test_what_is_listed_is_in_the_list(self):
-        """With a fresh scene there is nothing to list; with another value there is."""
+        """In a fresh scene nothing is listed; with another value of a property, it is listed."""
         scene = blend.fresh_scene()
         owners = [*self.owners(scene), ("CyclesRenderSettings", scene.cycles)]
         for light in [thing for thing in bpy.data.objects if thing.type == "LIGHT"]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How bright lights are: at the walls of a room, wherever in it they hang."""
+"""Brightness of lights at the walls of a room, wherever in the room they hang."""
 
 import math
 import unittest
@@ -17,7 +17,7 @@ class BrightnessTest(unittest.TestCase):
         self.scene = blend.fresh_scene()
 
     def distance(self, thing):
-        """At how many metres the exported light is as bright as Blender's."""
+        """Returns the distance in metres at which the exported light is as bright as Blender's."""
         scene = scene_reader.read(blend.export_text(animation=False))
         kind = "light_point" if thing.data.type == "POINT" else "light_rectangle"
         color = scene.one(kind).vector("color")[0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Key frames come back as Blender moves: scene texts against `matrix_world` between frames."""
+"""Key frames reproduce Blender's motion: compares scene texts with `matrix_world` between frames."""
 
 import math
 import random
@@ -35,7 +35,7 @@ def matrix_at(scene, thing, time):
 
 
 def worst(scene, thing, text, size, times):
-    """Largest misses of an object's key frames: (fraction of the size, radians)."""
+    """Returns the largest errors of an object's key frames: (fraction of the size, radians)."""
     element = scene_reader.read(text).one("mesh", thing.name)
     position = direction = 0.0
     for time in times:
@@ -155,7 +155,7 @@ class MotionTest(unittest.TestCase):
                 self.assertAlmostEqual(nex[axis], point.handle_right[1], delta=2e-6)
 
     def test_stretched_time(self):
-        """Time remapping moves what happens, not the frames."""
+        """Time remapping moves the animation, not the frames."""
         thing = blend.cube()
         for frame, x in ((1, 0.0), (6, 3.0), (11, 1.0)):
             blend.key(thing, "location", frame, (x, 0.0, 0.0))

@@ -49,7 +49,7 @@ class PackageTest(unittest.TestCase):
         self.assertNotIn("__pycache__", listing)
 
     def test_it_installs_and_renders(self):
-        """In a Blender of its own, whose settings are in a folder of their own."""
+        """Runs in a Blender process of its own, with a settings folder of its own."""
         package = os.path.join(blend.FOLDER, "installed.zip")
         run_tool("build", "--source-dir", EXTENSION, "--output-filepath", package)
         picture = os.path.join(blend.FOLDER, "installed.png")
@@ -83,8 +83,8 @@ os._exit(0)
 
 
 class Layout:
-    """Stands for a layout of Blender, which there is only in a window; notes what is drawn, and
-    refuses properties that do not exist."""
+    """Stands in for a Blender layout, which exists only in a window. Notes what is drawn, and rejects
+    properties that do not exist."""
 
     def __init__(self, drawn):
         self.drawn = drawn

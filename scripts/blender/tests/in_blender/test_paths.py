@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where files land, whatever artists type and however they name things."""
+"""Paths of files, whatever artists type and however they name things."""
 
 import os
 import subprocess

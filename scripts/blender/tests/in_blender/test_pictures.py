@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Our picture of a scene against that of Cycles: where things are, how sharp, how blurred, how
-bright.
+"""Compares our picture of a scene with Cycles' picture: positions, sharpness, blur and brightness.
 
-Shading differs, so things are white lamps of their own before black, and silhouettes are compared.
+Shading differs, so things glow white in front of black, and silhouettes are compared.
 """
 
 import math
@@ -68,8 +67,8 @@ def picture(scene, engine, samples):
 
 
 def moments(grey):
-    """Light in all, its centre (x, y) in pixels, and its spread along both axes and between
-    them."""
+    """Returns the total light, its centre (x, y) in pixels, and its spread along both axes and
+    between them."""
     total = float(grey.sum())
     y, x = np.mgrid[: grey.shape[0], : grey.shape[1]] + 0.5
     center = np.array([(grey * x).sum(), (grey * y).sum()]) / total
@@ -198,7 +197,7 @@ class PictureTest(unittest.TestCase):
         self.compare(samples=256, overlap=0.93, spread=0.04)
 
     def test_exported_animation_is_what_f12_shows(self):
-        """The fit over all frames and that of one shutter agree."""
+        """The fit over all frames agrees with the fit of one shutter."""
         thing = blend.cube(size=1.0)
         thing.scale = (3.0, 0.4, 0.4)
         self.glow_all()

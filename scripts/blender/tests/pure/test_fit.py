@@ -137,7 +137,7 @@ class MotionTest(unittest.TestCase):
         self.assertLessEqual(len(keys), 5)
 
     def test_many_motions_are_fitted_together(self):
-        """As each by itself, and with no more questions than for one."""
+        """Gives the same result as for each motion by itself, and samples no more often than for one."""
         sizes = np.linspace(0.5, 2.0, 40)
 
         def place(t):

@@ -110,7 +110,7 @@ class ProcessTest(unittest.TestCase):
             "trap 'exit 75' INT\nwhile :; do sleep 0.05; done", stop=lambda: True
         )
         self.assertTrue(outcome.stopped)
-        # A shell that starts up when it is asked has no trap yet.
+        # A shell that is still starting when asked has no trap yet.
         self.assertIn(outcome.code, (75, -2))
 
     def test_who_does_not_listen_is_ended(self):
@@ -153,7 +153,7 @@ class PassesTest(unittest.TestCase):
         self.assertEqual(passes.planned(1, True, True), [1])
 
     def limited(self, limit, samples, goes_on, duration):
-        """Passes under a time limit, where a pass takes `duration(samples of before, samples)`."""
+        """Returns the passes under a time limit, if a pass takes `duration(samples of before, samples)`."""
         measured, before = [], 0
         while (count := passes.following(limit, samples, measured, goes_on)) is not None:
             measured.append((count, duration(before if goes_on else 0, count)))
