@@ -1,4 +1,4 @@
-// Embree's answer to examples/trace_rays.rs: the same files, the same lines of JSON.
+// Embree's answer to crates/slo-accel/examples/trace_rays.rs: the same files, the same lines of JSON.
 //
 //   c++ -O3 -march=native scripts/embree/trace_rays.cpp -o trace_rays_embree -lembree3
 //   trace_rays_embree MESH.tri RAYS.rays KERNEL [REPEAT]

@@ -16,8 +16,10 @@ use obvhs::ray::{Ray, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
 
 use crate::isa::Isa;
+use crate::primitives::Primitives;
+#[cfg(target_arch = "x86_64")]
+use crate::primitives::Triangle;
 use crate::primitives::triangle::{self, POSITION_ERROR, ShearedRay, TriangleHit};
-use crate::primitives::{Primitives, Triangle};
 use crate::rays::{Coherence, Hits, Rays};
 use crate::structure::interface::{BuildOptions, SpatialIndex};
 

@@ -1,6 +1,8 @@
 //! Rays in flight and their stacks.
 
-use super::layout::{Child, Corners, Node, Stop};
+#[cfg(target_arch = "x86_64")]
+use super::layout::Corners;
+use super::layout::{Child, Node, Stop};
 use super::ray::Ray;
 use super::steps::Steps;
 

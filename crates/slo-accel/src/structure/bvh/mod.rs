@@ -24,6 +24,7 @@ mod x86;
 pub(super) use self::hierarchy::Bvh;
 use self::query::{Any, Closest, Query};
 use self::steps::Portable;
+#[cfg(target_arch = "x86_64")]
 use crate::isa::Isa;
 use crate::primitives::Primitives;
 use crate::rays::{Coherence, Hits, Rays};

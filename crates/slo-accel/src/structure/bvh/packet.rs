@@ -95,6 +95,19 @@ pub(super) trait PacketSteps: Steps {
     /// # Safety
     /// The CPU has the instruction set.
     unsafe fn may_enter(node: &Node, beam: &Beam) -> u32;
+
+    /// [`walk`], as a function of its own, so that its loop and those of the stream do not compete
+    /// for registers.
+    ///
+    /// # Safety
+    /// As [`walk`].
+    unsafe fn walk<Q: Query>(
+        around: &mut Surroundings,
+        prepared: &Prepared,
+        base: usize,
+        set: u32,
+        query: &mut Q,
+    );
 }
 
 /// Bounds of all rays of a packet. The distance at which a ray crosses a plane that it enters
@@ -266,10 +279,26 @@ pub(super) unsafe fn trace<S: PacketSteps, Q: Query>(
             left |= set;
         } else {
             // SAFETY: the caller's.
-            unsafe { Packet::<S>::new(prepared, base, set).trace(around, query) };
+            unsafe { S::walk(around, prepared, base, set, query) };
         }
     }
     left
+}
+
+/// Traces one packet: a set of the sixteen rays, whose first lane is `base`.
+///
+/// # Safety
+/// As [`trace`]; `base` leaves enough lanes.
+#[inline(always)]
+pub(super) unsafe fn walk<S: PacketSteps, Q: Query>(
+    around: &mut Surroundings,
+    prepared: &Prepared,
+    base: usize,
+    set: u32,
+    query: &mut Q,
+) {
+    // SAFETY: the caller's.
+    unsafe { Packet::<S>::new(prepared, base, set).trace(around, query) }
 }
 
 /// A packet on its way.

@@ -155,6 +155,33 @@ impl<const FAR: bool> PacketSteps for Avx512<FAR> {
         // SAFETY: the caller's.
         unsafe { may_enter(node, beam) }
     }
+
+    #[inline(always)]
+    unsafe fn walk<Q: Query>(
+        around: &mut Surroundings,
+        prepared: &Prepared,
+        base: usize,
+        set: u32,
+        query: &mut Q,
+    ) {
+        // SAFETY: the caller's.
+        unsafe { walk_avx512::<FAR, Q>(around, prepared, base, set, query) }
+    }
+}
+
+/// # Safety
+/// As [`packet::walk`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
+#[inline(never)]
+unsafe fn walk_avx512<const FAR: bool, Q: Query>(
+    around: &mut Surroundings,
+    prepared: &Prepared,
+    base: usize,
+    set: u32,
+    query: &mut Q,
+) {
+    // SAFETY: the caller's.
+    unsafe { packet::walk::<Avx512<FAR>, Q>(around, prepared, base, set, query) }
 }
 
 impl<const FAR: bool> PacketSteps for Avx2<FAR> {
@@ -165,6 +192,33 @@ impl<const FAR: bool> PacketSteps for Avx2<FAR> {
         // SAFETY: the caller's.
         unsafe { may_enter(node, beam) }
     }
+
+    #[inline(always)]
+    unsafe fn walk<Q: Query>(
+        around: &mut Surroundings,
+        prepared: &Prepared,
+        base: usize,
+        set: u32,
+        query: &mut Q,
+    ) {
+        // SAFETY: the caller's.
+        unsafe { walk_avx2::<FAR, Q>(around, prepared, base, set, query) }
+    }
+}
+
+/// # Safety
+/// As [`packet::walk`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+unsafe fn walk_avx2<const FAR: bool, Q: Query>(
+    around: &mut Surroundings,
+    prepared: &Prepared,
+    base: usize,
+    set: u32,
+    query: &mut Q,
+) {
+    // SAFETY: the caller's.
+    unsafe { packet::walk::<Avx2<FAR>, Q>(around, prepared, base, set, query) }
 }
 
 impl<const FAR: bool> Packets for Avx512<FAR> {

@@ -43,6 +43,7 @@ use std::arch::x86_64::{__m256, __m512};
 use self::query::{Blocked, Nearest, Query};
 use self::ray::Prepared;
 pub(super) use self::tree::KdTree;
+#[cfg(target_arch = "x86_64")]
 use crate::isa::Isa;
 use crate::primitives::Primitives;
 use crate::rays::{Coherence, Hits, Rays};

@@ -1,7 +1,9 @@
 //! Treelets: three levels of the tree in a cache line.
 
 use super::leaf::Chunk;
-use crate::structure::shared::stops::{self, Target};
+#[cfg(target_arch = "x86_64")]
+use crate::structure::shared::stops;
+use crate::structure::shared::stops::Target;
 
 /// Children of a treelet.
 pub(super) const WIDTH: usize = 8;
