@@ -35,6 +35,10 @@ mod render;
 mod scene;
 
 /// What a scene says, as plain data, for programs that build scenes in memory.
+///
+/// Kinds of shapes, materials and lights may be added with any version, and matches on them must name
+/// all kinds: that is how slo-rt itself notices what a new kind needs. Settings start from their
+/// defaults.
 pub mod description {
     pub use slo_scene::animation::View;
     pub use slo_scene::settings::{

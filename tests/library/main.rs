@@ -37,11 +37,15 @@ fn built() -> Scene {
     let info = material::PhongInfo { diffuse: [0.7, 0.6, 0.5], ..material::PhongInfo::default() };
     let phong = material::Phong { info, texture: None };
     let sphere = shape::Sphere { center: [0.0; 3].into(), radius: 1.0 };
+    let mut settings = Settings::default();
+    settings.set_camera_samples(4);
+    let mut film = Film::default();
+    (film.width, film.height) = (64, 48);
     Scene::from_description(SceneDescription {
-        settings: Settings { image_samples: 4, image_min_samples: 4, ..Settings::default() },
+        settings,
         camera: Camera {
             fps: 25.0,
-            film: Film { width: 64, height: 48, ..Film::default() },
+            film,
             segments: vec![CamSegment {
                 name: "only".into(),
                 video: [0.0, 1.0],

@@ -46,6 +46,7 @@ impl Span {
 
 /// Whether the scene can be rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Severity {
     /// The scene can't be rendered.
     Error,

@@ -22,6 +22,7 @@ type Table = &'static [(&'static str, &'static [u8])];
 
 /// Why a file can't be read.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum OpenError {
     /// The path has the wrong separators; with what to write instead.
     Spelling(String),

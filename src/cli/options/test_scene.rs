@@ -10,14 +10,9 @@ use slo_scene::{Camera, Encoding, Film, OutputFormat, SceneDescription, Settings
 
 /// A scene with nothing in it.
 pub(crate) fn empty_scene() -> SceneDescription {
-    let film = Film {
-        width: 32,
-        height: 18,
-        prefix: "empty_".into(),
-        output: OutputFormat::Png8,
-        encoding: Encoding::Raw,
-        layers: Vec::new(),
-    };
+    let mut film = Film::default();
+    (film.width, film.height) = (32, 18);
+    film.prefix = "empty_".into();
     SceneDescription {
         settings: Settings::default(),
         camera: Camera { fps: 25.0, film, segments: Vec::new() },

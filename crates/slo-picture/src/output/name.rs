@@ -79,7 +79,10 @@ mod tests {
     use slo_scene::{Generator, OutputFormat};
 
     fn film(output: OutputFormat) -> Film {
-        Film { width: 320, height: 240, prefix: "šach_".into(), output, ..Film::default() }
+        let mut film = Film::default();
+        (film.width, film.height, film.output) = (320, 240, output);
+        film.prefix = "šach_".into();
+        film
     }
 
     fn check(frame: i64, output: OutputFormat, expected: &str) {
@@ -97,17 +100,16 @@ mod tests {
 
     #[test]
     fn info_can_be_split() {
-        let settings = Settings {
-            generator: Generator::ZeroTwo,
-            image_contrast_limit: 1e-7,
-            seed: u64::MAX,
-            ..Settings::default()
-        };
+        let mut settings = Settings::default();
+        settings.generator = Generator::ZeroTwo;
+        settings.image_contrast_limit = 1e-7;
+        settings.seed = u64::MAX;
         let time = Duration::from_millis(83_456);
         let info = Info { settings: &settings, least: 16, time };
         let name = file_name(&film(OutputFormat::Png8), 7, Some(info));
         insta::assert_snapshot!(name, @"šach_00007_size=320x240_samples=16_min=16_contrast=difference_limit=0.0000001_noise=none_dof=1_shadow=1_reflection=1_refraction=1_recursion=3_generator=zero-two_lights=all_seed=18446744073709551615_time=83.46.png");
-        let noisy = Settings { noise: Some(0.05), dof_samples: 3, ..settings.clone() };
+        let mut noisy = settings.clone();
+        (noisy.noise, noisy.dof_samples) = (Some(0.05), 3);
         let noisy = file_name(
             &film(OutputFormat::Png8),
             7,

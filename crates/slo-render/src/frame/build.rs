@@ -26,6 +26,7 @@ const ORIGIN_STEP: f64 = 1024.0;
 
 /// Why a frame of a scene cannot be built.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum FrameError {
     /// The frame's time lies in no camera segment.
     NoSegment(NoSegment),

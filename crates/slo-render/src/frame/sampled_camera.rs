@@ -124,14 +124,8 @@ pub(super) mod tests {
 
     /// A camera with one frame per second of 100 x 100 pixels.
     fn camera(segment: CamSegment) -> Camera {
-        let film = Film {
-            width: 100,
-            height: 100,
-            prefix: "test".into(),
-            output: OutputFormat::Png8,
-            encoding: Encoding::Raw,
-            layers: Vec::new(),
-        };
+        let mut film = Film::default();
+        (film.width, film.height) = (100, 100);
         Camera { fps: 1.0, film, segments: vec![segment] }
     }
 

@@ -52,11 +52,8 @@ mod tests {
         for (columns, rows) in
             [(None, None), (Some(1), Some(1)), (Some(3), Some(7)), (Some(999), None)]
         {
-            let settings = Settings {
-                sections_horizontal: columns,
-                sections_vertical: rows,
-                ..Settings::default()
-            };
+            let mut settings = Settings::default();
+            (settings.sections_horizontal, settings.sections_vertical) = (columns, rows);
             let (width, height) = (131, 67);
             let mut seen = vec![0; (width * height) as usize];
             let sections = Sections::new(&settings, width, height).areas();

@@ -10,6 +10,7 @@ pub const MOST_PIXELS: u32 = 65_536;
 entries! {
     /// The `Film` element.
     #[derive(Clone, Debug, PartialEq, Eq)]
+    #[non_exhaustive]
     pub struct Film {
         /// Pixels in a row.
         width: u32 = 1, count("width", [1, MOST_PIXELS], Effect::Samples).required();

@@ -16,6 +16,7 @@ const MOST_THREADS: u32 = 65_536;
 entries! {
     /// The `settings` element.
     #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
     pub struct Settings {
         /// Which points the integral is sampled at.
         generator: Generator = Generator::Quasi, choice("generatorType", Effect::Samples);

@@ -64,7 +64,8 @@ mod tests {
     use super::*;
 
     fn scene() -> SceneDescription {
-        let film = Film { width: 8, height: 8, ..Film::default() };
+        let mut film = Film::default();
+        (film.width, film.height) = (8, 8);
         SceneDescription {
             settings: Settings::default(),
             camera: Camera { fps: 25.0, film, segments: Vec::new() },

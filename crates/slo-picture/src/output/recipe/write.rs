@@ -111,13 +111,9 @@ mod tests {
     use super::*;
 
     fn scene() -> SceneDescription {
-        let film = Film {
-            width: 320,
-            height: 240,
-            output: OutputFormat::Png16,
-            encoding: Encoding::Srgb,
-            ..Film::default()
-        };
+        let mut film = Film::default();
+        (film.width, film.height) = (320, 240);
+        (film.output, film.encoding) = (OutputFormat::Png16, Encoding::Srgb);
         SceneDescription {
             settings: Settings::default(),
             camera: Camera { fps: 25.0, film, segments: Vec::new() },
