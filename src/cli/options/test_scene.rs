@@ -6,7 +6,7 @@ use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::values::{Maps, Order, ProgressForm};
 use slo_accel::Isa;
-use slo_scene::{Camera, Encoding, Film, OutputFormat, SceneDescription, Settings};
+use slo_scene::{Camera, Film, SceneDescription, Settings};
 
 /// A scene with nothing in it.
 pub(crate) fn empty_scene() -> SceneDescription {

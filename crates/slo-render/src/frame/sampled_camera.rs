@@ -101,8 +101,8 @@ fn rests(segment: &CamSegment, shutter: &Shutter) -> bool {
 pub(super) mod tests {
     use glam::DVec3;
 
+    use slo_scene::Camera;
     use slo_scene::animation::Clock;
-    use slo_scene::{Camera, Encoding, OutputFormat};
 
     use super::*;
 
