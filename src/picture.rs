@@ -54,7 +54,7 @@ impl Picture {
     }
 
     /// How the picture was made and how clean it is, as JSON: what files hold, and what `slo-rt verify`
-    /// renders again.
+    /// renders again if the scene is a file.
     pub fn recipe(&self) -> String {
         let film = &self.scene.camera.film;
         let display = Display::of(film.output, film.encoding);
@@ -63,8 +63,8 @@ impl Picture {
     }
 
     /// Writes the picture with its recipe. The extension of `path` chooses the format: that of the scene
-    /// if it fits, or else the first that has this extension. The file is complete or absent, and has
-    /// the bytes that the program writes.
+    /// if it fits, or else the first that has this extension. Formats that cannot hold layers leave them
+    /// out. The file is complete or absent, and has the bytes that the program writes.
     ///
     /// # Errors
     /// [`Error::Format`] if no format has the extension, and [`Error::Io`].

@@ -60,7 +60,8 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Layers for denoisers that the picture has beside its colours.
+    /// Layers for denoisers that the picture has beside its colours. Not every format can hold them, see
+    /// [`Picture::save`].
     #[must_use]
     pub fn layers(mut self, layers: &[Layer]) -> Self {
         let mut layers = layers.to_vec();
@@ -91,8 +92,8 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Number of threads of a pool of its own; without it, the frame is rendered on the current rayon
-    /// pool. Pictures do not depend on it.
+    /// Number of threads of a pool of its own, 0 for as many as the machine has; without it, the frame is
+    /// rendered on the current rayon pool. Pictures do not depend on it.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
