@@ -219,6 +219,7 @@ impl Machine {
         }
         &mut self.paths[depth]
     }
+
     /// Capacity, in rays, of each queue of paths and of each queue of connections.
     #[cfg(test)]
     pub(super) fn rooms(&self) -> (Vec<usize>, Vec<usize>) {
