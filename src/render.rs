@@ -10,6 +10,7 @@ use slo_accel::Isa;
 use slo_picture::film::{Area, Film};
 use slo_render::frame::FrameScene;
 use slo_render::render::{Exposed, Observer, Plan, render};
+use slo_scene::settings::invalid;
 use slo_scene::{Film as FilmSettings, Layer, OutputFormat, SceneDescription, Settings};
 
 use crate::error::Error;
@@ -117,7 +118,8 @@ impl<'a> Render<'a> {
     /// Renders the frame.
     ///
     /// # Errors
-    /// [`Error::Frame`] if the scene has no such frame, [`Error::TooLarge`], [`Error::Threads`], or
+    /// [`Error::Setting`] for an impossible value, [`Error::Frame`] if the scene has no such frame,
+    /// [`Error::TooLarge`], [`Error::Threads`], or
     /// [`Error::Cancelled`].
     pub fn run(self) -> Result<Picture, Error> {
         match self.threads {
@@ -140,6 +142,7 @@ impl<'a> Render<'a> {
 
     fn expose(&self) -> Result<Picture, Error> {
         let (scene, film) = (&self.scene, &self.scene.camera.film);
+        check(&scene.settings, film)?;
         let frame = FrameScene::build(scene, self.frame, Isa::best())?;
         let plan = Plan::new(scene);
         let empty = empty_film(film, plan.needs_spreads())?;
@@ -150,6 +153,13 @@ impl<'a> Render<'a> {
         }
         Ok(Picture::new(scene.clone(), self.frame, film))
     }
+}
+
+/// Checks that all settings have values that a scene could give them.
+fn check(settings: &Settings, film: &FilmSettings) -> Result<(), Error> {
+    let wrong = invalid(settings).or_else(|| invalid(film));
+    let inconsistent = (!settings.are_consistent()).then_some("imageSamples");
+    wrong.or(inconsistent).map_or(Ok(()), |name| Err(Error::Setting { name }))
 }
 
 /// A film without a sample, with room for the layers.

@@ -49,13 +49,17 @@ impl Scene {
 
     /// A scene that was built in memory. Its `content_hash`, by which recipes know it, is computed from
     /// everything that it says.
-    pub fn from_description(mut description: SceneDescription) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Description`] if a reference or an index leads nowhere.
+    pub fn from_description(mut description: SceneDescription) -> Result<Self, Error> {
+        description.check().map_err(Error::Description)?;
         description.content_hash = [0; 32];
         let mut hasher = Hasher(blake3::Hasher::new());
         // Writing to a hash cannot fail.
         let _ = write!(hasher, "{description:?}");
         description.content_hash = *hasher.0.finalize().as_bytes();
-        Self { description, warnings: Diagnostics::default() }
+        Ok(Self { description, warnings: Diagnostics::default() })
     }
 
     /// What the scene says: settings, camera, lights, materials and objects as plain data.

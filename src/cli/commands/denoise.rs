@@ -107,7 +107,7 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
     let image = denoiser
         .denoise(&noisy)
         .map_err(|why| Problem::new(Exit::Failed, format!("`{shown}` can't be denoised: {why}")))?;
-    let image = Raster { image, ..raster }.into_image(Raster::linear);
+    let image = Raster { image, ..raster }.into_linear();
     let helped = if used.is_empty() { String::new() } else { format!(": {}", names(&used)) };
     let recipe = with_denoiser(&recipe, &format!("{}{helped}", denoiser.name()));
     let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };

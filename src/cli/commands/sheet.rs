@@ -13,7 +13,7 @@ use crate::cli::files::new_folders::NewFolders;
 use crate::cli::files::paths::{check_distinct, check_path};
 use crate::cli::files::pictures::read;
 use slo_picture::film::Image;
-use slo_picture::output::{Raster, claimed_pixels, map_format, write_sheet};
+use slo_picture::output::{claimed_pixels, map_format, write_sheet};
 use slo_scene::OutputFormat;
 
 /// Pixels between two pictures.
@@ -88,7 +88,7 @@ impl SmallCopies {
         if before + pixels > MOST_PIXELS {
             return Err(too_large(format_args!("more than {} pixels", before + pixels)));
         }
-        Ok(shrunk(&picture.into_image(Raster::shown), copy))
+        Ok(picture.into_shown().shrunk(copy))
     }
 }
 
@@ -114,26 +114,6 @@ fn size(image: &Image, width: usize) -> [usize; 2] {
     let (from_width, from_height) = (image.width as usize, image.height as usize);
     let width = width.min(from_width).max(1);
     [width, (from_height * width / from_width.max(1)).max(1)]
-}
-
-/// A copy of a size, each pixel the mean of those that it stands for.
-fn shrunk(image: &Image, [width, height]: [usize; 2]) -> Image {
-    let (from_width, from_height) = (image.width as usize, image.height as usize);
-    let range = |i: usize, to: usize, from: usize| i * from / to..((i + 1) * from / to).max(1);
-    let pixel = |i: usize| {
-        let (columns, rows) =
-            (range(i % width, width, from_width), range(i / width, height, from_height));
-        let count = (columns.len() * rows.len()).max(1) as f32;
-        let mut sum = [0.0; 3];
-        for y in rows {
-            for rgb in &image.rgb[y * from_width + columns.start..y * from_width + columns.end] {
-                (0..3).for_each(|c| sum[c] += rgb[c]);
-            }
-        }
-        sum.map(|channel| channel / count)
-    };
-    let rgb = (0..width * height).map(pixel).collect();
-    Image { width: width as u32, height: height as u32, rgb }
 }
 
 fn sheet(
@@ -209,7 +189,7 @@ mod tests {
     fn small_copies_keep_the_mean() {
         let rgb = (0..12).map(|i| [i as f32; 3]).collect();
         let image = Image { width: 4, height: 3, rgb };
-        let shrunk = |image: &Image, width| shrunk(image, size(image, width));
+        let shrunk = |image: &Image, width| image.shrunk(size(image, width));
         let small = shrunk(&image, 2);
         assert_eq!((small.width, small.height), (2, 1));
         assert_eq!(small.rgb, [[4.5; 3], [6.5; 3]]);
