@@ -26,35 +26,37 @@ impl Picture {
         Self { layers: layers.collect(), image: film.image(), film, scene, frame }
     }
 
-    /// Pixels.
+    /// Returns the width in pixels.
     pub fn width(&self) -> u32 {
         self.scene.camera.film.width
     }
 
-    /// Pixels.
+    /// Returns the height in pixels.
     pub fn height(&self) -> u32 {
         self.scene.camera.film.height
     }
 
-    /// Radiance of the pixels, red, green and blue, linear and unclamped; row by row from the top.
+    /// Returns the radiance of the pixels: red, green and blue, linear and unclamped, row by row
+    /// from the top.
     pub fn pixels(&self) -> &[[f32; 3]] {
         &self.image.rgb
     }
 
-    /// The pixels clamped and encoded as sRGB: red, green and blue bytes, row by row from the top.
+    /// Returns the pixels clamped and encoded as sRGB: red, green and blue bytes, row by row from
+    /// the top.
     pub fn srgb8(&self) -> Vec<u8> {
         let byte = |value: f32| (srgb(value.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
         self.image.rgb.iter().flatten().map(|&value| byte(value)).collect()
     }
 
-    /// A layer that was [asked for](crate::Render::layers), row by row from the top.
+    /// Returns a layer that was [asked for](crate::Render::layers), row by row from the top.
     pub fn layer(&self, layer: Layer) -> Option<&[[f32; 3]]> {
         let found = self.layers.iter().find(|(name, _)| *name == layer);
         found.map(|(_, image)| &image.rgb[..])
     }
 
-    /// How the picture was made and how clean it is, as JSON: what files hold, and what `slo-rt verify`
-    /// renders again.
+    /// Returns the recipe as JSON: how the picture was made, and how clean it is. Files hold it,
+    /// and `slo-rt verify` renders from it again.
     pub fn recipe(&self) -> String {
         let film = &self.scene.camera.film;
         let display = Display::of(film.output, film.encoding);
@@ -62,9 +64,9 @@ impl Picture {
         with_outcome(&Recipe { scene: &self.scene, frame: self.frame }.to_json(), &outcome)
     }
 
-    /// Writes the picture with its recipe. The extension of `path` chooses the format: that of the scene
-    /// if it fits, or else the first that has this extension. The file is complete or absent, and has
-    /// the bytes that the program writes.
+    /// Writes the picture with its recipe. The extension of `path` chooses the format: the scene's
+    /// format if it has this extension, or else the first format that has it. The file is complete
+    /// or absent, and has the same bytes as a file that the program writes.
     ///
     /// # Errors
     /// [`Error::Format`] if no format has the extension, and [`Error::Io`].
