@@ -1,4 +1,4 @@
-//! Why a scene cannot be opened, or a picture not made.
+//! Errors of opening a scene and of making a picture.
 
 use std::fmt;
 use std::io;
@@ -15,11 +15,11 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error that the system reports.
         source: io::Error,
     },
-    /// The scene has errors. Each has a place in the text; [`fmt::Display`] shows them as the program
-    /// does.
+    /// The scene has errors, each with a place in the text. [`fmt::Display`] shows them as the
+    /// program does.
     Scene(Diagnostics),
     /// The scene has no such frame, or nothing can be rendered in it.
     Frame(FrameError),
@@ -32,11 +32,11 @@ pub enum Error {
     Description(String),
     /// No picture format has this file name extension.
     Format(PathBuf),
-    /// There is no memory for a picture of this size.
+    /// There is not enough memory for a picture of this size.
     TooLarge {
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
     },
     /// The system refuses to start so many threads.

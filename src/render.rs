@@ -1,4 +1,4 @@
-//! From a scene to a picture.
+//! Rendering of a scene to a picture.
 
 use std::fmt;
 use std::path::Path;
@@ -17,7 +17,7 @@ use crate::error::Error;
 use crate::picture::Picture;
 use crate::scene::Scene;
 
-/// One frame of a scene to be rendered, with settings that replace those of the scene.
+/// One frame of a scene to be rendered, with settings that replace the scene's.
 pub struct Render<'a> {
     scene: SceneDescription,
     frame: i64,
@@ -27,34 +27,34 @@ pub struct Render<'a> {
 }
 
 impl<'a> Render<'a> {
-    /// Frame 0 of a scene, as the scene says.
+    /// Starts with frame 0 of a scene and the scene's settings.
     pub fn new(scene: &Scene) -> Self {
         let scene = scene.description().clone();
         Self { scene, frame: 0, threads: None, progress: None, cancel: None }
     }
 
-    /// Renders this frame: frame `n` opens its shutter `n / fps` seconds into the video.
+    /// Sets the frame. Frame `n` opens its shutter `n / fps` seconds into the video.
     #[must_use]
     pub fn frame(mut self, frame: i64) -> Self {
         self.frame = frame;
         self
     }
 
-    /// Size of the picture in pixels.
+    /// Sets the size of the picture in pixels.
     #[must_use]
     pub fn size(mut self, width: u32, height: u32) -> Self {
         (self.scene.camera.film.width, self.scene.camera.film.height) = (width, height);
         self
     }
 
-    /// Camera samples per pixel, in place of `imageSamples` times `dofSamples`.
+    /// Sets the camera samples per pixel, instead of `imageSamples` times `dofSamples`.
     #[must_use]
     pub fn samples(mut self, samples: u32) -> Self {
         self.scene.settings.set_camera_samples(samples);
         self
     }
 
-    /// Seed of every random number.
+    /// Sets the seed of every random number.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
         self.scene.settings.seed = seed;
@@ -72,7 +72,7 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// File format that [`save`](Self::save) writes.
+    /// Sets the file format that [`save`](Self::save) writes.
     #[must_use]
     pub fn format(mut self, format: OutputFormat) -> Self {
         self.scene.camera.film.output = format;
@@ -101,7 +101,7 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Calls a function with the share of the picture, from 0 to 1, that is done; from any thread.
+    /// Calls a function, from any thread, with the share of the picture that is done, from 0 to 1.
     #[must_use]
     pub fn progress(mut self, progress: impl Fn(f64) + Sync + 'a) -> Self {
         self.progress = Some(Box::new(progress));
@@ -135,7 +135,7 @@ impl<'a> Render<'a> {
     /// Renders the frame and saves it as [`Picture::save`] does.
     ///
     /// # Errors
-    /// Those of [`run`](Self::run) and of [`Picture::save`].
+    /// The errors of [`run`](Self::run) and [`Picture::save`].
     pub fn save(self, path: impl AsRef<Path>) -> Result<(), Error> {
         self.run()?.save(path)
     }
@@ -176,7 +176,7 @@ impl fmt::Debug for Render<'_> {
     }
 }
 
-/// Tells the caller how far the picture is, and the renderer when to stop.
+/// Reports to the caller how far the picture is, and tells the renderer when to stop.
 struct Watch<'a> {
     render: &'a Render<'a>,
     done: Mutex<f64>,
