@@ -1,4 +1,4 @@
-//! Why a scene cannot be opened, or a picture not made.
+//! Errors of opening a scene and of making a picture.
 
 use std::fmt;
 use std::io;
@@ -15,21 +15,28 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error that the system reports.
         source: io::Error,
     },
-    /// The scene has errors. Each has a place in the text; [`fmt::Display`] shows them as the program
-    /// does.
+    /// The scene has errors, each with a place in the text. [`fmt::Display`] shows them as the
+    /// program does.
     Scene(Diagnostics),
     /// The scene has no such frame, or nothing can be rendered in it.
     Frame(FrameError),
+    /// A setting has a value that it cannot have.
+    Setting {
+        /// Its name in the scene language.
+        name: &'static str,
+    },
+    /// A scene that was built in memory does not hold together: what is wrong with it.
+    Description(String),
     /// No picture format has this file name extension.
     Format(PathBuf),
-    /// There is no memory for a picture of this size.
+    /// There is not enough memory for a picture of this size.
     TooLarge {
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
     },
     /// The system refuses to start so many threads.
@@ -44,6 +51,8 @@ impl fmt::Display for Error {
             Self::Io { path, source } => write!(f, "{}: {source}", path.display()),
             Self::Scene(diagnostics) => f.write_str(diagnostics.render(false).trim_end()),
             Self::Frame(error) => write!(f, "{error}"),
+            Self::Setting { name } => write!(f, "the setting `{name}` has an impossible value"),
+            Self::Description(why) => f.write_str(why),
             Self::Format(path) => {
                 write!(f, "{}: no picture format has this extension", path.display())
             }
@@ -56,15 +65,8 @@ impl fmt::Display for Error {
     }
 }
 
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Io { source, .. } => Some(source),
-            Self::Frame(error) => Some(error),
-            _ => None,
-        }
-    }
-}
+// Messages are whole sentences with their reasons, so there is no source to print behind them.
+impl std::error::Error for Error {}
 
 impl From<FrameError> for Error {
     fn from(error: FrameError) -> Self {

@@ -14,8 +14,8 @@
 //! }
 //! ```
 //!
-//! A picture depends on the scene, the frame, the settings and the version of slo-rt, and on nothing
-//! else: any number of threads, on any machine, makes the same bytes.
+//! A picture depends only on the scene, the frame, the settings and the version of slo-rt: any
+//! number of threads, on any machine, makes the same bytes.
 //!
 //! | to | use |
 //! |---|---|
@@ -26,7 +26,8 @@
 //! | run the program | [`cli`] |
 //!
 //! [`Scene`], [`Render`], [`Picture`], [`Error`] and [`description`] are the library. The crates
-//! `slo-scene`, `slo-picture` and `slo-render` below them are its parts, and may change with any version.
+//! `slo-scene`, `slo-picture` and `slo-render` below them are its parts, and may change with any
+//! version.
 
 pub mod cli;
 mod error;
@@ -34,12 +35,12 @@ mod picture;
 mod render;
 mod scene;
 
-/// What a scene says, as plain data, for programs that build scenes in memory.
+/// Contents of a scene as plain data, for programs that build scenes in memory.
 ///
-/// Kinds of shapes, materials and lights may be added with any version, and matches on them must name
-/// all kinds: that is how slo-rt itself notices what a new kind needs. Settings start from their
-/// defaults.
+/// Any version may add kinds of shapes, materials and lights. Matches on them must name all kinds:
+/// that is how slo-rt itself notices what a new kind needs. Settings start from their defaults.
 pub mod description {
+    pub use glam;
     pub use slo_scene::animation::View;
     pub use slo_scene::settings::{
         Accelerator, Contrast, Encoding, Film, Generator, Layer, LightSampling, OutputFormat,
@@ -56,4 +57,6 @@ pub use error::Error;
 pub use picture::Picture;
 pub use render::Render;
 pub use scene::Scene;
+pub use slo_render::frame::FrameError;
+pub use slo_scene::diagnostics::Diagnostics;
 pub use slo_scene::{Layer, OutputFormat};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slo_accel::Isa;
-use slo_picture::film::{Display, Film, Image, srgb};
+use slo_picture::film::{Display, Film, Image};
 use slo_picture::output::{self, Outcome, Recipe, with_outcome};
 use slo_scene::{Layer, OutputFormat, SceneDescription};
 
@@ -26,63 +26,70 @@ impl Picture {
         Self { layers: layers.collect(), image: film.image(), film, scene, frame }
     }
 
-    /// Pixels.
+    /// Returns the width in pixels.
     pub fn width(&self) -> u32 {
         self.scene.camera.film.width
     }
 
-    /// Pixels.
+    /// Returns the height in pixels.
     pub fn height(&self) -> u32 {
         self.scene.camera.film.height
     }
 
-    /// Radiance of the pixels, red, green and blue, linear and unclamped; row by row from the top.
+    /// Returns the radiance of the pixels: red, green and blue, linear and unclamped, row by row
+    /// from the top.
     pub fn pixels(&self) -> &[[f32; 3]] {
         &self.image.rgb
     }
 
-    /// The pixels clamped and encoded as sRGB: red, green and blue bytes, row by row from the top.
+    /// Returns the pixels clamped and encoded as sRGB: red, green and blue bytes, row by row from
+    /// the top.
     pub fn srgb8(&self) -> Vec<u8> {
-        let byte = |value: f32| (srgb(value.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
-        self.image.rgb.iter().flatten().map(|&value| byte(value)).collect()
+        self.image.srgb8()
     }
 
-    /// A layer that was [asked for](crate::Render::layers), row by row from the top.
+    /// Returns a layer that was [asked for](crate::Render::layers), row by row from the top.
     pub fn layer(&self, layer: Layer) -> Option<&[[f32; 3]]> {
         let found = self.layers.iter().find(|(name, _)| *name == layer);
         found.map(|(_, image)| &image.rgb[..])
     }
 
     /// How the picture was made and how clean it is, as JSON: what files hold, and what `slo-rt verify`
-    /// renders again.
+    /// renders again if the scene is a file.
     pub fn recipe(&self) -> String {
-        let film = &self.scene.camera.film;
-        let display = Display::of(film.output, film.encoding);
-        let outcome = Outcome::of(&self.film, self.film.area(), display, Isa::best());
-        with_outcome(&Recipe { scene: &self.scene, frame: self.frame }.to_json(), &outcome)
+        self.recipe_of(&self.scene)
     }
 
     /// Writes the picture with its recipe. The extension of `path` chooses the format: that of the scene
-    /// if it fits, or else the first that has this extension. The file is complete or absent, and has
-    /// the bytes that the program writes.
+    /// if it fits, or else the first that has this extension. Formats that cannot hold layers leave them
+    /// out. The file is complete or absent, and has the bytes that the program writes.
     ///
     /// # Errors
     /// [`Error::Format`] if no format has the extension, and [`Error::Io`].
-    pub fn save(mut self, path: impl AsRef<Path>) -> Result<(), Error> {
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         let format = self.format_for(path).ok_or_else(|| Error::Format(path.into()))?;
-        self.scene.camera.film.output = format;
-        let recipe = self.recipe();
+        let mut scene = self.scene.clone();
+        scene.camera.film.output = format;
+        let recipe = self.recipe_of(&scene);
         let picture = output::Picture {
             image: &self.image,
             format,
-            encoding: self.scene.camera.film.encoding,
+            encoding: scene.camera.film.encoding,
             recipe: &recipe,
             crop: None,
         };
         picture
             .save_with(path, &self.layers)
             .map_err(|source| Error::Io { path: path.into(), source })
+    }
+
+    /// The recipe as if the picture were of `scene`, which may name another file format.
+    fn recipe_of(&self, scene: &SceneDescription) -> String {
+        let film = &scene.camera.film;
+        let display = Display::of(film.output, film.encoding);
+        let outcome = Outcome::of(&self.film, self.film.area(), display, Isa::best());
+        with_outcome(&Recipe { scene, frame: self.frame }.to_json(), &outcome)
     }
 
     fn format_for(&self, path: &Path) -> Option<OutputFormat> {

@@ -1,4 +1,4 @@
-//! From a scene to a picture.
+//! Rendering of a scene to a picture.
 
 use std::fmt;
 use std::path::Path;
@@ -10,13 +10,14 @@ use slo_accel::Isa;
 use slo_picture::film::{Area, Film};
 use slo_render::frame::FrameScene;
 use slo_render::render::{Exposed, Observer, Plan, render};
+use slo_scene::settings::invalid;
 use slo_scene::{Film as FilmSettings, Layer, OutputFormat, SceneDescription, Settings};
 
 use crate::error::Error;
 use crate::picture::Picture;
 use crate::scene::Scene;
 
-/// One frame of a scene to be rendered, with settings that replace those of the scene.
+/// One frame of a scene to be rendered, with settings that replace the scene's.
 pub struct Render<'a> {
     scene: SceneDescription,
     frame: i64,
@@ -26,41 +27,42 @@ pub struct Render<'a> {
 }
 
 impl<'a> Render<'a> {
-    /// Frame 0 of a scene, as the scene says.
+    /// Starts with frame 0 of a scene and the scene's settings.
     pub fn new(scene: &Scene) -> Self {
         let scene = scene.description().clone();
         Self { scene, frame: 0, threads: None, progress: None, cancel: None }
     }
 
-    /// Renders this frame: frame `n` opens its shutter `n / fps` seconds into the video.
+    /// Sets the frame. Frame `n` opens its shutter `n / fps` seconds into the video.
     #[must_use]
     pub fn frame(mut self, frame: i64) -> Self {
         self.frame = frame;
         self
     }
 
-    /// Size of the picture in pixels.
+    /// Sets the size of the picture in pixels.
     #[must_use]
     pub fn size(mut self, width: u32, height: u32) -> Self {
         (self.scene.camera.film.width, self.scene.camera.film.height) = (width, height);
         self
     }
 
-    /// Camera samples per pixel, in place of `imageSamples` times `dofSamples`.
+    /// Sets the camera samples per pixel, instead of `imageSamples` times `dofSamples`.
     #[must_use]
     pub fn samples(mut self, samples: u32) -> Self {
         self.scene.settings.set_camera_samples(samples);
         self
     }
 
-    /// Seed of every random number.
+    /// Sets the seed of every random number.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
         self.scene.settings.seed = seed;
         self
     }
 
-    /// Layers for denoisers that the picture has beside its colours.
+    /// Layers for denoisers that the picture has beside its colours. Not every format can hold them, see
+    /// [`Picture::save`].
     #[must_use]
     pub fn layers(mut self, layers: &[Layer]) -> Self {
         let mut layers = layers.to_vec();
@@ -70,7 +72,7 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// File format that [`save`](Self::save) writes.
+    /// Sets the file format that [`save`](Self::save) writes.
     #[must_use]
     pub fn format(mut self, format: OutputFormat) -> Self {
         self.scene.camera.film.output = format;
@@ -91,15 +93,15 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Number of threads of a pool of its own; without it, the frame is rendered on the current rayon
-    /// pool. Pictures do not depend on it.
+    /// Number of threads of a pool of its own, 0 for as many as the machine has; without it, the frame is
+    /// rendered on the current rayon pool. Pictures do not depend on it.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = Some(threads);
         self
     }
 
-    /// Calls a function with the share of the picture, from 0 to 1, that is done; from any thread.
+    /// Calls a function, from any thread, with the share of the picture that is done, from 0 to 1.
     #[must_use]
     pub fn progress(mut self, progress: impl Fn(f64) + Sync + 'a) -> Self {
         self.progress = Some(Box::new(progress));
@@ -116,7 +118,8 @@ impl<'a> Render<'a> {
     /// Renders the frame.
     ///
     /// # Errors
-    /// [`Error::Frame`] if the scene has no such frame, [`Error::TooLarge`], [`Error::Threads`], or
+    /// [`Error::Setting`] for an impossible value, [`Error::Frame`] if the scene has no such frame,
+    /// [`Error::TooLarge`], [`Error::Threads`], or
     /// [`Error::Cancelled`].
     pub fn run(self) -> Result<Picture, Error> {
         match self.threads {
@@ -132,13 +135,14 @@ impl<'a> Render<'a> {
     /// Renders the frame and saves it as [`Picture::save`] does.
     ///
     /// # Errors
-    /// Those of [`run`](Self::run) and of [`Picture::save`].
+    /// The errors of [`run`](Self::run) and [`Picture::save`].
     pub fn save(self, path: impl AsRef<Path>) -> Result<(), Error> {
         self.run()?.save(path)
     }
 
     fn expose(&self) -> Result<Picture, Error> {
         let (scene, film) = (&self.scene, &self.scene.camera.film);
+        check(&scene.settings, film)?;
         let frame = FrameScene::build(scene, self.frame, Isa::best())?;
         let plan = Plan::new(scene);
         let empty = empty_film(film, plan.needs_spreads())?;
@@ -149,6 +153,13 @@ impl<'a> Render<'a> {
         }
         Ok(Picture::new(scene.clone(), self.frame, film))
     }
+}
+
+/// Checks that all settings have values that a scene could give them.
+fn check(settings: &Settings, film: &FilmSettings) -> Result<(), Error> {
+    let wrong = invalid(settings).or_else(|| invalid(film));
+    let inconsistent = (!settings.are_consistent()).then_some("imageSamples");
+    wrong.or(inconsistent).map_or(Ok(()), |name| Err(Error::Setting { name }))
 }
 
 /// A film without a sample, with room for the layers.
@@ -165,7 +176,7 @@ impl fmt::Debug for Render<'_> {
     }
 }
 
-/// Tells the caller how far the picture is, and the renderer when to stop.
+/// Reports to the caller how far the picture is, and tells the renderer when to stop.
 struct Watch<'a> {
     render: &'a Render<'a>,
     done: Mutex<f64>,

@@ -19,8 +19,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Opens a scene file. Meshes and images are found from the folder of the scene, and may lie
-    /// anywhere: for scenes of strangers use [`open_within`](Self::open_within).
+    /// Opens a scene file. Paths of meshes and images start in the folder of the scene, and may
+    /// lead anywhere. For scenes from strangers, use [`open_within`](Self::open_within).
     ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be read, and [`Error::Scene`] if the scene has errors, or
@@ -33,12 +33,12 @@ impl Scene {
     /// Opens a scene file whose meshes and images must lie in the folder `root`.
     ///
     /// # Errors
-    /// As [`open`](Self::open); a path that leaves `root` is an error of the scene.
+    /// The errors of [`open`](Self::open). A path that leaves `root` is an error of the scene.
     pub fn open_within(path: impl AsRef<Path>, root: impl AsRef<Path>) -> Result<Self, Error> {
         Self::read(path.as_ref(), root.as_ref(), false)
     }
 
-    /// Parses scene text. Meshes and images are found from `folder`, and may lie anywhere.
+    /// Parses scene text. Paths of meshes and images start in `folder`, and may lead anywhere.
     ///
     /// # Errors
     /// [`Error::Scene`], as for [`open`](Self::open).
@@ -49,26 +49,30 @@ impl Scene {
 
     /// A scene that was built in memory. Its `content_hash`, by which recipes know it, is computed from
     /// everything that it says.
-    pub fn from_description(mut description: SceneDescription) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Description`] if a reference or an index leads nowhere.
+    pub fn from_description(mut description: SceneDescription) -> Result<Self, Error> {
+        description.check().map_err(Error::Description)?;
         description.content_hash = [0; 32];
         let mut hasher = Hasher(blake3::Hasher::new());
         // Writing to a hash cannot fail.
         let _ = write!(hasher, "{description:?}");
         description.content_hash = *hasher.0.finalize().as_bytes();
-        Self { description, warnings: Diagnostics::default() }
+        Ok(Self { description, warnings: Diagnostics::default() })
     }
 
-    /// What the scene says: settings, camera, lights, materials and objects as plain data.
+    /// Returns what the scene says: settings, camera, lights, materials and objects as plain data.
     pub fn description(&self) -> &SceneDescription {
         &self.description
     }
 
-    /// Warnings about the scene's text.
+    /// Returns the warnings about the scene's text.
     pub fn warnings(&self) -> &Diagnostics {
         &self.warnings
     }
 
-    /// Frames of each camera segment, in order of time.
+    /// Returns the frames of each camera segment, in order of time.
     pub fn frames(&self) -> Vec<RangeInclusive<i64>> {
         Clock::new(&self.description.camera).segments().map(|s| s.first..=s.last).collect()
     }

@@ -1,9 +1,9 @@
 //! The command line: arguments as typed -> validated options -> commands and exit codes.
 //!
-//! Floors from the ground up, each of which imports from those below it only: `base` (exit codes,
-//! problems, what is said), `values` (of options), `args` (the command line as typed), `options`
-//! (what it asks for), what several commands need (`system`, `files`, `progress`, `claims`), and
-//! `commands`, none of which imports another.
+//! The folders are floors, and each imports only from the floors below it. From the ground up:
+//! `base` (exit codes, problems, messages), `values` (of options), `args` (the command line as
+//! typed), `options` (what it asks for), what several commands need (`system`, `files`,
+//! `progress`, `claims`), and `commands`. No command imports another.
 
 mod args;
 mod base;
@@ -23,10 +23,10 @@ use commands::{check, compare, denoise, merge, recipe, render, sheet, verify};
 use options::{Options, Task};
 use system::{crash, interrupt};
 
-/// Runs the program with its arguments, the program's name first.
+/// Runs the program with its arguments, which begin with the program's name.
 ///
-/// Writes the pictures' paths to standard output and all else to standard error. Listens to
-/// Ctrl-C and catches panics: it is meant to be called once, by `main`.
+/// Writes the pictures' paths to standard output and all else to standard error. Listens for
+/// Ctrl-C and catches panics, so it is meant to be called once, by `main`.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
     let args: Vec<OsString> = args.into_iter().collect();
     crash::reported(&args, || {

@@ -1,4 +1,4 @@
-//! What the program does besides rendering.
+//! Commands besides rendering.
 
 use std::path::PathBuf;
 

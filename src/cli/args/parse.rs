@@ -1,4 +1,4 @@
-//! Arguments as typed -> [`Args`], or help, or what is wrong with them.
+//! Parses the arguments as typed into [`Args`], or prints help or an error.
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -11,11 +11,11 @@ use super::short_forms::written_out;
 use super::tips::with_tip;
 use crate::cli::base::{Exit, say};
 
-/// Parses `args`, the program's name first. Help and version go to standard output, mistakes to
-/// standard error.
+/// Parses `args`, which begin with the program's name. Prints help and version to standard output
+/// and errors to standard error.
 ///
 /// # Errors
-/// The exit code, if nothing is left to do: help or an error was printed.
+/// The exit code, if help, the version or an error was printed and nothing is left to do.
 pub(crate) fn parse(args: &[OsString]) -> Result<Args, Exit> {
     try_parse(args).map_err(|error| {
         let what = match error.kind() {
@@ -43,7 +43,7 @@ fn try_parse(args: &[OsString]) -> Result<Args, Error> {
     parsed.map_err(|error| with_tip(error, &args, command))
 }
 
-/// Value of `--color`, even if the other arguments are wrong.
+/// Finds the value of `--color`, even if the other arguments are wrong.
 fn color_choice(args: &[OsString]) -> ColorChoice {
     let mut values = args.iter().enumerate().filter_map(|(at, arg)| match arg.to_str()? {
         "--color" => args.get(at + 1)?.to_str(),

@@ -1,4 +1,4 @@
-//! The options of the program itself: what is rendered, where it goes, and how.
+//! Options of the program itself: what to render, where the result goes, and how to run.
 
 use std::path::PathBuf;
 use std::time::Duration;

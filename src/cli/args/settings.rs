@@ -1,4 +1,4 @@
-//! Options that replace settings of the scene, each of which is one field here.
+//! Options that replace settings of the scene. Each option is one field here.
 
 use super::help::SETTINGS;
 use crate::cli::values::{AcceleratorName, FormatName, SizeChoice, noise, samples, seed, size};

@@ -1,18 +1,19 @@
-//! The short forms of two and three letters (`-pre`, `-id`, `-od`), which clap does not know:
-//! they become their long options before clap sees them.
+//! Short forms of two and three letters (`-pre`, `-id`, `-od`). Clap does not know them, so they
+//! become their long options before clap sees them.
 
 use std::collections::HashSet;
 use std::ffi::{OsStr, OsString};
 
 use clap::{Arg, Command};
 
-/// Short forms and what they stand for.
+/// Short forms and their long options.
 const SHORT_FORMS: [(&str, &str); 3] =
     [("-pre", "--prefix"), ("-id", "--indir"), ("-od", "--outdir")];
 
-/// `args`, the program's name first, with the short forms written out: `-od x` as `--outdir x`,
-/// `-od=x` as `--outdir=x`. Values of the options of `command`, or of the one of its subcommands that
-/// is called, and all that follows `--`, stay as they are.
+/// Writes out the short forms in `args`, which begin with the program's name: `-od x` becomes
+/// `--outdir x`, `-od=x` becomes `--outdir=x`. Values of options and everything after `--` stay as
+/// they are. The options of `command`, or of its called subcommand, decide which arguments are
+/// values.
 pub(crate) fn written_out(
     args: impl IntoIterator<Item = OsString>,
     command: &Command,
@@ -35,7 +36,7 @@ pub(crate) fn written_out(
     result
 }
 
-/// What `arg` stands for, if it is a short form.
+/// Returns the long form of `arg`, if it is a short form.
 fn long_form(arg: &OsStr) -> Option<OsString> {
     let text = arg.to_str()?;
     SHORT_FORMS.iter().find_map(|(short, long)| {
@@ -44,12 +45,12 @@ fn long_form(arg: &OsStr) -> Option<OsString> {
     })
 }
 
-/// The subcommand that is called, or the command itself.
+/// Returns the called subcommand, or the command itself if none is called.
 pub(crate) fn called<'a>(args: &[OsString], command: &'a Command) -> &'a Command {
     args.get(1).and_then(|name| command.find_subcommand(name)).unwrap_or(command)
 }
 
-/// The options of a command that have a value, which may be the next argument.
+/// Options of a command that take a value, which may be the next argument.
 pub(crate) struct ValueOptions {
     long: HashSet<String>,
     short: HashSet<char>,
@@ -57,7 +58,7 @@ pub(crate) struct ValueOptions {
 
 impl ValueOptions {
     pub(crate) fn of(command: &Command) -> Self {
-        // A value that has to be joined by `=` is no argument of its own.
+        // A value that must be joined with `=` is not a separate argument.
         let takes_next =
             |arg: &&Arg| arg.get_action().takes_values() && !arg.is_require_equals_set();
         let with_value = || command.get_arguments().filter(takes_next);
@@ -69,7 +70,7 @@ impl ValueOptions {
         }
     }
 
-    /// Whether the argument after `arg` is the value of an option in it.
+    /// Whether the argument after `arg` is the value of an option in `arg`.
     pub(crate) fn takes_next(&self, arg: &OsStr) -> bool {
         let Some(text) = arg.to_str() else { return false };
         if let Some(name) = text.strip_prefix("--") {
@@ -127,7 +128,7 @@ mod tests {
     fn a_value_that_has_to_be_joined_is_not_the_next_argument() {
         check("--share -od x", "--share --outdir x");
         check("--share=5 -od x -id y", "--share=5 --outdir x --indir y");
-        // Whatever other options of the kind there will be.
+        // The loop covers all options of this kind, including future ones.
         let command = Args::command();
         let joined = command.get_arguments().filter(|arg| arg.is_require_equals_set());
         for name in joined.filter_map(Arg::get_long) {

@@ -1,4 +1,4 @@
-//! What is typed, and what it is taken for.
+//! Tests of how typed arguments are understood.
 
 use clap::{CommandFactory, Parser};
 
@@ -170,7 +170,8 @@ fn names_may_be_in_capitals() {
     }
 }
 
-/// The options of the program and of its commands that have a value.
+/// Returns the options of the program and its commands that take a value, each after the arguments
+/// that its command needs.
 fn options_with_values() -> Vec<(Vec<&'static str>, String)> {
     let positional = |command: &str| match command {
         "compare" => vec!["compare", "a.png", "b.png"],

@@ -1,4 +1,4 @@
-//! Tips on how to mend a wrong command line.
+//! Tips for correcting a wrong command line.
 
 use std::ffi::{OsStr, OsString};
 
@@ -8,7 +8,7 @@ use clap::{Arg, Command, Error};
 
 use super::short_forms::{ValueOptions, called};
 
-/// Names that options have in other programs, and those that they have here.
+/// Option names of other programs, and the names of the same options here.
 const ELSEWHERE: [(&str, &str); 14] = [
     ("--output", "--outdir"),
     ("--output-dir", "--outdir"),
@@ -26,8 +26,8 @@ const ELSEWHERE: [(&str, &str); 14] = [
     ("--force", "--overwrite"),
 ];
 
-/// The error with a tip that helps, if there is one. `args` are written out, the program's name
-/// first.
+/// Adds a helpful tip to the error, if there is one. The short forms in `args` are written out,
+/// and the program's name comes first.
 pub(crate) fn with_tip(error: Error, args: &[OsString], mut command: Command) -> Error {
     command.build();
     let command = called(args, &command);
@@ -61,7 +61,7 @@ fn text(error: &Error, kind: ContextKind) -> Option<String> {
     }
 }
 
-/// The error of an unknown argument.
+/// Makes the error for an unknown argument.
 fn unknown(command: &Command, word: &str, tip: Option<String>) -> Error {
     let mut error = Error::new(ErrorKind::UnknownArgument).with_cmd(command);
     error.insert(ContextKind::InvalidArg, ContextValue::String(word.to_owned()));
@@ -80,7 +80,8 @@ fn set_tip(error: &mut Error, tip: Option<String>) {
     }
 }
 
-/// A word without an option is a value that should have been joined, or most likely a scene.
+/// Makes the tip for a word without an option. The word is a value that should have been joined,
+/// or most likely a scene.
 fn tip_of_word(word: &str, args: &[OsString]) -> Option<String> {
     let at = args.iter().position(|arg| arg == word)?;
     if args[at - at.min(1)] == "--share" {
@@ -89,7 +90,7 @@ fn tip_of_word(word: &str, args: &[OsString]) -> Option<String> {
     Some(format!("name a scene file with an option: '--scene {word}'"))
 }
 
-/// The tip for an unknown option.
+/// Adds the tip to the error for an unknown option.
 fn of_option(mut error: Error, word: &str, args: &[OsString], command: &Command) -> Error {
     if let Some(tip) = tip_of_value(word, args, command) {
         set_tip(&mut error, Some(tip));
@@ -106,7 +107,7 @@ fn of_option(mut error: Error, word: &str, args: &[OsString], command: &Command)
     error
 }
 
-/// A value that begins with a minus sign is taken for an option.
+/// Makes the tip for a value that begins with a minus sign and was taken for an option.
 fn tip_of_value(word: &str, args: &[OsString], command: &Command) -> Option<String> {
     let options = ValueOptions::of(command);
     let pairs = args.windows(2).map(|pair| (&pair[0], &pair[1]));
@@ -121,7 +122,7 @@ fn is_named(arg: &Arg, name: &str) -> bool {
     arg.get_long().is_some_and(|long| name.strip_prefix("--") == Some(long))
 }
 
-/// The name of an option that a hidden name stands for.
+/// Returns the visible name of the option with the hidden name `alias`.
 fn real_name(command: &Command, alias: &str) -> Option<String> {
     let alias = alias.strip_prefix("--")?;
     let has_alias =
@@ -130,7 +131,7 @@ fn real_name(command: &Command, alias: &str) -> Option<String> {
     Some(format!("--{}", arg.get_long()?))
 }
 
-/// The error of an argument that is not text.
+/// Makes the error for an argument that is not text.
 fn no_text(args: &[OsString], error: Error, command: &Command) -> Error {
     let Some(arg) = args.iter().find(|arg| arg.to_str().is_none()) else { return error };
     let message = format!("the argument {arg:?} is not valid UTF-8");

@@ -6,13 +6,13 @@ use std::process::ExitCode;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Exit {
-    /// All that was asked for is done.
+    /// Everything was done.
     Done = 0,
-    /// Rendering failed, or a file could not be read or written; frames of a sequence failed.
+    /// Rendering failed, a file could not be read or written, or frames of a sequence failed.
     Failed = 1,
     /// The command line is wrong, or names a frame that the scene does not have.
     Usage = 2,
-    /// The scene, or a mesh or texture of it, has errors.
+    /// The scene, or one of its meshes or textures, has errors.
     BadInput = 65,
     /// An input file is missing or can't be read.
     NoInput = 66,

@@ -1,5 +1,4 @@
-//! What all of the command line stands on: exit codes, problems, what is said, and quantities in
-//! words.
+//! Foundations of the command line: exit codes, problems, messages, and quantities in words.
 
 mod exit;
 mod problem;

@@ -1,4 +1,4 @@
-//! Why a command ended without its result, in words for the user.
+//! Reasons why a command failed, in words for the user.
 
 use std::fmt::Display;
 
@@ -8,9 +8,9 @@ use super::exit::Exit;
 #[derive(Debug)]
 pub(crate) struct Problem {
     pub(crate) exit: Exit,
-    /// Empty if the user has been told already.
+    /// Empty if the problem was already reported.
     pub(crate) message: String,
-    /// What to do about it, a line each.
+    /// Advice on what to do, one item per line.
     pub(crate) help: Vec<String>,
 }
 
@@ -19,12 +19,12 @@ impl Problem {
         Self { exit, message: message.to_string(), help: Vec::new() }
     }
 
-    /// A problem that the user has been told already; only the exit code is left.
+    /// Makes a problem that was already reported. Only the exit code is left.
     pub(crate) fn told(exit: Exit) -> Self {
         Self { exit, message: String::new(), help: Vec::new() }
     }
 
-    /// The message, which names its frame once.
+    /// Returns the message, with its frame named once.
     pub(crate) fn of_frame(&self, frame: i64) -> String {
         let (name, message) = (format!("frame {frame}"), &self.message);
         let after = message.strip_prefix(&name);

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-/// A number of things, whose name takes an `s` in the plural.
+/// Formats a count of things. The plural of `name` takes an `s`.
 pub(crate) fn counted(count: impl TryInto<u64>, name: &str) -> String {
     let count = count.try_into().unwrap_or(u64::MAX);
     if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
 }
 
-/// A duration for people: `0.31 s`, `4 s`, `12 s`, `4 min 05 s`, `3 h 12 min`.
+/// Formats a duration for people: `0.31 s`, `4 s`, `12 s`, `4 min 05 s`, `3 h 12 min`.
 pub(crate) fn human(duration: Duration) -> String {
     let seconds = duration.as_secs_f64();
     match seconds.round() as u64 {
@@ -19,12 +19,12 @@ pub(crate) fn human(duration: Duration) -> String {
     }
 }
 
-/// A duration without parts of a second.
+/// Formats a duration rounded to whole seconds.
 pub(crate) fn whole(duration: Duration) -> String {
     human(Duration::from_secs(duration.as_secs_f64().round() as u64))
 }
 
-/// Bytes with a unit.
+/// Formats bytes with a unit.
 pub(crate) fn megabytes(bytes: u64) -> String {
     match bytes as f64 / 1e6 {
         small if small < 9.95 => format!("{small:.1} MB"),

@@ -1,6 +1,6 @@
-//! What the program says: errors, notes, all of it on standard error.
+//! Messages of the program: errors and notes on standard error, and results on standard output.
 //!
-//! Nothing here fails: if standard error is closed, nobody reads it.
+//! Writing a message never fails: if standard error is closed, nobody reads it.
 
 use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
@@ -19,7 +19,7 @@ pub(crate) enum When {
     Never,
 }
 
-/// How much the program says.
+/// Amount of messages that the program prints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Verbosity {
     Quiet,
@@ -27,12 +27,13 @@ pub(crate) enum Verbosity {
     Verbose,
 }
 
-/// How standard error is written to.
+/// Settings for writing to standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Terminal {
-    /// Whether with colours.
+    /// Whether messages have colours.
     pub(crate) color: bool,
-    /// Whether lines can be drawn over: an interactive terminal that can move its cursor.
+    /// Whether lines can be overwritten: standard error is an interactive terminal that can move
+    /// its cursor.
     pub(crate) interactive: bool,
     pub(crate) verbosity: Verbosity,
 }
@@ -62,7 +63,7 @@ impl Terminal {
         }
     }
 
-    /// Shows what is wrong with a scene.
+    /// Prints the errors and warnings of a scene.
     pub(crate) fn show(self, diagnostics: &Diagnostics) {
         let report = diagnostics.render(self.color);
         if !report.is_empty() {
@@ -89,7 +90,7 @@ impl Terminal {
     }
 }
 
-/// One line on standard error, out at once.
+/// Prints one line to standard error immediately.
 pub(crate) fn say(line: impl Display) {
     let _ = writeln!(io::stderr(), "{line}");
 }
@@ -97,7 +98,7 @@ pub(crate) fn say(line: impl Display) {
 /// Prints `text` and a line break to standard output. A closed pipe is not an error.
 ///
 /// # Errors
-/// What else the system says.
+/// Any other I/O error.
 pub(crate) fn print(text: &[u8]) -> io::Result<()> {
     let mut out = io::stdout();
     let printed =
@@ -108,8 +109,9 @@ pub(crate) fn print(text: &[u8]) -> io::Result<()> {
     }
 }
 
-/// `--color` first, then `NO_COLOR`, `CLICOLOR_FORCE` and `TERM` as <https://no-color.org> and
-/// <https://bixense.com/clicolors> have them, then whether it is a terminal.
+/// Decides whether messages have colours: by `--color` first, then by `NO_COLOR`, `CLICOLOR_FORCE`
+/// and `TERM` as <https://no-color.org> and <https://bixense.com/clicolors> define them, then by
+/// whether standard error is a terminal.
 fn color(when: When, is_terminal: bool, variable: impl Fn(&str) -> Option<String>) -> bool {
     let is_set = |name| variable(name).is_some_and(|value| !value.is_empty());
     match when {

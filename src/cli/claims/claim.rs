@@ -1,4 +1,4 @@
-//! Claims of this process: made, held, taken over, let go.
+//! Claims of this process: making, holding, taking over and releasing them.
 
 use std::fs::{self, File};
 use std::io;
@@ -12,41 +12,41 @@ use super::pulse::{Held, Pulse, Sign};
 use crate::cli::system::interrupt;
 use crate::cli::values::{LONGEST_LEASE, SHORTEST_LEASE};
 
-/// The claims of a process. Dropped, it gives no more signs of life.
+/// The claims of a process. When they are dropped, the process gives no more signs of life.
 #[derive(Debug)]
 pub(crate) struct Claims {
     pub(super) pulse: Arc<Pulse>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// A frame that is this process's to render. Dropped, it is free again.
+/// A frame that this process may render. When the claim is dropped, the frame is free again.
 #[derive(Debug)]
 pub(crate) struct Claim {
     held: Arc<Held>,
     pulse: Arc<Pulse>,
-    /// Of whom it was taken over.
+    /// The dead process from which the frame was taken over.
     pub(crate) dead: Option<Worker>,
 }
 
-/// What came of asking for a frame.
+/// Result of asking for a frame.
 #[derive(Debug)]
 pub(crate) enum Taken {
     Mine(Claim),
-    /// Another process renders it; `None`: it has just ended.
+    /// Another process renders it. `None`: its claim has just gone.
     Theirs(Option<Worker>),
     /// Another process renders it from another scene or with other settings.
     Other {
         worker: Worker,
-        /// It gives signs of life.
+        /// Whether the other process gives signs of life.
         is_alive: bool,
     },
 }
 
 impl Claims {
-    /// For a process that gives signs of life, and takes others for dead after `lease` without any.
+    /// Starts to give signs of life. Other processes count as dead after `lease` without one.
     ///
     /// # Errors
-    /// What the system says: no thread can be started.
+    /// The system can't start a thread.
     pub(crate) fn new(lease: Duration) -> io::Result<Self> {
         let pulse = Arc::new(Pulse::new(lease.clamp(SHORTEST_LEASE, LONGEST_LEASE)));
         let beating = Arc::clone(&pulse);
@@ -57,21 +57,21 @@ impl Claims {
         Ok(Self { pulse, thread: Some(thread) })
     }
 
-    /// How long to wait before others may have got on.
+    /// Returns how long to wait before other processes may have made progress.
     pub(crate) fn pause(&self) -> Duration {
         self.pulse.pause().min(Duration::from_millis(500))
     }
 
-    /// Whether any process has the frame of `picture`, or has died with it.
+    /// Whether a process, alive or dead, holds the frame of `picture`.
     pub(crate) fn is_taken(&self, picture: &Path) -> bool {
         path_of(picture).exists()
     }
 
-    /// Takes the frame of `picture`, whose folder exists, if no live process has it; `recipe` is a hash of
-    /// what it is rendered from.
+    /// Takes the frame of `picture` if no live process has it. The folder of `picture` must exist.
+    /// `recipe` is a hash of what the frame is rendered from.
     ///
     /// # Errors
-    /// What the system says.
+    /// Any I/O error.
     pub(crate) fn take(&self, picture: &Path, recipe: &str) -> io::Result<Taken> {
         let path = path_of(picture);
         match self.make(&path, recipe) {
@@ -93,12 +93,13 @@ impl Claims {
         })
     }
 
-    /// Replaces a dead claim by one of this process; `None` if another process does so, or its owner is
-    /// alive after all.
+    /// Replaces a dead claim with a claim of this process. Returns `None` if another process does
+    /// so, or if the owner is alive after all.
     ///
-    /// It is made under a name that holds the dead one's token, which one process can do, and then
-    /// renamed, so that the frame is never without a claim. Who makes that name after the renaming
-    /// finds another token in the dead one's place.
+    /// The new claim is first made under a name that holds the token of the dead claim, which only
+    /// one process can do. Then it is renamed, so the frame is never without a claim. A process
+    /// that makes a file of this name after the renaming finds another token in the place of the
+    /// dead claim's, and gives up.
     pub(super) fn take_over(
         &self,
         path: &Path,
@@ -109,7 +110,7 @@ impl Claims {
         let heir = path.with_file_name(format!("{name}.{}", dead.token));
         let made = match self.make(&heir, recipe) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                // An heir may have died, too, in the moment before its renaming.
+                // Another process may have died just before it renamed its new claim.
                 if self.pulse.look(&heir)?.is_some_and(|(_, sign)| sign == Sign::Dead) {
                     let _ = fs::remove_file(&heir);
                 }
@@ -121,7 +122,7 @@ impl Claims {
             let renamed = fs::rename(&heir, path);
             renamed.inspect_err(|_| drop(fs::remove_file(&heir)))?;
         } else {
-            // Whoever found that nobody needs it may have been faster.
+            // Another process may have found this file abandoned and removed it first.
             let _ = fs::remove_file(&heir);
         }
         Ok(is_at(path, &made.1.token).then_some(made))
@@ -135,7 +136,7 @@ impl Claims {
         Ok((file, note))
     }
 
-    /// Keeps a claim alive that was made.
+    /// Keeps a new claim alive.
     fn hold(&self, path: PathBuf, (file, note): (File, Note), dead: Option<Worker>) -> Claim {
         let held = Arc::new(Held::new(path, file, note));
         self.pulse.hold(&held);
@@ -151,7 +152,7 @@ impl Drop for Claims {
 }
 
 impl Claim {
-    /// Whether another process has taken this one for dead, and renders the frame now.
+    /// Whether another process has declared this process dead and renders the frame now.
     pub(crate) fn is_lost(&self) -> bool {
         self.held.is_lost()
     }
@@ -164,14 +165,14 @@ impl Drop for Claim {
     }
 }
 
-/// Removes a claim of this process, if it still is one.
+/// Removes a claim if it still belongs to this process.
 fn let_go(held: &Held) {
     if is_at(&held.path, &held.token) {
         let _ = fs::remove_file(&held.path);
     }
 }
 
-/// Whether the claim at `path` is the one with that token.
+/// Whether the claim at `path` has this token.
 fn is_at(path: &Path, token: &str) -> bool {
     Note::read(path).is_ok_and(|there| there.token == token)
 }

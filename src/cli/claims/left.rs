@@ -1,4 +1,4 @@
-//! Claims that killed runs left of frames that are there.
+//! Claims that killed runs left behind for finished frames.
 
 use std::collections::HashSet;
 use std::fs;
@@ -15,7 +15,8 @@ pub(crate) struct Left {
 }
 
 impl Left {
-    /// Those in `folder` on some pictures of it, and what processes left that died as they took one over.
+    /// Collects the claims in `folder` on `pictures`, and the files of processes that died while
+    /// taking over such a claim.
     pub(crate) fn look<'a>(folder: &Path, pictures: impl Iterator<Item = &'a Path>) -> Self {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let names = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -34,8 +35,8 @@ impl Left {
         Self { claims, at: Instant::now() }
     }
 
-    /// Removes those that have not changed since, if their owners are dead by now. All pictures are there:
-    /// nobody waits for them.
+    /// Removes the claims that have not changed since, if their owners are dead by now. All
+    /// pictures are finished, so no process waits for these claims.
     pub(crate) fn sweep(&self) {
         let passed = self.at.elapsed();
         for (path, note) in &self.claims {
@@ -47,7 +48,7 @@ impl Left {
     }
 }
 
-/// The claim that a file is, or was to take over; and the file's name.
+/// Returns the claim that a file is or was meant to replace, and the file's own name.
 fn claim_of(name: &str) -> Option<(String, String)> {
     const END: &str = ".claim";
     let start = name.strip_prefix(".slo-rt-")?;

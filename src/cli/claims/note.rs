@@ -1,4 +1,4 @@
-//! What stands in a claim.
+//! Contents of a claim.
 
 use std::collections::hash_map::RandomState;
 use std::fmt;
@@ -12,24 +12,24 @@ use std::time::Duration;
 use crate::cli::values::{LONGEST_LEASE, SHORTEST_LEASE};
 use slo_picture::output::open_regular;
 
-/// Longer than any claim.
+/// Maximum number of bytes to read. Every claim is shorter.
 const MOST: u64 = 512;
-/// Characters of a host's name that are shown.
+/// Maximum number of characters shown of a host's name.
 const LONGEST_HOST: usize = 64;
-/// Longest time between two signs of life, however long the lease.
+/// Longest time between two signs of life, regardless of the lease.
 const LONGEST_PERIOD: Duration = Duration::from_secs(5);
-/// So many of them fit into a short lease.
+/// Number of signs of life in a short lease.
 const BEATS_OF_A_LEASE: u32 = 12;
-/// The token of a claim that has none: its owner died between making and filling it.
+/// Token of a claim without one, whose owner died between making and filling it.
 const NO_TOKEN: &str = "0";
 
-/// Where the claim on a picture lies.
+/// Returns the path of the claim on a picture.
 pub(super) fn path_of(picture: &Path) -> PathBuf {
     let name = picture.file_name().unwrap_or_default().to_string_lossy();
     picture.with_file_name(format!(".slo-rt-{name}.claim"))
 }
 
-/// A process that renders frames, as people know it.
+/// A process that renders frames, as shown to people.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Worker {
     host: String,
@@ -51,61 +51,65 @@ impl fmt::Display for Worker {
     }
 }
 
-/// A host's name without what a terminal would take for a command.
+/// Removes the characters from a host's name that a terminal would take for a command, and
+/// shortens it.
 fn shown(host: &str) -> String {
     let plain = host.trim().chars().filter(|c| !c.is_control() && !c.is_whitespace());
     let host: String = plain.take(LONGEST_HOST).collect();
     if host.is_empty() { "another machine".into() } else { host }
 }
 
-/// Between two signs of life of a process with this lease.
+/// Returns the time between two signs of life of a process with this lease.
 pub(super) fn period(lease: Duration) -> Duration {
     (lease / BEATS_OF_A_LEASE).min(LONGEST_PERIOD)
 }
 
-/// A claim as read: whose it is, and what its owner promises.
+/// A claim as read: its owner, and what the owner promises.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Note {
     /// Unique to this claim among all processes.
     pub(super) token: String,
     pub(super) worker: Worker,
-    /// How long the owner waits for a sign of life of others; its own come every [`period`] of that.
+    /// How long the owner waits for a sign of life from others. Its own signs follow each other
+    /// after the [`period`] of this lease.
     pub(super) lease: Duration,
-    /// How often it was changed.
+    /// Number of times that the claim was changed.
     pub(super) beats: u64,
-    /// What the frame is rendered from, as a hash; `None` in a claim that does not say.
+    /// Hash of what the frame is rendered from; `None` if the claim does not say.
     pub(super) recipe: Option<String>,
 }
 
 impl Note {
-    /// A claim of this process; `recipe` is the hash of what it renders from.
+    /// Makes a claim of this process. `recipe` is the hash of what it renders from.
     pub(super) fn new(lease: Duration, recipe: &str) -> Self {
         let token = format!("{:016x}", RandomState::new().build_hasher().finish());
         Self { token, worker: Worker::me(), lease, beats: 0, recipe: Some(recipe.to_owned()) }
     }
 
-    /// Whether the frame is rendered from anything else than `recipe`, as far as the claim says.
+    /// Whether the claim says that the frame is rendered from something other than `recipe`.
     pub(super) fn is_of_other(&self, recipe: &str) -> bool {
         self.recipe.as_ref().is_some_and(|own| own != recipe)
     }
 
-    /// How long its owner may be silent at least before it is dead: so many signs of life are missed.
+    /// Returns the shortest silence after which the owner may count as dead: several signs of life
+    /// are missing.
     pub(super) fn least_silence(&self) -> Duration {
         const MISSED: u32 = 3;
         period(self.lease) * MISSED
     }
 
-    /// Writes it over what `file` holds, out to the server where there is one.
+    /// Overwrites the contents of `file` with the claim, and flushes them to the disk or the
+    /// server.
     ///
     /// # Errors
-    /// What the system says.
+    /// Any I/O error.
     pub(super) fn write(&self, file: &mut File) -> io::Result<()> {
         file.rewind()?;
         file.write_all(self.text().as_bytes())?;
         file.sync_data()
     }
 
-    /// As it stands in the file: of the same length at all times.
+    /// Formats the claim for its file. The length never changes.
     fn text(&self) -> String {
         let Self { token, worker: Worker { host, process }, lease, beats, recipe } = self;
         let recipe = recipe.as_deref().unwrap_or_default();
@@ -115,14 +119,14 @@ impl Note {
     /// Reads the claim at `path`.
     ///
     /// # Errors
-    /// What the system says: there is none; a folder, a device or a pipe is there.
+    /// Any I/O error: there is no file, or there is a folder, a device or a pipe instead.
     pub(super) fn read(path: &Path) -> io::Result<Self> {
         let mut bytes = Vec::new();
         open_regular(path)?.take(MOST).read_to_end(&mut bytes)?;
         Ok(Self::parse(&String::from_utf8_lossy(&bytes)))
     }
 
-    /// Nothing in a file is trusted: what is missing or odd is replaced.
+    /// Parses a claim. Nothing in a file is trusted: missing or invalid fields are replaced.
     fn parse(text: &str) -> Self {
         let mut fields = text.split_whitespace();
         let token = fields.next().filter(|token| token.len() <= 32);

@@ -1,4 +1,5 @@
-//! The signs of life: what is ours is changed all the time, what is others' is watched.
+//! Signs of life: this process changes its own claims at regular intervals and watches the claims
+//! of others.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -13,7 +14,7 @@ use super::note::{Note, period};
 /// All claims that a process holds or has seen.
 #[derive(Debug)]
 pub(super) struct Pulse {
-    /// How long this process waits for signs of life of others.
+    /// How long this process waits for signs of life from others.
     pub(super) lease: Duration,
     state: Mutex<State>,
     ended: Condvar,
@@ -31,31 +32,31 @@ struct State {
 pub(super) struct Held {
     pub(super) path: PathBuf,
     pub(super) token: String,
-    /// The file that was made, whatever has its name by now: a claim that was taken over is never
-    /// written to.
+    /// The file that this process made, even if another file has its name by now: the process
+    /// never writes to a claim that has replaced its own.
     file: Mutex<(File, Note)>,
     lost: AtomicBool,
 }
 
-/// Another process's claim: how long it has not changed, by the clock of this process.
+/// Another process's claim, and how long it has not changed by the clock of this process.
 #[derive(Debug)]
 struct Sight {
     note: Note,
     at: Instant,
     still: Duration,
-    /// It was seen to change.
+    /// Whether the claim was seen to change.
     is_alive: bool,
 }
 
-/// What a look at another process's claim shows.
+/// What another process's claim shows about its owner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sign {
-    /// It has changed since it was first seen.
+    /// The claim has changed since it was first seen.
     Alive,
-    /// Too early to tell.
+    /// It is too early to tell.
     Unknown,
-    /// It has not changed for as long as this process waits, nor for several times as long as its owner
-    /// lets pass between two signs of life.
+    /// The claim has not changed for as long as this process waits, nor for several times its
+    /// owner's interval between two signs of life.
     Dead,
 }
 
@@ -64,12 +65,12 @@ impl Pulse {
         Self { lease, state: Mutex::default(), ended: Condvar::new() }
     }
 
-    /// Between two beats, and between two looks at others.
+    /// Returns the time between two beats, and between two looks at the claims of others.
     pub(super) fn pause(&self) -> Duration {
         period(self.lease)
     }
 
-    /// Beats and looks until [`end`](Self::end).
+    /// Gives signs of life and watches other claims until [`end`](Self::end).
     pub(super) fn run(&self) {
         loop {
             let state = lock(&self.state);
@@ -78,7 +79,7 @@ impl Pulse {
             if state.is_over {
                 return;
             }
-            // Files may keep this thread waiting, but not the others.
+            // Slow files may delay this thread, but not the others: they need the lock.
             let held = state.held.clone();
             let seen: Vec<_> = state.seen.keys().cloned().collect();
             drop(state);
@@ -100,7 +101,7 @@ impl Pulse {
         state.held.push(Arc::clone(held));
     }
 
-    /// All claims of this process.
+    /// Returns all claims of this process.
     pub(super) fn held(&self) -> Vec<Arc<Held>> {
         lock(&self.state).held.clone()
     }
@@ -109,11 +110,11 @@ impl Pulse {
         lock(&self.state).held.retain(|other| !Arc::ptr_eq(other, held));
     }
 
-    /// Looks at another's claim: what stands in it, and whether its owner is alive. `None`: it is gone.
-    /// From now on it is watched.
+    /// Reads another process's claim and judges whether the owner is alive. From now on the claim
+    /// is watched. Returns `None` if it is gone.
     ///
     /// # Errors
-    /// What the system says; something that is no file is there.
+    /// Any I/O error, or something other than a file is there.
     pub(super) fn look(&self, path: &Path) -> io::Result<Option<(Note, Sign)>> {
         let note = match Note::read(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -147,13 +148,13 @@ impl Sight {
         Self { note, at, still: Duration::ZERO, is_alive: false }
     }
 
-    /// Looks again. A pause counts as `most` at most: who was away himself, or waited for a server
-    /// that was away, has not seen the others do nothing.
+    /// Looks again. A pause counts as `most` at most: a process that was suspended itself, or
+    /// waited for an unreachable server, has not seen that the others did nothing.
     fn look(&mut self, note: &Note, now: Instant, most: Duration) {
         if self.note == *note {
             self.still += now.saturating_duration_since(self.at).min(most);
         } else {
-            // Another claim in this place has shown no sign of life yet.
+            // A different claim in this place has not shown a sign of life yet.
             self.is_alive = self.note.token == note.token;
             (self.note, self.still) = (note.clone(), Duration::ZERO);
         }
@@ -167,20 +168,22 @@ impl Held {
         Self { path, token, file: Mutex::new((file, note)), lost: AtomicBool::new(false) }
     }
 
-    /// A sign of life. That it can't be written is no failure: others take over then, at worst.
+    /// Gives a sign of life. A failure to write it is ignored: at worst, another process takes
+    /// over.
     fn beat(&self) {
         let mut file = lock(&self.file);
         let (file, note) = &mut *file;
         note.beats += 1;
         let _ = note.write(file);
-        // Only another's claim in this place is a loss: a folder that is gone may come back.
+        // The claim is lost only if another process's claim is in its place: a folder that is gone
+        // may come back.
         let is_other = |there: Note| there.token != self.token;
         if Note::read(&self.path).is_ok_and(is_other) {
             self.lost.store(true, Ordering::Relaxed);
         }
     }
 
-    /// Whether another process has taken it over.
+    /// Whether another process has taken over the claim.
     pub(super) fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Relaxed)
     }

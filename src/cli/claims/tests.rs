@@ -10,10 +10,10 @@ use super::pulse::Sign;
 use crate::cli::values::SHORTEST_LEASE;
 
 const PICTURE: &str = "ball_00001.png";
-/// What it is rendered from.
+/// Hash of what the picture is rendered from.
 const RECIPE: &str = "0123456789abcdef";
 
-/// Long enough for a thread that a busy machine keeps waiting.
+/// Long enough for a thread that is delayed by a busy machine.
 const LEASE: Duration = Duration::from_secs(5);
 
 fn claims() -> Claims {
@@ -32,7 +32,7 @@ fn taken(claims: &Claims, picture: &Path) -> Option<Claim> {
     }
 }
 
-/// Tries until the claim is had, at most so long.
+/// Tries to take the claim for `most` at most.
 fn wait(claims: &Claims, picture: &Path, most: Duration) -> Option<Claim> {
     let start = Instant::now();
     loop {
@@ -44,7 +44,7 @@ fn wait(claims: &Claims, picture: &Path, most: Duration) -> Option<Claim> {
     }
 }
 
-/// A claim whose owner is dead, as `kill -9` leaves it.
+/// Makes a claim whose owner is dead, as `kill -9` leaves it.
 fn abandoned(picture: &Path) -> Note {
     let note = Note::new(SHORTEST_LEASE, RECIPE);
     note.write(&mut File::create_new(path_of(picture)).unwrap()).unwrap();
@@ -72,7 +72,7 @@ fn of_all_that_wait_for_a_dead_one_one_takes_over() {
         let folder = tempfile::tempdir().unwrap();
         let picture = folder.path().join(PICTURE);
         let dead = abandoned(&picture);
-        // Times of files do not count.
+        // The times of files do not matter.
         let future = SystemTime::now() + Duration::from_secs(1 << 30);
         let file = File::options().write(true).open(path_of(&picture)).unwrap();
         file.set_times(FileTimes::new().set_modified(future)).unwrap();
@@ -83,7 +83,7 @@ fn of_all_that_wait_for_a_dead_one_one_takes_over() {
                 assert!(taken(&claims, &picture).is_none());
                 start.wait();
                 let claim = wait(&claims, &picture, LEASE);
-                // Nobody leaves before the last one has tried.
+                // No thread leaves before the last one has tried.
                 start.wait();
                 claim
             };
@@ -168,7 +168,7 @@ fn a_claim_of_another_version_is_told_from_ours() {
         std::thread::sleep(Duration::from_millis(20));
     }
     drop(claim);
-    // A dead one of another version is in nobody's way for long.
+    // A dead claim of another version is soon replaced.
     abandoned(&picture);
     let start = Instant::now();
     let claim = loop {

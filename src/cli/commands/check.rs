@@ -1,4 +1,4 @@
-//! `--check`: reads a scene with all its files and says what is in it.
+//! `--check`: reads a scene with all its files and reports its contents.
 
 use crate::cli::base::{Problem, Terminal, counted};
 use crate::cli::files::load;
@@ -6,7 +6,7 @@ use crate::cli::options::Job;
 use slo_scene::animation::Clock;
 use slo_scene::{Camera, Object, SceneDescription, Settings, Texture};
 
-/// Reports on the job's scene; renders nothing.
+/// Reports on the job's scene without rendering it.
 pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
     let scene = load::scene(job, terminal)?;
     let clock = Clock::new(&scene.camera);

@@ -1,4 +1,4 @@
-//! `compare`: how far two pictures are apart.
+//! `compare`: measures how much two pictures differ.
 
 use crate::cli::args::CompareArgs;
 use crate::cli::base::{Exit, Problem, print};
@@ -9,7 +9,7 @@ use crate::cli::values::check_name;
 use slo_picture::compare::{Comparison, Distances, compare};
 use slo_picture::output::{Raster, write_difference_map};
 
-/// Prints the distances of a picture from a reference; fails if one is beyond its limit.
+/// Prints the distances of a picture from a reference. Fails if a distance exceeds its limit.
 pub(crate) fn run(args: &CompareArgs) -> Result<(), Problem> {
     let _folders = args.map.as_deref().map(NewFolders::of);
     if let Some(map) = &args.map {
@@ -44,7 +44,7 @@ fn not_alike(args: &CompareArgs, picture: &Raster, reference: &Raster) -> Proble
     Problem::new(Exit::BadInput, message)
 }
 
-/// A line each: name, tab, number.
+/// Formats one line per distance: name, tab, number.
 fn report(distances: &Distances) -> String {
     let Distances { pixels, rmse, relative_mse, mean_ratio, psnr, flip } = distances;
     format!(
@@ -72,7 +72,7 @@ fn check(distances: &Distances, args: &CompareArgs) -> Result<(), Problem> {
     }
 }
 
-/// A whole number as it is, another with a few digits.
+/// Formats a whole number as it is, and any other with a few digits.
 fn shown(number: f64) -> String {
     if number.fract() == 0.0 { number.to_string() } else { format!("{number:.4e}") }
 }

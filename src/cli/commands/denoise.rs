@@ -1,4 +1,4 @@
-//! `denoise`: pictures without their noise, beside the noisy ones.
+//! `denoise`: writes pictures without their noise, beside the noisy ones or to another folder.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use slo_picture::output::{
     settings_of, with_denoiser,
 };
 
-/// Denoises the pictures one after the other, and prints the paths of what comes out.
+/// Denoises the pictures one after the other, and prints the paths of the results.
 pub(crate) fn run(args: &DenoiseArgs, terminal: Terminal) -> Result<(), Problem> {
     let threads = args.threads.and_then(|threads| match threads {
         Threads::All => None,
@@ -49,8 +49,8 @@ fn not_there(why: String) -> Problem {
     )
 }
 
-/// Where the denoised picture goes: beside the noisy one under another name, or under the same name
-/// to another folder.
+/// Returns the path of the denoised picture: beside the noisy one under another name, or in
+/// another folder under the same name.
 fn target(path: &Path, outdir: Option<&Path>) -> PathBuf {
     let name = path.file_name().unwrap_or_default();
     match outdir {
@@ -65,7 +65,7 @@ fn target(path: &Path, outdir: Option<&Path>) -> PathBuf {
     }
 }
 
-/// The denoised picture can be written, and is not the noisy one.
+/// Checks that the denoised picture can be written and does not replace the noisy one.
 fn check_target(path: &Path, target: &Path) -> Result<(), Problem> {
     check_writable(target).map_err(|error| {
         Problem::new(Exit::CantCreate, format!("can't create `{}`: {error}", target.display()))
@@ -81,7 +81,7 @@ fn check_target(path: &Path, target: &Path) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Denoises one picture; the layers that helped.
+/// Denoises one picture, and returns the layers that helped.
 fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>, Problem> {
     let shown = path.display();
     let bad = |why: String| Problem::new(Exit::BadInput, format!("`{shown}`: {why}"));
@@ -107,7 +107,7 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
     let image = denoiser
         .denoise(&noisy)
         .map_err(|why| Problem::new(Exit::Failed, format!("`{shown}` can't be denoised: {why}")))?;
-    let image = Raster { image, ..raster }.into_image(Raster::linear);
+    let image = Raster { image, ..raster }.into_linear();
     let helped = if used.is_empty() { String::new() } else { format!(": {}", names(&used)) };
     let recipe = with_denoiser(&recipe, &format!("{}{helped}", denoiser.name()));
     let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };

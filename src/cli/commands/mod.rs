@@ -1,4 +1,4 @@
-//! What the program does. No command imports another.
+//! The commands of the program. No command imports another.
 
 pub(crate) mod check;
 pub(crate) mod compare;

@@ -1,4 +1,4 @@
-//! `--recipe`: how a picture was made.
+//! `--recipe`: prints how a picture was made.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! `sheet`: a contact sheet of a sequence.
+//! `sheet`: makes a contact sheet of a sequence.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -13,18 +13,19 @@ use crate::cli::files::new_folders::NewFolders;
 use crate::cli::files::paths::{check_distinct, check_path};
 use crate::cli::files::pictures::read;
 use slo_picture::film::Image;
-use slo_picture::output::{Raster, claimed_pixels, map_format, write_sheet};
+use slo_picture::output::{claimed_pixels, map_format, write_sheet};
 use slo_scene::OutputFormat;
 
 /// Pixels between two pictures.
 const GAP: usize = 4;
-/// Pixels that a sheet may have.
+/// Maximum number of pixels of a sheet.
 const MOST_PIXELS: u64 = 1 << 26;
-/// Pixels from which on pictures are read one after the other.
+/// Number of pixels above which pictures are read one after the other.
 const LARGE: u64 = 1 << 22;
-/// Side of a pixel of a digit.
+/// Side of a dot of a digit, in pixels.
 const DOT: usize = 2;
-/// Rows of the digits 0 to 9 and of the minus sign, three dots each, the left one highest.
+/// Rows of the digits 0 to 9 and of the minus sign. Each row has three dots; the left dot is the
+/// highest bit.
 const DIGITS: [[u8; 5]; 11] = [
     [7, 5, 5, 5, 7],
     [2, 6, 2, 2, 7],
@@ -39,7 +40,7 @@ const DIGITS: [[u8; 5]; 11] = [
     [0, 0, 7, 0, 0],
 ];
 
-/// Writes small copies of the pictures side by side, each with the number in its name.
+/// Writes small copies of the pictures side by side, each with the number from its name.
 pub(crate) fn run(args: &SheetArgs) -> Result<(), Problem> {
     if map_format(&args.output) != Some(OutputFormat::Png8) {
         let message = format!("a sheet is a .png file, but `{}` is not", args.output.display());
@@ -64,20 +65,20 @@ pub(crate) fn run(args: &SheetArgs) -> Result<(), Problem> {
     })
 }
 
-/// Makes small copies, and keeps an eye on their memory.
+/// Makes small copies, and limits their memory.
 #[derive(Default)]
 struct SmallCopies {
-    /// Held by who reads a large picture: together they would need the memory of all.
+    /// Held while a large picture is read: several at once would need the memory of all.
     reading: Mutex<()>,
-    /// Pixels of the copies.
+    /// Number of pixels of all copies.
     pixels: AtomicU64,
 }
 
 impl SmallCopies {
-    /// What a picture shows, in small.
+    /// Makes a small copy of a picture.
     ///
     /// # Errors
-    /// The picture can't be read; the copies are too large.
+    /// The picture can't be read, or the copies are too large.
     fn of(&self, path: &Path, width: usize) -> Result<Image, Problem> {
         let alone = || self.reading.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let _alone = (claimed_pixels(path) > LARGE).then(alone);
@@ -88,7 +89,7 @@ impl SmallCopies {
         if before + pixels > MOST_PIXELS {
             return Err(too_large(format_args!("more than {} pixels", before + pixels)));
         }
-        Ok(shrunk(&picture.into_image(Raster::shown), copy))
+        Ok(picture.into_shown().shrunk(copy))
     }
 }
 
@@ -97,7 +98,7 @@ fn too_large(size: impl Display) -> Problem {
     Problem::new(Exit::Failed, message).with_help("make its pictures smaller with `--width`")
 }
 
-/// The last number in a file's name, as it is written there.
+/// Returns the last number in a file's name, as it is written there.
 fn number(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let end = stem.rfind(|c: char| c.is_ascii_digit()).map_or(0, |at| at + 1);
@@ -109,31 +110,11 @@ fn number(path: &Path) -> String {
     format!("{minus}{}", &stem[start..end])
 }
 
-/// Columns and rows of a copy of at most `width` columns.
+/// Returns the columns and rows of a copy of at most `width` columns.
 fn size(image: &Image, width: usize) -> [usize; 2] {
     let (from_width, from_height) = (image.width as usize, image.height as usize);
     let width = width.min(from_width).max(1);
     [width, (from_height * width / from_width.max(1)).max(1)]
-}
-
-/// A copy of a size, each pixel the mean of those that it stands for.
-fn shrunk(image: &Image, [width, height]: [usize; 2]) -> Image {
-    let (from_width, from_height) = (image.width as usize, image.height as usize);
-    let range = |i: usize, to: usize, from: usize| i * from / to..((i + 1) * from / to).max(1);
-    let pixel = |i: usize| {
-        let (columns, rows) =
-            (range(i % width, width, from_width), range(i / width, height, from_height));
-        let count = (columns.len() * rows.len()).max(1) as f32;
-        let mut sum = [0.0; 3];
-        for y in rows {
-            for rgb in &image.rgb[y * from_width + columns.start..y * from_width + columns.end] {
-                (0..3).for_each(|c| sum[c] += rgb[c]);
-            }
-        }
-        sum.map(|channel| channel / count)
-    };
-    let rgb = (0..width * height).map(pixel).collect();
-    Image { width: width as u32, height: height as u32, rgb }
 }
 
 fn sheet(
@@ -180,7 +161,7 @@ fn write_number(sheet: &mut Image, number: &str, (x, y): (usize, usize)) {
     }
 }
 
-/// A square dot, as far as it lies on the sheet.
+/// Draws a square dot, as far as it lies on the sheet.
 fn dot(sheet: &mut Image, (x, y): (usize, usize)) {
     let (width, height) = (sheet.width as usize, sheet.height as usize);
     for (x, y) in (0..DOT * DOT).map(|i| (x + i % DOT, y + i / DOT)) {
@@ -209,7 +190,7 @@ mod tests {
     fn small_copies_keep_the_mean() {
         let rgb = (0..12).map(|i| [i as f32; 3]).collect();
         let image = Image { width: 4, height: 3, rgb };
-        let shrunk = |image: &Image, width| shrunk(image, size(image, width));
+        let shrunk = |image: &Image, width| image.shrunk(size(image, width));
         let small = shrunk(&image, 2);
         assert_eq!((small.width, small.height), (2, 1));
         assert_eq!(small.rgb, [[4.5; 3], [6.5; 3]]);

@@ -1,4 +1,4 @@
-//! `verify`: renders some of a picture again and compares the bits.
+//! `verify`: renders tiles of a picture again and compares the bits.
 
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -22,7 +22,7 @@ use slo_render::frame::FrameScene;
 use slo_render::render::{Observer, Plan, render};
 use slo_scene::SceneDescription;
 
-/// Side of the squares that are rendered again.
+/// Side of the tiles that are rendered again, in pixels.
 const TILE: u32 = 32;
 
 /// Verifies all pictures, and prints a line for each.
@@ -58,7 +58,7 @@ struct Refusal {
 
 type Verdict = Result<Outcome, Refusal>;
 
-/// Three fields, separated by tabs.
+/// Formats three fields, separated by tabs.
 fn line(path: &Path, verdict: &Verdict) -> String {
     let path = path.display();
     match verdict {
@@ -70,7 +70,7 @@ fn line(path: &Path, verdict: &Verdict) -> String {
     }
 }
 
-/// What came of all pictures.
+/// Results of all pictures.
 #[derive(Default)]
 struct Tally {
     all: usize,
@@ -91,7 +91,8 @@ impl Tally {
         }
     }
 
-    /// A wrong picture is what was looked for: its exit code comes before that of a refusal.
+    /// Reports the results. A wrong picture is what the command looks for, so its exit code takes
+    /// precedence over the exit code of a refusal.
     fn end(self) -> Result<(), Problem> {
         let Self { all, wrong, refused, first_refusal } = self;
         let of = |count: usize| format!("{count} of {}", counted(all, "picture"));
@@ -158,12 +159,13 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     Ok(Outcome { tiles: chosen.len(), different })
 }
 
-/// The picture's file can't be read.
+/// Makes the refusal of a picture whose file can't be read.
 fn refusal(error: ReadError) -> Refusal {
     Refusal { exit: unreadable(&error), why: error.to_string() }
 }
 
-/// Without `--scene` the user may not know that there is a built-in scene.
+/// Explains why a scene does not fit. Without `--scene`, the user may not know that there is a
+/// built-in scene.
 fn mismatch(error: RestoreError, job: &Job) -> String {
     match (error, &job.scene) {
         (RestoreError::OtherScene, None) => "it belongs to another scene; name it with `-s`".into(),
@@ -171,7 +173,7 @@ fn mismatch(error: RestoreError, job: &Job) -> String {
     }
 }
 
-/// The colours of a picture, then its layers, which have to be the expected ones.
+/// Returns the colours of a picture, then its layers, which must be the expected ones.
 fn with_layers(
     colors: Raster,
     layers: Vec<(Layer, Image)>,
@@ -189,7 +191,7 @@ fn size(image: &Image) -> (u32, u32) {
     (image.width, image.height)
 }
 
-/// The region that a recipe names; `None` if it names none.
+/// Returns the region that a recipe names, or `None` if it names none.
 fn region(recipe: &Value, whole: Area) -> Result<Option<Area>, String> {
     let Some(region) = recipe.get("region") else { return Ok(None) };
     let number = |i: usize| region.get(i)?.as_u64().and_then(|n| u32::try_from(n).ok());
@@ -201,7 +203,7 @@ fn region(recipe: &Value, whole: Area) -> Result<Option<Area>, String> {
     area().map(Some).ok_or_else(|| "its region is not inside the picture".into())
 }
 
-/// Some of the tiles, at random: another choice in every run.
+/// Chooses some of the tiles at random, with another choice in every run.
 fn choose(mut tiles: Vec<Area>, count: usize) -> Vec<Area> {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let mut state = now.as_nanos() as u64 ^ u64::from(std::process::id()) << 32;
@@ -222,7 +224,7 @@ impl Observer for Nobody {
     fn advanced(&self, _share: f64) {}
 }
 
-/// The values of a tile in a file, rendered now: colours, then layers.
+/// Renders a tile now, and returns its values as a file holds them: colours, then layers.
 fn again(
     scene: &SceneDescription,
     frame: &FrameScene,

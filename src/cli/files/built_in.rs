@@ -1,5 +1,4 @@
-//! The scene inside the program, with all files that it refers to: the binary alone renders it
-//! anywhere.
+//! The built-in scene, with all files that it refers to. The binary alone can render it anywhere.
 
 /// Folder of the scene in the repository; its paths start there.
 pub(crate) const FOLDER: &str = "scenes";
@@ -7,14 +6,14 @@ pub(crate) const FOLDER: &str = "scenes";
 /// Path of the scene among [`FILES`].
 pub(crate) const PATH: &str = "scenes/default.txt";
 
-/// A file of the repository by its path from the root.
+/// Embeds files of the repository, by their paths from the root.
 macro_rules! embedded {
     ($($path:literal),* $(,)?) => {
         &[$(($path, include_bytes!(concat!("../../../", $path)))),*]
     };
 }
 
-/// Every file of the scene: another mesh or texture is one more line.
+/// Every file of the scene. Another mesh or texture is one more line.
 pub(crate) const FILES: &[(&str, &[u8])] = embedded![
     "scenes/default.txt",
     "meshes/backdrop.slo",
@@ -32,7 +31,7 @@ pub(crate) const FILES: &[(&str, &[u8])] = embedded![
     "textures/walnut.png",
 ];
 
-/// The text of the scene.
+/// Returns the text of the scene.
 pub(crate) fn text() -> &'static [u8] {
     FILES.iter().find(|(path, _)| *path == PATH).map_or(&[], |(_, bytes)| bytes)
 }

@@ -18,35 +18,36 @@ use slo_picture::output::{
     with_steps, write_state,
 };
 
-/// A checkpoint may take this part of the time, at most: larger ones are written less often.
+/// Checkpoints take at most one part in so many of the time: larger ones are written less often.
 const SHARE_OF_TIME: u32 = 100;
 
 /// The files of one frame's state.
 pub(crate) struct Checkpoint {
     subject: Subject,
-    /// How far the picture goes is decided by the clock.
+    /// Whether the clock decides how far the picture is taken.
     is_timed: bool,
-    /// Of this run, if it does not finish: its name holds a hash of the recipe, so that no other run of the
-    /// picture takes its place.
+    /// Path of the state if this run does not finish. Its name holds a hash of the recipe, so that
+    /// no other run of the picture replaces it.
     unfinished: PathBuf,
-    /// Of runs of other recipes, or of older names, that have not finished the picture.
+    /// Paths of the states of other runs that have not finished the picture: with other recipes or
+    /// under older names.
     others: Vec<PathBuf>,
-    /// What is of no use any more when the picture is there.
+    /// Files that are no longer needed once the picture is in place.
     spent: Mutex<Vec<PathBuf>>,
-    /// Of a picture that may get more samples, in whatever file format.
+    /// Path of the state of a picture that may get more samples, in whatever file format.
     kept: PathBuf,
     terminal: Terminal,
     every: Option<Duration>,
-    /// When a checkpoint is due.
+    /// Time when the next checkpoint is due.
     next: Mutex<Instant>,
-    /// A thread writes.
+    /// Whether a thread is writing.
     busy: AtomicBool,
-    /// Writing failed, and that was said.
+    /// Whether writing has failed, which was reported.
     failed: AtomicBool,
 }
 
 impl Checkpoint {
-    /// For the picture at `path`.
+    /// Prepares the state of the picture at `path`.
     pub(crate) fn new(
         path: &Path,
         subject: Subject,
@@ -70,7 +71,8 @@ impl Checkpoint {
         }
     }
 
-    /// The film of earlier runs of the frame; an unexposed one if there is nothing of use.
+    /// Returns the film with the most samples from earlier runs of the frame, or an unexposed film
+    /// if there is none to use.
     pub(crate) fn film(&self) -> Result<(Film, Steps), TooLarge> {
         let unfinished = self.others.iter().chain([&self.unfinished]);
         let found = unfinished.filter_map(|path| match self.film_at(path) {
@@ -123,7 +125,7 @@ impl Checkpoint {
             Err(error) => {
                 let path = path.display();
                 self.terminal.warn(format_args!("`{path}` can't be used: {error}"));
-                // What can't be read now may be read another time.
+                // A file that can't be read now may be readable later.
                 match error.kind() {
                     io::ErrorKind::InvalidData => Found::Damaged,
                     _ => Found::None,
@@ -141,15 +143,16 @@ impl Checkpoint {
         ));
     }
 
-    /// Whether it is time to [`keep`](Self::keep) what is known. The caller that gets `true` must keep it.
+    /// Whether it is time to [`keep`](Self::keep) the film. A caller that gets `true` must keep
+    /// it.
     pub(crate) fn is_due(&self) -> bool {
         let due =
             self.every.is_some() && self.next.try_lock().is_ok_and(|next| Instant::now() >= *next);
         due && !self.busy.swap(true, Ordering::AcqRel)
     }
 
-    /// Writes what is known at this moment. If it can't be written, or there was no memory for it, the
-    /// program warns once.
+    /// Writes a checkpoint of the film. If it can't be written, or there was no memory for the
+    /// film, the program warns once.
     pub(crate) fn keep(&self, film: Option<Film>, steps: Steps) {
         let start = Instant::now();
         let saved = match film {
@@ -167,27 +170,28 @@ impl Checkpoint {
         self.busy.store(false, Ordering::Release);
     }
 
-    /// Writes what is known of an unfinished frame.
+    /// Writes the state of an unfinished frame.
     ///
     /// # Errors
-    /// What the system says.
+    /// Any I/O error.
     pub(crate) fn save(&self, film: &mut Film, steps: Steps, is_complete: bool) -> io::Result<()> {
         self.with_state(film, steps, is_complete, |state| write_state(&self.unfinished, state))
     }
 
-    /// The same as soon as it works.
+    /// Writes the state of an unfinished frame as soon as that works.
     ///
     /// # Errors
-    /// As [`patience::write`].
+    /// The errors of [`patience::write`].
     pub(crate) fn save_patiently(&self, film: &mut Film, steps: Steps) -> io::Result<()> {
         self.with_state(film, steps, true, |state| self.write_patiently(&self.unfinished, state))
     }
 
-    /// Keeps what is known of a finished picture, unless what is kept already has more samples of
-    /// it, which a warning says. A file of another program is replaced only if `forced`.
+    /// Keeps the state of a finished picture. If the kept state already has more samples of the
+    /// picture, it stays, and a warning says so. A file of another program is replaced only if
+    /// `forced`.
     ///
     /// # Errors
-    /// As [`patience::write`].
+    /// The errors of [`patience::write`].
     pub(crate) fn keep_finished(
         &self,
         film: &mut Film,
@@ -218,12 +222,12 @@ impl Checkpoint {
         self.with_state(film, steps, true, |state| self.write_patiently(&self.kept, state))
     }
 
-    /// Where what is known of an unfinished frame lies.
+    /// Returns the path of the state of an unfinished frame.
     pub(crate) fn unfinished(&self) -> &Path {
         &self.unfinished
     }
 
-    /// Where what is known of a finished picture lies.
+    /// Returns the path of the state of a finished picture.
     pub(crate) fn kept(&self) -> &Path {
         &self.kept
     }
@@ -232,7 +236,8 @@ impl Checkpoint {
         patience::write(path, self.terminal, || write_state(path, state))
     }
 
-    /// What `write` makes of a state that takes the film in, and gives it back: there may not be memory for two.
+    /// Calls `write` with a state that takes the film in, and then gives the film back: there may
+    /// not be memory for two films.
     fn with_state(
         &self,
         film: &mut Film,
@@ -247,25 +252,25 @@ impl Checkpoint {
         written
     }
 
-    /// The recipe of a film that is taken to `steps`, if the clock decides about them.
+    /// Returns the recipe of a film. It includes `steps` if the clock decides them.
     fn recipe(&self, steps: Steps) -> String {
         recipe(&self.subject, self.is_timed, steps)
     }
 
-    /// Removes what a run left that was killed as it wrote.
+    /// Removes the files that a run left behind when it was killed while writing.
     pub(crate) fn remove_leftovers(&self) {
         [&self.unfinished, &self.kept].into_iter().for_each(|path| remove_leftovers(path));
     }
 
-    /// Keeps what is known of an unfinished frame as that of a finished picture.
+    /// Turns the state of an unfinished frame into the kept state of a finished picture.
     ///
     /// # Errors
-    /// What the system says.
+    /// Any I/O error.
     pub(crate) fn keep_unfinished(&self) -> io::Result<()> {
         fs::rename(&self.unfinished, &self.kept)
     }
 
-    /// Removes the states: the picture is in place.
+    /// Removes the states when the picture is in place.
     pub(crate) fn remove(&self) {
         let spent = self.spent.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         for path in spent.iter().chain([&self.unfinished]) {
@@ -274,32 +279,32 @@ impl Checkpoint {
     }
 }
 
-/// Path of the state of a run that has not finished the picture at `path`: the name holds a hash of
-/// the recipe.
+/// Returns the path of the state of a run that has not finished the picture at `path`. The name
+/// holds a hash of the recipe.
 pub(crate) fn unfinished(path: &Path, subject: &Subject, is_timed: bool) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".slo-rt-{name}.{}.state", &recipe_hash(subject, is_timed)[..8]))
 }
 
-/// A hash of what a picture is rendered from, in hexadecimal.
+/// Returns a hash of what a picture is rendered from, in hexadecimal.
 pub(crate) fn recipe_hash(subject: &Subject, is_timed: bool) -> String {
     let recipe = recipe(subject, is_timed, Steps::default());
     blake3::hash(recipe.as_bytes()).to_hex()[..16].to_owned()
 }
 
-/// What a file of a state holds for a run.
+/// What a state file holds for a run.
 enum Found {
-    /// Nothing, or nothing that this run can use now, which was said.
+    /// Nothing, or nothing that this run can use now, which was reported.
     None,
-    /// Nothing that anybody could use.
+    /// Nothing that any run could use.
     Damaged,
-    /// Samples that are no beginning of this run's.
+    /// Samples that this run can't continue from.
     OfAnotherRun,
-    /// What this run continues from.
+    /// A film that this run continues from.
     Film(Film, Steps),
 }
 
-/// The files of unfinished runs of the picture at `path`, all but `own`.
+/// Returns the state files of unfinished runs of the picture at `path`, except `own`.
 fn unfinished_of(path: &Path, own: &Path) -> Vec<PathBuf> {
     let start = [".slo-rt-".as_ref(), path.file_name().unwrap_or_default(), ".".as_ref()];
     let start: OsString = start.into_iter().collect();
@@ -320,13 +325,13 @@ fn samples(film: &Film) -> u64 {
     film.pixels().iter().map(|pixel| u64::from(pixel.samples)).sum()
 }
 
-/// The recipe of a film that is taken to `steps`, if the clock decides about them.
+/// Returns the recipe of a film. It includes `steps` if the clock decides them.
 fn recipe(subject: &Subject, is_timed: bool, steps: Steps) -> String {
     let recipe = subject.recipe.clone();
     if is_timed { with_steps(recipe, steps) } else { recipe }
 }
 
-/// The steps of a recipe; zero if it has none.
+/// Returns the steps of a recipe, or zero if it has none.
 fn steps(recipe: &str) -> Steps {
     let parsed = serde_json::from_str(recipe).unwrap_or_default();
     steps_of(&parsed).unwrap_or_default()

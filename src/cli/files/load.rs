@@ -1,4 +1,4 @@
-//! From a job to a scene that can be rendered.
+//! Loads the scene of a job, and builds its frames for rendering.
 
 use std::path::Path;
 
@@ -11,8 +11,8 @@ use slo_render::frame::{FrameError, FrameScene};
 use slo_scene::animation::NoSegment;
 use slo_scene::{Files, Loaded, SceneDescription, load};
 
-/// The job's scene, with what the command line says over it. Errors and warnings of the scene
-/// are said.
+/// Loads the job's scene, and applies the settings of the command line. Prints the errors and
+/// warnings of the scene.
 pub(crate) fn scene(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
     let mut scene = read(job, terminal)?;
     job.overrides.apply(&mut scene);
@@ -41,8 +41,8 @@ fn load_file(file: SceneFile, allow_outside: bool) -> Loaded {
     load(&file.path.to_string_lossy(), file.text, &files)
 }
 
-/// What a frame needs, built on the threads of the current pool; what it has in common with one
-/// `before` is taken from there.
+/// Builds what a frame needs, on the threads of the current pool. Takes from `before` what both
+/// frames have in common.
 pub(crate) fn frame(
     job: &Job,
     scene: &SceneDescription,
@@ -55,7 +55,7 @@ pub(crate) fn frame(
     })
 }
 
-/// A frame that the camera does not have.
+/// Makes the problem that the camera does not have a frame.
 pub(crate) fn no_segment(error: &NoSegment) -> Problem {
     Problem::new(Exit::Usage, error).with_help("choose a frame with `--frame`")
 }

@@ -1,4 +1,4 @@
-//! What commands read and write: scenes, pictures, states, and where files may lie.
+//! Files that commands read and write: scenes, pictures, states, and where they may lie.
 
 pub(crate) mod built_in;
 pub(crate) mod checkpoint;

@@ -1,16 +1,15 @@
-//! Folders that are made for a file, and are not left behind without one.
+//! Folders that are made for a file, and removed if the file is not written.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Removes, when it is dropped, those of a file's folders that were not there before and have nothing
-/// in them.
+/// When dropped, removes the folders of a file that did not exist before and are empty.
 #[must_use]
 #[derive(Debug)]
 pub(crate) struct NewFolders(Vec<PathBuf>);
 
 impl NewFolders {
-    /// Of the file at `path`; to be called before they are made.
+    /// Notes the missing folders of the file at `path`. Must be called before they are made.
     pub(crate) fn of(path: &Path) -> Self {
         let folders = path.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
         Self(folders.take_while(|folder| !folder.exists()).map(Path::to_owned).collect())
@@ -20,7 +19,7 @@ impl NewFolders {
 impl Drop for NewFolders {
     fn drop(&mut self) {
         for folder in &self.0 {
-            // Of a folder with something in it nothing is removed.
+            // A folder with something in it stays.
             let _ = fs::remove_dir(folder);
         }
     }

@@ -1,4 +1,4 @@
-//! Whether a map or a sheet can be written to a path.
+//! Checks of the paths that a map or a sheet is written to.
 
 use std::fs;
 use std::io;
@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use crate::cli::base::{Exit, Problem};
 use slo_picture::output::check_companion;
 
-/// Whether a map or a sheet can be written to a path.
+/// Checks whether a map or a sheet can be written to a path.
 ///
 /// # Errors
-/// What is in the way.
+/// Something is in the way.
 pub(crate) fn check_path(path: &Path) -> Result<(), Problem> {
     check_companion(path).map_err(|error| {
         let problem =
@@ -22,10 +22,10 @@ pub(crate) fn check_path(path: &Path) -> Result<(), Problem> {
     })
 }
 
-/// Refuses a path that is one of `inputs`, which are read.
+/// Refuses a path that is one of the `inputs`, which are read.
 ///
 /// # Errors
-/// The one that it is.
+/// The path is an input, which the message names.
 pub(crate) fn check_distinct<'a>(
     path: &Path,
     inputs: impl IntoIterator<Item = &'a PathBuf>,
@@ -40,7 +40,7 @@ pub(crate) fn check_distinct<'a>(
     }
 }
 
-/// One path for a file, however it is named, as far as its folders exist.
+/// Returns the same path for a file however it is named, as far as its folders exist.
 pub(crate) fn place(path: &Path) -> PathBuf {
     let in_folder = || {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

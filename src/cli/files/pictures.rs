@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::cli::base::{Exit, Problem};
 use slo_picture::output::{Raster, ReadError};
 
-/// Why a file that was made from pictures is refused.
+/// Reason for refusing a file that was made from pictures.
 pub(crate) const NO_PICTURE: &str = "a map or a sheet of slo-rt, not a picture";
 
 /// Reads a picture.
@@ -15,7 +15,7 @@ pub(crate) fn read(path: &Path) -> Result<Raster, Problem> {
     })
 }
 
-/// Exit code of a picture that can't be read.
+/// Returns the exit code for a picture that can't be read.
 pub(crate) fn unreadable(error: &ReadError) -> Exit {
     match error {
         ReadError::Io(_) => Exit::NoInput,

@@ -1,4 +1,4 @@
-//! Which file is meant by `--scene`, and which folder its paths may not leave.
+//! Finds the file that `--scene` names, and the folder that its paths may not leave.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -7,13 +7,14 @@ use std::path::{Component, Path, PathBuf};
 use crate::cli::base::{Exit, Problem};
 use crate::cli::options::Job;
 
-/// A scene text longer than this is no scene text; meshes have files of their own.
+/// Maximum length of a scene text in bytes. A longer file is no scene: meshes have files of their
+/// own.
 const LONGEST_TEXT: u64 = 1 << 28;
 
 /// A scene file that was found and read.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct SceneFile {
-    /// Where it is, as messages show it.
+    /// Path of the file, as messages show it.
     pub(crate) path: PathBuf,
     /// The folder that its paths may not leave.
     pub(crate) root: PathBuf,
@@ -22,8 +23,8 @@ pub(crate) struct SceneFile {
 
 /// Reads the scene file at `scene`.
 ///
-/// With `--indir` the path starts there and the scene's paths stay there. Without it they stay in
-/// the current folder if the scene lies inside it, and in the scene's own folder otherwise.
+/// With `--indir`, the path starts there, and the scene's paths stay there. Without it, they stay
+/// in the current folder if the scene lies inside it, and in the scene's own folder otherwise.
 pub(crate) fn read(scene: &Path, job: &Job) -> Result<SceneFile, Problem> {
     let path = job.indir.as_deref().unwrap_or(Path::new("")).join(scene);
     let root = match &job.indir {
@@ -53,15 +54,15 @@ fn lies_inside(path: &Path, folder: &Path) -> bool {
     path.parent().is_some_and(|parent| place(parent).starts_with(place(folder)))
 }
 
-/// A folder's path from the root of the file system: without links if it exists, and without
-/// dots in any case.
+/// Returns a folder's path from the root of the file system: without links if it exists, and
+/// without dots in any case.
 fn place(folder: &Path) -> PathBuf {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let absolute = folder.canonicalize().or_else(|_| std::path::absolute(folder));
     without_dots(&absolute.unwrap_or_else(|_| folder.to_owned()))
 }
 
-/// An absolute path with `.` and `..` worked out.
+/// Resolves `.` and `..` in an absolute path.
 fn without_dots(path: &Path) -> PathBuf {
     path.components().fold(PathBuf::new(), |mut result, component| {
         match component {
@@ -88,7 +89,7 @@ fn read_text(path: &Path) -> Result<Vec<u8>, Problem> {
     Ok(bytes)
 }
 
-/// Opens a file; folders too can be opened on some systems, and are refused.
+/// Opens a file. Refuses folders, which some systems can open too.
 fn open(path: &Path) -> io::Result<File> {
     let file = File::open(path)?;
     if file.metadata()?.is_dir() { Err(io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
@@ -109,7 +110,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Problem {
     }
 }
 
-/// Up to three files beside where `path` should be whose names are much like its name, the most
+/// Returns up to three files in the folder of `path` whose names are similar to its name, the most
 /// similar first.
 fn similar(path: &Path) -> Vec<PathBuf> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -128,7 +129,8 @@ fn similar(path: &Path) -> Vec<PathBuf> {
     found.into_iter().take(3).map(|(_, path)| path).collect()
 }
 
-/// 1 for the same name, 0 for one without anything in common. A forgotten extension weighs little.
+/// Returns the similarity of two names: 1 for the same name, 0 for names with nothing in common. A
+/// forgotten extension counts little.
 fn likeness(wanted: &str, name: &str) -> f64 {
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
     strsim::normalized_damerau_levenshtein(wanted, name)

@@ -1,4 +1,4 @@
-//! What rendering is asked for.
+//! The rendering that is asked for.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -12,31 +12,31 @@ use slo_render::render::Part;
 use slo_scene::SceneDescription;
 use slo_scene::animation::Clock;
 
-/// Frames of a scene.
+/// Frames of a scene, and how to render them.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
-    /// The scene file; `None`: the one inside the program.
+    /// The scene file; `None`: the built-in scene.
     pub(crate) scene: Option<PathBuf>,
     /// Folder that `scene` lies in and that its paths may not leave.
     pub(crate) indir: Option<PathBuf>,
     /// Whether the paths of the scene may lead anywhere.
     pub(crate) allow_outside: bool,
-    /// The frames asked for; `None`: 0.
+    /// The frames asked for; `None`: frame 0.
     pub(crate) frames: Option<FrameChoice>,
     pub(crate) order: Order,
-    /// Whether other processes render the same frames, and how long they let each other pass without
-    /// a sign of life.
+    /// Whether other processes render the same frames, and how long each may go without a sign of
+    /// life.
     pub(crate) share: Option<Duration>,
-    /// What of the picture is to be rendered; `None`: all of it.
+    /// Region of the picture to render; `None`: all of it.
     pub(crate) region: Option<Region>,
-    /// The part of it that is this run's, and what is shared out; `None`: all.
+    /// Part that this run renders, and what the parts divide; `None`: everything.
     pub(crate) part: Option<(Part, PartBy)>,
-    /// Folder of the pictures; empty: the current one.
+    /// Folder of the pictures; empty: the current folder.
     pub(crate) outdir: PathBuf,
-    /// Whether settings and time go into the pictures' names.
+    /// Whether the pictures' names contain the settings and the time.
     pub(crate) info: bool,
     pub(crate) existing: Existing,
-    /// Time between two checkpoints; `None`: only when a frame is stopped.
+    /// Time between two checkpoints; `None`: a checkpoint only when a frame is stopped.
     pub(crate) checkpoint: Option<Duration>,
     /// Whether finished frames can get more samples later.
     pub(crate) keep_state: bool,
@@ -45,9 +45,9 @@ pub(crate) struct Job {
     pub(crate) time: Option<Duration>,
     /// How long all frames together may take.
     pub(crate) total_time: Option<Duration>,
-    /// How far a frame is taken, step by step, instead of by the scene's rule.
+    /// Steps to which a frame is taken, instead of the scene's rule.
     pub(crate) steps: Option<Steps>,
-    /// Whether to say what would be rendered instead of doing it.
+    /// Whether to list what would be rendered instead of rendering it.
     pub(crate) dry_run: bool,
     pub(crate) progress: ProgressForm,
     pub(crate) overrides: Overrides,
@@ -55,8 +55,8 @@ pub(crate) struct Job {
     pub(crate) isa: Isa,
 }
 
-/// What happens to an existing picture that is complete and has the same recipe. A file that slo-rt did not
-/// make is only replaced with [`Existing::Overwrite`].
+/// What happens to an existing picture that is complete and has the same recipe. A file that
+/// slo-rt did not make is replaced only with [`Existing::Overwrite`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Existing {
     /// It is kept in a sequence, and overwritten if a single frame was asked for.
@@ -67,7 +67,7 @@ pub(crate) enum Existing {
 }
 
 impl Job {
-    /// The frames to render, of a job [for a scene](Self::for_scene).
+    /// Returns the frames to render. The job must be made [for a scene](Self::for_scene).
     pub(crate) fn frames(&self) -> Frames {
         match &self.frames {
             Some(FrameChoice::These(frames)) => frames.clone(),
@@ -75,10 +75,10 @@ impl Job {
         }
     }
 
-    /// The same job with the frames that the scene has.
+    /// Returns the same job with the frames that the scene has.
     ///
     /// # Errors
-    /// All are asked for, and there are none, or too many for one run.
+    /// All frames are asked for, but the scene has none, or too many for one run.
     pub(crate) fn for_scene(&self, scene: &SceneDescription) -> Result<Self, Problem> {
         let mut job = self.clone();
         if job.frames == Some(FrameChoice::All) {

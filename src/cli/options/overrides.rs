@@ -3,27 +3,28 @@
 use crate::cli::args::SettingArgs;
 use slo_scene::{Layer, SceneDescription};
 
-/// Maximum number of samples of a block if only its noise was asked for.
+/// Maximum number of camera samples per pixel if noise, time or steps decide and `--samples` is
+/// not given.
 const MOST_FOR_NOISE: u32 = 4096;
 
 /// Settings of the scene that the command line replaces.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Overrides {
     pub(crate) prefix: Option<String>,
-    /// Of EXR pictures; empty: none.
+    /// Layers of EXR pictures; if empty, the film's layers stay.
     pub(crate) layers: Vec<Layer>,
     pub(crate) settings: SettingArgs,
-    /// The number of samples is decided by noise or time, not by the scene.
+    /// Whether time or steps decide the number of samples, not the scene.
     pub(crate) is_stepwise: bool,
 }
 
 impl Overrides {
     /// Replaces the settings of the scene that the command line names.
     ///
-    /// `samples` counts all camera samples of a pixel: it stands for the product
-    /// of `imageSamples` and `dofSamples`.
+    /// `samples` counts all camera samples of a pixel: the product of `imageSamples` and
+    /// `dofSamples`.
     pub(crate) fn apply(&self, scene: &mut SceneDescription) {
-        // Every option is named, so that a new one can't be forgotten.
+        // Every option is named here, so that a new one can't be forgotten.
         let SettingArgs { format, size, samples, noise, seed, accelerator, spatial_splits } =
             self.settings;
         let film = &mut scene.camera.film;

@@ -1,4 +1,4 @@
-//! From the arguments to what the program is to do.
+//! Derives from the arguments what the program is to do.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -14,7 +14,7 @@ use slo_picture::output::check_prefix;
 /// What the program is to do, and how.
 #[derive(Debug)]
 pub(crate) struct Options {
-    /// What to do, or what is wrong with it.
+    /// The task, or what is wrong with it.
     pub(crate) task: Result<Task, Problem>,
     pub(crate) terminal: Terminal,
 }
@@ -28,13 +28,13 @@ pub(crate) enum Task {
     Check(Job),
     /// Put parts of pictures together.
     Merge(MergeArgs),
-    /// Render some of pictures again; the job says of which scene.
+    /// Render tiles of pictures again. The job names their scene.
     Verify(VerifyArgs, Box<Job>),
-    /// Measure how far a picture is from another.
+    /// Measure how much a picture differs from another.
     Compare(CompareArgs),
     /// Make a contact sheet.
     Sheet(SheetArgs),
-    /// Take the noise out of pictures.
+    /// Remove the noise from pictures.
     Denoise(DenoiseArgs),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
@@ -125,7 +125,7 @@ fn job(args: Args) -> Result<Job, Problem> {
     })
 }
 
-/// A time for all frames is shared out among frames.
+/// Checks that a time for all frames comes with a sequence of frames that share it.
 fn check_total_time(time: Option<Duration>, frames: Option<&FrameChoice>) -> Result<(), Problem> {
     let is_sequence = frames.is_some_and(FrameChoice::is_sequence);
     match time {

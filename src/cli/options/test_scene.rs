@@ -1,4 +1,4 @@
-//! Values for the tests of this room.
+//! Values for tests.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use crate::cli::values::{Maps, Order, ProgressForm};
 use slo_accel::Isa;
 use slo_scene::{Camera, Film, SceneDescription, Settings};
 
-/// A scene with nothing in it.
+/// Makes a scene with nothing in it.
 pub(crate) fn empty_scene() -> SceneDescription {
     let mut film = Film::default();
     (film.width, film.height) = (32, 18);
@@ -24,7 +24,7 @@ pub(crate) fn empty_scene() -> SceneDescription {
     }
 }
 
-/// The job of a command line without arguments.
+/// Makes the job of a command line without arguments.
 pub(crate) fn job() -> Job {
     Job {
         scene: None,

@@ -1,23 +1,23 @@
-//! How much time is left.
+//! Estimate of the time that is left.
 
 use std::time::{Duration, Instant};
 
-/// The work of a run, counted in frames, and how fast it went so far.
+/// The work of a run, counted in frames, and its speed so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Estimate {
     start: Instant,
-    /// Frames to do.
+    /// Number of frames to do.
     total: f64,
-    /// Frames that were done without this run's work: found finished, or resumed.
+    /// Number of frames that took no work of this run: they were found finished, or resumed.
     free: f64,
-    /// How long the run takes, if that is fixed.
+    /// Duration of the run, if it is fixed.
     span: Option<Duration>,
 }
 
-/// Where a run is.
+/// How far a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Moment {
-    /// Of all work.
+    /// Fraction of all work that is done.
     pub(super) fraction: f64,
     pub(super) elapsed: Duration,
     /// `None` before anything is known.
@@ -25,22 +25,22 @@ pub(super) struct Moment {
 }
 
 impl Estimate {
-    /// For a run of `frames` that starts now.
+    /// Starts the estimate of a run of `frames` frames that starts now.
     pub(super) fn new(frames: usize) -> Self {
         Self { start: Instant::now(), total: frames as f64, free: 0.0, span: None }
     }
 
-    /// For a run that is over after `span` from now.
+    /// Starts the estimate of a run that ends after `span` from now.
     pub(super) fn of_time(span: Duration) -> Self {
         Self { span: Some(span), ..Self::new(0) }
     }
 
-    /// So much was done already.
+    /// Adds work that was done already, in frames.
     pub(super) fn add_free(&mut self, frames: f64) {
         self.free += frames;
     }
 
-    /// Where a run is that has `done` frames, those that were free among them.
+    /// Returns how far a run is if `done` frames are done, including the free ones.
     pub(super) fn at(&self, done: f64) -> Moment {
         self.after(done, self.start.elapsed())
     }

@@ -1,4 +1,4 @@
-//! How far a run is: a bar on a terminal, lines elsewhere, events for programs.
+//! Shows how far a run is: a bar on a terminal, lines elsewhere, events for programs.
 
 mod estimate;
 mod pace;
@@ -17,13 +17,13 @@ use pace::Pace;
 use programs::Event;
 use slo_picture::output::Outcome;
 
-/// Tells how far a run is; takes itself off the screen when dropped.
+/// Shows how far a run is. When dropped, disappears from the screen.
 pub(crate) struct Progress {
     view: View,
     estimate: Mutex<Estimate>,
     is_shared: bool,
     frames: usize,
-    /// Frames that are done.
+    /// Number of frames that are done.
     done: usize,
     pace: Mutex<Pace>,
 }
@@ -35,11 +35,12 @@ enum View {
     Programs(fn(Event) -> Vec<String>),
 }
 
-/// Steps of the bar.
+/// Number of steps of the bar.
 const STEPS: u64 = 10_000;
 
 impl Progress {
-    /// For a run that is to render `to_render` of `frames` frames, alone or with others.
+    /// Starts the progress of a run that renders `to_render` of `frames` frames, alone or with
+    /// others.
     pub(crate) fn new(
         form: ProgressForm,
         is_shared: bool,
@@ -66,22 +67,23 @@ impl Progress {
         progress
     }
 
-    /// From now on the work is what is left of a span of time, and done when that is over.
+    /// Measures the work by the clock from now on: it is done when `span` is over.
     pub(crate) fn by_clock(&mut self, span: Duration) {
         self.estimate = Mutex::new(Estimate::of_time(span));
     }
 
-    /// Goes to one of the frames to be rendered, by its place among them, 0 for the first.
+    /// Moves to one of the frames to be rendered, by its place among them, 0 for the first.
     pub(crate) fn go_to(&mut self, place: usize) {
         self.done = place;
     }
 
-    /// A frame is there already; `counted`: it was among those to be rendered.
+    /// Records a frame that is finished already. `counted`: it was among the frames to be
+    /// rendered.
     pub(crate) fn found(&mut self, frame: i64, path: &Path, counted: bool) {
         if counted {
             self.done += 1;
         }
-        // Those who share the work will go on as fast; others may be of help just once.
+        // Processes that share the work will continue as fast. Others may have helped just once.
         if counted && !self.is_shared {
             lock(&self.estimate).add_free(1.0);
         }
@@ -100,7 +102,7 @@ impl Progress {
         FrameProgress { run: self, frame, done: Mutex::new(0.0) }
     }
 
-    /// A frame is in place after `time`.
+    /// Records a frame that is in place after `time`.
     pub(crate) fn finished(&mut self, frame: i64, path: &Path, time: Duration, outcome: Outcome) {
         self.done += 1;
         let run = lock(&self.estimate).at(self.done as f64);
@@ -113,7 +115,7 @@ impl Progress {
         }
     }
 
-    /// A frame can't be had.
+    /// Records a frame that failed.
     pub(crate) fn failed(&mut self, frame: i64, problem: &Problem, counted: bool) {
         if counted {
             self.done += 1;
@@ -121,7 +123,7 @@ impl Progress {
         self.tell(Event::Failed { frame, problem });
     }
 
-    /// Nothing is left but frames that other processes render.
+    /// Reports that only frames of other processes are left.
     pub(crate) fn waiting(&self, frames: &[i64]) {
         self.tell(Event::Waiting { frames });
         if let View::Bar(bar) = &self.view {
@@ -129,12 +131,12 @@ impl Progress {
         }
     }
 
-    /// The run is over after `time`.
+    /// Reports that the run is over after `time`.
     pub(crate) fn ended(&self, rendered: usize, found: usize, failed: usize, time: Duration) {
         self.tell(Event::Ended { rendered, found, failed, time });
     }
 
-    /// Runs `talk` without a bar in between its lines.
+    /// Runs `talk` while the bar is hidden, so that it does not mix with lines.
     pub(crate) fn suspended<T>(&self, talk: impl FnOnce() -> T) -> T {
         match &self.view {
             View::Bar(bar) => bar.suspend(talk),
@@ -158,7 +160,7 @@ impl Progress {
                 bar.set_position((moment.fraction * STEPS as f64) as u64);
                 bar.set_message(left(&moment));
             }
-            // A thread that finds another one talking has nothing to add.
+            // If another thread is printing, this one has nothing to add.
             View::Lines | View::Programs(_) => {
                 if let Ok(mut pace) = self.pace.try_lock() {
                     let moment = lock(&self.estimate).at(done);
@@ -191,16 +193,16 @@ fn left(moment: &Moment) -> String {
     moment.left.map_or_else(String::new, |left| format!(", about {} left", whole(left)))
 }
 
-/// Watches one frame.
+/// Progress of one frame.
 pub(crate) struct FrameProgress<'a> {
     run: &'a Progress,
     frame: i64,
-    /// Of 1.
+    /// Fraction of the frame that is done.
     done: Mutex<f64>,
 }
 
 impl FrameProgress<'_> {
-    /// So much more of the frame is done.
+    /// Records that `share` more of the frame is done.
     pub(crate) fn advanced(&self, share: f64) {
         let done = {
             let mut done = lock(&self.done);
@@ -210,7 +212,7 @@ impl FrameProgress<'_> {
         self.run.show(self.frame, done.min(1.0));
     }
 
-    /// So much of the frame was done by another run.
+    /// Records that another run has done `share` of the frame.
     pub(crate) fn resumed(&self, share: f64) {
         lock(&self.run.estimate).add_free(share);
         self.advanced(share);

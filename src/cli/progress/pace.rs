@@ -1,9 +1,9 @@
-//! When another line is worth its space.
+//! Decides when to print another line.
 
 use std::time::Duration;
 
-/// A line is due every tenth of the work, but not more often than `least`, and every `most` however
-/// slow it goes.
+/// A line is due after every tenth of the work, but not more often than every `least`. It is also
+/// due every `most`, however slow the work is.
 #[derive(Debug)]
 pub(super) struct Pace {
     least: Duration,
@@ -13,12 +13,12 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// For people: every three seconds at most, every minute at least.
+    /// Makes the pace for people: every three seconds at most, every minute at least.
     pub(super) fn people() -> Self {
         Self::new(Duration::from_secs(3), Duration::from_secs(60))
     }
 
-    /// For programs: once a second.
+    /// Makes the pace for programs: once a second.
     pub(super) fn programs() -> Self {
         Self::new(Duration::from_secs(1), Duration::from_secs(1))
     }
@@ -27,8 +27,8 @@ impl Pace {
         Self { least, most, fraction: 0.0, elapsed: Duration::ZERO }
     }
 
-    /// Whether a line is due; counts from here if so. None is due at the end, which the summary
-    /// tells.
+    /// Whether a line is due. If so, the next one counts from here. No line is due at the end,
+    /// which the summary reports.
     pub(super) fn is_due(&mut self, fraction: f64, elapsed: Duration) -> bool {
         let since = elapsed.saturating_sub(self.elapsed);
         let tenths = |fraction: f64| (fraction * 10.0).floor();
@@ -46,7 +46,7 @@ impl Pace {
 mod tests {
     use super::*;
 
-    /// Seconds at which work of `total` seconds, in steps of `step`, prints a line.
+    /// Returns the seconds at which work of `total` seconds, in steps of `step`, prints a line.
     fn lines(total: u64, step: u64) -> Vec<u64> {
         let mut pace = Pace::people();
         let seconds = (step..=total).step_by(step as usize);

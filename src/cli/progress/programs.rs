@@ -1,4 +1,4 @@
-//! What programs read: a line of JSON per event, or the tokens of OpenJD.
+//! Progress for programs: a line of JSON per event, or the tokens of OpenJD.
 
 use std::path::Path;
 use std::time::Duration;
@@ -9,28 +9,28 @@ use super::estimate::Moment;
 use crate::cli::base::Problem;
 use slo_picture::output::Outcome;
 
-/// What happened.
+/// An event in a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Event<'a> {
-    /// The run begins: frames asked for, and those to be rendered.
+    /// The run begins: the number of frames asked for, and of frames to be rendered.
     Sequence { frames: usize, to_render: usize },
-    /// A frame was there already.
+    /// A frame was finished already.
     Found { frame: i64, path: &'a Path },
-    /// A frame begins; number `index` of those to be rendered.
+    /// A frame begins: number `index` of the frames to be rendered.
     Started { frame: i64, path: &'a Path, index: usize },
     /// A frame progresses.
     Progress { frame: i64, fraction: f64, run: Moment },
     /// A frame is in place.
     Finished { frame: i64, path: &'a Path, time: Duration, outcome: Outcome, run: Moment },
-    /// A frame can't be had.
+    /// A frame failed.
     Failed { frame: i64, problem: &'a Problem },
-    /// Nothing is left but frames that other processes render.
+    /// Only frames of other processes are left.
     Waiting { frames: &'a [i64] },
     /// The run is over.
     Ended { rendered: usize, found: usize, failed: usize, time: Duration },
 }
 
-/// One line, an object with the member `event`.
+/// Formats an event as one line, an object with the member `event`.
 pub(super) fn json_line(event: Event) -> String {
     object(event).to_string()
 }
@@ -72,7 +72,7 @@ fn object(event: Event) -> Value {
     }
 }
 
-/// Lines that OpenJD reads from a task's output.
+/// Returns the lines that OpenJD reads from a task's output.
 ///
 /// Source: the Open Job Description specification, "How Jobs Are Run", session messages.
 pub(super) fn openjd_lines(event: Event) -> Vec<String> {

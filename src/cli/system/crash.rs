@@ -1,5 +1,5 @@
-//! A panic is a bug of ours: it becomes a message that helps to report it. An abort, in which a lack of
-//! memory ends, becomes an exit code.
+//! Turns a panic, which is a bug of slo-rt, into a message that helps to report it. Turns an
+//! abort, in which a lack of memory ends, into an exit code.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::ffi::OsString;
@@ -10,11 +10,11 @@ use std::sync::{Arc, atomic::AtomicBool};
 
 use crate::cli::base::{Exit, say};
 
-/// What the first panic said, and where.
+/// Message and place of the first panic.
 static FIRST: Mutex<Option<String>> = Mutex::new(None);
 
-/// Turns an abort into an exit code. If memory runs out, the language aborts after it has printed a
-/// message.
+/// Turns an abort into an exit code. If memory runs out, the Rust runtime prints a message and
+/// aborts.
 #[cfg(unix)]
 fn end_aborts() {
     let always = Arc::new(AtomicBool::new(true));
@@ -72,7 +72,7 @@ fn report(args: &[OsString], what: &str) -> String {
 mod tests {
     use super::*;
 
-    // One test, since the hook is the process's.
+    // This is one test, because the hook belongs to the process.
     #[test]
     fn a_panic_becomes_an_exit_code() {
         assert_eq!(reported(&[], || Exit::BadInput), Exit::BadInput);

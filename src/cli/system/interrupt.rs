@@ -8,32 +8,32 @@ use std::time::{Duration, Instant};
 
 use crate::cli::base::{Exit, say};
 
-/// When somebody asked to stop.
+/// Time of the first request to stop.
 static REQUESTED: OnceLock<Instant> = OnceLock::new();
-/// How long work may go on from there to an end that can be kept.
+/// How long work may continue after the request, to reach an end that can be kept.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// How long what can't be asked to stop may go on to its end.
+/// How long work that can't be asked to stop may continue after the request.
 const BUILDING_MAY_TAKE: Duration = Duration::from_secs(1);
 
-/// What the program does, which decides about what a signal does.
+/// Phase of the program, which decides what a signal does.
 static PHASE: AtomicU8 = AtomicU8::new(FREE);
-/// Something that a signal ends at once.
+/// A signal ends the program at once.
 const FREE: u8 = 0;
-/// It reads the scene, and looks at what is there.
+/// The program reads the scene and looks at existing files.
 const READING: u8 = 1;
-/// Work is under way that looks at [`requested`].
+/// Work is in progress that checks [`requested`].
 const WORKING: u8 = 2;
-/// What is needed for a frame is built.
+/// The program builds what a frame needs.
 const BUILDING: u8 = 3;
-/// It ends by a signal.
+/// A signal is ending the program.
 const ENDING: u8 = 4;
 
 type Last = Box<dyn FnOnce() + Send>;
-/// What is to be done before such an end.
+/// Action before a signal ends the program early.
 static LAST: Mutex<Option<Last>> = Mutex::new(None);
 
-/// Listens to SIGINT, SIGTERM, SIGHUP and SIGUSR1 from now on: to be called before there is another
-/// thread.
+/// Listens for SIGINT, SIGTERM, SIGHUP and SIGUSR1 from now on. Must be called before another
+/// thread starts.
 ///
 /// A signal that the caller ignores (`nohup`, a background job of a script) stays ignored.
 #[cfg(target_os = "linux")]
@@ -46,11 +46,13 @@ pub(crate) fn listen() {
             signals.remove(signal);
         }
     }
-    // A file beyond a limit of the user's is then an error of writing, which is reported, and does not
-    // end the program in the middle of a file. Nobody waits for it.
+    // With SIGXFSZ blocked, a file beyond the user's size limit is a write error, which is
+    // reported, and does not end the program in the middle of a file. No thread waits for this
+    // signal.
     let mut blocked = signals;
     blocked.add(Signal::SIGXFSZ);
-    // Blocked in this thread and all that it starts, they wait for the one that asks for them.
+    // The signals are blocked in this thread and in all that it starts. They wait for the thread
+    // that asks for them.
     if blocked.thread_block().is_ok() {
         let wait = move || {
             while signals.wait().is_ok() {
@@ -61,7 +63,7 @@ pub(crate) fn listen() {
     }
 }
 
-/// Signals that this process ignores, signal 1 in the lowest bit.
+/// Returns the signals that this process ignores, with signal 1 in the lowest bit.
 #[cfg(target_os = "linux")]
 fn ignored_signals() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -69,7 +71,7 @@ fn ignored_signals() -> u64 {
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
 
-/// Listens to Ctrl-C from now on, and to SIGTERM and SIGHUP on systems that have them.
+/// Listens for Ctrl-C from now on, and for SIGTERM and SIGHUP on systems that have them.
 #[cfg(not(target_os = "linux"))]
 pub(crate) fn listen() {
     let _ = ctrlc::try_set_handler(stop);
@@ -94,8 +96,8 @@ fn end(exit: Exit, why: &str) -> ! {
     process::exit(exit as i32);
 }
 
-/// Work that can't be asked to stop is given up if nothing of it can be kept anyway; that other work
-/// takes its time is said.
+/// Ends the program if it is still building, which can't be asked to stop and leaves nothing to
+/// keep. If other work takes long, reports that.
 fn see_to_it() {
     sleep(BUILDING_MAY_TAKE);
     if PHASE.compare_exchange(BUILDING, ENDING, Ordering::SeqCst, Ordering::SeqCst).is_ok() {
@@ -108,7 +110,7 @@ fn see_to_it() {
     say("slo-rt: stopping takes a while; a second signal ends the program at once");
 }
 
-/// Has `last` done before the program ends by a signal without going on to the end of what it does.
+/// Registers `last`, which runs before a signal ends the program without finishing its work.
 pub(crate) fn before_the_end(last: impl FnOnce() + Send + 'static) {
     *LAST.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = Some(Box::new(last));
 }
@@ -118,14 +120,14 @@ pub(crate) fn requested() -> bool {
     REQUESTED.get().is_some()
 }
 
-/// Whether to stop even if what is under way is lost.
+/// Whether to stop even if work in progress is lost.
 pub(crate) fn was_long_ago() -> bool {
     REQUESTED.get().is_some_and(|since| since.elapsed() > PATIENCE)
 }
 
-/// While it lives the program reads, and the first signal ends it at once with [`Exit::Stopped`]; once
-/// [`begin_work`](Self::begin_work) was called, the first signal only makes [`requested`] true. A second one,
-/// or one outside of it, ends the program at once.
+/// While the guard lives, the program reads, and the first signal ends it at once with
+/// [`Exit::Stopped`]. After [`begin_work`](Self::begin_work), the first signal only makes
+/// [`requested`] true. A second signal, or a signal without a guard, ends the program at once.
 pub(crate) struct Guard(());
 
 impl Guard {
@@ -134,7 +136,7 @@ impl Guard {
         Self(())
     }
 
-    /// From now on there is something to lose: work is under way that looks at [`requested`].
+    /// Starts the phase with something to lose, in which the work checks [`requested`].
     pub(crate) fn begin_work() {
         PHASE.store(WORKING, Ordering::SeqCst);
     }
@@ -146,14 +148,14 @@ impl Drop for Guard {
     }
 }
 
-/// Does what can't be asked to stop and is of no use to another run: a signal ends the program in
-/// the middle of it, if it takes long.
+/// Runs work that can't be asked to stop and is useless to another run. If it takes long, a signal
+/// ends the program in the middle of it.
 pub(crate) fn while_building<T>(build: impl FnOnce() -> T) -> T {
     let go = |from, to| PHASE.compare_exchange(from, to, Ordering::SeqCst, Ordering::SeqCst);
     let is_guarded = go(WORKING, BUILDING).is_ok();
     let built = build();
     while is_guarded && go(BUILDING, WORKING).is_err() {
-        // The program ends: what comes next is not to be begun.
+        // The program is ending, so nothing else may begin.
         sleep(PATIENCE);
     }
     built

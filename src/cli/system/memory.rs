@@ -1,34 +1,34 @@
-//! How much memory the program can have: by limits on the process, on its control group, and by what
-//! the machine has left.
+//! Memory that the program can have: by limits on the process and on its control group, and by
+//! what the machine has left.
 
 use std::fmt::{self, Display};
 
 use crate::cli::base::megabytes;
 
-/// What is left of the smallest of all limits.
+/// Memory that the tightest of all limits leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Left {
-    /// How much more the program can take.
+    /// Bytes that the program can still take.
     pub(crate) bytes: u64,
-    /// Of what.
+    /// The tightest limit.
     of: Limit,
 }
 
-/// What can limit a process.
+/// What can limit the memory of a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Limit {
-    /// Its address space.
+    /// The address space of the process.
     AddressSpace,
-    /// What it writes to.
+    /// The memory that the process writes to.
     Data,
-    /// All processes of a control group.
+    /// The memory of all processes of a control group.
     Group,
-    /// What other processes have left.
+    /// The memory that other processes have left.
     Machine,
 }
 
 impl Left {
-    /// Whether the program is limited in what it may reserve, not in what it may use.
+    /// Whether the program is limited in the memory that it may reserve, not in what it may use.
     pub(crate) fn is_of_address_space(self) -> bool {
         self.of == Limit::AddressSpace
     }
@@ -46,7 +46,7 @@ impl Display for Left {
     }
 }
 
-/// The smallest of what is left; `None` if the system does not report it.
+/// Returns the memory that the tightest limit leaves, or `None` if the system does not report it.
 #[cfg(target_os = "linux")]
 pub(crate) fn left() -> Option<Left> {
     use rustix::process::{Resource, getrlimit};
@@ -79,7 +79,7 @@ pub(crate) fn left() -> Option<Left> {
     None
 }
 
-/// The number behind a name in a file of `/proc`, in bytes.
+/// Returns the number after a name in a file of `/proc`, in bytes.
 #[cfg(target_os = "linux")]
 fn kibibytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
@@ -87,11 +87,12 @@ fn kibibytes(text: &str, name: &str) -> Option<u64> {
     kibibytes.checked_mul(1024)
 }
 
-/// Control groups, of version 1 and 2.
+/// Control groups of versions 1 and 2.
 #[cfg(target_os = "linux")]
 mod group {
-    /// Names of files in the folder of a group: the limit, what is used, and in `memory.stat` what of
-    /// that the system takes back before it refuses anything.
+    /// Names in the folder of a group: the file of the limit, the file of the memory in use, and
+    /// the entry in `memory.stat` for the memory in use that the system reclaims before it refuses
+    /// anything.
     struct Version {
         most: &'static str,
         used: &'static str,
@@ -106,8 +107,8 @@ mod group {
     const TWO: Version =
         Version { most: "memory.max", used: "memory.current", reclaimable: "inactive_file " };
 
-    /// What is left of the smallest limit of the groups that `groups` (`/proc/self/cgroup`) names, and of all
-    /// that they lie in.
+    /// Returns the memory that the tightest limit leaves, among the groups that `groups`
+    /// (`/proc/self/cgroup`) names and all groups above them.
     pub(super) fn left(
         groups: &str,
         root: &str,
@@ -143,7 +144,7 @@ mod group {
         read: &impl Fn(&str) -> Option<String>,
     ) -> Option<u64> {
         let number = |name: &str| read(&format!("{folder}/{name}"))?.trim().parse::<u64>().ok();
-        // `max` is no number: there is no limit.
+        // `max` is no number and means that there is no limit.
         let most = number(version.most)?;
         let used = number(version.used)?;
         let stat = read(&format!("{folder}/memory.stat")).unwrap_or_default();
@@ -153,18 +154,18 @@ mod group {
     }
 }
 
-/// Memory that is asked for early, so that it is there when it is needed. Nothing is written to it.
+/// Memory that is reserved early, so that it is available when needed. Nothing is written to it.
 pub(crate) struct Reserve(Vec<u8>);
 
 impl Reserve {
-    /// Reserves so many bytes, if they are available.
+    /// Reserves `bytes` bytes, if they are available.
     pub(crate) fn new(bytes: u64) -> Option<Self> {
         let mut reserve = Vec::new();
         reserve.try_reserve_exact(usize::try_from(bytes).ok()?).ok()?;
         Some(Self(reserve))
     }
 
-    /// Gives it back to the system.
+    /// Returns the memory to the system.
     pub(crate) fn release(self) {
         drop(self.0);
     }
@@ -187,7 +188,7 @@ mod tests {
         assert!(left().is_some_and(|left| left.bytes > 0), "{:?}", left());
     }
 
-    /// What is left by files whose names begin behind `/sys/fs/cgroup`.
+    /// Returns the memory that is left according to `files`, whose names omit `/sys/fs/cgroup`.
     fn of(groups: &str, files: &[(&str, &str)]) -> Option<u64> {
         let read = |path: &str| {
             let name = path.strip_prefix("/sys/fs/cgroup").unwrap();
@@ -210,7 +211,7 @@ mod tests {
         assert_eq!(of("0::/a/b/c\n", &files), Some(4000));
         assert_eq!(of("0::/\n", &files), None);
         assert_eq!(of("0::/\n", &[("/memory.max", "9"), ("/memory.current", "10")]), Some(0));
-        // Inside a container the path is the host's, and the files lie at the root.
+        // Inside a container, the path is the host's, and the files lie at the root.
         assert_eq!(of("0::/x/y", &[("/memory.max", "9"), ("/memory.current", "2")]), Some(7));
         assert_eq!(of("nonsense", &files), None);
     }

@@ -1,4 +1,4 @@
-//! What the machine and its user do to a run: signals, panics, memory, disks, threads.
+//! Influences of the machine and its user on a run: signals, panics, memory, disks, threads.
 
 pub(crate) mod crash;
 pub(crate) mod interrupt;

@@ -1,4 +1,4 @@
-//! Waiting for a disk that is full, or a folder that is gone: nothing is lost meanwhile.
+//! Waits if a disk is full or a folder is gone, so that nothing is lost meanwhile.
 
 use std::fmt::Display;
 use std::io;
@@ -9,29 +9,30 @@ use std::time::{Duration, Instant};
 use super::interrupt;
 use crate::cli::base::{Exit, Problem, Terminal};
 
-/// Between two attempts.
+/// Time between two attempts.
 const PAUSE: Duration = Duration::from_secs(2);
-/// How soon an interrupt is heard.
+/// Time between two checks for an interrupt.
 const GLANCE: Duration = Duration::from_millis(100);
-/// How long errors are waited for that a broken disk gives as well as a file server that starts again.
+/// How long to wait after errors that may come from a broken disk or from a file server that
+/// restarts.
 const A_WHILE: Duration = Duration::from_secs(60);
 
-/// How long an error may be worth waiting for.
+/// How long waiting for an error to pass may be worthwhile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Hope {
     /// Waiting does not help.
     None,
-    /// It passes soon or never.
+    /// The error passes soon or never.
     ForAWhile,
-    /// Somebody may set it right: by making room, by mounting what was unmounted.
+    /// Somebody may fix the cause, by making room or by mounting what was unmounted.
     Lasting,
 }
 
-/// Writes to `path` as soon as that works. Says what it waits for.
+/// Writes to `path` as soon as that works. Reports what it waits for.
 ///
 /// # Errors
-/// What waiting does not help against, and what it waited for if the user interrupts it: [`problem`]
-/// tells the two apart.
+/// An error that waiting does not help against, or, if the user interrupts the waiting, the error
+/// that it waited for. [`problem`] tells the two apart.
 pub(crate) fn write<T>(
     path: &Path,
     terminal: Terminal,
@@ -61,8 +62,8 @@ pub(crate) fn write<T>(
     }
 }
 
-/// The end of an attempt to `what` (a verb and its object): with exit code 75 if the user interrupted
-/// the waiting.
+/// Makes the problem of a failed attempt to `what` (a verb and its object). The exit code is 75 if
+/// the user interrupted the waiting.
 pub(crate) fn problem(what: impl Display, error: &io::Error) -> Problem {
     if interrupt::requested() && may_pass(error) {
         let message = format!("interrupted while waiting to {what}: {error}");
@@ -71,7 +72,7 @@ pub(crate) fn problem(what: impl Display, error: &io::Error) -> Problem {
     Problem::new(Exit::CantWrite, format!("can't {what}: {error}"))
 }
 
-/// Whether an error may be gone later.
+/// Whether an error may pass.
 pub(crate) fn may_pass(error: &io::Error) -> bool {
     hope(error) != Hope::None
 }
@@ -104,8 +105,8 @@ fn hope(error: &io::Error) -> Hope {
     }
 }
 
-/// ENXIO, ENODEV, EIO: of a device that fails, is gone, or is reached through a network. ENFILE, EMFILE:
-/// too many open files. The standard library has no names for them.
+/// Whether a device fails, is gone, or is reached through a network (ENXIO, ENODEV, EIO), or too
+/// many files are open (ENFILE, EMFILE). The standard library has no names for these errors.
 fn is_of_the_device(code: i32) -> bool {
     cfg!(unix) && matches!(code, 5 | 6 | 19 | 23 | 24)
 }
@@ -146,7 +147,8 @@ mod tests {
             let error = io::Error::from_raw_os_error(code);
             assert_eq!(hope(&error), expected, "{error}");
         };
-        // EPERM, ENOENT, EACCES, ENOTDIR, ENOSPC, EROFS, ENOTCONN, ETIMEDOUT, EHOSTDOWN's like, ESTALE, EDQUOT.
+        // EPERM, ENOENT, EACCES, ENOTDIR, ENOSPC, EROFS, ENOTCONN, ETIMEDOUT, EHOSTUNREACH,
+        // ESTALE, EDQUOT.
         for code in [1, 2, 13, 20, 28, 30, 107, 110, 113, 116, 122] {
             check(code, Hope::Lasting);
         }

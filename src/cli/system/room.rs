@@ -1,4 +1,4 @@
-//! Whether there is room for what a run makes: on the disk and in memory.
+//! Checks whether there is room for the results of a run, on the disk and in memory.
 
 use std::path::Path;
 use std::sync::mpsc;
@@ -11,25 +11,25 @@ use slo_picture::film::{Features, Layer, Pixel, Spread, Subject};
 use slo_picture::output::memory_to_write;
 use slo_scene::OutputFormat;
 
-/// How long the system may take to tell how much room is on a disk.
+/// How long the system may take to report the free space of a disk.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Bytes for what a thread works with, and for what is small.
+/// Bytes of working memory per thread, and bytes for everything small.
 const PER_THREAD: u64 = 4 << 20;
 const REST: u64 = 4 << 20;
 
 /// Bytes that a run needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Needs {
-    /// Of pictures, and of a checkpoint, at most.
+    /// Maximum disk space of the pictures and of a checkpoint.
     pub(crate) disk: u64,
-    /// Of the film.
+    /// Memory of the film.
     film: u64,
-    /// To write what is made of a film, while that is there.
+    /// Memory for writing the files that are made from a film, while the film is in memory.
     pub(crate) end: u64,
 }
 
 impl Needs {
-    /// For so many pictures.
+    /// Computes the needs of `pictures` pictures.
     pub(crate) fn of(
         subject: &Subject,
         format: OutputFormat,
@@ -54,26 +54,26 @@ impl Needs {
         Self { disk, film, end }
     }
 
-    /// Bytes of memory without which there is no picture.
+    /// Returns the bytes of memory without which there is no picture.
     pub(crate) fn memory(&self) -> u64 {
         self.film.saturating_add(self.end).saturating_add(self.work())
     }
 
-    /// Bytes of memory that threads work with.
+    /// Returns the bytes of memory that threads work with.
     pub(crate) fn work(&self) -> u64 {
         rayon::current_num_threads() as u64 * PER_THREAD
     }
 
-    /// The same if the states of so many frames are kept until the end.
+    /// Returns the needs if the states of `frames` frames are kept until the end.
     pub(crate) fn with_states(self, frames: usize) -> Self {
         let more = self.film.saturating_mul(frames.saturating_sub(1) as u64);
         Self { disk: self.disk.saturating_add(more), ..self }
     }
 
-    /// Warns if there is less than that.
+    /// Warns if there is less room than needed.
     ///
     /// # Errors
-    /// There is no memory for a picture.
+    /// There is not enough memory for a picture.
     pub(crate) fn check(&self, outdir: &Path, terminal: Terminal) -> Result<(), Problem> {
         let left = memory::left();
         if left.is_some_and(|left| left.bytes < self.memory()) {
@@ -96,7 +96,7 @@ impl Needs {
         Ok(())
     }
 
-    /// There is no memory for the picture.
+    /// Makes the problem that there is not enough memory for the picture.
     pub(crate) fn too_large(&self) -> Problem {
         self.too_large_for(memory::left())
     }
@@ -119,25 +119,26 @@ impl Needs {
     }
 }
 
-/// What is written beside pictures.
+/// Files that are written beside pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Beside {
     pub(crate) maps: bool,
-    /// Sums of samples, which are compared with those that are there.
+    /// Sums of samples. New ones are compared with existing ones.
     pub(crate) states: bool,
 }
 
-/// Bytes of each pixel while a map is made.
+/// Bytes per pixel while a map is made.
 const BYTES_OF_A_MAP: u64 = 28;
 
-/// Bytes that are left on the disk of a folder; `None` if the system does not report them or does not
-/// answer: a file server may be gone.
+/// Returns the bytes that are free on the disk of a folder. Returns `None` if the system does not
+/// report them or does not answer: a file server may be gone.
 #[cfg(unix)]
 fn free_on_disk(folder: &Path) -> Option<u64> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.to_owned();
     let (tell, told) = mpsc::channel();
     let ask = move || {
-        // A folder that is still to be made will lie where the nearest one above it does.
+        // A folder that does not exist yet will lie on the disk of the nearest existing folder
+        // above it.
         let there = folder.ancestors().find(|folder| folder.is_dir()).unwrap_or(Path::new("."));
         let free = rustix::fs::statvfs(there).ok();
         let _ = tell.send(free.and_then(|free| free.f_bavail.checked_mul(free.f_frsize)));

@@ -1,14 +1,15 @@
-//! The threads that work.
+//! The worker threads.
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::cli::base::{Exit, Problem};
 
-/// More threads than this for each processor are taken as this many: they would do nothing but look
-/// for work in each other's queues, which takes ever longer.
+/// Maximum number of threads per processor. More threads would only look for work in each other's
+/// queues, which takes ever longer.
 const MOST_THREADS_PER_PROCESSOR: usize = 16;
 
-/// Threads for a job: as many as asked for, or as the machine has.
+/// Makes the threads of a job: as many as asked for, up to a limit, or as many as the machine has
+/// processors.
 pub(crate) fn pool(asked: Option<usize>) -> Result<ThreadPool, Problem> {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let most = processors.saturating_mul(MOST_THREADS_PER_PROCESSOR);

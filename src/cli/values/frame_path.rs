@@ -4,8 +4,8 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// A path in which a run of `#` stands for the number of the frame, with at least as many digits:
-/// the longest run, and of these the last.
+/// A path in which a run of `#` stands for the number of the frame, with at least as many digits.
+/// The longest run counts; among equally long runs, the last.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FramePath(String);
 
@@ -18,7 +18,7 @@ impl FromStr for FramePath {
 }
 
 impl FramePath {
-    /// Where the run begins that stands for the frame, and its length.
+    /// Returns the beginning and the length of the run that stands for the frame.
     fn run(&self) -> Option<(usize, usize)> {
         let starts = self.0.match_indices('#').map(|(at, _)| at);
         let starts = starts.filter(|&at| !self.0[..at].ends_with('#'));
@@ -31,7 +31,7 @@ impl FramePath {
         self.0.contains('#')
     }
 
-    /// The path of a frame.
+    /// Returns the path of a frame.
     pub(crate) fn of(&self, frame: i64) -> PathBuf {
         let Some((start, digits)) = self.run() else { return PathBuf::from(&self.0) };
         let (before, after) = (&self.0[..start], &self.0[start + digits..]);

@@ -3,32 +3,33 @@
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
-/// More frames than this in one run are a slip of the finger.
+/// Maximum number of frames in one run. More are a typing mistake.
 const MOST: u128 = 1_000_000;
 
-/// Frames in the order they were asked for, each once.
+/// Frames in the order in which they were asked for, each once.
 ///
-/// The grammar is that of Python's fileseq: terms between commas, each a frame `a`, a range `a-b`
-/// that may descend, or a range with a step: `a-bxN` every Nth frame of it, `a-byN` all but those,
-/// `a-b:N` every Nth, then every N-1st, and so on to every one, without those that were there.
+/// The grammar follows Python's fileseq: terms between commas, each a frame `a`, a range `a-b`
+/// that may descend, or a range with a step. `a-bxN` is every Nth frame of the range, and `a-byN`
+/// all others. `a-b:N` is every Nth, then every N-1st, and so on to every one, without
+/// repetitions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Frames {
     /// Never empty.
     pub(crate) numbers: Vec<i64>,
-    /// Whether a range or a list was asked for, even if one frame is in it.
+    /// Whether a range or a list was asked for, even if it has only one frame.
     pub(crate) is_sequence: bool,
 }
 
 impl Frames {
-    /// The one frame `number`.
+    /// Makes the single frame `number`.
     pub(crate) fn single(number: i64) -> Self {
         Self { numbers: vec![number], is_sequence: false }
     }
 
-    /// All frames of some ranges, which have none in common.
+    /// Collects all frames of some ranges, which do not overlap.
     ///
     /// # Errors
-    /// None or too many, in words for the user.
+    /// There are no frames, or too many, in words for the user.
     pub(crate) fn of_ranges(ranges: Vec<RangeInclusive<i64>>) -> Result<Self, String> {
         let span = |range: &RangeInclusive<i64>| {
             if range.is_empty() { 0 } else { range.end().abs_diff(*range.start()) as u128 + 1 }
@@ -42,7 +43,7 @@ impl Frames {
         }
     }
 
-    /// Frames as typed.
+    /// Parses frames as typed.
     ///
     /// # Errors
     /// What was expected, in words for the user.
@@ -67,13 +68,13 @@ impl Frames {
 /// `--frame`
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum FrameChoice {
-    /// All that the scene has.
+    /// All frames that the scene has.
     All,
     These(Frames),
 }
 
 impl FrameChoice {
-    /// Whether a range or a list was asked for, even if one frame is in it.
+    /// Whether a range or a list was asked for, even if it has only one frame.
     pub(crate) fn is_sequence(&self) -> bool {
         match self {
             Self::All => true,
@@ -81,7 +82,7 @@ impl FrameChoice {
         }
     }
 
-    /// Whether more than one frame may be in it.
+    /// Whether there may be more than one frame.
     pub(crate) fn is_several(&self) -> bool {
         match self {
             Self::All => true,
@@ -98,7 +99,7 @@ pub(crate) fn frames(text: &str) -> Result<FrameChoice, String> {
     }
 }
 
-/// What stands between two commas.
+/// A term between two commas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Term {
     start: i64,
@@ -144,7 +145,7 @@ impl Term {
         Ok(Self { start, end: Some(end), step: make(by.unsigned_abs()) })
     }
 
-    /// Frames from start to end, whatever the step.
+    /// Returns the number of frames from start to end, regardless of the step.
     fn span(&self) -> u128 {
         let end = self.end.unwrap_or(self.start);
         i128::from(end).abs_diff(i128::from(self.start)) + 1
@@ -168,10 +169,10 @@ impl Term {
     }
 }
 
-/// `0..count` by the first step of n, n - 1, ... 1 that divides the number.
+/// Orders `0..count` by the first step of n, n - 1, ... 1 that divides the number.
 fn staggered(count: u64, n: u64) -> Vec<u64> {
     let mut seen = HashSet::new();
-    // Steps beyond the range all give its first frame.
+    // Steps larger than the range all give its first frame.
     let steps = (1..=n.min(count)).rev();
     let by = |step: u64| (0..count).step_by(usize::try_from(step).unwrap_or(usize::MAX));
     let mut result = vec![0];
@@ -185,7 +186,7 @@ fn staggered(count: u64, n: u64) -> Vec<u64> {
     result
 }
 
-/// A number at the beginning of `text`, and what follows it.
+/// Returns the number at the beginning of `text`, and what follows it.
 fn integer(text: &str) -> Result<(i64, &str), String> {
     let digits = text.strip_prefix('-').unwrap_or(text);
     let after = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
@@ -200,12 +201,12 @@ fn integer(text: &str) -> Result<(i64, &str), String> {
     Ok((value, rest))
 }
 
-/// Frames for people, as in `frame 7` and `frames 1-4, 7`.
+/// Formats frames for people, as in `frame 7` and `frames 1-4, 7`.
 pub(crate) fn named(frames: &[i64]) -> String {
     format!("{} {}", if frames.len() == 1 { "frame" } else { "frames" }, shown(frames))
 }
 
-/// Frames for people, ascending: `1-4, 7, 9-10`.
+/// Formats frames for people, in ascending order: `1-4, 7, 9-10`.
 pub(crate) fn shown(frames: &[i64]) -> String {
     let mut sorted = frames.to_vec();
     sorted.sort_unstable();

@@ -1,4 +1,4 @@
-//! `--sample-map`, `--error-map`: pictures of how a picture came about.
+//! `--sample-map`, `--error-map`: maps that show how a picture was made.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub(crate) enum Map {
 }
 
 impl Map {
-    /// The option that asks for it.
+    /// Returns the option that asks for the map.
     pub(crate) fn option(self) -> &'static str {
         match self {
             Self::Samples => "--sample-map",
@@ -32,13 +32,13 @@ impl Map {
 }
 
 impl Maps {
-    /// Those that are asked for, and their paths.
+    /// Returns the maps that are asked for, and their paths.
     pub(crate) fn all(&self) -> impl Iterator<Item = (Map, &FramePath)> {
         let (samples, error) = (self.samples.iter(), self.error.iter());
         samples.map(|path| (Map::Samples, path)).chain(error.map(|path| (Map::Error, path)))
     }
 
-    /// Whether none is asked for.
+    /// Whether no map is asked for.
     pub(crate) fn is_empty(&self) -> bool {
         self.all().next().is_none()
     }
@@ -46,7 +46,7 @@ impl Maps {
     /// Checks the names of the maps of one frame, or of `several`.
     ///
     /// # Errors
-    /// In words for the user.
+    /// What is wrong, in words for the user.
     pub(crate) fn check_names(&self, several: bool) -> Result<(), String> {
         for (map, path) in self.all() {
             let option = map.option();
@@ -59,10 +59,10 @@ impl Maps {
     }
 }
 
-/// Whether a file can be a map by its name; `option` names it.
+/// Checks whether a file can be a map by its name. `option` is the option that names the file.
 ///
 /// # Errors
-/// In words for the user.
+/// What is wrong, in words for the user.
 pub(crate) fn check_name(option: &str, path: &Path) -> Result<(), String> {
     match map_format(path) {
         Some(_) => Ok(()),

@@ -1,4 +1,4 @@
-//! Names of layers, file formats and structures on the command line: those of the scene language.
+//! Names of layers, file formats and structures on the command line, as in the scene language.
 
 use std::sync::LazyLock;
 
@@ -55,7 +55,7 @@ impl ValueEnum for AcceleratorName {
     }
 }
 
-/// The word of a structure in lower case, kept for the whole run.
+/// Returns the word of a structure in lower case, kept for the whole run.
 fn lower_case(accelerator: Accelerator) -> &'static str {
     static WORDS: LazyLock<Vec<String>> =
         LazyLock::new(|| Accelerator::ALL.map(|all| all.name().to_ascii_lowercase()).into());

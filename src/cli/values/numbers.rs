@@ -4,7 +4,8 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-/// A whole number: `1000`, `1_000`, `1e3`, `0x3e8`; `None` for what is none, or is beyond 64 bits.
+/// Parses a whole number: `1000`, `1_000`, `1e3`, `0x3e8`. Returns `None` for anything else, and
+/// for numbers beyond 64 bits.
 pub(crate) fn whole(text: &str) -> Option<u64> {
     let text = text.trim();
     let text = text.strip_prefix('+').unwrap_or(text);
@@ -21,12 +22,12 @@ pub(crate) fn whole(text: &str) -> Option<u64> {
     }
 }
 
-/// Underscores stand between digits only.
+/// Whether the text begins with a digit, and underscores stand only between other characters.
 fn is_grouped(text: &str) -> bool {
     text.split('_').all(|group| !group.is_empty()) && text.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// `1.5e3`, as long as it is whole: digits, a point, and an exponent.
+/// Parses `1.5e3`, if it is whole: digits, a point, and an exponent.
 fn scientific(text: &str) -> Option<u64> {
     let (mantissa, exponent) = text.split_once(['e', 'E'])?;
     let exponent: usize = exponent.strip_prefix('+').unwrap_or(exponent).parse().ok()?;
@@ -41,7 +42,7 @@ fn scientific(text: &str) -> Option<u64> {
     if digits == 0 { Some(0) } else { digits.checked_mul(power?) }
 }
 
-/// A whole number in a range; `example` is one.
+/// Parses a whole number in a range. `example` is such a number.
 ///
 /// # Errors
 /// What is expected, in words for the user.
@@ -57,14 +58,14 @@ pub(crate) fn count<T: TryFrom<u64> + PartialOrd + Display>(
     })
 }
 
-/// A number: `0.01`, `1e-2`, or `1%`; finite.
+/// Parses a finite number: `0.01`, `1e-2`, or `1%`.
 pub(crate) fn real(text: &str) -> Option<f64> {
     let text = text.trim();
     let (text, scale) = match text.strip_suffix('%') {
         Some(percent) => (percent.trim_end(), 0.01),
         None => (text, 1.0),
     };
-    // The words that stand for no number are read, too.
+    // The standard library also parses words such as `nan` and `inf`.
     let is_number = text.ends_with(|c: char| c.is_ascii_digit() || c == '.');
     let number = f64::from_str(text).ok().filter(|number| is_number && number.is_finite())?;
     Some(if scale < 1.0 { number / 100.0 } else { number })

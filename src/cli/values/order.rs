@@ -1,8 +1,8 @@
-//! In which order the frames of a sequence are rendered.
+//! Order in which the frames of a sequence are rendered.
 
 use clap::ValueEnum;
 
-/// Every so manieth frame comes first in [`Order::Coarse`].
+/// Distance between the frames that come first in [`Order::Coarse`].
 const COARSEST: usize = 16;
 
 /// `--order`
@@ -18,7 +18,7 @@ pub(crate) enum Order {
 }
 
 impl Order {
-    /// `frames` in this order.
+    /// Returns `frames` in this order.
     pub(crate) fn of(self, frames: &[i64]) -> Vec<i64> {
         match self {
             Self::Forward => frames.to_vec(),
@@ -30,7 +30,7 @@ impl Order {
 
 fn coarse(frames: &[i64]) -> Vec<i64> {
     let mut numbered: Vec<_> = frames.iter().copied().enumerate().collect();
-    // The frames whose position is a multiple of 16, then those of 8 that are none of 16, ...
+    // Positions that are multiples of 16 come first, then the other multiples of 8, and so on.
     let rank = |position: usize| {
         let steps = std::iter::successors(Some(COARSEST), |step| (*step > 1).then_some(step / 2));
         steps.take_while(|step| !position.is_multiple_of(*step)).count()

@@ -1,4 +1,4 @@
-//! Parts of pictures, and what is shared out among them.
+//! Parts of pictures, and what they divide.
 
 use clap::ValueEnum;
 
@@ -14,7 +14,7 @@ pub(crate) enum PartBy {
 }
 
 impl PartBy {
-    /// As in names of files.
+    /// Returns the word for file names.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Pixels => "pixels",
@@ -23,7 +23,7 @@ impl PartBy {
     }
 }
 
-/// Parses `K/N`, also as names of files have it: `K-of-N`.
+/// Parses `K/N`, or `K-of-N` as in file names.
 pub(crate) fn part(text: &str) -> Result<Part, String> {
     let number = |text| whole(text).and_then(|number| u32::try_from(number).ok());
     let numbers = text.split_once('/').or_else(|| text.split_once("-of-"));

@@ -30,12 +30,12 @@ pub(crate) struct Size {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SizeChoice {
     Pixels(Size),
-    /// Of each side of the scene's picture.
+    /// Share of each side of the scene's picture.
     Share(f64),
 }
 
 impl SizeChoice {
-    /// The size if the scene's picture has `width` x `height` pixels.
+    /// Returns the size if the scene's picture has `width` x `height` pixels.
     pub(crate) fn of(self, width: u32, height: u32) -> Size {
         match self {
             Self::Pixels(size) => size,

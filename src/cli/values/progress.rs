@@ -1,4 +1,4 @@
-//! In which form the program says how far it is.
+//! Form in which the program reports its progress.
 
 use clap::ValueEnum;
 

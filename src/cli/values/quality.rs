@@ -1,4 +1,4 @@
-//! How good a picture is to be: samples, seed, noise, steps.
+//! Quality of a picture: samples, seed, noise, steps.
 
 use super::numbers::{count, real, whole};
 use slo_picture::film::Steps;
@@ -13,7 +13,7 @@ pub(crate) fn seed(text: &str) -> Result<u64, String> {
     count(text, 0..=u64::MAX, "7")
 }
 
-/// Parses an error.
+/// Parses an error limit.
 pub(crate) fn noise(text: &str) -> Result<f32, String> {
     let error = real(text).filter(|error| *error > 0.0 && *error <= 1.0);
     match error.map(|error| error as f32) {
@@ -23,13 +23,13 @@ pub(crate) fn noise(text: &str) -> Result<f32, String> {
     }
 }
 
-/// Parses a distance that is allowed.
+/// Parses a limit of a distance.
 pub(crate) fn limit(text: &str) -> Result<f64, String> {
     let limit = real(text).filter(|limit| *limit >= 0.0);
     limit.ok_or_else(|| "expected a limit of 0 or more, such as 0.01 or 1%".into())
 }
 
-/// Parses `STEP,TILES`, also as a recipe has it, in brackets.
+/// Parses `STEP,TILES`, also in brackets as in a recipe.
 pub(crate) fn steps(text: &str) -> Result<Steps, String> {
     let inside = text.trim().strip_prefix('[').and_then(|text| text.strip_suffix(']'));
     let number = |text| whole(text).and_then(|number| u32::try_from(number).ok());

@@ -1,11 +1,11 @@
-//! How many threads work.
+//! Number of threads.
 
 use super::numbers::count;
 
 /// `--threads`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Threads {
-    /// One for each processor of the machine; overrides the scene.
+    /// One thread per processor of the machine, whatever the scene says.
     All,
     Count(u32),
 }

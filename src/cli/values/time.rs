@@ -4,10 +4,9 @@ use std::time::Duration;
 
 use super::numbers::real;
 
-/// How long processes may let each other pass without a sign of life: what one can keep to, and what
-/// somebody would wait for.
+/// Shortest time that processes may go without a sign of life: as short as a process can keep to.
 pub(crate) const SHORTEST_LEASE: Duration = Duration::from_secs(1);
-/// See [`SHORTEST_LEASE`].
+/// Longest time that processes may go without a sign of life: as long as somebody would wait.
 pub(crate) const LONGEST_LEASE: Duration = Duration::from_secs(86_400);
 
 const LONGEST: Duration = Duration::from_secs(100 * 365 * 86_400);
@@ -21,7 +20,7 @@ pub(crate) fn time(text: &str) -> Result<Duration, String> {
     time.ok_or_else(|| "expected a time such as 90s, 15m, 8h or 1h30m".into())
 }
 
-/// Parses the time between two checkpoints; 0, also in words, is none.
+/// Parses the time between two checkpoints. 0, or a word such as `none`, means no checkpoints.
 ///
 /// # Errors
 /// What was expected, in words for the user.
@@ -32,7 +31,7 @@ pub(crate) fn interval(text: &str) -> Result<Duration, String> {
     time.ok_or_else(|| "expected a time such as 60, 90s or 5m, or 0 for no checkpoints".into())
 }
 
-/// Parses how long processes let each other pass without a sign of life.
+/// Parses how long processes may go without a sign of life.
 ///
 /// # Errors
 /// What was expected, in words for the user.
@@ -42,7 +41,8 @@ pub(crate) fn lease(text: &str) -> Result<Duration, String> {
     time.ok_or_else(|| "expected a time from 1 second to 24 hours, such as 60, 90s or 5m".into())
 }
 
-/// A time as it is written; `None` for what is none, or is longer than a century.
+/// Parses a time as it is written. Returns `None` for anything else, and for times longer than a
+/// century.
 fn seconds(text: &str) -> Option<Duration> {
     let text = text.trim();
     if text.is_empty() {
@@ -69,7 +69,7 @@ fn duration(seconds: f64) -> Option<Duration> {
     Duration::try_from_secs_f64(seconds).ok().filter(|time| *time <= LONGEST)
 }
 
-/// Seconds of a unit.
+/// Returns the seconds of a unit.
 fn scale(unit: &str) -> Option<f64> {
     Some(match &*unit.to_ascii_lowercase() {
         "" | "s" | "sec" | "secs" | "second" | "seconds" => 1.0,

@@ -1,9 +1,8 @@
 //! The structures, and how a batch of rays gets to the one that was built.
 //!
-//! To add a structure: a folder with a type that implements
-//! [`SpatialIndex`], its `mod` below, and one line of the list. The
-//! compiler then asks for nothing else in this crate, and the tests of this file hold it against
-//! brute force.
+//! To add a structure: a file or a folder with a type that implements [`SpatialIndex`], its `mod`
+//! below, and one line of the list. The compiler then asks for nothing else in this crate, and the
+//! tests in `tests.rs` compare it with brute force.
 
 mod brute;
 mod bvh;

@@ -31,7 +31,8 @@ pub(super) fn glossy_samples(settings: &Settings, purpose: Purpose, depth: u32) 
     match purpose {
         _ if depth > 0 => 1,
         Purpose::Refraction => settings.diffuse_refraction_samples,
-        _ => settings.diffuse_reflection_samples,
+        Purpose::Reflection => settings.diffuse_reflection_samples,
+        Purpose::Light(_) | Purpose::AnyLight => 1,
     }
 }
 

@@ -122,7 +122,7 @@ impl Integrator for Distributed {
         self.trace(machine, job, depth)
     }
 
-    fn connect(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection) {
+    fn trace_connections(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection) {
         let Self { visibility, scratch, .. } = self;
         machine.take_connections(kind, &mut visibility.batch);
         visibility.trace(job.frame, machine.connection_habit(kind), scratch);

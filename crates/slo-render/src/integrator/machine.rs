@@ -25,7 +25,7 @@ pub(super) trait Integrator {
     fn extend_paths(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()>;
 
     /// Takes the next batch of a kind of connections, and traces it.
-    fn connect(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection);
+    fn trace_connections(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection);
 }
 
 /// Kinds of connections by their origin. A connection carries the light that it adds if nothing
@@ -116,7 +116,7 @@ impl Machine {
             job.goes_on()?;
             match self.next(least) {
                 Some(Next::Paths(depth)) => integrator.extend_paths(self, job, depth)?,
-                Some(Next::Connections(kind)) => integrator.connect(self, job, kind),
+                Some(Next::Connections(kind)) => integrator.trace_connections(self, job, kind),
                 None => return Some(()),
             }
         }
@@ -154,7 +154,7 @@ impl Machine {
     ) {
         if self.waiting(kind) >= MOST_CONNECTIONS_WAITING {
             while self.waiting(kind) >= BATCH {
-                integrator.connect(self, job, kind);
+                integrator.trace_connections(self, job, kind);
             }
         }
     }
@@ -219,6 +219,7 @@ impl Machine {
         }
         &mut self.paths[depth]
     }
+
     /// Capacity, in rays, of each queue of paths and of each queue of connections.
     #[cfg(test)]
     pub(super) fn rooms(&self) -> (Vec<usize>, Vec<usize>) {

@@ -4,6 +4,7 @@
 //! already applied). Nothing here knows a frame number, a ray or a thread.
 
 mod camera;
+mod check;
 mod key_frame;
 mod object;
 

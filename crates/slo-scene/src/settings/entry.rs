@@ -106,6 +106,15 @@ pub fn recorded<S: Entries>(of: &S) -> Vec<(&'static str, Value)> {
     entries.into_iter().map(|entry| (entry.name, entry.get(of))).collect()
 }
 
+/// The name of the first setting whose value is not one that it takes; `None` if all are.
+pub fn invalid<S: Entries>(of: &S) -> Option<&'static str> {
+    let is_invalid = |entry: &&Entry<S>| match entry.get(of) {
+        Value::Absent => false,
+        value => !entry.form.takes(&value),
+    };
+    S::ENTRIES.iter().find(is_invalid).map(|entry| entry.name)
+}
+
 /// Sets the settings with certain effects as a recipe has them; the others stay. `find` gives what stands
 /// there for a setting: `Ok(None)` for nothing. `None` where a value can't be, or is missing.
 pub fn restore<S: Entries>(

@@ -14,7 +14,7 @@ mod value;
 mod words;
 
 pub use choice::Choice;
-pub use entry::{Effect, Entries, Entry, recorded, restore};
+pub use entry::{Effect, Entries, Entry, invalid, recorded, restore};
 pub use film::{Film, MOST_PIXELS};
 pub use format::{FileValues, OutputFormat};
 pub use list::{MOST_CAMERA_SAMPLES, Settings};

@@ -1,4 +1,4 @@
-//! Settings that are one of several words: each word stands here and nowhere else.
+//! Settings that are one of several words of the scene language: each word stands here.
 
 use super::choice::choices;
 
@@ -31,7 +31,7 @@ choices! {
 choices! {
     /// How many lights a hit asks.
     pub enum LightSampling {
-        /// One light at random, weighted by the number of lights.
+        /// One light, chosen at random in proportion to the light that is expected from it.
         One = "SAMPLE_ONE_AT_TIME",
         /// Every light.
         All = "SAMPLE_ALL_AT_TIME",

@@ -1,4 +1,4 @@
-//! `merge`: parts of pictures -> pictures.
+//! `merge`: makes pictures from their parts.
 
 mod part_names;
 
@@ -19,7 +19,7 @@ use slo_picture::output::{
 };
 use slo_scene::{Encoding, OutputFormat};
 
-/// Puts the parts of each frame together, and prints the paths of the pictures.
+/// Merges the parts of each frame, and prints the paths of the pictures.
 pub(crate) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
     let parts = args.files.iter().map(|path| Part::read(path)).collect::<Result<Vec<_>, _>>()?;
     let mut frames: BTreeMap<i64, Vec<Part>> = BTreeMap::new();
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
     Ok(())
 }
 
-/// A file of a part, before its samples are read.
+/// The file of a part, before its samples are read.
 struct Part {
     path: PathBuf,
     subject: Subject,
@@ -81,7 +81,7 @@ impl Part {
         self.recipe[key].as_f64().unwrap_or(0.0)
     }
 
-    /// The name of the picture that this is a part of, without its extension.
+    /// Returns the name of the part's picture, without the extension.
     fn stem(&self) -> String {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         let known = name.rsplit_once(".pixels-").or_else(|| name.rsplit_once(".samples-"));
@@ -98,7 +98,7 @@ fn unreadable(path: &Path, error: &std::io::Error) -> Problem {
     Problem::new(exit, format!("can't read the part `{}`: {error}", path.display()))
 }
 
-/// All parts are of the same picture.
+/// Checks that all parts belong to the same picture.
 fn check_alike(parts: &[Part]) -> Result<(), Problem> {
     let first = &parts[0];
     for part in parts {
@@ -115,7 +115,7 @@ fn check_alike(parts: &[Part]) -> Result<(), Problem> {
     Ok(())
 }
 
-/// What the parts of one frame are to be.
+/// The picture that the parts of one frame make.
 struct Whole<'a> {
     parts: &'a [Part],
     path: PathBuf,
@@ -161,7 +161,7 @@ impl<'a> Whole<'a> {
     }
 }
 
-/// The pictures have names of their own, and can be written there.
+/// Checks that each picture has a path of its own and can be written.
 fn check_paths(pictures: &[Whole]) -> Result<(), Problem> {
     let mut taken = BTreeMap::new();
     for Whole { path, parts, .. } in pictures {
@@ -184,7 +184,7 @@ fn film(parts: &[Part], region: Area) -> Result<slo_picture::film::Film, Problem
     let first = &parts[0].subject;
     let subject = Subject { area: region, region, samples: None, ..first.clone() };
     let all = parts[0].number("imageSamples") * parts[0].number("dofSamples");
-    // What no part says that it has need not be read, nor have memory.
+    // If the parts together do not have enough pixels, nothing is read and no memory is allocated.
     let own = |part: &Part| part.subject.region.common(&region).len();
     let most: usize = parts.iter().map(own).sum();
     if most < region.len() {
@@ -200,7 +200,7 @@ fn film(parts: &[Part], region: Area) -> Result<slo_picture::film::Film, Problem
     merger.finish().map_err(|error| explain(error, parts))
 }
 
-/// The area of the picture that a part is of.
+/// Returns the area of the whole picture that a part belongs to.
 fn whole(part: &Part) -> Result<Area, Problem> {
     let side = |key: &str| part.recipe[key].as_u64().and_then(|n| u32::try_from(n).ok());
     match (side("width"), side("height")) {
@@ -246,7 +246,7 @@ fn explain(error: MergeError, parts: &[Part]) -> Problem {
     Problem::new(Exit::BadInput, message).with_help(there_are(parts))
 }
 
-/// Parts are missing, and so is `what`.
+/// Makes the problem that parts are missing, and with them `what`.
 fn incomplete(parts: &[Part], what: String) -> Problem {
     let paths = parts.iter().filter_map(|part| part.path.file_name()?.to_str());
     let missing = missing(paths).unwrap_or_else(|| "a part is missing".into());
@@ -254,7 +254,7 @@ fn incomplete(parts: &[Part], what: String) -> Problem {
     Problem::new(Exit::BadInput, message).with_help(there_are(parts))
 }
 
-/// What was given.
+/// Says how many parts were given.
 fn there_are(parts: &[Part]) -> String {
     let stem = parts.first().map(Part::stem).unwrap_or_default();
     match parts.len() {

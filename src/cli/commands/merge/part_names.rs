@@ -1,4 +1,4 @@
-//! Names of parts: which parts there are, and which are missing.
+//! Names of parts, and which parts are missing.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
@@ -8,15 +8,15 @@ use std::ops::RangeInclusive;
 struct PartName<'a> {
     /// The name of the picture, without its extension.
     stem: &'a str,
-    /// What is shared out.
+    /// What the parts divide: pixels or samples.
     by: &'a str,
-    /// From 1 on.
+    /// Number of the part, from 1 on.
     number: u32,
     of: u32,
 }
 
 impl<'a> PartName<'a> {
-    /// Parses a file's name; `None` if it is not the name of a part.
+    /// Parses a file's name. Returns `None` if it is not the name of a part.
     fn of(name: &'a str) -> Option<Self> {
         let (stem, part) = name.strip_suffix(".part")?.rsplit_once('.')?;
         let (by, part) = part.split_once('-')?;
@@ -27,7 +27,7 @@ impl<'a> PartName<'a> {
     }
 }
 
-/// Which parts are missing beside those of some names, in words; `None` if none is.
+/// Says which parts are missing beside the named ones. Returns `None` if none is missing.
 pub(super) fn missing<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let mut sets: BTreeMap<_, BTreeSet<u32>> = BTreeMap::new();
     for name in names.into_iter().filter_map(PartName::of) {
@@ -42,7 +42,7 @@ pub(super) fn missing<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<St
     Some(told.collect::<Vec<_>>().join("; ")).filter(|told| !told.is_empty())
 }
 
-/// The numbers from 1 to `of` that are not there.
+/// Returns the numbers from 1 to `of` that are missing in `there`.
 fn gaps(there: &BTreeSet<u32>, of: u32) -> Vec<RangeInclusive<u32>> {
     let mut next = 1;
     let mut gaps = Vec::new();
@@ -58,7 +58,8 @@ fn gaps(there: &BTreeSet<u32>, of: u32) -> Vec<RangeInclusive<u32>> {
     gaps
 }
 
-/// Numbers in words, and whether they are one or several; `None` for none.
+/// Lists part numbers in words, and chooses the verb for one or several. Returns `None` if there
+/// are none.
 fn listed(ranges: &[RangeInclusive<u32>]) -> Option<(String, &'static str)> {
     const MOST: usize = 8;
     let range = |range: &RangeInclusive<u32>| match (*range.start(), *range.end()) {

@@ -1,4 +1,4 @@
-//! What came of a frame: how long it took, how much there was in it, where its picture is.
+//! Result of a frame: its times, its size, and the path of its picture.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use slo_picture::output::Outcome;
 use slo_render::frame::FrameScene;
 use slo_render::render::Statistics;
 
-/// How long the phases took.
+/// Durations of the phases.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Times {
     pub(super) loading: Duration,
@@ -19,25 +19,25 @@ pub(super) struct Times {
 }
 
 impl Times {
-    /// Adds the times of a frame; its scene is loaded once for all.
+    /// Adds the times of a frame, except loading: the scene is loaded once for all frames.
     pub(super) fn add(&mut self, frame: &Self) {
         self.building += frame.building;
         self.rendering += frame.rendering;
         self.writing += frame.writing;
     }
 
-    /// All phases.
+    /// Returns the time of all phases.
     pub(super) fn total(&self) -> Duration {
         self.loading + self.building + self.rendering + self.writing
     }
 }
 
-/// How much there is in a frame.
+/// Size of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Size {
     pub(super) primitives: usize,
     pub(super) moving_objects: usize,
-    /// Bytes of the structures.
+    /// Memory of the structures in bytes.
     pub(super) structures: u64,
 }
 
@@ -59,14 +59,14 @@ pub(super) struct Done {
     pub(super) statistics: Statistics,
     pub(super) size: Size,
     pub(super) outcome: Outcome,
-    /// A file beside the picture that could not be written.
+    /// Problem of a file beside the picture that could not be written.
     pub(super) missing: Option<Problem>,
-    /// How far it was taken, if the clock decided about that.
+    /// How far the frame was taken, if the clock decided it.
     pub(super) steps: Option<Steps>,
 }
 
 impl Done {
-    /// The same with what an earlier visit to the frame took.
+    /// Adds the times and statistics of an earlier visit to the frame.
     pub(super) fn after(mut self, earlier: &Self) -> Self {
         self.times.add(&earlier.times);
         self.statistics += earlier.statistics;
@@ -74,8 +74,8 @@ impl Done {
     }
 }
 
-/// Exit code of frames that failed: their own if `all` frames failed alike, and otherwise
-/// [`Exit::Failed`].
+/// Returns the exit code for failed frames: their own if `all` frames failed with the same code,
+/// and [`Exit::Failed`] otherwise.
 pub(super) fn exit_of(failures: &[(i64, Problem)], all: bool) -> Exit {
     let first = failures[0].1.exit;
     let alike = failures.iter().all(|(_, problem)| problem.exit == first);

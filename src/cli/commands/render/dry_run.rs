@@ -1,4 +1,4 @@
-//! `--dry-run`: what would be rendered.
+//! `--dry-run`: lists what would be rendered.
 
 use super::done::exit_of;
 use super::plan::{State, Step};
@@ -6,11 +6,11 @@ use crate::cli::base::{Exit, Problem, Terminal, counted, print};
 use crate::cli::files::load;
 use crate::cli::values::shown;
 
-/// Prints a line per frame, its fields separated by tabs: number, path, what is known of it. Says
-/// how many frames are to be rendered.
+/// Prints one line per frame with its number, path and state, separated by tabs. Reports how many
+/// frames are to be rendered.
 ///
 /// # Errors
-/// That of the run, if the scene does not have all of the frames.
+/// The error of the run, if the scene does not have all of the frames.
 pub(super) fn tell(steps: Vec<Step>, terminal: Terminal) -> Result<(), Problem> {
     let line = |step: &Step| {
         let path = step.path.display();

@@ -1,4 +1,4 @@
-//! Rendering one frame to a file.
+//! Renders one frame to a file.
 
 use std::io;
 use std::path::Path;
@@ -21,10 +21,10 @@ use slo_render::frame::FrameScene;
 use slo_render::render::{Budget, Exposed, Observer, render, render_until};
 use slo_scene::SceneDescription;
 
-/// Nanoseconds that encoding and writing a pixel take, about.
+/// Approximate time to encode and write a pixel, in nanoseconds.
 const WRITING_PER_PIXEL: u64 = 150;
 
-/// What rendering any frame of a job looks at.
+/// Everything that rendering a frame of a job needs.
 pub(super) struct Studio<'a> {
     pub(super) job: &'a Job,
     pub(super) scene: &'a SceneDescription,
@@ -32,21 +32,22 @@ pub(super) struct Studio<'a> {
     pub(super) terminal: Terminal,
 }
 
-/// When a frame takes no more samples, by the clock.
+/// Limit after which a frame takes no more samples, by the clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limit {
-    /// Counted from where its building begins.
+    /// Time since the beginning of the frame's building.
     pub(super) time: Duration,
-    /// The last step that it takes.
+    /// Last step that the frame takes.
     pub(super) step: u32,
 }
 
 impl Studio<'_> {
-    /// Builds, renders and saves a frame; `expected` is where its picture goes. `before` is what was
-    /// built for another frame, and then what was built for this one. If `is_lost`, the frame
-    /// belongs to another process, and is stopped without keeping anything.
+    /// Builds, renders and saves a frame. `expected` is the path of its picture. `before` holds
+    /// what was built for another frame, and afterwards what was built for this one. If `is_lost`,
+    /// the frame belongs to another process, and rendering stops without keeping anything.
     ///
-    /// With a time for all frames what is known of this one stays until it is [closed](Self::close).
+    /// If all frames share a time, the state of this frame stays until the frame is
+    /// [closed](Self::close).
     pub(super) fn render(
         &self,
         frame: i64,
@@ -93,8 +94,8 @@ impl Studio<'_> {
         Ok(Done { path, times, statistics, size, outcome, missing: beside.err(), steps })
     }
 
-    /// Writes the files that are made from a film, and the film if it is still of use; also returns how
-    /// writing the files beside the picture went.
+    /// Writes the files that are made from a film, and the film itself if it is still needed. Also
+    /// returns whether the files beside the picture could be written.
     fn put_in_place(
         &self,
         frame: i64,
@@ -106,7 +107,8 @@ impl Studio<'_> {
         let reached = steps.unwrap_or_default();
         let is_open = self.job.total_time.is_some();
         if is_open {
-            // Before the picture: without a state beside it, it counts as finished.
+            // The state is written before the picture, because a picture without a state counts as
+            // finished.
             checkpoint
                 .save_patiently(&mut film, reached)
                 .map_err(|error| cant_write(checkpoint.unfinished(), &error))?;
@@ -126,15 +128,15 @@ impl Studio<'_> {
         Ok((outcome, beside))
     }
 
-    /// What so many `pictures` like that of a frame need.
+    /// Returns what `pictures` pictures like the picture of a frame need.
     pub(super) fn needs(&self, frame: i64, pictures: usize) -> Needs {
         let (subject, format) = (self.target.subject(frame), self.scene.camera.film.output);
         let beside = Beside { maps: !self.job.maps.is_empty(), states: self.job.keep_state };
         Needs::of(&subject, format, pictures, beside)
     }
 
-    /// Makes sure that there is memory for the rest of a frame whose film is there; what its end needs, which
-    /// is to be released then.
+    /// Makes sure that there is memory for the rest of a frame whose film is allocated. Returns
+    /// the reserve for the end of the frame, which must be released then.
     fn reserve(&self, needs: &Needs) -> Result<Reserve, Problem> {
         let too_large = || needs.too_large();
         let work = Reserve::new(needs.work()).ok_or_else(too_large)?;
@@ -143,7 +145,8 @@ impl Studio<'_> {
         Ok(end)
     }
 
-    /// Takes a film to the end of the plan or of the budget; with a budget, how far it came.
+    /// Exposes a film to the end of the plan or of the budget. With a budget, also returns how far
+    /// it got.
     fn expose(
         &self,
         frame: &FrameScene,
@@ -161,8 +164,8 @@ impl Studio<'_> {
         }
     }
 
-    /// A frame with a time for all of them takes no more samples in this run: what is known of it is
-    /// removed, or kept for later runs.
+    /// Closes a frame that shares a time with all frames and takes no more samples in this run.
+    /// Removes the state of the frame, or keeps it for later runs.
     pub(super) fn close(&self, frame: i64) -> Result<(), Problem> {
         let checkpoint = self.checkpoint(frame);
         if !self.job.keep_state {
@@ -172,7 +175,8 @@ impl Studio<'_> {
         checkpoint.keep_unfinished().map_err(|error| cant_write(checkpoint.kept(), &error))
     }
 
-    /// Removes what another run, killed as it wrote, left of a frame whose picture was to be at `path`.
+    /// Removes the files of a frame that another run left behind when it was killed while writing.
+    /// `path` is the path of the frame's picture.
     pub(super) fn clean_up(&self, frame: i64, path: &Path) {
         remove_leftovers(path);
         self.checkpoint(frame).remove_leftovers();
@@ -183,7 +187,7 @@ impl Studio<'_> {
         self.checkpoint(frame).remove();
     }
 
-    /// A hash of what a frame is rendered from.
+    /// Returns a hash of what a frame is rendered from.
     pub(super) fn recipe_hash(&self, frame: i64) -> String {
         recipe_hash(&self.target.subject(frame), self.job.is_timed())
     }
@@ -194,7 +198,8 @@ impl Studio<'_> {
         Checkpoint::new(&path, subject, is_timed, self.job.checkpoint, self.terminal)
     }
 
-    /// The limit of a frame that has a time of its own: then it is in place in time.
+    /// Returns the limit of a frame that has a time of its own. The limit leaves time for writing,
+    /// so that the picture is in place in time.
     pub(super) fn limit(&self) -> Option<Limit> {
         let film = &self.scene.camera.film;
         let pixels = u64::from(film.width) * u64::from(film.height);
@@ -203,7 +208,7 @@ impl Studio<'_> {
         Some(Limit { time, step: Steps::LAST })
     }
 
-    /// Saves the picture; if that fails, its state.
+    /// Saves the picture, or its state if that fails.
     fn save(
         &self,
         frame: i64,
@@ -284,8 +289,9 @@ fn cant_write(path: &Path, error: &io::Error) -> Problem {
     patience::problem(format_args!("write `{}`", path.display()), error)
 }
 
-/// The first frame makes the folder. One that vanishes later, or can't be used for a while, is waited
-/// for instead.
+/// Checks whether a picture can be written. The first frame makes the folder. If the folder
+/// vanishes later, or can't be used for a while, the check passes and writing waits for the
+/// folder.
 pub(super) fn find_out_if_writable(path: &Path, is_first: bool) -> Result<(), Problem> {
     let check = match is_first {
         true => check_writable(path),

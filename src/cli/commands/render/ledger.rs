@@ -1,5 +1,5 @@
-//! What a run with a time for all frames has learnt of them, on disk, so that the next one has what
-//! is left of the time.
+//! What a run with a time for all frames has learnt about the frames. It is stored on disk, so
+//! that the next run can use the rest of the time.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,10 +13,10 @@ use crate::cli::options::Job;
 use slo_picture::output::{Recipe, open_regular, write_atomically};
 use slo_scene::SceneDescription;
 
-/// A file in the output folder.
+/// The ledger, a file in the output folder.
 pub(super) struct Ledger {
     path: PathBuf,
-    /// Hash of all that frames are made of.
+    /// Hash of everything that the frames are made from.
     of: String,
 }
 
@@ -30,7 +30,8 @@ impl Ledger {
         }
     }
 
-    /// What is known, by the frame's number; nothing if the file belongs to another scene, or is damaged.
+    /// Reads what is known, by frame number. Returns nothing if the file belongs to another scene
+    /// or is damaged.
     pub(super) fn read(&self) -> BTreeMap<i64, Known> {
         let text = open_regular(&self.path).and_then(io::read_to_string).unwrap_or_default();
         let value: Value = serde_json::from_str(&text).unwrap_or_default();
@@ -43,7 +44,7 @@ impl Ledger {
         frames.into_iter().flatten().filter_map(known).collect()
     }
 
-    /// Writes what is known. If that fails, nothing else is lost.
+    /// Writes what is known. A failure is ignored, because nothing else is lost.
     pub(super) fn write<'a>(&self, known: impl Iterator<Item = (i64, &'a Known)>) {
         let line = |(frame, known): (i64, &Known)| (frame.to_string(), json!(known.to_numbers()));
         let frames: Map<String, Value> = known.map(line).collect();
@@ -51,7 +52,7 @@ impl Ledger {
         let _ = write_atomically(&self.path, |file| file.write_all(text.as_bytes()));
     }
 
-    /// The run is over.
+    /// Removes the ledger when the run is over.
     pub(super) fn remove(&self) {
         let _ = fs::remove_file(&self.path);
     }

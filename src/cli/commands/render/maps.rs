@@ -1,4 +1,4 @@
-//! The maps that are written beside the picture of a frame.
+//! Maps that are written beside the picture of a frame.
 
 use std::collections::HashMap;
 use std::io;
@@ -11,11 +11,11 @@ use crate::cli::values::{Map, Maps};
 use slo_picture::film::{Area, Display, Film};
 use slo_picture::output::{write_error_map, write_sample_map};
 
-/// Finds out, before anything is rendered, whether the maps of the frames can be written to
-/// paths of their own. Each frame comes with the path of its picture.
+/// Checks before rendering whether the maps of the frames can be written to paths of their own.
+/// Each frame comes with the path of its picture.
 ///
 /// # Errors
-/// Two files of one name; what is in the way.
+/// Two files have the same path, or something is in the way.
 pub(super) fn check<'a>(
     maps: &Maps,
     frames: impl Iterator<Item = (i64, &'a Path)> + Clone,
@@ -38,10 +38,10 @@ pub(super) fn check<'a>(
     Ok(())
 }
 
-/// Writes the maps of a frame, as soon as there is room for them: of an area of a picture.
+/// Writes the maps of a frame, for an area of its picture, as soon as there is room for them.
 ///
 /// # Errors
-/// The path that can't be written, and what the system says.
+/// The path that can't be written, and the I/O error.
 pub(super) fn write(
     maps: &Maps,
     frame: i64,

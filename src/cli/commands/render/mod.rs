@@ -1,4 +1,4 @@
-//! Rendering the frames of a job, one after the other, in one process.
+//! Renders the frames of a job one after the other in one process.
 
 mod done;
 mod dry_run;
@@ -28,10 +28,10 @@ use slo_scene::Accelerator;
 use slo_scene::SceneDescription;
 use target::Target;
 
-/// Renders the job's frames, prints the paths of their pictures, and says how it went.
+/// Renders the job's frames, prints the paths of their pictures, and reports how it went.
 pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
     let start = Instant::now();
-    // What would be rendered can be found out again.
+    // A dry run needs no guard: it can simply be repeated.
     let _guard = (!job.dry_run).then(Guard::new);
     let pool = threads::pool(job.threads)?;
     let scene = pool.install(|| load::scene(job, terminal))?;
@@ -88,7 +88,7 @@ fn to_render(steps: &[Step]) -> usize {
     steps.iter().filter(|step| step.is_to_render()).count()
 }
 
-/// One structure is there to be measured against.
+/// Warns about the structure that exists only for measurements.
 fn warn_of_structure(accelerator: Accelerator, terminal: Terminal) {
     if accelerator == Accelerator::Cwbvh {
         terminal.warn(

@@ -1,4 +1,4 @@
-//! Which frames of a sequence are to be rendered, and why.
+//! Decides which frames of a sequence are to be rendered, and why.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -13,29 +13,29 @@ use slo_picture::output::Found;
 use slo_scene::SceneDescription;
 use slo_scene::animation::{Clock, NoSegment};
 
-/// One frame, and what the output folder holds of it.
+/// A frame, and what the output folder holds for it.
 #[derive(Debug)]
 pub(super) struct Step {
     pub(super) frame: i64,
-    /// Where its picture goes; with `--info` the time is still missing.
+    /// Path of its picture. With `--info`, the render time is not known yet.
     pub(super) path: PathBuf,
     pub(super) state: State,
 }
 
-/// What is known of a frame before it is rendered.
+/// What is known about a frame before it is rendered.
 #[derive(Debug)]
 pub(super) enum State {
-    /// Its picture is there.
+    /// Its picture is finished.
     Finished,
-    /// To be rendered, since this is what was found.
+    /// To be rendered because of what was found.
     ToRender(Found),
-    /// Not to be rendered: the file of another program is there, for this reason.
+    /// Not to be rendered: another program's file is there. The text says why it counts as such.
     Foreign(String),
     /// The scene has no such frame.
     None(NoSegment),
 }
 
-/// The frames of a job in the order of their rendering.
+/// Returns the frames of a job in the order of their rendering.
 pub(super) fn steps(job: &Job, scene: &SceneDescription, target: &Target) -> Vec<Step> {
     let (clock, names) = (Clock::new(&scene.camera), Names::of(job));
     let step = |frame: i64| {
@@ -49,14 +49,14 @@ pub(super) fn steps(job: &Job, scene: &SceneDescription, target: &Target) -> Vec
     job.order.of(&job.frames().numbers).into_par_iter().map(step).collect()
 }
 
-/// What is there of a frame by now, and where.
+/// Looks again at what exists of a frame by now, and returns its path and state.
 pub(super) fn look_again(job: &Job, target: &Target, frame: i64) -> (PathBuf, State) {
     let path = Names::of(job).path(job, target, frame);
     let state = look(job, target, frame, &path);
     (path, state)
 }
 
-/// What is at `path` of a frame that the scene has.
+/// Looks at the file at `path` of a frame that the scene has.
 fn look(job: &Job, target: &Target, frame: i64, path: &Path) -> State {
     match target.look(frame, path) {
         Found::Finished if is_open(job, target, frame) => {
@@ -68,13 +68,13 @@ fn look(job: &Job, target: &Target, frame: i64, path: &Path) -> State {
     }
 }
 
-/// Whether a picture of a run with a time for all frames is to get better.
+/// Whether a picture of a run with a time for all frames is to improve further.
 pub(super) fn is_open(job: &Job, target: &Target, frame: i64) -> bool {
     let state = || unfinished(&target.plain_path(frame), &target.subject(frame), job.is_timed());
     job.total_time.is_some() && state().is_file()
 }
 
-/// Names in the output folder, if the time of rendering is part of them.
+/// Names in the output folder, if they contain the render time; empty otherwise.
 struct Names(BTreeSet<String>);
 
 impl Names {
@@ -85,7 +85,8 @@ impl Names {
         Self(names.filter_map(|entry| entry.file_name().into_string().ok()).collect())
     }
 
-    /// Where the picture of a frame is, or would be had it taken no time.
+    /// Returns the path of a frame's picture, or the path that it would have if rendering took no
+    /// time.
     fn path(&self, job: &Job, target: &Target, frame: i64) -> PathBuf {
         let path = target.path(frame, Duration::ZERO);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -102,7 +103,7 @@ impl Step {
         matches!(self.state, State::ToRender(_))
     }
 
-    /// What is known, in a word or a few.
+    /// Describes the state in a few words.
     pub(super) fn reason(&self) -> String {
         match &self.state {
             State::Finished => "finished".into(),

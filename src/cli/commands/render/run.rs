@@ -1,4 +1,4 @@
-//! A run under way: what it does for each frame, and what came of all.
+//! A run in progress: what it does for each frame, and its overall result.
 
 use std::collections::BTreeSet;
 use std::fmt::Display;
@@ -27,7 +27,8 @@ struct Placed {
     stamp: Option<Stamp>,
 }
 
-/// Distinguishes a file from another one of its name without reading either.
+/// Length and modification time, which distinguish a file from another one of the same name
+/// without reading either.
 #[derive(PartialEq, Eq)]
 struct Stamp(u64, SystemTime);
 
@@ -44,15 +45,15 @@ impl Stamp {
     }
 }
 
-/// A run under way.
+/// A run in progress.
 pub(super) struct Run<'a> {
     pub(super) studio: Studio<'a>,
-    /// All that were asked for.
+    /// Number of frames that were asked for.
     frames: usize,
     is_sequence: bool,
     pub(super) progress: Progress,
     summary: Summary,
-    /// Frames that were there already.
+    /// Number of frames that were finished already.
     pub(super) found: usize,
     pub(super) failures: Vec<(i64, Problem)>,
     /// Pictures that are in place.
@@ -66,8 +67,8 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// For a run of `frames` frames, `to_render` of which are to be rendered, that took `loading` to
-    /// read its scene.
+    /// Starts a run of `frames` frames, of which `to_render` are to be rendered. Reading the scene
+    /// took `loading`.
     pub(super) fn new(
         studio: Studio<'a>,
         frames: usize,
@@ -92,7 +93,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Does what is to do for one frame. An error ends the run.
+    /// Does what one frame needs. An error ends the run.
     pub(super) fn step(&mut self, step: &Step) -> Result<(), Problem> {
         match &step.state {
             State::Finished => self.keep(step.frame, &step.path, false),
@@ -104,7 +105,8 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Whether another process has finished the frame since, or somebody has put another file in its place.
+    /// Records the frame if another process has finished it since, or if somebody has put another
+    /// file in its place. Returns whether this is so.
     pub(super) fn is_there_now(&mut self, step: &Step) -> bool {
         let (path, state) = plan::look_again(self.studio.job, &self.studio.target, step.frame);
         match state {
@@ -125,7 +127,7 @@ impl<'a> Run<'a> {
         self.print(path);
     }
 
-    /// Renders a frame, as long as it belongs to this process; false if it no longer does.
+    /// Renders a frame as long as it belongs to this process. Returns false if it no longer does.
     pub(super) fn render(
         &mut self,
         frame: i64,
@@ -145,7 +147,7 @@ impl<'a> Run<'a> {
         Ok(true)
     }
 
-    /// A picture is in place, for good.
+    /// Records a picture that is in place for good.
     pub(super) fn finish(&mut self, frame: i64, mut done: Done) {
         self.print(&done.path);
         self.placed.push(Placed::new(frame, &done.path));
@@ -182,12 +184,13 @@ impl<'a> Run<'a> {
         self.progress.suspended(|| self.studio.terminal.note(text));
     }
 
-    /// Tells programs how the run went, which took `time` for its frames.
+    /// Reports to programs how the run went. Its frames took `time`.
     pub(super) fn ended(&self, time: Duration) {
         self.progress.ended(self.summary.frames, self.found, self.failures.len(), time);
     }
 
-    /// Whether all pictures are still in place: others may have replaced or removed some since.
+    /// Checks whether all pictures are still in place: others may have replaced or removed some
+    /// since.
     pub(super) fn look_once_more(&mut self) {
         for Placed { frame, path, stamp } in mem::take(&mut self.placed) {
             if stamp.is_some() && Stamp::of(&path) == stamp {
@@ -205,7 +208,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Says how the run went; an error if frames failed.
+    /// Reports how the run went. Returns an error if frames failed or a path could not be printed.
     pub(super) fn end(mut self) -> Result<(), Problem> {
         drop(self.progress);
         let terminal = self.studio.terminal;
@@ -235,7 +238,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// An error if the run was asked to stop.
+/// Returns an error if the run was asked to stop.
 pub(super) fn may_begin(frame: i64) -> Result<(), Problem> {
     if interrupt::requested() {
         return Err(Problem::new(Exit::Stopped, format!("interrupted before frame {frame}"))

@@ -1,59 +1,61 @@
-//! How far which frame goes next, so that all are equally clean when the time is over.
+//! Decides how far each frame goes next, so that all are equally clean when the time is up.
 //!
-//! Frames are numbered by their place in the run, times are in seconds.
+//! Frames are numbered by their place in the run. Times are in seconds.
 
 use slo_picture::film::Steps;
 
-/// The step that each frame is taken to first: fewer samples do not show what more would take.
+/// Step to which each frame is taken first. Fewer samples do not show how long more would take.
 const FIRST: u32 = 4;
-/// The first steps together take this share of the time at most.
+/// Maximum share of the time that the first steps take together.
 const FIRST_SHARE: f64 = 0.5;
-/// A step takes as many samples as all before it, at most.
+/// Maximum growth of the number of samples in a step: a step takes at most as many samples as all
+/// steps before it.
 const MOST_GROWTH: f64 = 2.0;
-/// Several steps at once are taken if they are expected to need at most this share of the time that
-/// is left.
+/// Several steps are taken at once if they are expected to need at most this share of the time
+/// that is left.
 const SURE: f64 = 0.7;
-/// What is left over of the span, as a share of it, for what nobody foresees.
+/// Share of the span that is held back for the unforeseen.
 const RESERVE: f64 = 0.005;
-/// Share of a visit's time besides the samples that is left over, in case the last one takes longer.
+/// Share of a visit's time besides sampling that is held back, in case the last visit takes
+/// longer.
 const SLACK: f64 = 0.5;
-/// A round for less than this share of the span is not worth it.
+/// Smallest share of the span that makes a round worthwhile.
 const WORTH: f64 = 0.01;
 
-/// What came of a visit: a frame was built, took samples, and was written.
+/// Result of a visit, in which a frame was built, took samples, and was written.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Visit {
-    /// The step that all tiles are at.
+    /// Step that all tiles have reached.
     pub(super) done: u32,
-    /// The share of them that is one further.
+    /// Share of the tiles that are one step further.
     pub(super) further: f64,
-    /// Samples per pixel, all that there are.
+    /// Samples per pixel in total.
     pub(super) samples: f64,
-    /// Those that this visit took.
+    /// Samples per pixel that this visit took.
     pub(super) taken: f64,
-    /// What these took.
+    /// Time that these samples took.
     pub(super) sampling: f64,
     /// Time before the first sample.
     pub(super) before: f64,
-    /// Time after the last.
+    /// Time after the last sample.
     pub(super) after: f64,
 }
 
-/// What is known of a frame.
+/// What is known about a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Known {
     done: u32,
     further: f64,
     samples: f64,
-    /// Samples whose time was measured, and that time.
+    /// Samples per pixel whose time was measured, and that time.
     measured: f64,
     sampling: f64,
-    /// Of the last visit.
+    /// Times before and after the samples of the last visit.
     before: f64,
     after: f64,
-    /// All visits.
+    /// Time of all visits.
     spent: f64,
-    /// How many times the samples of one step the next one has.
+    /// Ratio of the samples at the next step to the samples at this one.
     growth: f64,
 }
 
@@ -85,30 +87,30 @@ impl Known {
         libm::pow(self.samples / earlier.samples, 1.0 / steps).clamp(1.1, MOST_GROWTH)
     }
 
-    /// Steps, a part of one by the samples that it takes.
+    /// Returns the number of steps. A part of a step counts by its samples.
     fn position(&self) -> f64 {
         f64::from(self.done) + libm::log2(1.0 + self.further)
     }
 
-    /// Time of a visit besides its samples.
+    /// Returns the time of a visit besides its samples.
     fn fixed(&self) -> f64 {
         self.before + self.after
     }
 
-    /// Samples that are missing to a step.
+    /// Returns the samples per pixel that are missing to reach a step.
     fn missing(&self, step: u32, growth: f64) -> f64 {
         let steps = (f64::from(step) - self.position()).max(0.0);
         self.samples * (libm::pow(growth, steps) - 1.0)
     }
 
-    /// All that is known, as numbers.
+    /// Returns all that is known, as numbers.
     pub(super) fn to_numbers(self) -> [f64; 9] {
         let Self { done, further, samples, measured, sampling, before, after, spent, growth } =
             self;
         [f64::from(done), further, samples, measured, sampling, before, after, spent, growth]
     }
 
-    /// The same from numbers; `None` if one of them can't be.
+    /// Restores what is known from numbers. Returns `None` if a number is impossible.
     pub(super) fn from_numbers(numbers: [f64; 9]) -> Option<Self> {
         let [done, further, samples, measured, sampling, before, after, spent, growth] = numbers;
         let is_sound = numbers.iter().all(|number| *number >= 0.0 && *number < 1e15)
@@ -134,18 +136,18 @@ impl Known {
 enum Frame {
     New,
     Known(Known),
-    /// It is left out.
+    /// The frame is left out.
     Failed,
 }
 
-/// The frames of a run, and the span that they have together.
+/// The frames of a run, and the time span that they share.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
     span: f64,
     frames: Vec<Frame>,
 }
 
-/// Frames that are to be visited, and the step that none of them passes.
+/// Frames to visit, and the step that none of them passes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Round {
     pub(super) goal: u32,
@@ -153,18 +155,18 @@ pub(super) struct Round {
 }
 
 impl Schedule {
-    /// For frames of which something is known or nothing.
+    /// Makes a schedule for frames, each with what is known about it, if anything.
     pub(super) fn new(span: f64, frames: impl IntoIterator<Item = Option<Known>>) -> Self {
         let frames = frames.into_iter().map(|known| known.map_or(Frame::New, Frame::Known));
         Self { span, frames: frames.collect() }
     }
 
-    /// What was spent on all frames.
+    /// Returns the time spent on all frames.
     pub(super) fn spent(&self) -> f64 {
         self.known().map(|(_, known)| known.spent).sum()
     }
 
-    /// What is known, by frame.
+    /// Returns what is known, by frame.
     pub(super) fn known(&self) -> impl Iterator<Item = (usize, &Known)> {
         self.frames.iter().enumerate().filter_map(|(i, frame)| match frame {
             Frame::Known(known) => Some((i, known)),
@@ -172,7 +174,7 @@ impl Schedule {
         })
     }
 
-    /// A frame was visited; false if it came no further.
+    /// Records a visit to a frame. Returns false if the frame got no further.
     pub(super) fn visited(&mut self, i: usize, visit: &Visit) -> bool {
         let earlier = match self.frames[i] {
             Frame::Known(known) => Some(known),
@@ -183,14 +185,14 @@ impl Schedule {
         earlier.is_none_or(|earlier| known.position() > earlier.position())
     }
 
-    /// A visit ended early, after so much time.
+    /// Records a visit that ended early, after `seconds`.
     pub(super) fn broken_off(&mut self, i: usize, seconds: f64) {
         if let Frame::Known(known) = &mut self.frames[i] {
             known.spent += seconds;
         }
     }
 
-    /// The last visit to a frame took so much more in the end.
+    /// Records that the last visit to a frame took `seconds` more.
     pub(super) fn took_more(&mut self, i: usize, seconds: f64) {
         if let Frame::Known(known) = &mut self.frames[i] {
             known.after += seconds;
@@ -198,12 +200,13 @@ impl Schedule {
         }
     }
 
-    /// A frame can't be had.
+    /// Records that a frame failed.
     pub(super) fn failed(&mut self, i: usize) {
         self.frames[i] = Frame::Failed;
     }
 
-    /// The next round, `passed` of the span; `None` if no time is left for one, or nothing to do.
+    /// Returns the next round when `passed` of the span is over. Returns `None` if no time is left
+    /// for a round, or nothing is left to do.
     pub(super) fn round(&self, passed: f64) -> Option<Round> {
         let is_new = |i: &usize| matches!(self.frames[*i], Frame::New);
         let new: Vec<usize> = (0..self.frames.len()).filter(is_new).collect();
@@ -222,8 +225,8 @@ impl Schedule {
         is_worth_it.then_some(Round { goal, frames })
     }
 
-    /// How far frame number `at` of a round goes: the last step, and seconds from the beginning of
-    /// the visit to its last sample.
+    /// Returns how far frame number `at` of a round goes: the last step, and the seconds from the
+    /// beginning of the visit to its last sample.
     pub(super) fn limit(&self, round: &Round, at: usize, passed: f64) -> (u32, f64) {
         let i = round.frames[at];
         let todo = || round.frames[at..].iter().copied();
@@ -243,7 +246,7 @@ impl Schedule {
         }
     }
 
-    /// The step that all known frames are at.
+    /// Returns the step that all known frames have reached.
     fn level(&self) -> Option<u32> {
         self.known().map(|(_, known)| known.done).min()
     }
@@ -252,12 +255,12 @@ impl Schedule {
         self.span * (1.0 - RESERVE) - SLACK * self.mean(Known::fixed) - passed
     }
 
-    /// Frames that are not at a step yet.
+    /// Returns the frames that have not reached a step yet.
     fn below(&self, step: u32) -> impl Iterator<Item = usize> {
         self.known().filter(move |(_, known)| known.done < step).map(|(i, _)| i)
     }
 
-    /// Visits without their samples.
+    /// Returns the time of visits to frames besides their samples.
     fn fixed(&self, frames: impl Iterator<Item = usize>) -> f64 {
         let usual = self.mean(Known::fixed);
         let fixed = |i: usize| match &self.frames[i] {
@@ -267,7 +270,7 @@ impl Schedule {
         frames.map(fixed).sum()
     }
 
-    /// Time before the first sample of a frame, as a rule.
+    /// Returns the usual time before the first sample of a frame.
     fn before(&self) -> f64 {
         self.mean(|known| known.before)
     }
@@ -280,7 +283,7 @@ impl Schedule {
         if let Frame::Known(known) = &self.frames[i] { known.growth } else { MOST_GROWTH }
     }
 
-    /// Time for the samples that a frame lacks to a step.
+    /// Returns the time for the samples that a frame lacks to reach a step.
     fn needs(&self, i: usize, step: u32, growth: f64) -> f64 {
         let Frame::Known(known) = &self.frames[i] else { return 1.0 };
         let is_measured = known.measured >= 0.01 * known.samples && known.sampling > 0.0;
@@ -288,7 +291,7 @@ impl Schedule {
         known.missing(step, growth) * rate
     }
 
-    /// Time for a sample per pixel, as a rule: a second if nothing was measured.
+    /// Returns the usual time for one sample per pixel: a second if nothing was measured.
     fn usual_rate(&self) -> f64 {
         let (sampling, measured) = (self.mean(|k| k.sampling), self.mean(|k| k.measured));
         if measured > 0.0 && sampling > 0.0 { sampling / measured } else { 1.0 }
@@ -299,11 +302,11 @@ impl Schedule {
 mod tests {
     use super::*;
 
-    /// Tiles of a made-up frame.
+    /// Number of tiles of a made-up frame.
     const TILES: f64 = 20.0;
 
-    /// A made-up frame: its samples at step 4, how they grow from there, and what they and a visit
-    /// take.
+    /// A made-up frame: its samples at step 4, their growth from there, and the times of a sample
+    /// and of a visit.
     #[derive(Clone, Copy)]
     struct Made {
         samples: f64,
@@ -326,7 +329,7 @@ mod tests {
             self.samples_at(done) + further * (next - self.samples_at(done))
         }
 
-        /// Tile after tile, as long as there is time.
+        /// Takes tile after tile as long as there is time.
         fn visit(&mut self, (last, seconds): (u32, f64)) -> Visit {
             let (half, before) = (self.fixed / 2.0, self.samples(self.at));
             let before = if self.at == (0, -1.0) { 0.0 } else { before };
@@ -354,7 +357,7 @@ mod tests {
         }
     }
 
-    /// What is passed at the end, and how many rounds there were.
+    /// Returns the time that has passed at the end, and the number of rounds.
     fn run(span: f64, made: &mut [Made]) -> (f64, usize) {
         let mut schedule = Schedule::new(span, made.iter().map(|_| None));
         let (mut passed, mut rounds) = (0.0, 0);
@@ -376,7 +379,7 @@ mod tests {
         Made { samples, growth, rate, fixed: 0.1, at: (0, -1.0) }
     }
 
-    /// All of the span is used, and no more, for frames that are equally clean.
+    /// Checks that frames use all of the span and no more, and come out equally clean.
     #[track_caller]
     fn check(span: f64, frames: &[Made]) {
         let mut made = frames.to_vec();

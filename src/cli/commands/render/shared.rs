@@ -1,4 +1,5 @@
-//! `--share`: processes that see the same folder share the frames out, on one machine or on many.
+//! `--share`: processes that see the same folder divide the frames among themselves, on one
+//! machine or on many.
 
 use std::path::PathBuf;
 use std::thread::sleep;
@@ -12,11 +13,11 @@ use crate::cli::claims::{Claim, Claims, Taken, Worker};
 use crate::cli::system::{interrupt, patience};
 use crate::cli::values::named;
 
-/// What came of one look at a frame.
+/// Result of a look at a frame.
 enum Look {
-    /// It is there, or can't be had.
+    /// The frame is finished or has failed.
     Settled,
-    /// This process has rendered it: meanwhile others have got on.
+    /// This process has rendered it. Meanwhile the others have made progress.
     Rendered,
     /// Another process renders it.
     Theirs(Option<Worker>),
@@ -29,10 +30,10 @@ struct Theirs {
 }
 
 impl Run<'_> {
-    /// Does all steps that no other process does, and returns when all are done by whomever.
+    /// Renders all frames that no other process renders, and returns when every frame is done.
     ///
     /// # Errors
-    /// Another process renders such a frame from another scene or with other settings.
+    /// Another process renders one of the frames from another scene or with other settings.
     pub(super) fn share(&mut self, steps: Vec<Step>, lease: Duration) -> Result<(), Problem> {
         let claims = Claims::new(lease).map_err(|error| {
             Problem::new(Exit::Failed, format!("can't start a thread: {error}"))
@@ -54,7 +55,7 @@ impl Run<'_> {
         }
     }
 
-    /// Looks at frames that others had; those that they still have.
+    /// Looks again at frames of other processes, and returns the frames that they still hold.
     fn look_again(&mut self, theirs: Vec<Theirs>, claims: &Claims) -> Result<Vec<Theirs>, Problem> {
         let mut left = Vec::new();
         for Theirs { step, .. } in theirs {
@@ -65,7 +66,7 @@ impl Run<'_> {
         Ok(left)
     }
 
-    /// Renders the first frame that is still to do and unclaimed; false if there is none.
+    /// Renders the first frame that is still to do and unclaimed. Returns false if there is none.
     fn first_free(
         &mut self,
         steps: &mut impl Iterator<Item = Step>,
@@ -87,7 +88,8 @@ impl Run<'_> {
         if let State::None(_) | State::Foreign(_) = step.state {
             return self.step(step).map(|()| Look::Settled);
         }
-        // One that died as it let go of a finished frame has left its claim.
+        // A process that died while releasing a finished frame has left its claim, which is taken
+        // over below.
         if !claims.is_taken(&self.claimed(step)) && self.keep_if_there(step) {
             return Ok(Look::Settled);
         }
@@ -104,11 +106,12 @@ impl Run<'_> {
         }
     }
 
-    /// Claims a frame. If a process has it that renders another scene, waits until that is known to be dead.
-    /// `None`: the frame is there.
+    /// Claims a frame. If a process that renders another scene holds it, waits until that process
+    /// is known to be dead. Returns `None` if the frame is finished.
     ///
     /// # Errors
-    /// That process is alive: two versions of a scene can't share a folder.
+    /// The process that renders another scene is alive: two versions of a scene can't share a
+    /// folder.
     fn claim_ours(
         &mut self,
         step: &Step,
@@ -124,7 +127,8 @@ impl Run<'_> {
             let (worker, is_alive) = match (taken, &other) {
                 (Taken::Other { worker, is_alive }, _) => (worker, is_alive),
                 (Taken::Mine(claim), Some(worker)) if claim.dead.is_none() => {
-                    // It has let go of the frame: unless it was one of ours meanwhile, it continues with others.
+                    // The other process has released the frame. Unless one of ours made the
+                    // picture meanwhile, that process continues with other frames.
                     match self.keep_if_there(step) {
                         true => return Ok(Ok(None)),
                         false => (worker.clone(), true),
@@ -147,7 +151,7 @@ impl Run<'_> {
         }
     }
 
-    /// Goes on with a frame that is this process's now, from wherever others have left it.
+    /// Continues a frame that now belongs to this process, from wherever others have left it.
     fn go_on(&mut self, step: &Step, claim: Claim) -> Result<Look, Problem> {
         let frame = step.frame;
         if let Some(dead) = &claim.dead {
@@ -175,7 +179,8 @@ impl Run<'_> {
         true
     }
 
-    /// What is claimed: with the time in its name a picture has another one each time.
+    /// Returns the path that is claimed. With the render time in its name, a picture would have
+    /// another path each time.
     fn claimed(&self, step: &Step) -> PathBuf {
         self.studio.target.plain_path(step.frame)
     }
@@ -189,7 +194,7 @@ impl Run<'_> {
             .map_err(|error| patience::problem(format_args!("claim `{}`", path.display()), &error))
     }
 
-    /// Says for which frames the run waits, if they have changed since last time.
+    /// Reports the frames that the run waits for, if they have changed since the last report.
     fn tell_waiting(&self, theirs: &[Theirs], told: &mut Vec<i64>) {
         let frames: Vec<i64> = theirs.iter().map(|theirs| theirs.step.frame).collect();
         if frames == *told {

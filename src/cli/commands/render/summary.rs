@@ -1,4 +1,4 @@
-//! How a rendering went, in a line or a few.
+//! Summary of a rendering, in one or a few lines.
 
 use std::fmt::Write;
 use std::time::Duration;
@@ -10,22 +10,22 @@ use slo_render::render::Statistics;
 use slo_scene::Accelerator;
 use slo_scene::{SceneDescription, Settings};
 
-/// What was measured of one run.
+/// Measurements of one run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Summary {
-    /// Frames that were rendered.
+    /// Number of frames that were rendered.
     pub(super) frames: usize,
     times: Times,
     statistics: Statistics,
-    /// Of the last frame.
+    /// Size of the last frame.
     size: Size,
-    /// The largest of a frame.
+    /// Largest error of a frame.
     error: Option<f64>,
     isa: Isa,
 }
 
 impl Summary {
-    /// Of a run that has loaded its scene.
+    /// Starts the summary of a run that has loaded its scene.
     pub(super) fn new(loading: Duration, isa: Isa) -> Self {
         let times = Times { loading, ..Times::default() };
         let (statistics, size) = (Statistics::default(), Size::default());
@@ -41,7 +41,7 @@ impl Summary {
         self.error = self.error.into_iter().chain(done.outcome.error).reduce(f64::max);
     }
 
-    /// Says it.
+    /// Prints the summary.
     pub(super) fn tell(&self, scene: &SceneDescription, terminal: Terminal) {
         let refused = self.statistics.refused_contributions;
         if refused > 0 {
@@ -115,7 +115,7 @@ fn line(rendering: Duration, rays: &Statistics, peak: Option<u64>) -> String {
     line
 }
 
-/// Peak memory of this process in bytes, if the system reports it.
+/// Returns the peak memory of this process in bytes, if the system reports it.
 fn peak_memory() -> Option<u64> {
     peak_of(&std::fs::read_to_string("/proc/self/status").ok()?)
 }

@@ -1,4 +1,5 @@
-//! What a run makes of a frame: its picture, the picture of a region, or a part of one.
+//! Result that a run makes from each frame: its picture, the picture of a region, or a part of
+//! either.
 
 use std::fmt::{self, Display};
 use std::io;
@@ -19,24 +20,24 @@ use slo_picture::output::{
 use slo_render::render::{Part, Plan};
 use slo_scene::SceneDescription;
 
-/// What is made of each frame of a job.
+/// What is made from each frame of a job.
 #[derive(Clone, Debug)]
 pub(super) struct Target<'a> {
     job: &'a Job,
     scene: &'a SceneDescription,
     plan: Plan,
-    /// The picture.
+    /// Area of the whole picture.
     whole: Area,
-    /// What of the picture is asked for.
+    /// Area of the picture that is asked for.
     region: Area,
 }
 
 impl<'a> Target<'a> {
-    /// What the job asks for.
+    /// Makes the target that the job asks for.
     ///
     /// # Errors
-    /// A region that is not inside the picture, parts that its samples do not have, or layers that
-    /// its file does not hold.
+    /// The region is not inside the picture, the samples can't be divided into the parts, or the
+    /// file does not hold the layers.
     pub(super) fn new(job: &'a Job, scene: &'a SceneDescription) -> Result<Self, Problem> {
         let film = &scene.camera.film;
         if !film.layers.is_empty() && !film.output.has_layers() {
@@ -66,19 +67,19 @@ impl<'a> Target<'a> {
         Ok(Self { job, scene, plan, whole, region })
     }
 
-    /// Which samples are taken.
+    /// Returns the plan: which samples are taken.
     pub(super) fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// The path of what is made of a frame; its name holds the time with `--info`.
+    /// Returns the path of a frame's file. With `--info`, the name holds the render time.
     pub(super) fn path(&self, frame: i64, time: Duration) -> PathBuf {
         let (settings, least) = (&self.scene.settings, self.plan.least());
         let info = self.job.info.then_some(Info { settings, least, time });
         self.job.outdir.join(self.name(frame, info))
     }
 
-    /// The same path without what `--info` adds.
+    /// Returns the same path without what `--info` adds.
     pub(super) fn plain_path(&self, frame: i64) -> PathBuf {
         self.job.outdir.join(self.name(frame, None))
     }
@@ -98,7 +99,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// What the film of a frame is exposed for.
+    /// Returns what the film of a frame is exposed for.
     pub(super) fn subject(&self, frame: i64) -> Subject {
         Subject {
             recipe: self.whole_recipe(frame, self.job.steps),
@@ -110,7 +111,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// What is there already.
+    /// Looks at what exists already.
     pub(super) fn look(&self, frame: i64, path: &Path) -> Found {
         match self.job.part {
             Some(_) => find_state(path, &self.subject(frame)),
@@ -119,7 +120,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Of the picture, or of the region's.
+    /// Returns the recipe of the picture, or of the picture of the region.
     fn recipe(&self, frame: i64, steps: Option<Steps>) -> String {
         let recipe = self.whole_recipe(frame, steps);
         if self.job.region.is_some() { with_region(recipe, self.region) } else { recipe }
@@ -133,10 +134,11 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Writes what was asked for to `path`; `steps` are those that the clock decided about.
+    /// Writes what was asked for to `path`. `steps` are the steps taken, if the clock decided
+    /// them.
     ///
     /// # Errors
-    /// What the system says; a file of another program is there by now (`AlreadyExists`).
+    /// Any I/O error; `AlreadyExists` if another program's file is there by now.
     pub(super) fn write(
         &self,
         frame: i64,
@@ -149,7 +151,7 @@ impl<'a> Target<'a> {
         }
         let outcome = Outcome::of(film, self.region, self.plan.display(), self.job.isa);
         if self.job.part.is_some() {
-            // There may not be memory for two of them.
+            // There may not be memory for two films.
             let (subject, film_of) = (self.subject(frame), mem::take(film));
             let state = State { subject, film: film_of, is_complete: true };
             let written = write_state(path, &state);
@@ -172,7 +174,7 @@ impl<'a> Target<'a> {
     /// Writes the maps of a frame that were asked for.
     ///
     /// # Errors
-    /// The path that can't be written, and what the system says.
+    /// The path that can't be written, and the I/O error.
     pub(super) fn write_maps(
         &self,
         frame: i64,
@@ -184,7 +186,7 @@ impl<'a> Target<'a> {
     }
 }
 
-/// A file of another program has the name of a picture.
+/// Another program's file has the name of a picture.
 struct NotOurs {
     why: String,
 }
@@ -195,12 +197,12 @@ impl Display for NotOurs {
     }
 }
 
-/// A frame that can't be rendered because a file of another program has its name.
+/// Makes the problem that a frame can't be rendered because another program's file has its name.
 pub(super) fn not_ours(path: &Path, why: &str) -> Problem {
     in_the_way(path, NotOurs { why: why.to_owned() })
 }
 
-/// A file is in the way of a picture and is left alone.
+/// Makes the problem that a file is in the way of a picture and is left alone.
 pub(super) fn in_the_way(path: &Path, what: impl Display) -> Problem {
     Problem::new(Exit::CantCreate, format!("can't create `{}`: {what}", path.display()))
         .with_help("it is left alone; move it away, or replace it with `--overwrite`")
@@ -208,7 +210,7 @@ pub(super) fn in_the_way(path: &Path, what: impl Display) -> Problem {
 
 /// A picture or a part that is in place.
 pub(super) struct Written {
-    /// Pixels that are no numbers.
+    /// Number of pixels that are not finite numbers.
     pub(super) not_finite: usize,
     pub(super) outcome: Outcome,
 }

@@ -1,4 +1,4 @@
-//! `--total-time`: all frames get better, round by round, until the time is over.
+//! `--total-time`: all frames improve, round by round, until the time is up.
 
 use std::time::{Duration, Instant};
 
@@ -11,29 +11,29 @@ use super::schedule::{Known, Round, Schedule, Visit};
 use crate::cli::base::{Exit, Problem, human};
 use slo_picture::output::Found;
 
-/// A frame, and what came of it so far in this run.
+/// A frame, and its result so far in this run.
 struct Take {
     step: Step,
     done: Option<Done>,
 }
 
-/// Frames under way.
+/// Frames in progress.
 struct Rounds {
     takes: Vec<Take>,
     schedule: Schedule,
     ledger: Ledger,
     begin: Instant,
-    /// What earlier runs had of the time.
+    /// Time that earlier runs have used, in seconds.
     earlier: f64,
 }
 
 impl Rounds {
-    /// How much of the span has passed, in seconds.
+    /// Returns how much of the span has passed, in seconds.
     fn passed(&self) -> f64 {
         self.earlier + self.begin.elapsed().as_secs_f64()
     }
 
-    /// Why more than the span has passed, if that is known.
+    /// Explains why more than the span has passed, if the reason is known.
     fn late(&self, span: f64) -> Option<String> {
         let is_least = |take: &Take| {
             take.done.as_ref()?.steps.map(|s| s == slo_picture::film::Steps::default())
@@ -50,7 +50,7 @@ impl Rounds {
         })
     }
 
-    /// Writes down what is known, for a run that continues from here.
+    /// Writes what is known, for a run that continues from here.
     fn note(&self) {
         let known = self.schedule.known();
         self.ledger.write(known.map(|(i, known)| (self.takes[i].step.frame, known)));
@@ -58,8 +58,8 @@ impl Rounds {
 }
 
 impl Run<'_> {
-    /// Renders all frames within `span` from `begin` on. Frames that are there have had their share
-    /// of it.
+    /// Renders all frames within `span`, counted from `begin`. Finished frames count as having
+    /// used their share.
     pub(super) fn rounds(
         &mut self,
         steps: Vec<Step>,
@@ -93,20 +93,20 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Settles what is not to be rendered; the other frames.
+    /// Settles the frames that are not to be rendered, and returns the others.
     fn takes(&mut self, steps: Vec<Step>) -> Result<Vec<Take>, Problem> {
         let (todo, settled): (Vec<_>, Vec<_>) = steps.into_iter().partition(Step::is_to_render);
         settled.iter().try_for_each(|step| self.step(step))?;
         Ok(todo.into_iter().map(|step| Take { step, done: None }).collect())
     }
 
-    /// Whether a frame has a picture that an earlier run left to get better.
+    /// Whether an earlier run left a picture of the frame that is to improve further.
     fn has_picture(&self, step: &Step) -> bool {
         let found = self.studio.target.look(step.frame, &step.path);
         found == Found::Finished && is_open(self.studio.job, &self.studio.target, step.frame)
     }
 
-    /// Takes frames further; false if none came any further.
+    /// Takes frames further. Returns false if none got any further.
     fn round(&mut self, rounds: &mut Rounds, round: &Round) -> Result<bool, Problem> {
         let Round { goal, frames } = round;
         let count = frames.len();
@@ -129,7 +129,8 @@ impl Run<'_> {
         Ok(is_further)
     }
 
-    /// Takes a frame further, or leaves it out for good; false if it came no further.
+    /// Takes a frame further, or leaves it out for good if it fails. Returns false if the frame
+    /// got no further.
     fn visit(&mut self, rounds: &mut Rounds, i: usize, limit: Limit) -> Result<bool, Problem> {
         let start = Instant::now();
         let take = &mut rounds.takes[i];
@@ -175,7 +176,7 @@ impl Run<'_> {
         }
     }
 
-    /// The time is over: the pictures are what they are.
+    /// Closes the frames when the time is up: their pictures are final for this run.
     fn close(&mut self, rounds: Rounds) {
         let failed: Vec<i64> = self.failures.iter().map(|failure| failure.0).collect();
         let mut takes = rounds.takes;
@@ -189,7 +190,7 @@ impl Run<'_> {
                     self.fail(step.frame, problem, true);
                 }
                 (Ok(()), Some(done)) => self.finish(step.frame, done),
-                // All that there was of it came from earlier runs.
+                // Its picture comes from earlier runs alone.
                 (Ok(()), None) => self.keep(step.frame, &step.path, true),
             }
         }

@@ -42,8 +42,17 @@ impl Raster {
         }
     }
 
-    /// Changes each value.
-    pub fn into_image(mut self, change: impl Fn(&Self, f32) -> f32) -> Image {
+    /// All values as the screen shows them; see [`shown`](Self::shown).
+    pub fn into_shown(self) -> Image {
+        self.into_image(Self::shown)
+    }
+
+    /// All values, linear; see [`linear`](Self::linear).
+    pub fn into_linear(self) -> Image {
+        self.into_image(Self::linear)
+    }
+
+    fn into_image(mut self, change: impl Fn(&Self, f32) -> f32) -> Image {
         let mut rgb = std::mem::take(&mut self.image.rgb);
         rgb.as_flattened_mut().iter_mut().for_each(|value| *value = change(&self, *value));
         Image { rgb, ..self.image }

@@ -42,7 +42,7 @@ impl Ended {
                     let way = batch.rays.direction(i) * hits.found.hits.t[i];
                     (light.radiance(way), lobe_share(frame, light, way, batch.density[i], depth))
                 }
-                _ => (background, 1.0),
+                Look::Nothing | Look::Material(_) => (background, 1.0),
             };
             self.push(batch.weight.get(i) * color * share, batch.labels.slot[i]);
         }

@@ -1,0 +1,69 @@
+//! Whether a scene that was built in memory holds together.
+
+use super::{Object, SceneDescription};
+use crate::material::{Material, MaterialKind};
+use crate::mesh::Mesh;
+use crate::shape::Shape;
+
+impl SceneDescription {
+    /// Checks that every reference and index leads somewhere, and that there is a camera to look
+    /// through. Scenes that were read from text always pass.
+    ///
+    /// # Errors
+    /// The first fault, in words.
+    pub fn check(&self) -> Result<(), String> {
+        if self.camera.segments.is_empty() {
+            return Err("the camera has no segment".into());
+        }
+        if !(self.camera.fps > 0.0 && self.camera.fps.is_finite()) {
+            return Err(format!("the camera has {} frames per second", self.camera.fps));
+        }
+        for segment in &self.camera.segments {
+            if segment.positions.is_empty() || segment.targets.is_empty() {
+                return Err(format!("camera segment `{}` has no path", segment.name));
+            }
+        }
+        self.materials.iter().try_for_each(|material| self.check_material(material))?;
+        self.objects.iter().try_for_each(|object| self.check_object(object))
+    }
+
+    fn check_material(&self, material: &Material) -> Result<(), String> {
+        let texture = match &material.kind {
+            MaterialKind::Phong(phong) => phong.texture.map(|of| of.texture),
+        };
+        match texture {
+            Some(texture) if texture.0 as usize >= self.textures.len() => {
+                Err(format!("material `{}` refers to a texture that is missing", material.name))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_object(&self, object: &Object) -> Result<(), String> {
+        let name = &object.name;
+        if object.material.0 as usize >= self.materials.len() {
+            return Err(format!("`{name}` refers to a material that is missing"));
+        }
+        match &object.shape {
+            Shape::Mesh(surface) if !surface.mesh.is_consistent(surface.smooth) => {
+                Err(format!("an index of the mesh `{name}` leads nowhere"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Mesh {
+    /// Whether all indices lead to vertices and texture coordinates; a `smooth` mesh also needs a normal
+    /// for each vertex.
+    fn is_consistent(&self, smooth: bool) -> bool {
+        let below = |faces: &[[u32; 3]], len: usize| {
+            faces.iter().flatten().all(|&index| (index as usize) < len)
+        };
+        let has_normals = self.normals.len() == self.positions.len();
+        below(&self.faces, self.positions.len())
+            && (has_normals || (self.normals.is_empty() && !smooth))
+            && below(&self.face_uvs, self.uvs.len())
+            && (self.face_uvs.is_empty() || self.face_uvs.len() == self.faces.len())
+    }
+}
