@@ -145,7 +145,11 @@ fn parts_that_are_no_whole_are_refused_by_name() {
     folder.printed("-q -s scene.txt -f 0 --part 1/1");
     let renamed = "p/ball_00000.pixels-1-of-1.part";
     folder.write(renamed, folder.read("ball_00001.pixels-1-of-1.part"));
-    check(&["ball_00000.pixels-1-of-1.part", renamed], 65, &["different frames", "m/ball_00000.png"]);
+    check(
+        &["ball_00000.pixels-1-of-1.part", renamed],
+        65,
+        &["different frames", "m/ball_00000.png"],
+    );
     check(&[], 2, &["FILES"]);
 }
 

@@ -57,7 +57,7 @@ pub(crate) struct Args {
     #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(crate) frame: Option<FrameChoice>,
 
-    /// Order of frames: forward [default], reverse, coarse (every 16th first)
+    /// Order of frames: forward (the default), reverse, coarse (every 16th first)
     #[arg(long, value_name = "NAME", help_heading = WHAT, hide_possible_values = true)]
     #[arg(value_enum, default_value_t = Order::Forward, hide_default_value = true)]
     #[arg(ignore_case = true)]
