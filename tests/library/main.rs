@@ -215,7 +215,7 @@ fn built_scenes_hold_together() {
     };
     assert!(broken(|scene| scene.objects[0].material = MaterialId(1)).contains("`ball`"));
     assert!(broken(|scene| scene.materials[0].kind = textured()).contains("`matte`"));
-    assert!(broken(|scene| scene.objects[0].shape = torn()).contains("mesh `ball`"));
+    assert!(broken(|scene| scene.objects[0].shape = torn()).contains("index of `ball`"));
     assert!(broken(|scene| scene.camera.segments.clear()).contains("segment"));
     assert!(broken(|scene| scene.camera.segments[0].targets.clear()).contains("`only`"));
 }

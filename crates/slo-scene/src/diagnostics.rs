@@ -175,11 +175,6 @@ impl Diagnostics {
         self.errors
     }
 
-    /// How many warnings there are, shown or not.
-    pub fn warning_count(&self) -> usize {
-        self.warnings
-    }
-
     /// Whether every error is about a missing file, and there is one.
     pub fn missing_input(&self) -> bool {
         self.missing > 0 && self.missing == self.errors

@@ -1,9 +1,7 @@
 //! Whether a scene that was built in memory holds together.
 
 use super::{Object, SceneDescription};
-use crate::material::{Material, MaterialKind};
-use crate::mesh::Mesh;
-use crate::shape::Shape;
+use crate::material::Material;
 
 impl SceneDescription {
     /// Checks that every reference and index leads somewhere, and that there is a camera to look
@@ -28,10 +26,7 @@ impl SceneDescription {
     }
 
     fn check_material(&self, material: &Material) -> Result<(), String> {
-        let texture = match &material.kind {
-            MaterialKind::Phong(phong) => phong.texture.map(|of| of.texture),
-        };
-        match texture {
+        match material.kind.image() {
             Some(texture) if texture.0 as usize >= self.textures.len() => {
                 Err(format!("material `{}` refers to a texture that is missing", material.name))
             }
@@ -44,26 +39,9 @@ impl SceneDescription {
         if object.material.0 as usize >= self.materials.len() {
             return Err(format!("`{name}` refers to a material that is missing"));
         }
-        match &object.shape {
-            Shape::Mesh(surface) if !surface.mesh.is_consistent(surface.smooth) => {
-                Err(format!("an index of the mesh `{name}` leads nowhere"))
-            }
-            _ => Ok(()),
+        if !object.shape.is_consistent() {
+            return Err(format!("an index of `{name}` leads nowhere"));
         }
-    }
-}
-
-impl Mesh {
-    /// Whether all indices lead to vertices and texture coordinates; a `smooth` mesh also needs a normal
-    /// for each vertex.
-    fn is_consistent(&self, smooth: bool) -> bool {
-        let below = |faces: &[[u32; 3]], len: usize| {
-            faces.iter().flatten().all(|&index| (index as usize) < len)
-        };
-        let has_normals = self.normals.len() == self.positions.len();
-        below(&self.faces, self.positions.len())
-            && (has_normals || (self.normals.is_empty() && !smooth))
-            && below(&self.face_uvs, self.uvs.len())
-            && (self.face_uvs.is_empty() || self.face_uvs.len() == self.faces.len())
+        Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! What every kind of material must say of itself.
 
 use super::palette::Palette;
+use super::texture::TextureId;
 use crate::attributes::Fields;
 use crate::kinds::Keyword;
 
@@ -9,8 +10,8 @@ pub(super) trait Look {
     /// Whether a surface can be seen without light on it.
     fn glows(&self) -> bool;
 
-    /// Whether it shows an image.
-    fn has_image(&self) -> bool;
+    /// The image that it shows, if any.
+    fn image(&self) -> Option<TextureId>;
 }
 
 /// A kind of material that has elements of the language.

@@ -45,8 +45,8 @@ impl MaterialKind {
         self.common().glows()
     }
 
-    /// Whether it shows an image.
-    pub(crate) fn has_image(&self) -> bool {
-        self.common().has_image()
+    /// The image that it shows, if any.
+    pub(crate) fn image(&self) -> Option<TextureId> {
+        self.common().image()
     }
 }

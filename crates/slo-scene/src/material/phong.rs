@@ -3,7 +3,7 @@
 use super::look::{Look, WrittenMaterial};
 use super::palette::Palette;
 use super::phong_info::PhongInfo;
-use super::texture::TextureUse;
+use super::texture::{TextureId, TextureUse};
 use crate::attributes::schema::{number, word};
 use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
@@ -47,7 +47,7 @@ impl Look for Phong {
         self.info.ambient != [0.0; 3]
     }
 
-    fn has_image(&self) -> bool {
-        self.texture.is_some()
+    fn image(&self) -> Option<TextureId> {
+        self.texture.map(|of| of.texture)
     }
 }

@@ -19,6 +19,21 @@ pub struct Mesh {
     pub face_uvs: Vec<[u32; 3]>,
 }
 
+impl Mesh {
+    /// Whether all indices lead to vertices and texture coordinates; a `smooth` mesh also needs a normal
+    /// for each vertex.
+    pub(crate) fn is_consistent(&self, smooth: bool) -> bool {
+        let below = |faces: &[[u32; 3]], len: usize| {
+            faces.iter().flatten().all(|&index| (index as usize) < len)
+        };
+        let has_normals = self.normals.len() == self.positions.len();
+        below(&self.faces, self.positions.len())
+            && (has_normals || (self.normals.is_empty() && !smooth))
+            && below(&self.face_uvs, self.uvs.len())
+            && (self.face_uvs.is_empty() || self.face_uvs.len() == self.faces.len())
+    }
+}
+
 /// A mesh that can be rendered, and what is odd about its file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadedMesh {

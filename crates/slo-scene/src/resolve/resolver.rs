@@ -200,7 +200,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let files = fields.words("filename").unwrap_or_default();
         let find = |name| self.references.find(Referred::Material, name);
         let material = material.and_then(find);
-        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.kind.has_image()) {
+        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.kind.image().is_some())
+        {
             self.assets.warn_without_uvs(&files, self.diagnostics);
         }
         Some(Object {

@@ -51,4 +51,8 @@ impl Surface for MeshSurface {
             }
         }
     }
+
+    fn is_consistent(&self) -> bool {
+        self.mesh.is_consistent(self.smooth)
+    }
 }

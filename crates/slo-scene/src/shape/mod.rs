@@ -57,6 +57,11 @@ kinds! {
 }
 
 impl Shape {
+    /// Whether all of its indices lead somewhere.
+    pub(crate) fn is_consistent(&self) -> bool {
+        self.common().is_consistent()
+    }
+
     /// Number of triangles that the shape consists of; 0 if it is curved.
     pub fn triangle_count(&self) -> usize {
         self.common().triangle_count()

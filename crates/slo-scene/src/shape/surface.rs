@@ -17,6 +17,11 @@ pub(super) trait Surface {
     /// Hands the flat parts of the surface to `put`, for as long as that returns true:
     /// counter-clockwise seen from outside, in object space.
     fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool);
+
+    /// Whether all of its indices lead somewhere.
+    fn is_consistent(&self) -> bool {
+        true
+    }
 }
 
 /// A shape that has an element of the language.
