@@ -2,7 +2,7 @@
 
 use super::entry::{Effect, choice, color, count, double, entries, flag, single, whole};
 use super::value::Bound;
-use super::words::{Accelerator, Contrast, Generator, LightSampling, ShadowMode};
+use super::words::{Accelerator, Contrast, Encoding, Generator, LightSampling, ShadowMode};
 
 /// Most camera samples of a pixel, `imageSamples` times `dofSamples`: the film can add up so many.
 pub const MOST_CAMERA_SAMPLES: u32 = (1 << 22) - 1;
@@ -91,6 +91,11 @@ impl Settings {
         self.image_min_samples = least.min(samples);
         self.image_samples = samples;
         self.dof_samples = 1;
+    }
+
+    /// The transfer curve of films that name none.
+    pub(super) fn encoding(&self) -> Encoding {
+        Encoding::Raw
     }
 
     /// Whether settings that depend on each other go together.

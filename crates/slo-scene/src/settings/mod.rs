@@ -15,11 +15,13 @@ mod words;
 
 pub use choice::Choice;
 pub use entry::{Effect, Entries, Entry, invalid, recorded, restore};
-pub use film::{Film, MOST_PIXELS};
+pub use film::{Film, Look, MOST_PIXELS};
 pub use format::{FileValues, OutputFormat};
 pub use list::{MOST_CAMERA_SAMPLES, Settings};
 pub use value::{Bound, Form, Value};
-pub use words::{Accelerator, Contrast, Encoding, Generator, Layer, LightSampling, ShadowMode};
+pub use words::{
+    Accelerator, Contrast, Encoding, Generator, Layer, LightSampling, ShadowMode, ToneMap,
+};
 
 #[cfg(test)]
 mod tests {
