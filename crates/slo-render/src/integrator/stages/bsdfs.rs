@@ -43,7 +43,13 @@ impl Bsdfs {
         let table = &frame.material_table;
         let len = points.len();
         let is_principled = |kind| u32::from(kind == Kind::Principled);
-        look_up(&table.kinds, &points.surfaces.material, len, is_principled, &mut self.is_principled);
+        look_up(
+            &table.kinds,
+            &points.surfaces.material,
+            len,
+            is_principled,
+            &mut self.is_principled,
+        );
         if table.is_physical() {
             frame.isa.run(LookUp { table, points, to: &mut self.parameters });
         }

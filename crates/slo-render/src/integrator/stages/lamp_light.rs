@@ -4,7 +4,6 @@ use glam::Vec3;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 
-
 use super::bsdfs::Bsdfs;
 use super::points::Points;
 use crate::frame::FrameScene;

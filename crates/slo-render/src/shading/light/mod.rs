@@ -4,8 +4,8 @@ mod kinds;
 mod lamp;
 mod lamp_rectangle;
 mod point;
-mod rectangle;
 pub mod receiver;
+mod rectangle;
 mod techniques;
 mod tree;
 
