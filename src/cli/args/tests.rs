@@ -103,6 +103,8 @@ fn wrong_values_are_refused() {
         "--seed -1",
         "--accelerator tree",
         "--color blue",
+        "--exposure 33",
+        "--tone-map filmic",
         "--layers depth",
         "--layers albedo,",
         "--layers",
@@ -163,6 +165,8 @@ fn names_may_be_in_capitals() {
         "--order Reverse",
         "--part 1/2 --part-by Samples",
         "--layers Albedo,NORMAL",
+        "--tone-map AGX",
+        "--encoding Srgb",
         "--progress Plain",
         "--color NEVER",
     ] {
@@ -178,6 +182,7 @@ fn options_with_values() -> Vec<(Vec<&'static str>, String)> {
         "sheet" => vec!["sheet", "a.png"],
         "verify" => vec!["verify", "a.png"],
         "denoise" => vec!["denoise", "a.png"],
+        "relight" => vec!["relight", "a.exr"],
         "merge" => vec!["merge", "a.part"],
         other => panic!("a command without a test: {other}"),
     };
