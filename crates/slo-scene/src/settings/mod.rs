@@ -19,7 +19,10 @@ pub use film::{Film, MOST_PIXELS};
 pub use format::{FileValues, OutputFormat};
 pub use list::{MOST_CAMERA_SAMPLES, Settings};
 pub use value::{Bound, Form, Value};
-pub use words::{Accelerator, Contrast, Encoding, Generator, Layer, LightSampling, ShadowMode};
+pub use words::{
+    Accelerator, Contrast, Curve, Encoding, Filter, Generator, Layer, LightSampling, ShadowMode,
+    Wrap,
+};
 
 #[cfg(test)]
 mod tests {
