@@ -93,3 +93,35 @@ choices! {
         Normal = "normal",
     }
 }
+
+choices! {
+    /// How values of an image encode light.
+    pub enum Curve {
+        /// They are linear.
+        Raw = "RAW",
+        /// They follow the curve of sRGB.
+        Srgb = "SRGB",
+    }
+}
+
+choices! {
+    /// How an image continues outside of the unit square.
+    pub enum Wrap {
+        /// It repeats.
+        Repeat = "REPEAT",
+        /// Its edge continues.
+        Clamp = "CLAMP",
+        /// It repeats, each time mirrored.
+        Mirror = "MIRROR",
+    }
+}
+
+choices! {
+    /// How values between the texels of an image come about.
+    pub enum Filter {
+        /// From the four nearest texels.
+        Linear = "LINEAR",
+        /// From the nearest texel.
+        Nearest = "NEAREST",
+    }
+}
