@@ -72,11 +72,25 @@ choices! {
 
 choices! {
     /// How radiance becomes an encoded value of a file, such as a PNG's.
+    #[derive(Default)]
     pub enum Encoding {
         /// Clamped and scaled, as in the thesis.
+        #[default]
         Raw = "RAW",
         /// Linear light to sRGB.
         Srgb = "SRGB",
+    }
+}
+
+choices! {
+    /// What compresses radiance of any size into the range of a screen, before the encoding.
+    #[derive(Default)]
+    pub enum ToneMap {
+        /// Nothing: what is brighter than white is clamped.
+        #[default]
+        None = "NONE",
+        /// AgX in its base look, as in Blender: what is bright loses contrast first, then colour.
+        Agx = "AGX",
     }
 }
 
