@@ -111,7 +111,7 @@ impl FrameScene {
         for object in &scene.objects {
             parts.add(object, scene, &seen, isa)?;
         }
-        let (mut lights, mut hidden) = (Vec::new(), Vec::new());
+        let (mut lights, mut hidden, mut passable) = (Vec::new(), Vec::new(), Vec::new());
         for light in &scene.lights {
             let Some(ready) = Light::new(light, origin) else { continue };
             if let Some(surface) = light.kind.surface() {
@@ -120,9 +120,12 @@ impl FrameScene {
             }
             lights.push(ready);
             hidden.push(!light.camera_visible);
+            passable.push(!light.solid);
         }
-        if !hidden.contains(&true) {
-            hidden.clear();
+        for flags in [&mut hidden, &mut passable] {
+            if !flags.contains(&true) {
+                flags.clear();
+            }
         }
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
@@ -145,6 +148,7 @@ impl FrameScene {
             light_tree: LightTree::new(lights.len()),
             skies: skies(&lights),
             hidden,
+            passable,
             techniques: Techniques::default(),
             lights: lights.into_iter().collect(),
             is_physical: is_physical(scene),

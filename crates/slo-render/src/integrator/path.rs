@@ -76,10 +76,9 @@ impl Path {
             ..
         } = self;
         hits.trace(frame, batch, machine.habit(depth), scratch);
-        if depth == 0 && frame.has_hidden_lamps() {
-            passing.hidden_lamps(frame, batch, hits);
-            let Passing { sent, labels, past, chosen, .. } = &**passing;
-            machine.extend_path(depth, sent, labels, past, chosen);
+        if frame.has_passable_lamps(depth) {
+            passing.lamps(frame, batch, hits, depth);
+            passing.queue(machine, depth);
         }
         arrived.find(frame, batch, hits, depth);
         machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
@@ -89,7 +88,13 @@ impl Path {
         }
         points.find(frame, batch, hits, machine.seeds());
         points.find_receivers(frame);
+        points.choose_materials(frame, depth);
         bsdfs.look_up(frame, points);
+        if frame.material_table.images.any_passes() {
+            bsdfs.let_pass(points);
+            passing.surfaces(frame, batch, points);
+            passing.queue(machine, depth);
+        }
         if frame.material_table.absorbs {
             bsdfs.absorb(batch, points);
         }

@@ -48,6 +48,19 @@ impl Bsdfs {
         look_up(&table.kinds, &points.surfaces.material, len, is_principled, &mut self.is_principled);
         if table.is_physical() {
             frame.isa.run(LookUp { table, points, to: &mut self.parameters });
+            frame.multiply_images(&points.surfaces, &mut self.parameters);
+        }
+    }
+
+    /// Decides which points the rays pass through.
+    pub(in crate::integrator) fn let_pass(&self, points: &mut Points) {
+        for i in 0..points.len() {
+            let alpha = self.parameters.alpha[i];
+            let passes = self.is_principled[i] == 1 && points.surface[i] >= alpha;
+            points.passes[i] = u32::from(passes);
+            if passes {
+                points.weight.set(i, Vec3::ZERO);
+            }
         }
     }
 
