@@ -1,0 +1,10 @@
+//! `environment`: light from all around.
+
+mod equirect;
+mod even;
+mod image;
+mod table;
+
+pub use even::EvenSky;
+pub use image::{ImageSky, ImageView};
+pub use table::SkyTable;
