@@ -14,6 +14,7 @@ mod lamp_sun;
 mod point;
 pub mod receiver;
 mod rectangle;
+mod techniques;
 mod tree;
 mod triangle;
 
@@ -37,6 +38,7 @@ pub use lamp_sphere::SphereLamp;
 pub use lamp_sun::{ParallelLamp, SunLamp};
 pub use point::Point;
 pub use rectangle::Rectangle;
+pub use techniques::Techniques;
 pub use tree::{Choices, Chosen, LightTree, NO_LIGHT};
 pub use triangle::Triangle;
 
