@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::equirect::{place, sample_equirect};
 use super::even::bounds;
 use super::table::{SkyTable, TableView};
 use crate::shading::light::bounds::LightBounds;
 use crate::shading::light::lamp::Lamp;
-use slo_scene::Texture;
+use crate::shading::texture::sample_equirect;
+use slo_scene::{Curve, Texture};
 
 /// A sky that an image shows. It is sampled by the image's luminance. A sky has no density less
 /// than its light asks for to leave more to rays of lobes: integrators may have none of these.
@@ -18,8 +18,8 @@ pub struct ImageSky {
     texture: Arc<Texture>,
     table: Arc<SkyTable>,
     strength: f32,
-    /// Full turns from +x toward +y.
-    turn: f32,
+    /// Where the middle of the image lies in the xy plane: the cosine and the sine.
+    turn: [f32; 2],
 }
 
 impl ImageSky {
@@ -34,8 +34,9 @@ impl ImageSky {
         let table = before.filter(|sky| Arc::ptr_eq(&sky.texture, texture));
         let table =
             table.map_or_else(|| Arc::new(SkyTable::new(texture)), |sky| Arc::clone(&sky.table));
-        let turns = f64::from(turn_deg) / 360.0;
-        let turn = (turns - turns.floor()) as f32;
+        // In degrees, whole turns are exact.
+        let (sin, cos) = libm::sincos(f64::from(turn_deg % 360.0).to_radians());
+        let turn = [cos as f32, sin as f32];
         Self { texture: Arc::clone(texture), table, strength, turn }
     }
 
@@ -53,7 +54,8 @@ impl ImageSky {
     /// Returns the sky as loops use it.
     pub fn view(&self) -> ImageView<'_> {
         let Self { texture, table, strength, turn } = self;
-        ImageView { texture, table: table.view(), strength: *strength, turn: *turn }
+        let (table, curve) = (table.view(), texture.color_curve());
+        ImageView { texture, curve, table, strength: *strength, turn: *turn }
     }
 }
 
@@ -61,9 +63,26 @@ impl ImageSky {
 #[derive(Clone, Copy, Debug)]
 pub struct ImageView<'a> {
     texture: &'a Texture,
+    curve: Curve,
     table: TableView<'a>,
     strength: f32,
-    turn: f32,
+    turn: [f32; 2],
+}
+
+impl ImageView<'_> {
+    /// Turns a direction of the image to render space.
+    #[inline(always)]
+    fn turned(&self, way: Vec3) -> Vec3 {
+        let [cos, sin] = self.turn;
+        Vec3::new(way.x * cos - way.y * sin, way.x * sin + way.y * cos, way.z)
+    }
+
+    /// Turns a direction back to the image.
+    #[inline(always)]
+    fn turned_back(&self, way: Vec3) -> Vec3 {
+        let [cos, sin] = self.turn;
+        Vec3::new(way.x * cos + way.y * sin, way.y * cos - way.x * sin, way.z)
+    }
 }
 
 impl Lamp for ImageView<'_> {
@@ -73,7 +92,8 @@ impl Lamp for ImageView<'_> {
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
-        sample_equirect(self.texture, place(way, self.turn)) * self.strength
+        let way = self.turned_back(way).to_array();
+        Vec3::from(sample_equirect(self.texture, self.curve, way)) * self.strength
     }
 
     #[inline(always)]
@@ -83,12 +103,12 @@ impl Lamp for ImageView<'_> {
 
     #[inline(always)]
     fn way(&self, _from: Vec3, u: [f32; 2]) -> Vec3 {
-        self.table.sample(u, self.turn)
+        self.turned(self.table.sample(u))
     }
 
     #[inline(always)]
     fn density(&self, _from: Vec3, way: Vec3) -> f32 {
-        self.table.density(place(way, self.turn))
+        self.table.density(self.turned_back(way))
     }
 
     #[inline(always)]

@@ -1,6 +1,5 @@
 //! `environment`: light from all around.
 
-mod equirect;
 mod even;
 mod image;
 mod table;

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 
 use glam::Vec3;
 
-use super::equirect::sample_equirect;
 use crate::shading::light::lamp::luminance;
+use crate::shading::texture::{equirect_direction, equirect_uv, sample_equirect};
 use slo_accel::math::elementary::sin_cos_turns;
 use slo_scene::Texture;
 
@@ -105,6 +105,7 @@ fn push_sums(weights: impl Iterator<Item = f64> + Clone, to: &mut Vec<f32>) -> f
 /// Returns the number of columns and of rows of the table of an image, and the mean luminance of
 /// each cell, from the top left.
 fn weights(texture: &Texture) -> (u32, u32, Vec<f32>) {
+    let curve = texture.color_curve();
     let (width, height) = (texture.width(), texture.height());
     if height < LEAST_ROWS || width < 2 * LEAST_ROWS {
         // Cells that lie in one quarter of a texel, where the image is linear in u and in v.
@@ -114,7 +115,8 @@ fn weights(texture: &Texture) -> (u32, u32, Vec<f32>) {
         let middle = |i: u32, of: u32| (i as f32 + 0.5) / of as f32;
         let cell = |row: u32, column: u32| {
             let v = 1.0 - middle(row, rows);
-            luminance(sample_equirect(texture, [middle(column, columns), v]))
+            let way = equirect_direction(middle(column, columns), v);
+            luminance(sample_equirect(texture, curve, way).into())
         };
         let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
         return (columns, rows, cells.map(|(row, column)| cell(row, column)).collect());
@@ -122,7 +124,8 @@ fn weights(texture: &Texture) -> (u32, u32, Vec<f32>) {
     let (columns, rows) = (width.min(MOST_COLUMNS), height.min(MOST_ROWS));
     let mut to = vec![0.0; columns as usize * rows as usize];
     let lines = |y: u32| -> Vec<f32> {
-        let line: Vec<f32> = (0..width).map(|x| luminance(texture.texel(x, y).into())).collect();
+        let line: Vec<f32> =
+            (0..width).map(|x| luminance(texture.decoded(x, y, curve).into())).collect();
         let at = |x: usize| line[x % line.len()];
         (0..line.len()).map(|x| spread(at(x + line.len() - 1), line[x], at(x + 1))).collect()
     };
@@ -188,10 +191,9 @@ impl TableView<'_> {
         &self.table.cell_sums[row * stride..][..stride]
     }
 
-    /// Samples a direction by a point `u` of the unit square; `turn` as in
-    /// [`place`](super::equirect::place).
+    /// Samples a direction by a point `u` of the unit square.
     #[inline(always)]
-    pub(super) fn sample(&self, u: [f32; 2], turn: f32) -> Vec3 {
+    pub(super) fn sample(&self, u: [f32; 2]) -> Vec3 {
         let table = self.table;
         let (row, below) = find(&table.row_sums, u[1]);
         let (column, right) = find(self.cells(row), u[0]);
@@ -200,13 +202,14 @@ impl TableView<'_> {
         let sine = (versine * (2.0 - versine)).sqrt();
         let z = if 2 * row < table.rows as usize { 1.0 - versine } else { versine - 1.0 };
         let across = (column as f32 + right.clamp(0.0, 1.0)) / table.columns as f32;
-        let (s, c) = sin_cos_turns(0.5 + turn - across);
+        let (s, c) = sin_cos_turns(0.5 - across);
         Vec3::new(sine * c, sine * s, z)
     }
 
-    /// Returns the `pdf_solid_angle` of the direction at a [`place`](super::equirect::place).
+    /// Returns the `pdf_solid_angle` of a direction.
     #[inline(always)]
-    pub(super) fn density(&self, [u, v]: [f32; 2]) -> f32 {
+    pub(super) fn density(&self, way: Vec3) -> f32 {
+        let [u, v] = equirect_uv(way.to_array());
         let table = self.table;
         let cell = |x: f32, count: u32| ((x * count as f32) as usize).min(count as usize - 1);
         let (column, row) = (cell(u, table.columns), cell(1.0 - v, table.rows));

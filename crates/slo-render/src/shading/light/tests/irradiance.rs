@@ -232,7 +232,8 @@ fn the_middle_of_the_image_is_x_and_turns_toward_y() {
     for texel in texels[..12].chunks_exact_mut(3) {
         texel[0] = 255;
     }
-    let texture = Arc::new(Texture::from_rgb8(4, 3, texels).unwrap());
+    let texture =
+        Arc::new(Texture::from_rgb8(4, 3, texels).unwrap().with_encoding(Some(Curve::Raw)));
     let of = |turn_deg: f32, way: Vec3| {
         let sky = Sky::Image(slo_scene::TextureId(0));
         let lamp = scene::Environment { sky, strength: 255.0, turn_deg };

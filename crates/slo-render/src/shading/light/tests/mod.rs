@@ -10,8 +10,8 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::*;
-use slo_scene::light as scene;
 use slo_scene::shape;
+use slo_scene::{Curve, light as scene};
 
 /// A light of a kind, in a frame that begins at the origin.
 fn light(kind: LightKind, textures: &[Arc<Texture>]) -> Light {
@@ -70,7 +70,8 @@ pub(super) fn sky(width: u32, height: u32, turn_deg: f32) -> Light {
         if (x, y) == (width / 3, height / 4) { [60_000, 50_000, 40_000] } else { [value; 3] }
     };
     let texels = (0..width * height).flat_map(texel).collect();
-    let texture = Texture::from_rgb16(width, height, texels).unwrap();
+    let texture =
+        Texture::from_rgb16(width, height, texels).unwrap().with_encoding(Some(Curve::Raw));
     let lamp =
         scene::Environment { sky: Sky::Image(slo_scene::TextureId(0)), strength: 2.0, turn_deg };
     light(LightKind::Environment(lamp), &[Arc::new(texture)])
