@@ -64,16 +64,7 @@ impl Path {
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
         let Self {
-            batch,
-            hits,
-            arrived,
-            points,
-            emission,
-            features,
-            bsdfs,
-            passing,
-            scratch,
-            ..
+            batch, hits, arrived, points, emission, features, bsdfs, passing, scratch, ..
         } = self;
         hits.trace(frame, batch, machine.habit(depth), scratch);
         if frame.has_passable_lamps(depth) {

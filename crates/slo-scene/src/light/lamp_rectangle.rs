@@ -1,8 +1,8 @@
 //! `lamp_rectangle`
 
 use super::lamp::{Lamp, WrittenLight, radiance_of};
-use crate::attributes::schema::{color, number, point};
 use crate::attributes::Fields;
+use crate::attributes::schema::{color, number, point};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Rectangle, Shape};

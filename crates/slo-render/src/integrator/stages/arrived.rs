@@ -95,5 +95,9 @@ pub(super) fn share(
             frame.light_tree.chance(number, batch.past.from.get(i), batch.past.normal[i])
         }
     };
-    frame.techniques.hit(is_diffuse, density, rays * chance * light.density(way))
+    frame.techniques.hit(
+        is_diffuse,
+        density,
+        rays * chance * light.density(batch.past.from.get(i), way),
+    )
 }

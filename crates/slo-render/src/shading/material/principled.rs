@@ -60,7 +60,8 @@ impl Constants {
     pub fn new(of: &Principled) -> Self {
         let distance = of.absorption_distance as f32;
         let per_unit = |left: f32| -log2(left.clamp(1e-6, 1.0)) * std::f32::consts::LN_2 / distance;
-        let absorption = of.absorption_color.map(|left| if distance > 0.0 { per_unit(left) } else { 0.0 });
+        let absorption =
+            of.absorption_color.map(|left| if distance > 0.0 { per_unit(left) } else { 0.0 });
         Self {
             emission: Vec3::from(of.emission_color.value) * of.emission_strength.value,
             absorption: absorption.into(),
