@@ -102,7 +102,7 @@ fn settings_replace_those_of_the_scene() {
         .size(32, 18)
         .samples(2)
         .seed(7)
-        .settings(|settings| settings.recursion = 0)
+        .settings(|settings| settings.recursion = Some(0))
         .film(|film| film.prefix = "p".into())
         .layers(&[Layer::Normal, Layer::Albedo])
         .threads(2)

@@ -51,7 +51,7 @@ fn samples(settings: &Settings) -> String {
         settings.soft_shadow_samples,
         settings.diffuse_reflection_samples,
         settings.diffuse_refraction_samples,
-        settings.recursion
+        settings.recursion()
     )
 }
 

@@ -4,6 +4,8 @@ mod camera;
 mod collect;
 mod elements;
 mod key_frames;
+mod lights;
+mod looks;
 mod oddities;
 mod overlaps;
 mod resolver;

@@ -1,8 +1,11 @@
 //! Warnings about scenes that the language allows but nobody means.
 
+use super::looks::through_mixes;
 use crate::attributes::Fields;
-use crate::description::{CamSegment, Camera, KeyFrame, SceneDescription};
+use crate::description::{CamSegment, Camera, KeyFrame, SceneDescription, mix_order};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
+use crate::material::MaterialKind;
+use crate::settings::Integrator;
 
 /// Warns of a shutter that is open for `blur` seconds if its segment takes less.
 pub(super) fn check_shutter(
@@ -24,7 +27,7 @@ pub(super) fn check_shutter(
     fields.diagnostics.push(Diagnostic::warning(message).at(span, "").help(help));
 }
 
-/// Warns if all key frames of an object lie before the scene time that the camera sees, or after it.
+/// Warns if all key frames of an object or a lamp lie before the scene time that the camera sees, or after it.
 pub(super) fn check_key_times(
     fields: &mut Fields<'_, '_, '_>,
     key_frames: &[KeyFrame],
@@ -41,7 +44,7 @@ pub(super) fn check_key_times(
     let message = format!("{} has key frames only {when} of scene time", fields.element.title());
     let mut warning = Diagnostic::warning(message)
         .at(at.keyword.span, format!("key frames from {} to {}", first.time, last.time))
-        .help(format!("scene time goes from {start} to {end}: the object does not move"));
+        .help(format!("scene time goes from {start} to {end}: nothing moves in it"));
     let in_seconds = last.time / camera.fps;
     let are_frames = key_frames.iter().all(|key_frame| key_frame.time.fract() == 0.0);
     if are_frames && end < first.time && in_seconds <= end {
@@ -62,20 +65,64 @@ fn scene_time(segment: &CamSegment) -> [f64; 2] {
 /// Warns of a scene without any light.
 pub(super) fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostics) {
     let SceneDescription { settings, lights, materials, objects, .. } = scene;
-    let glows = objects.iter().any(|object| {
-        let material = materials.get(object.material.0 as usize);
-        material.is_some_and(|material| material.kind.glows())
-    });
-    if objects.is_empty() || glows || settings.background != [0.0; 3] {
+    let is_path = settings.integrator == Integrator::Path;
+    let glows = |kind: &MaterialKind| match kind {
+        MaterialKind::Phong(_) if is_path => false,
+        _ => kind.glows(),
+    };
+    let Ok(order) = mix_order(materials) else { return };
+    let glowing = through_mixes(materials, &order, glows);
+    let is_seen = objects.iter().any(|object| glowing[object.material.0 as usize]);
+    if objects.is_empty() || is_seen || settings.background != [0.0; 3] {
         return;
     }
-    let help = "write `light_point NAME { color { 1 1 1 } position { x y z } }`, or give a material \
-                `ambient` light";
+    let help = if is_path {
+        "write `lamp_point NAME { power { 100 100 100 } position { x y z } }`, or \
+         `environment NAME { radiance { 1 1 1 } }`"
+    } else {
+        "write `light_point NAME { color { 1 1 1 } position { x y z } }`, or give a material \
+         `ambient` light"
+    };
     if lights.is_empty() {
         diagnostics
             .push(Diagnostic::warning("the scene has no light: its picture is black").help(help));
     } else if lights.iter().all(|light| light.kind.is_dark()) {
         let message = "all lights are black, and so is the picture";
         diagnostics.push(Diagnostic::warning(message).help(help));
+    }
+}
+
+/// Warns of `ambient` light under an integrator that computes what it stands in for; `places` are
+/// where it is written.
+pub(super) fn check_ambient(
+    places: &[Span],
+    integrator: Integrator,
+    diagnostics: &mut Diagnostics,
+) {
+    let [first, others @ ..] = places else { return };
+    if integrator == Integrator::Distributed {
+        return;
+    }
+    let label = match others.len() {
+        0 => String::new(),
+        1 => "and in one other `phong_info`".into(),
+        n => format!("and in {n} other `phong_info`s"),
+    };
+    let message = format!("`ambient` does nothing under `integrator {integrator}`");
+    let warning = Diagnostic::warning(message).at(*first, label);
+    diagnostics
+        .push(warning.help("it stands in for light between surfaces, which is computed here"));
+}
+
+/// Warns of what an object says about its light if its material emits none.
+pub(super) fn check_emission(fields: &mut Fields<'_, '_, '_>) {
+    for name in ["sampled", "light_group"] {
+        if let Some(field) = fields.get(name) {
+            let title = fields.element.title();
+            let message = format!("`{name}` has no effect: {title} emits no light");
+            let warning = Diagnostic::warning(message).at(field.keyword.span, "");
+            let help = "a `material_principled` with `emission_strength` makes an object a lamp";
+            fields.diagnostics.push(warning.help(help));
+        }
     }
 }
