@@ -16,7 +16,7 @@ mod time;
 pub(crate) use frame_path::FramePath;
 pub(crate) use frames::{FrameChoice, Frames, frames, named, shown};
 pub(crate) use maps::{Map, Maps, check_name};
-pub(crate) use names::{AcceleratorName, FormatName, LayerName};
+pub(crate) use names::{AcceleratorName, FormatName, IntegratorName, LayerName};
 pub(crate) use numbers::count;
 pub(crate) use order::Order;
 pub(crate) use part::{PartBy, part};

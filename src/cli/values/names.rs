@@ -1,11 +1,13 @@
-//! Names of layers, file formats and structures on the command line, as in the scene language.
+//! Names of layers, file formats, integrators and structures on the command line, as in the scene language.
 
+use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use slo_scene::{Accelerator, Layer, OutputFormat};
+use slo_scene::settings::Choice;
+use slo_scene::{Accelerator, Integrator, Layer, OutputFormat};
 
 /// `--layers`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,10 +57,27 @@ impl ValueEnum for AcceleratorName {
     }
 }
 
-/// Returns the word of a structure in lower case, kept for the whole run.
-fn lower_case(accelerator: Accelerator) -> &'static str {
-    static WORDS: LazyLock<Vec<String>> =
-        LazyLock::new(|| Accelerator::ALL.map(|all| all.name().to_ascii_lowercase()).into());
-    let place = Accelerator::ALL.iter().position(|all| *all == accelerator);
-    place.map_or(accelerator.name(), |place| &WORDS[place])
+/// `--integrator`: the words of the scene language, in any case.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct IntegratorName(pub(crate) Integrator);
+
+impl ValueEnum for IntegratorName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static ALL: LazyLock<Vec<IntegratorName>> =
+            LazyLock::new(|| Integrator::ALL.into_iter().map(IntegratorName).collect());
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(lower_case(self.0)))
+    }
+}
+
+/// Returns a word of the scene language in lower case, kept for the whole run.
+fn lower_case(choice: impl Choice) -> &'static str {
+    static WORDS: LazyLock<HashMap<&str, String>> = LazyLock::new(|| {
+        let words = Accelerator::WORDS.iter().chain(Integrator::WORDS);
+        words.map(|word| (*word, word.to_ascii_lowercase())).collect()
+    });
+    WORDS.get(choice.name()).map_or(choice.name(), String::as_str)
 }

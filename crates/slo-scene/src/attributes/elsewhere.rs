@@ -44,7 +44,7 @@ const ELEMENTS: [(&str, &[&str]); 6] = [
 ];
 
 /// Attributes: the word, and what it may mean, the most probable first.
-const ATTRIBUTES: [(&str, &[&str]); 33] = [
+const ATTRIBUTES: [(&str, &[&str]); 34] = [
     ("intensity", LIGHT),
     ("energy", LIGHT),
     ("watts", LIGHT),
@@ -71,6 +71,7 @@ const ATTRIBUTES: [(&str, &[&str]); 33] = [
     ("spot_blend", &["blend"]),
     ("from", &["position", "center"]),
     ("to", &["target"]),
+    ("direction", &["target"]),
     ("location", &["position", "center"]),
     ("center", &["position"]),
     ("position", &["center"]),

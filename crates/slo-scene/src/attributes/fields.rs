@@ -402,7 +402,13 @@ fn rewritten(
 pub(crate) fn quoted_list<S: Display>(names: impl Iterator<Item = S>, most: usize) -> String {
     let names: Vec<_> = names.map(|n| format!("`{n}`")).collect();
     match names.len() {
-        n if n > most => format!("{} and {} others", names[..most].join(", "), n - most),
+        n if n > most => {
+            let others = match n - most {
+                1 => "one other".to_owned(),
+                others => format!("{others} others"),
+            };
+            format!("{} and {others}", names[..most].join(", "))
+        }
         _ => names.join(", "),
     }
 }

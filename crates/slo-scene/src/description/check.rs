@@ -1,8 +1,8 @@
 //! Whether a scene that was built in memory holds together.
 
-use super::{Object, SceneDescription, mix_order};
+use super::{Object, SceneDescription};
 use crate::light::{Environment, Light, LightKind, Sky};
-use crate::material::{Material, MaterialKind};
+use crate::material::Material;
 
 impl SceneDescription {
     /// Checks that every reference and index leads somewhere, and that there is a camera to look
@@ -24,10 +24,6 @@ impl SceneDescription {
         }
         self.lights.iter().try_for_each(|light| self.check_light(light))?;
         self.materials.iter().try_for_each(|material| self.check_material(material))?;
-        if let Err(circle) = mix_order(&self.materials) {
-            let name = &self.materials[circle[0]].name;
-            return Err(format!("material `{name}` is mixed from itself"));
-        }
         self.objects.iter().try_for_each(|object| self.check_object(object))
     }
 
@@ -42,11 +38,6 @@ impl SceneDescription {
     }
 
     fn check_material(&self, material: &Material) -> Result<(), String> {
-        if let MaterialKind::Mix(mix) = &material.kind
-            && [mix.first, mix.second].iter().any(|part| part.0 as usize >= self.materials.len())
-        {
-            return Err(format!("mix `{}` refers to a material that is missing", material.name));
-        }
         match material.kind.image() {
             Some(texture) if texture.0 as usize >= self.textures.len() => {
                 Err(format!("material `{}` refers to a texture that is missing", material.name))

@@ -6,7 +6,6 @@
 mod camera;
 mod check;
 mod key_frame;
-mod mixes;
 mod object;
 
 use std::sync::Arc;
@@ -18,7 +17,6 @@ use crate::texture::Texture;
 
 pub use camera::{CamSegment, Camera};
 pub use key_frame::{KeyFrame, Placement};
-pub(crate) use mixes::mix_order;
 pub use object::{MaterialId, Object};
 
 /// A scene that has no errors: all that its text, meshes and textures say.

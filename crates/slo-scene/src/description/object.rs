@@ -24,3 +24,11 @@ pub struct Object {
     /// `light_group`: the layer that holds the light that its material emits.
     pub light_group: Option<String>,
 }
+
+impl Object {
+    /// An object that rests where its shape is.
+    pub fn new(name: impl Into<String>, material: MaterialId, shape: Shape) -> Self {
+        let (key_frames, light_group) = (Vec::new(), None);
+        Self { name: name.into(), material, shape, key_frames, sampled: true, light_group }
+    }
+}

@@ -32,8 +32,8 @@ impl WrittenLight for Environment {
     const KEYWORDS: &'static [Keyword] = &[Keyword {
         keyword: "environment",
         attributes: &[
-            color("radiance"),
             word("texture", "NAME"),
+            color("radiance"),
             number("strength"),
             number("turn_deg"),
             CAMERA_VISIBLE,

@@ -49,6 +49,15 @@ pub struct Light {
     pub group: Option<String>,
 }
 
+impl Light {
+    /// A light that rests where its kind says, in no group, seen by the camera, and solid if it has a
+    /// surface.
+    pub fn new(name: impl Into<String>, kind: LightKind) -> Self {
+        let (key_frames, group) = (Vec::new(), None);
+        Self { name: name.into(), kind, key_frames, camera_visible: true, solid: true, group }
+    }
+}
+
 kinds! {
     /// Where and how a light shines.
     pub enum LightKind: dyn Lamp, read by ReadLight {

@@ -5,7 +5,6 @@ mod collect;
 mod elements;
 mod key_frames;
 mod lights;
-mod looks;
 mod oddities;
 mod overlaps;
 mod resolver;

@@ -1,10 +1,11 @@
 //! Warnings about scenes that the language allows but nobody means.
 
-use super::looks::through_mixes;
+use std::collections::HashSet;
+
 use crate::attributes::Fields;
-use crate::description::{CamSegment, Camera, KeyFrame, SceneDescription, mix_order};
+use crate::description::{CamSegment, Camera, KeyFrame, SceneDescription};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
-use crate::material::MaterialKind;
+use crate::material::{Material, MaterialKind};
 use crate::settings::Integrator;
 
 /// Warns of a shutter that is open for `blur` seconds if its segment takes less.
@@ -44,7 +45,10 @@ pub(super) fn check_key_times(
     let message = format!("{} has key frames only {when} of scene time", fields.element.title());
     let mut warning = Diagnostic::warning(message)
         .at(at.keyword.span, format!("key frames from {} to {}", first.time, last.time))
-        .help(format!("scene time goes from {start} to {end}: nothing moves in it"));
+        .help(format!(
+            "scene time goes from {start} to {end}: {} does not move",
+            fields.element.title()
+        ));
     let in_seconds = last.time / camera.fps;
     let are_frames = key_frames.iter().all(|key_frame| key_frame.time.fract() == 0.0);
     if are_frames && end < first.time && in_seconds <= end {
@@ -70,10 +74,9 @@ pub(super) fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostic
         MaterialKind::Phong(_) if is_path => false,
         _ => kind.glows(),
     };
-    let Ok(order) = mix_order(materials) else { return };
-    let glowing = through_mixes(materials, &order, glows);
-    let is_seen = objects.iter().any(|object| glowing[object.material.0 as usize]);
-    if objects.is_empty() || is_seen || settings.background != [0.0; 3] {
+    let shown = objects.iter().map(|object| object.material.0 as usize);
+    let is_seen = || any_part(materials, shown, glows);
+    if objects.is_empty() || settings.background != [0.0; 3] || is_seen() {
         return;
     }
     let help = if is_path {
@@ -114,15 +117,61 @@ pub(super) fn check_ambient(
         .push(warning.help("it stands in for light between surfaces, which is computed here"));
 }
 
-/// Warns of what an object says about its light if its material emits none.
-pub(super) fn check_emission(fields: &mut Fields<'_, '_, '_>) {
-    for name in ["sampled", "light_group"] {
-        if let Some(field) = fields.get(name) {
-            let title = fields.element.title();
-            let message = format!("`{name}` has no effect: {title} emits no light");
-            let warning = Diagnostic::warning(message).at(field.keyword.span, "");
-            let help = "a `material_principled` with `emission_strength` makes an object a lamp";
-            fields.diagnostics.push(warning.help(help));
+/// What an object says about the light that it emits.
+#[derive(Clone, Debug)]
+pub(super) struct Emission {
+    /// `sampled` or `light_group`.
+    name: &'static str,
+    place: Span,
+    object: String,
+    /// Index of the object's material.
+    material: usize,
+}
+
+/// What an object of a material says about the light that it emits.
+pub(super) fn emission(fields: &Fields<'_, '_, '_>, material: usize) -> Vec<Emission> {
+    let object = fields.element.title();
+    let said = ["sampled", "light_group"].into_iter().filter_map(|name| {
+        let place = fields.get(name)?.keyword.span;
+        Some(Emission { name, place, object: object.clone(), material })
+    });
+    said.collect()
+}
+
+/// Warns of what objects say about the light that they emit if they emit none.
+pub(super) fn check_emission(
+    said: &[Emission],
+    materials: &[Material],
+    diagnostics: &mut Diagnostics,
+) {
+    let emits = |kind: &MaterialKind| !matches!(kind, MaterialKind::Phong(_)) && kind.glows();
+    for Emission { name, place, object, material } in said {
+        if any_part(materials, std::iter::once(*material), emits) {
+            continue;
+        }
+        let message = format!("`{name}` has no effect: {object} emits no light");
+        let warning = Diagnostic::warning(message).at(*place, "");
+        let help = "a `material_principled` with `emission_strength` makes an object a lamp";
+        diagnostics.push(warning.help(help));
+    }
+}
+
+/// Whether some of these materials, or something that they are mixed from, has a property.
+fn any_part(
+    materials: &[Material],
+    of: impl Iterator<Item = usize>,
+    has: impl Fn(&MaterialKind) -> bool,
+) -> bool {
+    let mut seen = HashSet::new();
+    let mut waiting: Vec<usize> = of.filter(|material| seen.insert(*material)).collect();
+    while let Some(Material { kind, .. }) = waiting.pop().and_then(|index| materials.get(index)) {
+        if has(kind) {
+            return true;
+        }
+        if let MaterialKind::Mix(mix) = kind {
+            let parts = [mix.first, mix.second].map(|part| part.0 as usize);
+            waiting.extend(parts.into_iter().filter(|part| seen.insert(*part)));
         }
     }
+    false
 }

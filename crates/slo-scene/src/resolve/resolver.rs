@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
-use super::looks::Looks;
+use super::oddities::Emission;
 use super::{camera, key_frames, lights, oddities, overlaps, settings};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
@@ -33,7 +33,8 @@ pub(crate) fn resolve(
     let scale = scaling(&scene, diagnostics);
     let references = scene.references(diagnostics);
     let assets = Assets::new(files, &name, hash);
-    let mut resolver = Resolver { scene, scale, references, assets, diagnostics };
+    let emission = Vec::new();
+    let mut resolver = Resolver { scene, scale, references, assets, emission, diagnostics };
     let description = resolver.description();
     resolver.references.report_dangling(resolver.diagnostics);
     if !resolver.diagnostics.has_errors() {
@@ -71,6 +72,8 @@ struct Resolver<'t, 'a, 'd> {
     scale: f64,
     references: References<'a>,
     assets: Assets<'d>,
+    /// What objects say about the light that they emit.
+    emission: Vec<Emission>,
     diagnostics: &'d mut Diagnostics,
 }
 
@@ -83,8 +86,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let phong_infos = self.phong_infos(settings.integrator);
         let textures = self.textures();
         let materials = self.materials(&phong_infos);
-        let looks = self.looks(&materials);
-        let objects = self.objects(camera.as_ref(), &looks);
+        let objects = self.objects(camera.as_ref(), &materials);
         let scene = SceneDescription {
             settings,
             camera: camera?,
@@ -96,6 +98,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         };
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
             oddities::check_light(&scene, self.diagnostics);
+            oddities::check_emission(&self.emission, &scene.materials, self.diagnostics);
             overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
         }
         Some(scene)
@@ -193,17 +196,11 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         Some(Material { name: element.name.text.to_owned(), kind })
     }
 
-    fn looks(&mut self, materials: &[Material]) -> Looks {
-        let elements = self.scene.of(|role| matches!(role, Role::Material(_)).then_some(()));
-        let elements: Vec<_> = elements.into_iter().map(|(_, element)| element).collect();
-        Looks::of(materials, &elements, self.diagnostics)
-    }
-
     /// Objects, with the places that they are defined at.
-    fn objects(&mut self, camera: Option<&Camera>, looks: &Looks) -> Vec<(Object, Span)> {
+    fn objects(&mut self, camera: Option<&Camera>, materials: &[Material]) -> Vec<(Object, Span)> {
         let elements = self.scene.objects();
         let object = |(read, element): (ReadShape, Element<'t, 'a>)| {
-            Some((self.object(read, element, camera, looks)?, element.head()))
+            Some((self.object(read, element, camera, materials)?, element.head()))
         };
         elements.into_iter().filter_map(object).collect()
     }
@@ -213,7 +210,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         read: ReadShape,
         element: Element<'t, 'a>,
         camera: Option<&Camera>,
-        looks: &Looks,
+        materials: &[Material],
     ) -> Option<Object> {
         let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
         let material = fields.word("material");
@@ -227,10 +224,11 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let files = fields.words("filename").unwrap_or_default();
         let find = |name| self.references.find(Referred::Material, name);
         let material = material.and_then(find);
-        if material.is_some_and(|material| looks.is_no_lamp(material)) {
-            oddities::check_emission(&mut fields);
+        if let Some(material) = material {
+            self.emission.extend(oddities::emission(&fields, material));
         }
-        if material.is_some_and(|material| looks.has_image(material)) {
+        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.kind.image().is_some())
+        {
             self.assets.warn_without_uvs(&files, self.diagnostics);
         }
         Some(Object {

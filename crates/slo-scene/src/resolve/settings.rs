@@ -3,7 +3,7 @@
 use crate::attributes::Fields;
 use crate::attributes::schema::{Attribute, Schema, attributes};
 use crate::diagnostics::Diagnostic;
-use crate::settings::{Entries, Form, Integrator, MOST_CAMERA_SAMPLES, Settings, Value};
+use crate::settings::{Entries, Form, MOST_CAMERA_SAMPLES, Settings, Value};
 
 const ATTRIBUTES: [Attribute; Settings::ENTRIES.len()] = attributes(Settings::ENTRIES);
 
@@ -48,27 +48,7 @@ pub(super) fn settings(fields: &mut Fields<'_, '_, '_>) -> Settings {
     if settings.noise.is_some() {
         warn_of_contrast(fields);
     }
-    if settings.integrator == Integrator::Path {
-        warn_of_glossy_samples(fields, &settings);
-    }
     settings
-}
-
-/// Warns of several glossy rays at a hit where each hit sends one ray.
-fn warn_of_glossy_samples(fields: &mut Fields<'_, '_, '_>, settings: &Settings) {
-    let counts = [
-        ("diffuseReflectionSamples", settings.diffuse_reflection_samples),
-        ("diffuseRefractionSamples", settings.diffuse_refraction_samples),
-    ];
-    for (name, count) in counts {
-        if let Some(field) = fields.get(name).filter(|_| count > 1) {
-            let message =
-                format!("`{name}` does nothing under `integrator {}`", settings.integrator);
-            let warning = Diagnostic::warning(message).at(field.keyword.span, "");
-            let help = "a hit sends one ray on; write more `imageSamples` instead";
-            fields.diagnostics.push(warning.help(help));
-        }
-    }
 }
 
 /// `imageSamples` times `dofSamples` is not more than the film can add up.
