@@ -4,7 +4,8 @@ use crate::cli::base::{Problem, Terminal, counted};
 use crate::cli::files::load;
 use crate::cli::options::Job;
 use slo_scene::animation::Clock;
-use slo_scene::{Camera, Object, SceneDescription, Settings, Texture};
+use slo_scene::light::LightKind;
+use slo_scene::{Camera, Look, Object, SceneDescription, Settings, Texture, ToneMap};
 
 /// Reports on the job's scene without rendering it.
 pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
@@ -23,18 +24,18 @@ pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
 }
 
 fn report(scene: &SceneDescription) -> Vec<String> {
-    let mut lines = vec![picture(&scene.camera), samples(&scene.settings)];
+    let mut lines = vec![picture(&scene.camera, &scene.settings), samples(&scene.settings)];
     lines.extend(segments(&scene.camera));
     lines.push(objects(&scene.objects));
     lines.push(lights_and_materials(scene));
     lines
 }
 
-fn picture(camera: &Camera) -> String {
+fn picture(camera: &Camera, settings: &Settings) -> String {
     let film = &camera.film;
-    let (format, encoding) = (film.output, film.encoding);
+    let (format, look) = (film.output, look(film.look(settings)));
     format!(
-        "picture: {} x {} pixels, {format}, {encoding}, {} frame{} per second",
+        "picture: {} x {} pixels, {format}, {look}, {} frame{} per second",
         film.width,
         film.height,
         camera.fps,
@@ -42,15 +43,30 @@ fn picture(camera: &Camera) -> String {
     )
 }
 
+/// Names the encoding, and what is applied before it.
+fn look(look: Look) -> String {
+    let Look { exposure, tone_map, encoding } = look;
+    let mut words = encoding.to_string();
+    if exposure != 0.0 {
+        words += &format!(", exposure {exposure}");
+    }
+    if tone_map != ToneMap::None {
+        words += &format!(", {tone_map}");
+    }
+    words
+}
+
 fn samples(settings: &Settings) -> String {
     let Settings { image_samples: most, image_min_samples: least, .. } = *settings;
     let image = if least < most { format!("{least} to {most}") } else { most.to_string() };
     format!(
-        "samples: {image} image x {} dof, {} shadow, {} reflection, {} refraction; recursion {}",
+        "samples: {image} image x {} dof, {} shadow, {} reflection, {} refraction; \
+         {}, recursion {}",
         settings.dof_samples,
         settings.soft_shadow_samples,
         settings.diffuse_reflection_samples,
         settings.diffuse_refraction_samples,
+        settings.integrator,
         settings.recursion()
     )
 }
@@ -68,14 +84,36 @@ fn objects(objects: &[Object]) -> String {
 }
 
 fn lights_and_materials(scene: &SceneDescription) -> String {
-    let areas = scene.lights.iter().filter(|light| light.kind.surface().is_some()).count();
+    let count = |sort| scene.lights.iter().filter(|light| sort_of(&light.kind) == sort).count();
+    let skies = match count(Sort::Sky) {
+        0 => String::new(),
+        skies => format!(", {skies} in the sky"),
+    };
     let texels = |texture: &Texture| u64::from(texture.width()) * u64::from(texture.height());
     let texels: u64 = scene.textures.iter().map(|texture| texels(texture)).sum();
     format!(
-        "lights: {areas} area, {} point; materials: {}; textures: {} of {:.1} megapixels",
-        scene.lights.len() - areas,
+        "lights: {} area, {} point{skies}; materials: {}; textures: {} of {:.1} megapixels",
+        count(Sort::Area),
+        count(Sort::Point),
         scene.materials.len(),
         scene.textures.len(),
         texels as f64 / 1e6
     )
+}
+
+/// What a light is to those who wait for the picture.
+#[derive(Clone, Copy, PartialEq)]
+enum Sort {
+    Point,
+    Area,
+    Sky,
+}
+
+fn sort_of(kind: &LightKind) -> Sort {
+    match kind {
+        LightKind::SunLamp(_) | LightKind::Environment(_) => Sort::Sky,
+        LightKind::DiscLamp(_) => Sort::Area,
+        kind if kind.surface().is_some() => Sort::Area,
+        _ => Sort::Point,
+    }
 }

@@ -16,12 +16,14 @@ mod time;
 pub(crate) use frame_path::FramePath;
 pub(crate) use frames::{FrameChoice, Frames, frames, named, shown};
 pub(crate) use maps::{Map, Maps, check_name};
-pub(crate) use names::{AcceleratorName, FormatName, IntegratorName, LayerName};
+pub(crate) use names::{
+    AcceleratorName, EncodingName, FormatName, IntegratorName, LayerName, ToneMapName,
+};
 pub(crate) use numbers::count;
 pub(crate) use order::Order;
 pub(crate) use part::{PartBy, part};
 pub(crate) use picture::{Region, SizeChoice, region, size};
 pub(crate) use progress::ProgressForm;
-pub(crate) use quality::{limit, noise, samples, seed, steps};
+pub(crate) use quality::{exposure, limit, noise, samples, seed, steps};
 pub(crate) use threads::{Threads, threads};
 pub(crate) use time::{LONGEST_LEASE, SHORTEST_LEASE, interval, lease, time};

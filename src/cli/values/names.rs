@@ -1,13 +1,11 @@
 //! Names of layers, file formats, integrators and structures on the command line, as in the scene language.
 
-use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use slo_scene::settings::Choice;
-use slo_scene::{Accelerator, Integrator, Layer, OutputFormat};
+use slo_scene::{Accelerator, Encoding, Integrator, Layer, OutputFormat, ToneMap};
 
 /// `--layers`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,43 +39,53 @@ impl ValueEnum for FormatName {
     }
 }
 
-/// `--accelerator`: the words of the scene language, in any case.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AcceleratorName(pub(crate) Accelerator);
+/// Defines the names of an option: the words of the scene language, in any case.
+macro_rules! words {
+    ($(#[$of:meta])* $Name:ident, $Word:ty) => {
+        $(#[$of])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) struct $Name(pub(crate) $Word);
 
-impl ValueEnum for AcceleratorName {
-    fn value_variants<'a>() -> &'a [Self] {
-        static ALL: LazyLock<Vec<AcceleratorName>> =
-            LazyLock::new(|| Accelerator::ALL.into_iter().map(AcceleratorName).collect());
-        &ALL
-    }
+        impl ValueEnum for $Name {
+            fn value_variants<'a>() -> &'a [Self] {
+                const ALL: [$Name; <$Word>::ALL.len()] = {
+                    let mut all = [$Name(<$Word>::ALL[0]); <$Word>::ALL.len()];
+                    let mut i = 0;
+                    while i < all.len() {
+                        all[i] = $Name(<$Word>::ALL[i]);
+                        i += 1;
+                    }
+                    all
+                };
+                &ALL
+            }
 
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(lower_case(self.0)))
-    }
+            fn to_possible_value(&self) -> Option<PossibleValue> {
+                static WORDS: LazyLock<Vec<String>> =
+                    LazyLock::new(|| <$Word>::ALL.map(|all| all.name().to_ascii_lowercase()).into());
+                let place = <$Word>::ALL.iter().position(|all| *all == self.0);
+                Some(PossibleValue::new(place.map_or(self.0.name(), |place| &WORDS[place])))
+            }
+        }
+    };
 }
 
-/// `--integrator`: the words of the scene language, in any case.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct IntegratorName(pub(crate) Integrator);
-
-impl ValueEnum for IntegratorName {
-    fn value_variants<'a>() -> &'a [Self] {
-        static ALL: LazyLock<Vec<IntegratorName>> =
-            LazyLock::new(|| Integrator::ALL.into_iter().map(IntegratorName).collect());
-        &ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(lower_case(self.0)))
-    }
+words! {
+    /// `--integrator`
+    IntegratorName, Integrator
 }
 
-/// Returns a word of the scene language in lower case, kept for the whole run.
-fn lower_case(choice: impl Choice) -> &'static str {
-    static WORDS: LazyLock<HashMap<&str, String>> = LazyLock::new(|| {
-        let words = Accelerator::WORDS.iter().chain(Integrator::WORDS);
-        words.map(|word| (*word, word.to_ascii_lowercase())).collect()
-    });
-    WORDS.get(choice.name()).map_or(choice.name(), String::as_str)
+words! {
+    /// `--accelerator`
+    AcceleratorName, Accelerator
+}
+
+words! {
+    /// `--encoding`
+    EncodingName, Encoding
+}
+
+words! {
+    /// `--tone-map`
+    ToneMapName, ToneMap
 }

@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use super::camera::CAMERA;
 use super::settings::SETTINGS;
+use super::texture::TEXTURE;
 use crate::attributes::schema::{Attribute, Schema, block, number, word};
 use crate::attributes::{ADD_KFRAME, Language, Referred};
 use crate::kinds::Kind;
@@ -59,9 +60,6 @@ pub(super) struct Known {
 
 /// `Scaling`, which holds a number.
 const SCALING: Schema = Schema::new("Scaling", &[]);
-
-/// `texture`
-const TEXTURE: Schema = Schema::new("texture", &[word("filename", "PATH").required()]);
 
 /// What all objects take beside their shapes.
 const OBJECT: &[Attribute] = &[

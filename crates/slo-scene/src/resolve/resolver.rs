@@ -1,10 +1,9 @@
 //! Syntax tree -> scene, element by element.
 
-use std::sync::Arc;
-
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
 use super::oddities::Emission;
+use super::texture::{Image, texture, warn_of_alpha};
 use super::{camera, key_frames, lights, oddities, overlaps, settings};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
@@ -16,7 +15,6 @@ use crate::light::Light;
 use crate::material::{Material, Palette, PhongInfo, ReadMaterial, phong_info};
 use crate::settings::{Integrator, Settings};
 use crate::shape::ReadShape;
-use crate::texture::Texture;
 
 /// The scene of a text that is a source of `diagnostics`; its content means nothing if there are
 /// errors.
@@ -86,13 +84,14 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let phong_infos = self.phong_infos(settings.integrator);
         let textures = self.textures();
         let materials = self.materials(&phong_infos);
+        warn_of_alpha(&textures, &materials, self.diagnostics);
         let objects = self.objects(camera.as_ref(), &materials);
         let scene = SceneDescription {
             settings,
             camera: camera?,
             lights: lights.iter().map(|(light, _)| light.clone()).collect(),
             materials,
-            textures: textures.into_iter().collect::<Option<_>>()?,
+            textures: textures.into_iter().map(|image| image.texture).collect::<Option<_>>()?,
             objects: objects.iter().map(|(object, _)| object.clone()).collect(),
             content_hash: self.assets.hash.finish(),
         };
@@ -166,13 +165,13 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         infos
     }
 
-    fn textures(&mut self) -> Vec<Option<Arc<Texture>>> {
-        let mut textures = Vec::new();
-        for (_, element) in self.scene.of(|role| matches!(role, Role::Texture).then_some(())) {
-            let path = self.fields(element).word("filename");
-            textures.push(path.and_then(|path| self.assets.texture(path, self.diagnostics)));
-        }
-        textures
+    fn textures(&mut self) -> Vec<Image<'a>> {
+        let elements = self.scene.of(|role| matches!(role, Role::Texture).then_some(()));
+        let image = |(_, element)| {
+            let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+            texture(&mut fields, &mut self.assets)
+        };
+        elements.into_iter().map(image).collect()
     }
 
     fn materials(&mut self, phong_infos: &[PhongInfo]) -> Vec<Material> {
