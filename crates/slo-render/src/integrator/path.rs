@@ -73,7 +73,7 @@ impl Path {
         }
         arrived.find(frame, batch, hits, depth);
         machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
-        let is_last = depth > frame.settings.recursion;
+        let is_last = depth > frame.settings.recursion();
         if is_last && !frame.material_table.emits {
             return Some(());
         }

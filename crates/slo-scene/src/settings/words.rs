@@ -12,6 +12,24 @@ choices! {
     }
 }
 
+impl Integrator {
+    /// `recursion` if a scene does not say it.
+    pub const fn recursion(self) -> u32 {
+        match self {
+            Self::Distributed => 3,
+            Self::Path => 16,
+        }
+    }
+
+    /// `lightSamplingType` if a scene does not say it.
+    pub const fn light_sampling(self) -> LightSampling {
+        match self {
+            Self::Distributed => LightSampling::All,
+            Self::Path => LightSampling::One,
+        }
+    }
+}
+
 choices! {
     /// The structure that rays are traced through.
     pub enum Accelerator {
@@ -40,10 +58,12 @@ choices! {
 
 choices! {
     /// How many lights a hit asks.
+    #[derive(Default)]
     pub enum LightSampling {
         /// One light, chosen at random in proportion to the light that is expected from it.
         One = "SAMPLE_ONE_AT_TIME",
         /// Every light.
+        #[default]
         All = "SAMPLE_ALL_AT_TIME",
     }
 }
