@@ -47,7 +47,8 @@ fn sample_stored(texture: &Texture, curve: Curve, u: f32, v: f32) -> [f32; 3] {
     at.interpolate(texture, |x, y| texture.decoded(x, y, curve))
 }
 
-/// Returns the colour that an equirectangular image shows in a direction of any length, with z up.
+/// Returns the colour that an equirectangular image shows in a direction, with z up. Its length may be
+/// from 1e-15 to 1e15.
 ///
 /// The middle of the image lies toward +x, its left half toward +y. Columns wrap; beyond the
 /// centres of the first and last row, colours are those of the row. The texture's [`Wrap`] has no
