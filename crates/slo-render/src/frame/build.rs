@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
+use super::emitters::add_emitters;
 use super::looks::{Look, Looks};
 use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
@@ -17,7 +18,7 @@ use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::material::Kind;
 use crate::shading::{Light, Lights, Material, MaterialTable};
-use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure};
+use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
 use slo_scene::animation::{Clock, DRigid, KeyFrameError, KeyFrames, NoSegment, Shutter};
 use slo_scene::{CamSegment, Integrator, Object, SceneDescription, Settings};
 
@@ -112,7 +113,7 @@ impl FrameScene {
             parts.add(object, scene, &seen, isa)?;
         }
         let lights_before = before.as_ref().map(|before| &before.lights);
-        let (mut lights, mut hidden) = (Vec::new(), Vec::new());
+        let (mut lights, mut hidden, mut passable) = (Vec::new(), Vec::new(), Vec::new());
         for light in &scene.lights {
             let ready = Light::new(light, origin, &scene.textures, lights_before);
             if let Some(geometry) = lamp_geometry(&light.kind) {
@@ -121,9 +122,13 @@ impl FrameScene {
             }
             lights.push(ready);
             hidden.push(!light.camera_visible);
+            passable.push(!light.solid);
         }
-        if !hidden.contains(&true) {
-            hidden.clear();
+        add_emitters(scene, &mut parts, &mut lights);
+        for flags in [&mut hidden, &mut passable] {
+            if !flags.contains(&true) {
+                flags.clear();
+            }
         }
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
@@ -146,6 +151,7 @@ impl FrameScene {
             light_tree: LightTree::new(&lights.iter().map(Light::bounds).collect::<Vec<_>>()),
             skies: skies(&lights),
             hidden,
+            passable,
             techniques: Techniques::default(),
             lights: lights.into_iter().collect(),
             is_physical: is_physical(scene),
@@ -204,8 +210,8 @@ struct Seen<'a> {
 
 /// Parts of a frame, collected object by object.
 #[derive(Default)]
-struct Parts {
-    objects: Vec<FrameObject>,
+pub(super) struct Parts {
+    pub(super) objects: Vec<FrameObject>,
     /// Look of each object.
     looks: Vec<Look>,
     still: Primitives,
@@ -220,6 +226,14 @@ struct Parts {
 }
 
 impl Parts {
+    /// Returns the triangles of an object, in render space, if it is still.
+    pub(super) fn still_triangles(&self, object: usize) -> Option<&[Triangle]> {
+        self.places.iter().find(|(number, _)| *number as usize == object)?;
+        let Geometry::Mesh(mesh, _) = &self.objects[object].geometry else { return None };
+        let first = self.objects[object].first_triangle as usize;
+        self.still.triangles.get(first..first + mesh.faces.len())
+    }
+
     fn add(
         &mut self,
         object: &Object,

@@ -33,7 +33,7 @@ pub(in crate::integrator) fn questions(
     frame: &FrameScene,
     depth: u32,
 ) -> impl Iterator<Item = Question> {
-    let (asked, all) = match frame.settings.light_sampling {
+    let (asked, all) = match frame.settings.light_sampling() {
         LightSampling::All => (frame.lights.len(), true),
         LightSampling::One => (frame.lights.len().min(1), false),
     };
