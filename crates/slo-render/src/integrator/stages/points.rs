@@ -129,7 +129,12 @@ impl Points {
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> At {
         let Surfaces { n_shade, n_geo, .. } = &self.surfaces;
-        At { eye: -self.direction.get(i), n: n_shade.get(i), n_geo: n_geo.get(i) }
+        At {
+            eye: -self.direction.get(i),
+            n: n_shade.get(i),
+            n_geo: n_geo.get(i),
+            tangent: Vec3::ZERO,
+        }
     }
 
     /// Returns the names of the random numbers of ray `i` of `count` from every point, after
