@@ -70,5 +70,6 @@ pub(super) fn warn_of_alpha(
 fn without_alpha(kind: &MaterialKind) -> Option<usize> {
     match kind {
         MaterialKind::Phong(phong) => Some(phong.texture?.texture.0 as usize),
+        MaterialKind::Principled(_) | MaterialKind::Mix(_) => None,
     }
 }
