@@ -12,7 +12,7 @@ import numpy as np
 
 from slo_rt.fit import bezier, rigid
 from slo_rt.fit.motion import KeyFrame
-from slo_rt.format import key_frames, png16, slo_mesh
+from slo_rt.format import key_frames, png, slo_mesh
 from slo_rt.format.decimal_text import decimal_lines, integer_lines, number, vectors
 from slo_rt.format.fingerprint import BLOCK, fingerprint
 from slo_rt.format.names import Names, plain
@@ -221,7 +221,7 @@ class FileTest(unittest.TestCase):
 
     def test_png(self):
         path = os.path.join(self.folder, "p.png")
-        png16.write(path, png16.levels(np.array([[[0.0, 0.5, 1.0], [2.0, -1.0, 0.25]]])))
+        png.write(path, png.levels(np.array([[[0.0, 0.5, 1.0], [2.0, -1.0, 0.25]]])))
         with open(path, "rb") as file:
             data = file.read()
         self.assertEqual(data[16:26], b"\0\0\0\2\0\0\0\1\x10\2")
