@@ -32,11 +32,11 @@ pub use description::{
 pub use files::Files;
 pub use light::{Light, LightKind};
 pub use load::{Loaded, load};
-pub use material::{Material, MaterialKind, TextureId, TextureUse};
+pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;
 pub use settings::{
-    Accelerator, Contrast, Encoding, Film, Generator, Layer, LightSampling, MOST_CAMERA_SAMPLES,
-    OutputFormat, Settings, ShadowMode,
+    Accelerator, Contrast, Encoding, Film, Generator, Integrator, Layer, LightSampling,
+    MOST_CAMERA_SAMPLES, OutputFormat, Settings, ShadowMode,
 };
 pub use shape::Shape;
 pub use texture::Texture;

@@ -10,6 +10,7 @@ use super::shapes::Geometry;
 use super::world::{World, WorldHits};
 use crate::camera::Camera;
 use crate::sampling::Sampler;
+use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
 use slo_accel::math::columns::Column;
 use slo_accel::{Isa, Structure};
@@ -28,12 +29,20 @@ pub struct FrameScene {
     /// The materials in columns.
     pub(crate) material_table: MaterialTable,
     pub(crate) lights: Lights,
+    /// Chooses one of the lights.
+    pub(crate) light_tree: LightTree,
+    /// Indices of the lights that are infinitely far away.
+    pub(crate) skies: Vec<u32>,
+    /// How the light of lamps is shared between techniques, for physical shading.
+    pub(crate) techniques: Techniques,
     pub(crate) sampler: Sampler,
     pub(crate) settings: Settings,
     /// Instruction set of all vectorized code.
     pub(crate) isa: Isa,
     /// Whether variance is reduced by more than good sample points; see [`plain`](Self::plain).
     pub(crate) clever: bool,
+    /// Whether the scene says anything that the thesis's integrator does not know.
+    pub(crate) is_physical: bool,
     pub(super) textures: Vec<Arc<Texture>>,
     pub(super) objects: Vec<FrameObject>,
     pub(super) looks: Looks,

@@ -51,7 +51,7 @@ pub fn density(axis: Vec3, inverse: f32, side: Vec3, w: Vec3) -> f32 {
 ///
 /// Source: T. Duff et al., "Building an Orthonormal Basis, Revisited" (JCGT 2017).
 #[inline(always)]
-fn pair(z: Vec3) -> (Vec3, Vec3) {
+pub fn pair(z: Vec3) -> (Vec3, Vec3) {
     let sign = if z.z < 0.0 { -1.0 } else { 1.0 };
     let a = -1.0 / (sign + z.z);
     let b = z.x * z.y * a;

@@ -1,5 +1,6 @@
 //! Phong, glossy lobes, textures and lights at a hit. Independent of acceleration structures.
 
+pub mod bsdf;
 pub mod light;
 pub mod lobe;
 pub mod material;

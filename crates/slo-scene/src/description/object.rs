@@ -18,4 +18,9 @@ pub struct Object {
     pub shape: Shape,
     /// In order of time; none: object space is scene space. One: a placed, still object.
     pub key_frames: Vec<KeyFrame>,
+    /// Whether rays are sent toward it if its material emits light; otherwise only rays that hit it
+    /// find its light.
+    pub sampled: bool,
+    /// `light_group` of the light that its material emits.
+    pub light_group: Option<String>,
 }

@@ -2,6 +2,7 @@
 
 use crate::attributes::Fields;
 use crate::kinds::Keyword;
+use crate::material::Palette;
 use crate::shape::Shape;
 
 /// A light of some kind, in scene space.
@@ -19,5 +20,13 @@ pub(super) trait WrittenLight: Lamp + Sized {
     const KEYWORDS: &'static [Keyword];
 
     /// Reads the element; `None` if something is wrong, which is reported.
-    fn read(fields: &mut Fields<'_, '_, '_>, _: &mut ()) -> Option<Self>;
+    fn read<'a>(fields: &mut Fields<'_, 'a, '_>, palette: &mut Palette<'_, 'a>) -> Option<Self>;
+}
+
+/// Reads the radiance of a lamp that glows evenly on a surface of `area`: `radiance`, or `power`
+/// divided by pi times the area.
+pub(super) fn radiance_of(fields: &mut Fields<'_, '_, '_>, area: f64) -> Option<[f32; 3]> {
+    let scale = (1.0 / (std::f64::consts::PI * area)) as f32;
+    let power = fields.color("power").map(|power| power.map(|p| p * scale));
+    fields.color("radiance").or(power)
 }

@@ -1,19 +1,34 @@
 //! Lights: one file for each kind, with its data, its element of the language, and how that is read.
 
+mod environment;
 mod lamp;
+mod lamp_disc;
+mod lamp_point;
+mod lamp_rectangle;
+mod lamp_spot;
+mod lamp_sun;
 mod point;
 mod rectangle;
 
 use crate::attributes::Fields;
+use crate::description::KeyFrame;
 use crate::kinds::kinds;
+use crate::material::Palette;
 use crate::shape::Shape;
 use lamp::{Lamp, WrittenLight};
 
+pub use environment::{Environment, Sky};
+pub use lamp_disc::DiscLamp;
+pub use lamp_point::PointLamp;
+pub use lamp_rectangle::RectangleLamp;
+pub use lamp_spot::SpotLamp;
+pub use lamp_sun::SunLamp;
 pub use point::PointLight;
 pub use rectangle::RectangleLight;
 
 /// How an element becomes a light.
-pub(crate) type ReadLight = fn(&mut Fields<'_, '_, '_>, &mut ()) -> Option<LightKind>;
+pub(crate) type ReadLight =
+    for<'a> fn(&mut Fields<'_, 'a, '_>, &mut Palette<'_, 'a>) -> Option<LightKind>;
 
 /// A light.
 #[derive(Clone, Debug)]
@@ -22,6 +37,14 @@ pub struct Light {
     pub name: String,
     /// Where and how it shines.
     pub kind: LightKind,
+    /// In order of time; none: lamp space is scene space.
+    pub key_frames: Vec<KeyFrame>,
+    /// Whether camera rays see it.
+    pub camera_visible: bool,
+    /// Whether it stops rays.
+    pub solid: bool,
+    /// `light_group`
+    pub group: Option<String>,
 }
 
 kinds! {
@@ -31,6 +54,18 @@ kinds! {
         Point(PointLight),
         /// `light_rectangle`
         Rectangle(RectangleLight),
+        /// `lamp_point`
+        PointLamp(PointLamp),
+        /// `lamp_spot`
+        SpotLamp(SpotLamp),
+        /// `lamp_sun`
+        SunLamp(SunLamp),
+        /// `lamp_rectangle`
+        RectangleLamp(RectangleLamp),
+        /// `lamp_disc`
+        DiscLamp(DiscLamp),
+        /// `environment`
+        Environment(Environment),
     }
 }
 
@@ -40,8 +75,21 @@ impl LightKind {
         self.common().is_dark()
     }
 
-    /// The surface that shines, in scene space; `None` if no ray can hit the light.
+    /// The surface that shines, in lamp space; `None` if no ray can hit the light.
     pub fn surface(&self) -> Option<Shape> {
         self.common().surface()
+    }
+
+    /// Whether it is one of the thesis's lights: its light does not fall off with distance.
+    pub fn is_of_thesis(&self) -> bool {
+        match self {
+            Self::Point(_) | Self::Rectangle(_) => true,
+            Self::PointLamp(_)
+            | Self::SpotLamp(_)
+            | Self::SunLamp(_)
+            | Self::RectangleLamp(_)
+            | Self::DiscLamp(_)
+            | Self::Environment(_) => false,
+        }
     }
 }

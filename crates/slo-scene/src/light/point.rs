@@ -6,6 +6,7 @@ use super::lamp::{Lamp, WrittenLight};
 use crate::attributes::Fields;
 use crate::attributes::schema::{color, point};
 use crate::kinds::Keyword;
+use crate::material::Palette;
 use crate::shape::Shape;
 
 /// A light without a surface.
@@ -23,7 +24,7 @@ impl WrittenLight for PointLight {
         attributes: &[color("color").required(), point("position").required()],
     }];
 
-    fn read(fields: &mut Fields<'_, '_, '_>, _: &mut ()) -> Option<Self> {
+    fn read<'a>(fields: &mut Fields<'_, 'a, '_>, _: &mut Palette<'_, 'a>) -> Option<Self> {
         let color = fields.color("color");
         let position = fields.point("position");
         Some(Self { color: color?, position: position?.value })

@@ -4,6 +4,7 @@ use super::lamp::{Lamp, WrittenLight};
 use crate::attributes::Fields;
 use crate::attributes::schema::{color, point};
 use crate::kinds::Keyword;
+use crate::material::Palette;
 use crate::shape::{Rectangle, Shape};
 
 /// A rectangle that shines on both sides.
@@ -26,7 +27,7 @@ impl WrittenLight for RectangleLight {
         ],
     }];
 
-    fn read(fields: &mut Fields<'_, '_, '_>, _: &mut ()) -> Option<Self> {
+    fn read<'a>(fields: &mut Fields<'_, 'a, '_>, _: &mut Palette<'_, 'a>) -> Option<Self> {
         let color = fields.color("color");
         let rectangle = Rectangle::of_corners(fields);
         Some(Self { color: color?, rectangle: rectangle? })

@@ -2,18 +2,22 @@
 //! read.
 
 mod look;
+mod mix;
 mod palette;
 mod phong;
 mod phong_info;
+mod principled;
 mod texture;
 
 use crate::attributes::Fields;
 use crate::kinds::kinds;
 use look::{Look, WrittenMaterial};
 
+pub use mix::Mix;
 pub use phong::Phong;
 pub use phong_info::PhongInfo;
-pub use texture::{TextureId, TextureUse};
+pub use principled::{Principled, Varying};
+pub use texture::{Channel, ImageUse, TextureId, TextureUse};
 
 pub(crate) use palette::Palette;
 pub(crate) use phong_info::{PHONG_INFO, phong_info};
@@ -36,6 +40,10 @@ kinds! {
     pub enum MaterialKind: dyn Look, read by ReadMaterial {
         /// `material_phong`, `material_texture`
         Phong(Phong),
+        /// `material_principled`
+        Principled(Principled),
+        /// `material_mix`
+        Mix(Mix),
     }
 }
 

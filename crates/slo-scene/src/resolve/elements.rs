@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use super::camera::CAMERA;
 use super::key_frames::ADD_KFRAME;
 use super::settings::SETTINGS;
-use crate::attributes::schema::{Attribute, Schema, block, word};
+use crate::attributes::schema::{Attribute, Schema, block, number, word};
 use crate::attributes::{Language, Referred};
 use crate::kinds::Kind;
 use crate::light::{LightKind, ReadLight};
@@ -64,8 +64,21 @@ const SCALING: Schema = Schema::new("Scaling", &[]);
 /// `texture`
 const TEXTURE: Schema = Schema::new("texture", &[word("filename", "PATH").required()]);
 
+/// What all lights take.
+const LIGHT: &[Attribute] = &[
+    number("camera_visible"),
+    number("solid"),
+    word("light_group", "NAME"),
+    block(&ADD_KFRAME).repeated(),
+];
+
 /// What all objects take beside their shapes.
-const OBJECT: &[Attribute] = &[word("material", "NAME").required(), block(&ADD_KFRAME).repeated()];
+const OBJECT: &[Attribute] = &[
+    word("material", "NAME").required(),
+    number("sampled"),
+    word("light_group", "NAME"),
+    block(&ADD_KFRAME).repeated(),
+];
 
 /// All elements, in the order of messages.
 pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
@@ -74,7 +87,7 @@ pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
         Known { schema: SETTINGS, role: Role::Settings },
         Known { schema: CAMERA, role: Role::Camera },
     ];
-    elements.extend(written(LightKind::KINDS, &[], Role::Light));
+    elements.extend(written(LightKind::KINDS, LIGHT, Role::Light));
     elements.push(Known { schema: PHONG_INFO, role: Role::PhongInfo });
     elements.extend(written(MaterialKind::KINDS, &[], Role::Material));
     elements.push(Known { schema: TEXTURE, role: Role::Texture });

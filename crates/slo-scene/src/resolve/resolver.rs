@@ -133,8 +133,18 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             _ => None,
         });
         let light = |(read, element): (ReadLight, Element<'t, 'a>)| {
-            let kind = read(&mut self.fields(element), &mut ())?;
-            Some((Light { name: element.name.text.to_owned(), kind }, element.head()))
+            let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+            let key_frames = key_frames::key_frames(&mut fields);
+            let flag = |fields: &mut Fields<'t, 'a, '_>, name| {
+                fields.count(name, 0, 1).is_none_or(|flag| flag.value == 1)
+            };
+            let camera_visible = flag(&mut fields, "camera_visible");
+            let solid = flag(&mut fields, "solid");
+            let group = fields.word("light_group").map(|group| group.text.to_owned());
+            let mut palette = Palette { references: &mut self.references, phong_infos: &[] };
+            let kind = read(&mut fields, &mut palette)?;
+            let name = element.name.text.to_owned();
+            Some((Light { name, kind, key_frames, camera_visible, solid, group }, element.head()))
         };
         elements.into_iter().filter_map(light).collect()
     }
@@ -196,6 +206,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         if let Some(camera) = camera {
             oddities::check_key_times(&mut fields, &key_frames, camera);
         }
+        let sampled = fields.count("sampled", 0, 1).is_none_or(|flag| flag.value == 1);
+        let light_group = fields.word("light_group").map(|group| group.text.to_owned());
         let shape = read(&mut fields, &mut self.assets);
         let files = fields.words("filename").unwrap_or_default();
         let find = |name| self.references.find(Referred::Material, name);
@@ -209,6 +221,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             material: MaterialId(material? as u32),
             shape: shape?,
             key_frames,
+            sampled,
+            light_group,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::entry::{Effect, choice, color, count, double, entries, flag, single, whole};
 use super::value::Bound;
-use super::words::{Accelerator, Contrast, Generator, LightSampling, ShadowMode};
+use super::words::{Accelerator, Contrast, Generator, Integrator, LightSampling, ShadowMode};
 
 /// Most camera samples of a pixel, `imageSamples` times `dofSamples`: the film can add up so many.
 pub const MOST_CAMERA_SAMPLES: u32 = (1 << 22) - 1;
@@ -18,6 +18,9 @@ entries! {
     #[derive(Clone, Debug, PartialEq)]
     #[non_exhaustive]
     pub struct Settings {
+        /// Which light is found.
+        integrator: Integrator = Integrator::Distributed,
+            choice("integrator", Effect::Samples).unless_default();
         /// Which points the integral is sampled at.
         generator: Generator = Generator::Quasi, choice("generatorType", Effect::Samples);
         /// How many lights a hit asks.

@@ -19,7 +19,9 @@ pub use film::{Film, MOST_PIXELS};
 pub use format::{FileValues, OutputFormat};
 pub use list::{MOST_CAMERA_SAMPLES, Settings};
 pub use value::{Bound, Form, Value};
-pub use words::{Accelerator, Contrast, Encoding, Generator, Layer, LightSampling, ShadowMode};
+pub use words::{
+    Accelerator, Contrast, Encoding, Generator, Integrator, Layer, LightSampling, ShadowMode,
+};
 
 #[cfg(test)]
 mod tests {

@@ -3,6 +3,16 @@
 use super::choice::choices;
 
 choices! {
+    /// Which light is found.
+    pub enum Integrator {
+        /// Light that comes straight from lamps, and what mirrors, gloss and glass see.
+        Distributed = "DISTRIBUTED",
+        /// All light.
+        Path = "PATH",
+    }
+}
+
+choices! {
     /// The structure that rays are traced through.
     pub enum Accelerator {
         /// SAH kd-tree.
