@@ -10,7 +10,7 @@ from .checks import finite
 from .emission import emitted
 from .flags import note_flags
 from .image_use import Sampled, is_readable
-from .nodes import Feed, follow, output_node
+from .nodes import Feed, follow, nearest, output_node
 from .physical import PhysicalReader
 from .texture import mapping_values, note_own_mapping
 
@@ -57,8 +57,17 @@ class _WorldReader(PhysicalReader):
         if output is None:
             return []
         self.note_rest(Feed(output))
-        surface = follow(Feed(output).input("Surface"))
+        surface = self._chosen(follow(Feed(output).input("Surface")))
         return self._image(surface, name_of) or self._even(emitted(surface, self))
+
+    def _chosen(self, feed):
+        """Returns the first shader of mixes whose factor is not constant, such as one by kind of ray."""
+        while feed.node is not None and feed.node.type == "MIX_SHADER":
+            if self.constant(follow(feed.input("Fac"))) is not None:
+                break
+            self.note(f"{feed.node.bl_label} is not carried, its first shader is")
+            feed = next(follow(i) for i in feed.inputs() if i.socket.type == "SHADER")
+        return feed
 
     def _even(self, color):
         color = finite(self.light(color), self.subject, "its colour")
@@ -69,10 +78,13 @@ class _WorldReader(PhysicalReader):
         shader."""
         if feed.node is None or feed.node.type not in {"BACKGROUND", "EMISSION"}:
             return None
-        behind = follow(feed.input("Color"))
-        node = behind.node
-        if node is None or node.type != "TEX_ENVIRONMENT" or not is_readable(node.image, self):
+        chain = follow(feed.input("Color"))
+        behind = nearest(chain, "TEX_ENVIRONMENT")
+        if behind is None or not is_readable(behind.node.image, self):
             return None
+        node = behind.node
+        if node != chain.node:
+            self.note_feed(chain, feed.input("Color"), "the image behind it is")
         self.note_rest(feed)
         self.note_rest(behind)
         note_own_mapping(node, self)

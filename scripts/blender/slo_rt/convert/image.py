@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes images: as PNG files of linear light for Phong materials, as they are for physical surfaces."""
 
+import functools
 import hashlib
+import os
 
+import bpy
 import numpy as np
 
 from ..format import exr, png
@@ -23,9 +26,17 @@ class _Picture:
         self.image = image
         self._kind = kind
         self.is_readable = image.size[0] > 0 and image.size[1] > 0
-        if self.is_readable:
-            self._values = np.empty(image.size[0] * image.size[1] * image.channels, np.float32)
-            image.pixels.foreach_get(self._values)
+
+    @functools.cached_property
+    def _values(self):
+        image = self.image
+        values = np.empty(image.size[0] * image.size[1] * image.channels, np.float32)
+        image.pixels.foreach_get(values)
+        return values
+
+    def _content(self):
+        """Returns an array of everything that is in its file."""
+        return self._values
 
     @property
     def subject(self):
@@ -41,7 +52,7 @@ class _Picture:
                 image.colorspace_settings.name, self._kind,
             )
         )  # fmt: skip
-        both = words.encode() + fingerprint(self._values)
+        both = words.encode() + fingerprint(self._content())
         return hashlib.blake2b(both, digest_size=16).hexdigest()
 
     def _pixels(self):
@@ -111,14 +122,20 @@ class Original(_Picture):
         super().__init__(image, ("original", has_alpha, is_associated))
         self._has_alpha = has_alpha
         self._is_associated = is_associated
-        self.ending = "exr" if image.is_float else "png"
+        self._file = _radiance_file(image) if image.is_float and not has_alpha else None
+        self.ending = "hdr" if self._file else "exr" if image.is_float else "png"
         is_srgb = not image.is_float and image.colorspace_settings.name == "sRGB"
         self.encoding = "SRGB" if is_srgb else "RAW"
 
     def write(self, path):
         """Writes the file; returns the notes on it."""
         notes = self._notes_on_colors()
-        if self.image.is_float:
+        if self._file:
+            partial = f"{path}.part"
+            with open(partial, "wb") as file:
+                file.write(self._file)
+            os.replace(partial, path)
+        elif self.image.is_float:
             pixels = self._floats()
             if not np.isfinite(pixels).all():
                 notes.append("what is no finite number in it is black")
@@ -127,6 +144,9 @@ class Original(_Picture):
         else:
             png.write(path, self._bytes())
         return notes
+
+    def _content(self):
+        return np.frombuffer(self._file, np.uint8) if self._file else self._values
 
     def _bytes(self):
         values = np.rint(np.clip(self._rgb(), 0.0, 1.0) * 255.0).astype(np.uint8)
@@ -147,6 +167,25 @@ class Original(_Picture):
         if self._is_associated:
             rgb = rgb / np.where(alpha > 0.0, alpha, 1.0)
         return np.concatenate([rgb, alpha], axis=2)
+
+
+def _radiance_file(image):
+    """Returns the contents of an unchanged Radiance file (.hdr) with the pixels of an image; None if
+    there is no such file. Skies are large, so they are copied rather than read."""
+    is_plain = image.colorspace_settings.name in _LINEAR and not image.is_dirty
+    if image.source != "FILE" or image.file_format != "HDR" or not is_plain:
+        return None
+    try:
+        if image.packed_file:
+            data = image.packed_file.data
+        else:
+            path = bpy.path.abspath(image.filepath, library=image.library)
+            with open(path, "rb") as file:
+                data = file.read()
+    except OSError:
+        return None
+    is_upright = b"\n\n-Y " in data[:4096]
+    return data if data.startswith(b"#?") and is_upright else None
 
 
 def linear_of_srgb(values):

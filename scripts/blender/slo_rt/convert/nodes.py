@@ -205,6 +205,20 @@ def constant(feed):
     return tuple(value)[:3] if hasattr(value, "__len__") and not isinstance(value, str) else value
 
 
+def nearest(feed, kind):
+    """Returns the `Feed` of the nearest node of a type at or behind `feed`, along colours, or None."""
+    seen, open_ = set(), [feed]
+    while open_:
+        feed = open_.pop(0)
+        if feed.node is None or (feed.node, feed.groups) in seen:
+            continue
+        if feed.node.type == kind and feed.node.image:
+            return feed
+        seen.add((feed.node, feed.groups))
+        open_ += [follow(i) for i in feed.inputs() if i.socket.type == "RGBA"]
+    return None
+
+
 def _number_or_tuple(value, socket):
     """Returns a constant as converted by `socket`; None if it is neither number nor colour."""
     if socket.type in {"VALUE", "INT"}:

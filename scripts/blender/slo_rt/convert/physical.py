@@ -22,7 +22,7 @@ from ..format.principled import (
 from .flags import note_flags
 from .fold import folded
 from .image_use import image_behind
-from .nodes import Feed, Reader, follow, luma, output_node
+from .nodes import Feed, Reader, follow, luma, nearest, output_node
 from .node_table import PHYSICAL
 
 _TRANSPARENT = "BSDF_TRANSPARENT"
@@ -385,20 +385,11 @@ class _SurfaceReader(PhysicalReader):
 
     def _nearest_image(self, chain, input_):
         """Returns the nearest image behind nodes that have no counterpart, which is noted; or None."""
-        seen, open_ = set(), [chain]
-        while open_:
-            feed = open_.pop(0)
-            if feed.node is None or (feed.node, feed.groups) in seen:
-                continue
-            seen.add((feed.node, feed.groups))
-            if feed.node.type == "TEX_IMAGE":
-                found = image_behind(feed, self)
-                if found and feed.node != chain.node:
-                    self.note_feed(chain, input_, "the image behind it is")
-                if found:
-                    return found
-            open_ += [follow(i) for i in feed.inputs() if i.socket.type == "RGBA"]
-        return None
+        image = nearest(chain, "TEX_IMAGE")
+        found = image and image_behind(image, self)
+        if found and image.node != chain.node:
+            self.note_feed(chain, input_, "the image behind it is")
+        return found
 
 
 def _is_nothing(feed):

@@ -593,6 +593,44 @@ class WorldTest(PhysicalTest):
         self.assertEqual(set(block.values), {"texture", "strength"})
         np.testing.assert_array_equal(self.picture("Sky.exr")[..., :3], self.values)
 
+    def test_a_radiance_file_is_copied(self):
+        node = self.sky()
+        path = os.path.join(blend.FOLDER, "sky.hdr")
+        node.image.filepath_raw, node.image.file_format = path, "HDR"
+        node.image.save()
+        with open(path, "rb") as file:
+            wanted = file.read()
+        for is_packed in (False, True):
+            node.image = bpy.data.images.load(path)
+            node.image.name = "Copy"
+            if is_packed:
+                node.image.pack()
+            block = self.exported().one("texture")
+            name = block.values["filename"][0][0]
+            self.assertTrue(name.endswith(".hdr"), name)
+            with open(os.path.join(os.path.dirname(self.path), name), "rb") as file:
+                self.assertEqual(file.read(), wanted)
+        node.image.pixels[0] = 7.0
+        self.assertTrue(self.exported().one("texture").values["filename"][0][0].endswith(".exr"))
+
+    def test_the_image_behind_other_nodes(self):
+        node = self.sky()
+        tree = self.scene.world.node_tree
+        gamma = add(tree, "ShaderNodeGamma", None, self.background().inputs["Color"])
+        tree.links.new(node.outputs[0], gamma.inputs["Color"])
+        self.assertIn("texture", self.exported().one("environment").values)
+        self.assertIn("Gamma on Color is not carried, the image behind it is", self.text)
+
+    def test_a_mix_by_kind_of_ray(self):
+        self.sky()
+        tree = self.scene.world.node_tree
+        mix = add(tree, "ShaderNodeMixShader", None, output_of(tree).inputs["Surface"])
+        tree.links.new(self.background().outputs[0], mix.inputs[1])
+        add(tree, "ShaderNodeBackground", (1.0, 0.0, 0.0, 1.0), mix.inputs[2])
+        add(tree, "ShaderNodeLightPath", None, mix.inputs[0])
+        self.assertIn("texture", self.exported().one("environment").values)
+        self.assertIn("Mix Shader is not carried, its first shader is", self.text)
+
     def test_turn(self):
         node = self.sky()
         tree = self.scene.world.node_tree
