@@ -111,7 +111,7 @@ impl FrameScene {
         for object in &scene.objects {
             parts.add(object, scene, &seen, isa)?;
         }
-        let mut lights = Vec::new();
+        let (mut lights, mut hidden) = (Vec::new(), Vec::new());
         for light in &scene.lights {
             let Some(ready) = Light::new(light, origin) else { continue };
             if let Some(surface) = light.kind.surface() {
@@ -119,6 +119,10 @@ impl FrameScene {
                 parts.add_still(look, geometry(&surface), &DRigid::IDENTITY, &seen);
             }
             lights.push(ready);
+            hidden.push(!light.camera_visible);
+        }
+        if !hidden.contains(&true) {
+            hidden.clear();
         }
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
@@ -139,7 +143,8 @@ impl FrameScene {
             material_table: MaterialTable::new(&scene.materials, &materials),
             materials,
             light_tree: LightTree::new(lights.len()),
-            skies: Vec::new(),
+            skies: skies(&lights),
+            hidden,
             techniques: Techniques::default(),
             lights: lights.into_iter().collect(),
             is_physical: is_physical(scene),
@@ -154,6 +159,11 @@ impl FrameScene {
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
         })
     }
+}
+
+/// Returns the indices of lights that are infinitely far away.
+fn skies(lights: &[Light]) -> Vec<u32> {
+    (0..).zip(lights).filter(|(_, light)| light.is_distant()).map(|(number, _)| number).collect()
 }
 
 /// Whether a scene says anything that the thesis's integrator does not know.
@@ -250,6 +260,7 @@ impl Parts {
             geometry,
             place: Rigid::IDENTITY,
             first_triangle: 0,
+            first_light: None,
         });
         Ok(())
     }
@@ -265,7 +276,7 @@ impl Parts {
         let normals = vertex_normals(&geometry, place);
         let place = Rigid::relative(place, seen.origin);
         self.looks.push(look);
-        self.objects.push(FrameObject { geometry, place, first_triangle, normals });
+        self.objects.push(FrameObject { geometry, place, first_triangle, first_light: None, normals });
     }
 }
 

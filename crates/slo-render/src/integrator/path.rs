@@ -17,9 +17,11 @@ use super::stages::bsdfs::Bsdfs;
 use super::stages::camera_rays::CameraRays;
 use super::stages::continuation::Continuation;
 use super::stages::direct_light::questions;
+use super::stages::emission::Emission;
 use super::stages::features::FeatureSums;
 use super::stages::hits::Hits;
 use super::stages::lamp_light::LampLight;
+use super::stages::passing::Passing;
 use super::stages::points::Points;
 use super::stages::visibility::Visibility;
 use super::work::Job;
@@ -34,6 +36,8 @@ pub(super) struct Path {
     hits: Box<Hits>,
     arrived: Box<Arrived>,
     points: Box<Points>,
+    passing: Box<Passing>,
+    emission: Box<Emission>,
     features: FeatureSums,
     bsdfs: Box<Bsdfs>,
     lamp_light: Box<LampLight>,
@@ -59,8 +63,24 @@ impl Path {
     /// Returns `None` if the work is given up.
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
-        let Self { batch, hits, arrived, points, features, bsdfs, scratch, .. } = self;
+        let Self {
+            batch,
+            hits,
+            arrived,
+            points,
+            emission,
+            features,
+            bsdfs,
+            passing,
+            scratch,
+            ..
+        } = self;
         hits.trace(frame, batch, machine.habit(depth), scratch);
+        if depth == 0 && frame.has_hidden_lamps() {
+            passing.hidden_lamps(frame, batch, hits);
+            let Passing { sent, labels, past, chosen, .. } = &**passing;
+            machine.extend_path(depth, sent, labels, past, chosen);
+        }
         arrived.find(frame, batch, hits, depth);
         machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
         let is_last = depth > frame.settings.recursion;
@@ -70,6 +90,12 @@ impl Path {
         points.find(frame, batch, hits, machine.seeds());
         points.find_receivers(frame);
         bsdfs.look_up(frame, points);
+        if frame.material_table.absorbs {
+            bsdfs.absorb(batch, points);
+        }
+        if frame.material_table.emits && emission.find(frame, batch, hits, points, bsdfs, depth) {
+            machine.add(frame.isa, &emission.light, &points.labels.slot, points.len());
+        }
         if is_last {
             return Some(());
         }

@@ -1,9 +1,8 @@
 //! Syntax tree -> scene, element by element.
 
-use std::sync::Arc;
-
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
+use super::texture::{Image, texture, warn_of_alpha};
 use super::{camera, key_frames, oddities, overlaps, settings};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
@@ -15,7 +14,6 @@ use crate::light::{Light, ReadLight};
 use crate::material::{Material, Palette, PhongInfo, ReadMaterial, phong_info};
 use crate::settings::Settings;
 use crate::shape::ReadShape;
-use crate::texture::Texture;
 
 /// The scene of a text that is a source of `diagnostics`; its content means nothing if there are
 /// errors.
@@ -81,13 +79,14 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let phong_infos = self.phong_infos();
         let textures = self.textures();
         let materials = self.materials(&phong_infos);
+        warn_of_alpha(&textures, &materials, self.diagnostics);
         let objects = self.objects(camera.as_ref(), &materials);
         let scene = SceneDescription {
             settings,
             camera: camera?,
             lights: lights.iter().map(|(light, _)| light.clone()).collect(),
             materials,
-            textures: textures.into_iter().collect::<Option<_>>()?,
+            textures: textures.into_iter().map(|image| image.texture).collect::<Option<_>>()?,
             objects: objects.iter().map(|(object, _)| object.clone()).collect(),
             content_hash: self.assets.hash.finish(),
         };
@@ -154,13 +153,13 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         elements.into_iter().map(|(_, e)| phong_info(&mut self.fields(e))).collect()
     }
 
-    fn textures(&mut self) -> Vec<Option<Arc<Texture>>> {
-        let mut textures = Vec::new();
-        for (_, element) in self.scene.of(|role| matches!(role, Role::Texture).then_some(())) {
-            let path = self.fields(element).word("filename");
-            textures.push(path.and_then(|path| self.assets.texture(path, self.diagnostics)));
-        }
-        textures
+    fn textures(&mut self) -> Vec<Image<'a>> {
+        let elements = self.scene.of(|role| matches!(role, Role::Texture).then_some(()));
+        let image = |(_, element)| {
+            let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+            texture(&mut fields, &mut self.assets)
+        };
+        elements.into_iter().map(image).collect()
     }
 
     fn materials(&mut self, phong_infos: &[PhongInfo]) -> Vec<Material> {

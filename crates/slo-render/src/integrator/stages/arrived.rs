@@ -36,6 +36,7 @@ impl Arrived {
         self.len = 0;
         for i in hits.shaded.others(batch.len()) {
             let light = match Look::of_word(hits.looks[i]) {
+                Look::Light(number) if depth == 0 && frame.is_hidden(number) => Vec3::ZERO,
                 Look::Light(number) => {
                     let way = batch.rays.origin(i) + batch.rays.direction(i) * hits.found.hits.t[i]
                         - batch.past.from.get(i);

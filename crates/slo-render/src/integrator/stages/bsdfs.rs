@@ -2,10 +2,12 @@
 
 use glam::Vec3;
 use slo_accel::Lanewise;
+use slo_accel::math::elementary::exp2;
 use slo_accel::math::columns::{BATCH, Column, lanes, look_up, look_up_each};
 use slo_scene::Integrator;
 
 use super::points::Points;
+use crate::integrator::batch::Batch;
 use crate::frame::FrameScene;
 use crate::shading::bsdf::{Bsdf, Lobe, WithLobe, WithLobeMut};
 use crate::shading::material::Kind;
@@ -46,6 +48,27 @@ impl Bsdfs {
         look_up(&table.kinds, &points.surfaces.material, len, is_principled, &mut self.is_principled);
         if table.is_physical() {
             frame.isa.run(LookUp { table, points, to: &mut self.parameters });
+        }
+    }
+
+    /// Returns the radiance that point `i` emits.
+    pub(super) fn emitted(&self, i: usize) -> Vec3 {
+        if self.is_principled[i] == 1 { self.parameters.emission.get(i) } else { Vec3::ZERO }
+    }
+
+    /// Weakens the light that comes to points from inside of their objects, by Beer's law.
+    pub(in crate::integrator) fn absorb(&self, batch: &Batch, points: &mut Points) {
+        for i in 0..points.len() {
+            let absorption = self.parameters.absorption.get(i);
+            let is_inside = (self.is_principled[i] == 1)
+                & (points.surfaces.from_outside[i] == 0)
+                & (self.parameters.transmission[i] > 0.0);
+            if is_inside && absorption != Vec3::ZERO {
+                let origin = batch.rays.origin(points.surfaces.ray[i] as usize);
+                let way = (points.surfaces.point.get(i) - origin).length() * std::f32::consts::LOG2_E;
+                let left = Vec3::from((absorption * -way).to_array().map(exp2));
+                points.weight.set(i, points.weight.get(i) * left);
+            }
         }
     }
 

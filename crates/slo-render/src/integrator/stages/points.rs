@@ -36,6 +36,8 @@ pub(in crate::integrator) struct Points {
     pub(super) shines: bool,
     /// Packed normals; see [`receiver`].
     pub(super) receiver: Column<u32>,
+    /// 1 for points that the ray passes through, whose weight is 0; otherwise 0.
+    pub(super) passes: Column<u32>,
     scratch: SurfaceScratch,
 }
 
@@ -53,6 +55,7 @@ impl Default for Points {
             shininess: [0.0; BATCH],
             shines: false,
             receiver: [receiver::ANY; BATCH],
+            passes: [0; BATCH],
             scratch: SurfaceScratch::default(),
         }
     }

@@ -57,6 +57,19 @@ impl Light {
         self.with(IsOfThesis)
     }
 
+    /// See [`Lamp::IS_DISTANT`].
+    pub fn is_distant(&self) -> bool {
+        struct IsDistant;
+        impl WithLamp for IsDistant {
+            type Output = bool;
+
+            fn run<L: Lamp>(self, _: L) -> bool {
+                L::IS_DISTANT
+            }
+        }
+        self.with(IsDistant)
+    }
+
     /// See [`Lamp::IS_AREA`].
     pub fn is_area(&self) -> bool {
         struct IsArea;

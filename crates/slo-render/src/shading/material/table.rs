@@ -42,6 +42,8 @@ pub struct MaterialTable {
     pub principled: PrincipledTable,
     /// Whether any material emits light of its own.
     pub emits: bool,
+    /// Whether any material absorbs light inside of its objects.
+    pub absorbs: bool,
 }
 
 impl MaterialTable {
@@ -75,6 +77,7 @@ impl MaterialTable {
             refraction_index: all(|m| m.refraction_index),
             kinds,
             emits: constants.iter().any(|m| m.emission != Vec3::ZERO),
+            absorbs: constants.iter().any(|m| m.absorption != Vec3::ZERO),
             principled: PrincipledTable::new(&constants),
         }
     }
