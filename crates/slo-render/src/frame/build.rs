@@ -16,7 +16,7 @@ use crate::camera::{Camera, DegenerateView};
 use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::material::Kind;
-use crate::shading::{Light, Material, MaterialTable};
+use crate::shading::{Light, Lights, Material, MaterialTable};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure};
 use slo_scene::animation::{Clock, DRigid, KeyFrameError, KeyFrames, NoSegment, Shutter};
 use slo_scene::{CamSegment, Integrator, Object, SceneDescription, Settings};
@@ -111,18 +111,22 @@ impl FrameScene {
         for object in &scene.objects {
             parts.add(object, scene, &seen, isa)?;
         }
-        let (mut lights, mut hidden) = (Vec::new(), Vec::new());
+        let lights_before = before.as_ref().map(|before| &before.lights);
+        let (mut lights, mut hidden, mut passable) = (Vec::new(), Vec::new(), Vec::new());
         for light in &scene.lights {
-            let Some(ready) = Light::new(light, origin) else { continue };
+            let ready = Light::new(light, origin, &scene.textures, lights_before);
             if let Some(surface) = light.kind.surface() {
                 let look = Look::Light(lights.len() as u32);
                 parts.add_still(look, geometry(&surface), &DRigid::IDENTITY, &seen);
             }
             lights.push(ready);
             hidden.push(!light.camera_visible);
+            passable.push(!light.solid);
         }
-        if !hidden.contains(&true) {
-            hidden.clear();
+        for flags in [&mut hidden, &mut passable] {
+            if !flags.contains(&true) {
+                flags.clear();
+            }
         }
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
@@ -142,9 +146,10 @@ impl FrameScene {
             world: World::new(still, parts.instances, isa),
             material_table: MaterialTable::new(&scene.materials, &materials),
             materials,
-            light_tree: LightTree::new(lights.len()),
+            light_tree: LightTree::new(&lights.iter().map(Light::bounds).collect::<Vec<_>>()),
             skies: skies(&lights),
             hidden,
+            passable,
             techniques: Techniques::default(),
             lights: lights.into_iter().collect(),
             is_physical: is_physical(scene),
@@ -179,13 +184,15 @@ struct Before {
     places: Vec<(u32, DRigid)>,
     /// Structures of moving objects, with the index of the object.
     moving: Vec<(u32, Arc<Structure>)>,
+    /// Lights, for tables of images.
+    lights: Lights,
 }
 
 impl From<FrameScene> for Before {
     fn from(frame: FrameScene) -> Self {
         let World { still, instances, .. } = frame.world;
         let moving = instances.into_iter().map(|i| (i.object, i.structure)).collect();
-        Self { still, places: frame.still_places, moving }
+        Self { still, places: frame.still_places, moving, lights: frame.lights }
     }
 }
 
@@ -276,7 +283,13 @@ impl Parts {
         let normals = vertex_normals(&geometry, place);
         let place = Rigid::relative(place, seen.origin);
         self.looks.push(look);
-        self.objects.push(FrameObject { geometry, place, first_triangle, first_light: None, normals });
+        self.objects.push(FrameObject {
+            geometry,
+            place,
+            first_triangle,
+            first_light: None,
+            normals,
+        });
     }
 }
 

@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 use slo_accel::Lanewise;
-use slo_accel::math::elementary::exp2;
 use slo_accel::math::columns::{BATCH, Column, lanes, look_up, look_up_each};
+use slo_accel::math::elementary::exp2;
 use slo_scene::Integrator;
 
 use super::points::Points;
-use crate::integrator::batch::Batch;
 use crate::frame::FrameScene;
+use crate::integrator::batch::Batch;
 use crate::shading::bsdf::{Bsdf, Lobe, WithLobe, WithLobeMut};
 use crate::shading::material::Kind;
 use crate::shading::material::principled::Parameters;
@@ -45,9 +45,28 @@ impl Bsdfs {
         let table = &frame.material_table;
         let len = points.len();
         let is_principled = |kind| u32::from(kind == Kind::Principled);
-        look_up(&table.kinds, &points.surfaces.material, len, is_principled, &mut self.is_principled);
+        look_up(
+            &table.kinds,
+            &points.surfaces.material,
+            len,
+            is_principled,
+            &mut self.is_principled,
+        );
         if table.is_physical() {
             frame.isa.run(LookUp { table, points, to: &mut self.parameters });
+            frame.multiply_images(&points.surfaces, &mut self.parameters);
+        }
+    }
+
+    /// Decides which points the rays pass through.
+    pub(in crate::integrator) fn let_pass(&self, points: &mut Points) {
+        for i in 0..points.len() {
+            let alpha = self.parameters.alpha[i];
+            let passes = self.is_principled[i] == 1 && points.surface[i] >= alpha;
+            points.passes[i] = u32::from(passes);
+            if passes {
+                points.weight.set(i, Vec3::ZERO);
+            }
         }
     }
 
@@ -65,7 +84,8 @@ impl Bsdfs {
                 & (self.parameters.transmission[i] > 0.0);
             if is_inside && absorption != Vec3::ZERO {
                 let origin = batch.rays.origin(points.surfaces.ray[i] as usize);
-                let way = (points.surfaces.point.get(i) - origin).length() * std::f32::consts::LOG2_E;
+                let way =
+                    (points.surfaces.point.get(i) - origin).length() * std::f32::consts::LOG2_E;
                 let left = Vec3::from((absorption * -way).to_array().map(exp2));
                 points.weight.set(i, points.weight.get(i) * left);
             }
