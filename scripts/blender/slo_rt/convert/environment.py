@@ -92,8 +92,11 @@ class _WorldReader(PhysicalReader):
         turn = self._turn(behind.input("Vector"))
         filter_ = "NEAREST" if node.interpolation == "Closest" else "LINEAR"
         body = [("texture", name_of(Sampled(node.image, filter=filter_)))]
-        body += [("strength", finite(strength, self.subject, "its strength"))] if strength != 1.0 else []
-        return [*body, *([("turn_deg", turn)] if turn else [])]
+        if strength != 1.0:
+            body.append(("strength", finite(strength, self.subject, "its strength")))
+        if turn != 0.0:
+            body.append(("turn_deg", turn))
+        return body
 
     def _turn(self, input_):
         """Returns by how many degrees the sky turns from +x toward +y."""

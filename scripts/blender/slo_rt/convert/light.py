@@ -37,9 +37,7 @@ def elements_of_light(name, light, matrix, surroundings, report):
     power, color = compat.light_strength(light)
     power *= light.slo_rt.brightness
     reader = Reader(subject, report)
-    color = reader.light(
-        tuple(c * n * power for c, n in zip(color, light_of_nodes(light, reader)))
-    )
+    color = reader.light(tuple(c * n * power for c, n in zip(color, light_of_nodes(light, reader))))
     if getattr(getattr(light, "cycles", None), "is_portal", False) and light.type == "AREA":
         report.note(subject, "portals are not carried: they give no light of their own")
         return []

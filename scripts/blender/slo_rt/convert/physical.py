@@ -406,13 +406,10 @@ def _squared(color):
 
 def _only_shines(surface):
     """Whether a surface shines and reflects nothing."""
-    return isinstance(surface, Principled) and surface.emits and _is_plain(surface, "base_color")
-
-
-def _is_plain(surface, color):
-    """Whether a colour of a dull surface is black."""
+    if not (isinstance(surface, Principled) and surface.emits):
+        return False
     dull = all(surface[name] == Value(value) for name, value in DULL.items())
-    return dull and surface[color] == Value(BLACK) and surface["sheen"].is_zero
+    return dull and surface["base_color"] == Value(BLACK) and surface["sheen"].is_zero
 
 
 def _sum_of_lights(surface, light, alpha):
@@ -439,5 +436,6 @@ def _doubled(surface):
         return surface.with_values(
             base_color=Value(color), specular_tint=Value(tint_of_even_metal(color))
         )
-    is_matt = all(surface[name] == Value(value) for name, value in DULL.items())
-    return surface.with_values(base_color=Value(color)) if is_matt and surface["sheen"].is_zero else None
+    dull = all(surface[name] == Value(value) for name, value in DULL.items())
+    is_matt = dull and surface["sheen"].is_zero
+    return surface.with_values(base_color=Value(color)) if is_matt else None

@@ -129,9 +129,7 @@ class _Writer:
         job, world_now = self.job, self._now(self.world)
         if self.is_physical:
             self.background = (0.0, 0.0, 0.0)
-            self.surfaces = PhysicalSurfaces(
-                self._now, self.folder, job.by_content, self.report
-            )
+            self.surfaces = PhysicalSurfaces(self._now, self.folder, job.by_content, self.report)
             texture_of = self.surfaces.texture_of
             return environment.environment_elements(world_now, texture_of, self.report)
         self.background = world.background(world_now, self.report)

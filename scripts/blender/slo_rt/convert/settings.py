@@ -61,9 +61,7 @@ def settings_element(values, background):
     ):
         if count != 1:
             body.append((keyword, count))
-    return Element(
-        "settings", "blender", [*body, *_machine(values), ("background", background)]
-    )
+    return Element("settings", "blender", [*body, *_machine(values), ("background", background)])
 
 
 def path_settings_element(scene):

@@ -166,7 +166,11 @@ class MaterialTest(PhysicalTest):
         source = tree.nodes.new("ShaderNodeTexCoord")
         tree.links.new(source.outputs["UV"], mapping.inputs["Vector"])
         point = np.array([0.3, 0.8])
-        for kind, scale in (("POINT", (2.0, 3.0)), ("TEXTURE", (2.0, 2.0)), ("VECTOR", (2.0, -1.0))):
+        for kind, scale in (
+            ("POINT", (2.0, 3.0)),
+            ("TEXTURE", (2.0, 2.0)),
+            ("VECTOR", (2.0, -1.0)),
+        ):
             mapping.vector_type = kind
             place, turn = np.array([0.2, 0.7]), 0.4
             mapping.inputs["Scale"].default_value = (*scale, 1.0)
@@ -255,9 +259,7 @@ class MaterialTest(PhysicalTest):
         shader = blend.paint(self.thing)
         picture = image(np.ones((4, 4, 3)), "P", "sRGB")
         textured(shader.id_data, picture, shader.inputs["Base Color"])
-        textured(
-            shader.id_data, picture, shader.inputs["Specular Tint"]
-        ).interpolation = "Closest"
+        textured(shader.id_data, picture, shader.inputs["Specular Tint"]).interpolation = "Closest"
         scene = self.exported()
         files = [block.values["filename"] for block in scene.all("texture")]
         self.assertEqual(files, [[["scene/P.png"]]] * 2)
