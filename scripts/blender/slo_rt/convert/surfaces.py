@@ -134,7 +134,10 @@ class PhysicalSurfaces(Surfaces):
         if isinstance(finish, material.Finish):
             return super()._look(finish)
         maps = list(dict.fromkeys(use.texture.uv_map for use in finish.uses()))
-        return Look(maps[0], True) if maps else Look("", False)
+        if maps:
+            return Look(maps[0], True)
+        # An image may be added to an export by hand.
+        return Look(None if self._by_content and not finish.is_brushed else "", False)
 
     def emits(self, item):
         finish = self._finish(item)[1]

@@ -127,6 +127,11 @@ class Principled:
         """Whether everything passes through it."""
         return self["alpha"].is_zero
 
+    @property
+    def is_brushed(self):
+        """Whether it reflects differently along and across its uv map."""
+        return not self["anisotropic"].is_zero
+
     def with_values(self, **values):
         """Returns a copy with other values."""
         return Principled({**self.values, **values})
@@ -178,6 +183,11 @@ class Mix:
     def is_invisible(self):
         """Whether everything passes through it."""
         return self.first.is_invisible and self.second.is_invisible
+
+    @property
+    def is_brushed(self):
+        """Whether one of the surfaces is."""
+        return self.first.is_brushed or self.second.is_brushed
 
     def uses(self):
         """Returns the images that have an effect."""
