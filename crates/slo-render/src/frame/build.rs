@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
+use super::emitters::add_emitters;
 use super::looks::{Look, Looks};
 use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
@@ -17,7 +18,7 @@ use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::material::Kind;
 use crate::shading::{Light, Lights, Material, MaterialTable};
-use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure};
+use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
 use slo_scene::animation::{Clock, DRigid, KeyFrameError, KeyFrames, NoSegment, Shutter};
 use slo_scene::{CamSegment, Integrator, Object, SceneDescription, Settings};
 
@@ -123,6 +124,7 @@ impl FrameScene {
             hidden.push(!light.camera_visible);
             passable.push(!light.solid);
         }
+        add_emitters(scene, &mut parts, &mut lights);
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
                 flags.clear();
@@ -208,8 +210,8 @@ struct Seen<'a> {
 
 /// Parts of a frame, collected object by object.
 #[derive(Default)]
-struct Parts {
-    objects: Vec<FrameObject>,
+pub(super) struct Parts {
+    pub(super) objects: Vec<FrameObject>,
     /// Look of each object.
     looks: Vec<Look>,
     still: Primitives,
@@ -224,6 +226,14 @@ struct Parts {
 }
 
 impl Parts {
+    /// Returns the triangles of an object, in render space, if it is still.
+    pub(super) fn still_triangles(&self, object: usize) -> Option<&[Triangle]> {
+        self.places.iter().find(|(number, _)| *number as usize == object)?;
+        let Geometry::Mesh(mesh, _) = &self.objects[object].geometry else { return None };
+        let first = self.objects[object].first_triangle as usize;
+        self.still.triangles.get(first..first + mesh.faces.len())
+    }
+
     fn add(
         &mut self,
         object: &Object,

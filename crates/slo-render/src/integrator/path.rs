@@ -89,6 +89,7 @@ impl Path {
         if frame.material_table.absorbs {
             bsdfs.absorb(batch, points);
         }
+        bsdfs.find(frame, points);
         if frame.material_table.emits && emission.find(frame, batch, hits, points, bsdfs, depth) {
             machine.add(frame.isa, &emission.light, &points.labels.slot, points.len());
         }
@@ -96,7 +97,6 @@ impl Path {
             return Some(());
         }
         features.add(frame, batch, hits, points);
-        bsdfs.find(frame, points);
         self.ask_lamps(machine, job, depth)?;
         self.follow(machine, job, depth)
     }

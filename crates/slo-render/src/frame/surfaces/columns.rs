@@ -29,6 +29,8 @@ pub(crate) struct Surfaces {
     pub(crate) from_outside: Column<u32>,
     /// Colours of the materials' images; white if a material has none.
     pub(crate) tint: Vec3s,
+    /// Where anisotropic materials have their long axis; 0 if they do not matter.
+    pub(crate) tangent: Vec3s,
     /// Texture coordinates, of hits on materials that depend on them.
     pub(crate) uv: [Column<f32>; 2],
     /// Bounds of the absolute coordinates from which points were computed.
@@ -47,6 +49,7 @@ impl Default for Surfaces {
             n_shade: Vec3s::default(),
             from_outside: [0; BATCH],
             tint: Vec3s::default(),
+            tangent: Vec3s::default(),
             uv: [[0.0; BATCH]; 2],
             magnitude: Vec3s::default(),
         }

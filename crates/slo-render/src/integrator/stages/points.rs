@@ -151,8 +151,13 @@ impl Points {
     /// Returns the directions at point `i`.
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> At {
-        let Surfaces { n_shade, n_geo, .. } = &self.surfaces;
-        At { eye: -self.direction.get(i), n: n_shade.get(i), n_geo: n_geo.get(i) }
+        let Surfaces { n_shade, n_geo, tangent, .. } = &self.surfaces;
+        At {
+            eye: -self.direction.get(i),
+            n: n_shade.get(i),
+            n_geo: n_geo.get(i),
+            tangent: tangent.get(i),
+        }
     }
 
     /// Returns the names of the random numbers of ray `i` of `count` from every point, after

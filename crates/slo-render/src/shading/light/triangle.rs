@@ -1,6 +1,6 @@
 //! A triangle of a surface that emits light.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::bounds::LightBounds;
 use super::flat;
@@ -20,12 +20,12 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// A triangle in render space; `None` if it has no area.
-    pub fn new([a, b, c]: [Vec3; 3], radiance: Vec3) -> Option<Self> {
+    /// A triangle in render space. One without an area is never chosen.
+    pub fn new([a, b, c]: [Vec3; 3], radiance: Vec3) -> Self {
         let cross = (b - a).as_dvec3().cross((c - a).as_dvec3());
-        let normal = cross.try_normalize()?.as_vec3();
+        let normal = cross.normalize_or(DVec3::Z).as_vec3();
         let area = (0.5 * cross.length()) as f32;
-        (area > 0.0).then_some(Self { radiance, corner: a, sides: [b - a, c - a], normal, area })
+        Self { radiance, corner: a, sides: [b - a, c - a], normal, area }
     }
 }
 

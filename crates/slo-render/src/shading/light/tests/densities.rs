@@ -113,7 +113,7 @@ fn rectangles_discs_and_triangles() {
         let [s, t] = inside(from + way);
         (t >= 0.0 && s <= 1.0 && s >= t).then_some(way)
     };
-    let triangle = Light::Triangle(Triangle::new([a, b, c], Vec3::ONE).unwrap());
+    let triangle = Light::Triangle(Triangle::new([a, b, c], Vec3::ONE));
     assert_fits(&triangle, from, &find, "triangle");
     let find = |way: Vec3| {
         let way = to_plane(way, from, a, normal)?;

@@ -147,7 +147,7 @@ fn rectangles_and_triangles_follow_lamberts_formula() {
             let back = rectangle([corners[2], corners[1], corners[0]], false);
             assert_eq!(irradiance(&back, from, n, 100), 0.0);
             let [a, b, c, _] = corners.map(|c| c.as_vec3());
-            let triangle = Light::Triangle(Triangle::new([a, b, c], Vec3::splat(7.0)).unwrap());
+            let triangle = Light::Triangle(Triangle::new([a, b, c], Vec3::splat(7.0)));
             let expected = polygon(&corners[..3], from.as_dvec3(), normal, 7.0);
             close(irradiance(&triangle, from, n, 1 << 18), expected, 2e-3, "triangle");
         }
@@ -162,7 +162,6 @@ fn rectangles_and_triangles_follow_lamberts_formula() {
     let expected = 2.0 * 7.0 * (part(1.0, 0.5) + part(0.5, 1.0));
     let found = irradiance(&rectangle(vertices, false), Vec3::ZERO, Vec3::Z, 1 << 18);
     close(found, expected, 1e-3, "over the middle");
-    assert!(Triangle::new([Vec3::ZERO, Vec3::X, Vec3::X * 2.0], Vec3::ONE).is_none());
 }
 
 #[test]
