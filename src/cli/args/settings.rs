@@ -2,8 +2,8 @@
 
 use super::help::SETTINGS;
 use crate::cli::values::{
-    AcceleratorName, EncodingName, FormatName, SizeChoice, ToneMapName, exposure, noise, samples,
-    seed, size,
+    AcceleratorName, EncodingName, FormatName, IntegratorName, SizeChoice, ToneMapName, exposure,
+    noise, samples, seed, size,
 };
 
 /// What the command line sets instead of the scene; `apply` of the options' `Overrides` puts each in
@@ -40,6 +40,15 @@ pub(crate) struct SettingArgs {
     #[arg(long, value_name = "E", help_heading = SETTINGS, value_parser = noise)]
     #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(crate) noise: Option<f32>,
+
+    /// Which light is found: distributed or path
+    ///
+    /// distributed: light straight from lamps, and what mirrors, gloss and glass see.
+    /// path: all light, with up to 16 bounces and one lamp a hit unless the scene sets
+    /// recursion and lightSamplingType.
+    #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
+    #[arg(ignore_case = true, verbatim_doc_comment)]
+    pub(crate) integrator: Option<IntegratorName>,
 
     /// Seed of the random numbers
     #[arg(long, value_name = "N", help_heading = SETTINGS, value_parser = seed)]

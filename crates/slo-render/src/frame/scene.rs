@@ -31,6 +31,12 @@ pub struct FrameScene {
     pub(crate) lights: Lights,
     /// Chooses one of the lights.
     pub(crate) light_tree: LightTree,
+    /// For each light, whether camera rays pass through it; empty if none does.
+    pub(crate) hidden: Vec<bool>,
+    /// For each light, whether all rays pass through it; empty if none does.
+    pub(crate) passable: Vec<bool>,
+    /// For each light, the number of its group; 0: none.
+    pub(crate) light_groups: Vec<u32>,
     /// Indices of the lights that are infinitely far away.
     pub(crate) skies: Vec<u32>,
     /// How the light of lamps is shared between techniques, for physical shading.
@@ -60,6 +66,11 @@ pub(super) struct FrameObject {
     pub(super) place: Rigid,
     /// Id of its first triangle in its structure.
     pub(super) first_triangle: u32,
+    /// Index of the light that its first triangle is, if the material emits light toward which rays
+    /// are sent.
+    pub(super) first_light: Option<u32>,
+    /// Number of the group of the light that it emits; 0: none.
+    pub(super) light_group: u32,
     /// Unit normals of the vertices: in render space if the object is still, in object space if it
     /// moves. Empty if the object is not smooth.
     pub(super) normals: Vec<Vec3>,
@@ -86,6 +97,47 @@ impl FrameScene {
     pub(crate) fn receives_through(&self) -> bool {
         let rough = |m: &Material| m.refraction > 0.0 && m.refraction_lobe > 0.0;
         self.combines() && self.materials.iter().any(rough)
+    }
+
+    /// Whether camera rays pass through a light.
+    pub(crate) fn is_hidden(&self, light: u32) -> bool {
+        self.hidden.get(light as usize).is_some_and(|hidden| *hidden)
+    }
+
+    /// Returns the number of the group of a light; 0 if it has none.
+    pub(crate) fn group_of(&self, light: u32) -> u32 {
+        self.light_groups.get(light as usize).copied().unwrap_or(0)
+    }
+
+    /// Returns the number of the group of the object that a ray hit; 0 if it has none.
+    pub(crate) fn group_of_object(&self, found: &WorldHits, ray: usize) -> u32 {
+        let (primitive, instance) = (found.hits.primitive[ray], found.instance[ray]);
+        self.objects[self.object_of(primitive, instance) as usize].light_group
+    }
+
+    /// Whether rays pass through a light.
+    pub(crate) fn is_passable(&self, light: u32) -> bool {
+        self.passable.get(light as usize).is_some_and(|passable| *passable)
+    }
+
+    /// Whether rays after `depth` bounces pass through any light.
+    pub(crate) fn has_passable_lamps(&self, depth: u32) -> bool {
+        !self.passable.is_empty() || (depth == 0 && !self.hidden.is_empty())
+    }
+
+    /// Whether rays to lamps may pass through anything.
+    pub(crate) fn lets_light_pass(&self) -> bool {
+        self.settings.shadow == ShadowMode::Transparent
+            || self.material_table.images.any_passes()
+            || !self.passable.is_empty()
+    }
+
+    /// Returns the light that the surface which a ray hit belongs to; `None` if no rays are sent
+    /// toward it.
+    pub(crate) fn emitter(&self, found: &WorldHits, ray: usize) -> Option<u32> {
+        let (primitive, instance) = (found.hits.primitive[ray], found.instance[ray]);
+        let object = &self.objects[self.object_of(primitive, instance) as usize];
+        object.first_light.map(|first| first + (primitive - object.first_triangle))
     }
 
     /// Finds the looks of what the rays of a batch hit, as words.

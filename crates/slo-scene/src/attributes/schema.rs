@@ -106,6 +106,11 @@ pub(crate) const fn word(name: &'static str, what: &'static str) -> Attribute {
     Attribute::new(name, Kind::Word(what))
 }
 
+/// One of several words.
+pub(crate) const fn choice(name: &'static str) -> Attribute {
+    Attribute::new(name, Kind::Choice)
+}
+
 /// A block, called by the keyword of its schema.
 pub(crate) const fn block(schema: &'static Schema) -> Attribute {
     Attribute::new(schema.keyword, Kind::Block(schema))

@@ -1,6 +1,7 @@
 //! Whether a scene that was built in memory holds together.
 
 use super::{Object, SceneDescription};
+use crate::light::{Environment, Light, LightKind, Sky};
 use crate::material::Material;
 
 impl SceneDescription {
@@ -21,8 +22,19 @@ impl SceneDescription {
                 return Err(format!("camera segment `{}` has no path", segment.name));
             }
         }
+        self.lights.iter().try_for_each(|light| self.check_light(light))?;
         self.materials.iter().try_for_each(|material| self.check_material(material))?;
         self.objects.iter().try_for_each(|object| self.check_object(object))
+    }
+
+    fn check_light(&self, light: &Light) -> Result<(), String> {
+        let name = &light.name;
+        if let LightKind::Environment(Environment { sky: Sky::Image(texture), .. }) = light.kind
+            && texture.0 as usize >= self.textures.len()
+        {
+            return Err(format!("environment `{name}` refers to a texture that is missing"));
+        }
+        Ok(())
     }
 
     fn check_material(&self, material: &Material) -> Result<(), String> {

@@ -4,9 +4,11 @@ mod camera;
 mod collect;
 mod elements;
 mod key_frames;
+mod lights;
 mod oddities;
 mod overlaps;
 mod resolver;
 mod settings;
+mod texture;
 
 pub(crate) use resolver::resolve;

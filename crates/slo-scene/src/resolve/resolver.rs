@@ -1,21 +1,20 @@
 //! Syntax tree -> scene, element by element.
 
-use std::sync::Arc;
-
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
-use super::{camera, key_frames, oddities, overlaps, settings};
+use super::oddities::Emission;
+use super::texture::{Image, texture, warn_of_alpha};
+use super::{camera, key_frames, lights, oddities, overlaps, settings};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
 use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 use crate::files::{ContentHash, Files};
 use crate::format::parse;
-use crate::light::{Light, ReadLight};
+use crate::light::Light;
 use crate::material::{Material, Palette, PhongInfo, ReadMaterial, phong_info};
-use crate::settings::Settings;
+use crate::settings::{Integrator, Settings};
 use crate::shape::ReadShape;
-use crate::texture::Texture;
 
 /// The scene of a text that is a source of `diagnostics`; its content means nothing if there are
 /// errors.
@@ -32,7 +31,8 @@ pub(crate) fn resolve(
     let scale = scaling(&scene, diagnostics);
     let references = scene.references(diagnostics);
     let assets = Assets::new(files, &name, hash);
-    let mut resolver = Resolver { scene, scale, references, assets, diagnostics };
+    let emission = Vec::new();
+    let mut resolver = Resolver { scene, scale, references, assets, emission, diagnostics };
     let description = resolver.description();
     resolver.references.report_dangling(resolver.diagnostics);
     if !resolver.diagnostics.has_errors() {
@@ -70,29 +70,34 @@ struct Resolver<'t, 'a, 'd> {
     scale: f64,
     references: References<'a>,
     assets: Assets<'d>,
+    /// What objects say about the light that they emit.
+    emission: Vec<Emission>,
     diagnostics: &'d mut Diagnostics,
 }
 
 impl<'t, 'a> Resolver<'t, 'a, '_> {
     fn description(&mut self) -> Option<SceneDescription> {
-        let settings = self.settings();
+        let (settings, background) = self.settings();
         let camera = self.camera();
-        let lights = self.lights();
-        let phong_infos = self.phong_infos();
+        let lights = self.lights(camera.as_ref());
+        lights::check_sky(&lights, background, self.diagnostics);
+        let phong_infos = self.phong_infos(settings.integrator);
         let textures = self.textures();
         let materials = self.materials(&phong_infos);
+        warn_of_alpha(&textures, &materials, self.diagnostics);
         let objects = self.objects(camera.as_ref(), &materials);
         let scene = SceneDescription {
             settings,
             camera: camera?,
             lights: lights.iter().map(|(light, _)| light.clone()).collect(),
             materials,
-            textures: textures.into_iter().collect::<Option<_>>()?,
+            textures: textures.into_iter().map(|image| image.texture).collect::<Option<_>>()?,
             objects: objects.iter().map(|(object, _)| object.clone()).collect(),
             content_hash: self.assets.hash.finish(),
         };
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
             oddities::check_light(&scene, self.diagnostics);
+            oddities::check_emission(&self.emission, &scene.materials, self.diagnostics);
             overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
         }
         Some(scene)
@@ -102,10 +107,15 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         Fields::read(element, &LANGUAGE, self.scale, self.diagnostics)
     }
 
-    fn settings(&mut self) -> Settings {
+    /// The settings, and where they set `background`.
+    fn settings(&mut self) -> (Settings, Option<Span>) {
         match self.scene.only(|role| matches!(role, Role::Settings), self.diagnostics) {
-            Some(element) => settings::settings(&mut self.fields(element)),
-            None => Settings::default(),
+            Some(element) => {
+                let mut fields = self.fields(element);
+                let background = fields.get("background").map(|field| field.keyword.span);
+                (settings::settings(&mut fields), background)
+            }
+            None => (Settings::default(), None),
         }
     }
 
@@ -127,40 +137,41 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
     }
 
     /// Lights, with the places that they are defined at.
-    fn lights(&mut self) -> Vec<(Light, Span)> {
+    fn lights(&mut self, camera: Option<&Camera>) -> Vec<(Light, Span)> {
         let elements = self.scene.of(|role| match role {
             Role::Light(read) => Some(read),
             _ => None,
         });
-        let light = |(read, element): (ReadLight, Element<'t, 'a>)| {
+        let light = |(read, element)| {
             let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
-            let key_frames = key_frames::key_frames(&mut fields);
-            let flag = |fields: &mut Fields<'t, 'a, '_>, name| {
-                fields.count(name, 0, 1).is_none_or(|flag| flag.value == 1)
-            };
-            let camera_visible = flag(&mut fields, "camera_visible");
-            let solid = flag(&mut fields, "solid");
-            let group = fields.word("light_group").map(|group| group.text.to_owned());
             let mut palette = Palette { references: &mut self.references, phong_infos: &[] };
-            let kind = read(&mut fields, &mut palette)?;
-            let name = element.name.text.to_owned();
-            Some((Light { name, kind, key_frames, camera_visible, solid, group }, element.head()))
+            lights::light(read, &mut fields, &mut palette, camera)
         };
         elements.into_iter().filter_map(light).collect()
     }
 
-    fn phong_infos(&mut self) -> Vec<PhongInfo> {
+    fn phong_infos(&mut self, integrator: Integrator) -> Vec<PhongInfo> {
         let elements = self.scene.of(|role| matches!(role, Role::PhongInfo).then_some(()));
-        elements.into_iter().map(|(_, e)| phong_info(&mut self.fields(e))).collect()
+        let mut ambient = Vec::new();
+        let mut read = |(_, element)| {
+            let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+            let info = phong_info(&mut fields);
+            let field = fields.get("ambient").filter(|_| info.ambient != [0.0; 3]);
+            ambient.extend(field.map(|field| field.keyword.span));
+            info
+        };
+        let infos = elements.into_iter().map(&mut read).collect();
+        oddities::check_ambient(&ambient, integrator, self.diagnostics);
+        infos
     }
 
-    fn textures(&mut self) -> Vec<Option<Arc<Texture>>> {
-        let mut textures = Vec::new();
-        for (_, element) in self.scene.of(|role| matches!(role, Role::Texture).then_some(())) {
-            let path = self.fields(element).word("filename");
-            textures.push(path.and_then(|path| self.assets.texture(path, self.diagnostics)));
-        }
-        textures
+    fn textures(&mut self) -> Vec<Image<'a>> {
+        let elements = self.scene.of(|role| matches!(role, Role::Texture).then_some(()));
+        let image = |(_, element)| {
+            let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+            texture(&mut fields, &mut self.assets)
+        };
+        elements.into_iter().map(image).collect()
     }
 
     fn materials(&mut self, phong_infos: &[PhongInfo]) -> Vec<Material> {
@@ -212,6 +223,9 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let files = fields.words("filename").unwrap_or_default();
         let find = |name| self.references.find(Referred::Material, name);
         let material = material.and_then(find);
+        if let Some(material) = material {
+            self.emission.extend(oddities::emission(&fields, material));
+        }
         if material.and_then(|index| materials.get(index)).is_some_and(|m| m.kind.image().is_some())
         {
             self.assets.warn_without_uvs(&files, self.diagnostics);

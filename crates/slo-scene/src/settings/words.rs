@@ -12,6 +12,24 @@ choices! {
     }
 }
 
+impl Integrator {
+    /// `recursion` if a scene does not say it.
+    pub const fn recursion(self) -> u32 {
+        match self {
+            Self::Distributed => 3,
+            Self::Path => 16,
+        }
+    }
+
+    /// `lightSamplingType` if a scene does not say it.
+    pub const fn light_sampling(self) -> LightSampling {
+        match self {
+            Self::Distributed => LightSampling::All,
+            Self::Path => LightSampling::One,
+        }
+    }
+}
+
 choices! {
     /// The structure that rays are traced through.
     pub enum Accelerator {
@@ -40,10 +58,12 @@ choices! {
 
 choices! {
     /// How many lights a hit asks.
+    #[derive(Default)]
     pub enum LightSampling {
         /// One light, chosen at random in proportion to the light that is expected from it.
         One = "SAMPLE_ONE_AT_TIME",
         /// Every light.
+        #[default]
         All = "SAMPLE_ALL_AT_TIME",
     }
 }
@@ -117,5 +137,37 @@ impl Layer {
             Self::Albedo | Self::Normal => true,
             Self::Lights => false,
         }
+    }
+}
+
+choices! {
+    /// How values of an image encode light.
+    pub enum Curve {
+        /// They are linear.
+        Raw = "RAW",
+        /// They follow the curve of sRGB.
+        Srgb = "SRGB",
+    }
+}
+
+choices! {
+    /// How an image continues outside of the unit square.
+    pub enum Wrap {
+        /// It repeats.
+        Repeat = "REPEAT",
+        /// Its edge continues.
+        Clamp = "CLAMP",
+        /// It repeats, each time mirrored.
+        Mirror = "MIRROR",
+    }
+}
+
+choices! {
+    /// How values between the texels of an image come about.
+    pub enum Filter {
+        /// From the four nearest texels.
+        Linear = "LINEAR",
+        /// From the nearest texel.
+        Nearest = "NEAREST",
     }
 }

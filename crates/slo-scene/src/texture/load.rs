@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use super::decoded::LoadedTexture;
-use super::{jpeg, png};
+use super::{exr, hdr, jpeg, png};
 use crate::file_kinds::{self, Kind};
 use crate::format::FileError;
 use crate::mesh;
@@ -11,18 +11,21 @@ use crate::mesh;
 /// Bytes that an image file may have.
 const MAX_FILE_BYTES: u64 = 1 << 31;
 
-/// Reads a PNG or JPEG image; its first bytes say which it is, whatever `path_name` ends in.
+/// Reads a PNG, JPEG, OpenEXR or Radiance HDR image; its first bytes say which it is, whatever
+/// `path_name` ends in.
 ///
-/// Grey becomes RGB, palettes are looked up, alpha is dropped, and 16 bits are kept.
+/// Values keep the precision of the file, and palettes are looked up.
 ///
 /// # Errors
-/// The file can't be read, is neither PNG nor JPEG, is damaged, or has more than 2^28 texels.
+/// The file can't be read, is of none of these formats, is damaged, or has more than 2^28 texels.
 pub fn load(path_name: &str, reader: &mut dyn Read) -> Result<LoadedTexture, FileError> {
     let bytes = read_image_file(reader)?;
     match &bytes[..] {
         [] => Err(FileError::whole_file("the image file is empty")),
         [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => png::load(&bytes),
         [0xff, 0xd8, 0xff, ..] => jpeg::load(&bytes),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::load(&bytes),
+        [b'#', b'?', ..] => hdr::load(&bytes),
         _ => Err(other_kind(path_name, &bytes)),
     }
 }
@@ -40,9 +43,9 @@ fn read_image_file(reader: &mut dyn Read) -> Result<Vec<u8>, FileError> {
     Ok(bytes)
 }
 
-/// What to say about a file that starts like neither format.
+/// What to say about a file that starts like none of the formats.
 fn other_kind(path_name: &str, bytes: &[u8]) -> FileError {
-    const HELP: &str = "textures are PNG or JPEG files";
+    const HELP: &str = "textures are PNG, JPEG, EXR or HDR files";
     let (name, help) = if let Some(Kind { name, help }) = file_kinds::kind(bytes) {
         (name.to_owned(), help)
     } else if let Some(kind) = mesh::kind(&bytes[..bytes.len().min(file_kinds::LOOKED_AT)]) {
@@ -56,7 +59,6 @@ fn other_kind(path_name: &str, bytes: &[u8]) -> FileError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texture::decoded::NEVER_SHOWN;
     use crate::texture::png::png_reason;
 
     /// Of a JPEG file everything up to its first scan, or less.
@@ -122,28 +124,35 @@ mod tests {
     }
 
     #[test]
-    fn only_pixels_that_are_transparent_are_warned_of() {
+    fn alpha_is_kept_where_a_pixel_is_transparent() {
         use ::png::BitDepth::{Eight, Sixteen};
-        use ::png::ColorType::{GrayscaleAlpha, Indexed, Rgb, Rgba};
-        let mut cases = Vec::new();
+        use ::png::ColorType::{Grayscale, GrayscaleAlpha, Indexed, Rgb, Rgba};
+        // Has alpha, is transparent, alpha of the third pixel, bytes.
+        let load = |color, depth, data: &[u8]| {
+            let loaded = load("a.png", &mut &png_of(color, depth, data)[..]).unwrap();
+            assert_eq!(loaded.warnings, Vec::<String>::new());
+            let texture = loaded.texture;
+            let alpha = (texture.texel_rgba(2, 0)[3] * 255.0).round() as u8;
+            (texture.has_alpha(), texture.is_transparent(), alpha, texture.bytes())
+        };
         for (color, channels) in [(GrayscaleAlpha, 2), (Rgba, 4)] {
-            let opaque = vec![255; 16 * channels];
-            let mut clear = opaque.clone();
-            clear[5 * channels - 1] = 254;
-            cases.extend([(color, Eight, opaque, false), (color, Eight, clear, true)]);
-            let opaque = vec![255; 32 * channels];
-            let mut clear = opaque.clone();
-            clear[10 * channels - 1] = 254;
-            cases.extend([(color, Sixteen, opaque, false), (color, Sixteen, clear, true)]);
+            for (depth, bytes) in [(Eight, 1), (Sixteen, 2)] {
+                let opaque = vec![255; 16 * channels * bytes];
+                let len = 16 * (channels - 1) * bytes;
+                assert_eq!(load(color, depth, &opaque), (true, false, 255, len));
+                let mut clear = opaque.clone();
+                clear[3 * channels * bytes - bytes..3 * channels * bytes].fill(51);
+                let len = 16 * channels * bytes;
+                assert_eq!(load(color, depth, &clear), (true, true, 51, len));
+            }
         }
-        cases.push((Rgb, Eight, vec![7; 48], false));
-        cases.push((Indexed, Eight, vec![1; 16], false));
-        cases.push((Indexed, Eight, [vec![0; 1], vec![1; 15]].concat(), true));
-        for (color, depth, data, expected) in cases {
-            let loaded = load("a.png", &mut &png_of(color, depth, &data)[..]).unwrap();
-            let expected = if expected { vec![NEVER_SHOWN.to_owned()] } else { Vec::new() };
-            assert_eq!(loaded.warnings, expected, "{color:?} {depth:?}");
-        }
+        assert_eq!(load(Rgb, Eight, &[7; 48]), (false, false, 255, 48));
+        assert_eq!(load(Grayscale, Eight, &[7; 16]), (false, false, 255, 16));
+        assert_eq!(load(Indexed, Eight, &[1; 16]), (true, false, 255, 48));
+        let holed = [vec![1; 2], vec![0; 1], vec![1; 13]].concat();
+        assert_eq!(load(Indexed, Eight, &holed).1, false);
+        let holed = [vec![0; 1], vec![1; 1], vec![0; 1], vec![1; 13]].concat();
+        assert_eq!(load(Indexed, Eight, &holed), (true, true, 0, 64));
     }
 
     #[test]

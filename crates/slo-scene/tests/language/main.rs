@@ -1,5 +1,7 @@
 //! The scene language: what it says, how it reports mistakes, and that no text makes it fall over.
 
+mod documentation;
 mod fuzz;
+mod lamps;
 mod messages;
 mod mistakes;
