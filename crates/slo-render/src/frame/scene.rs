@@ -85,6 +85,13 @@ impl FrameScene {
         Self { clever: false, ..self }
     }
 
+    /// Returns the same frame with another way to share the light of lamps between rays to them and
+    /// rays that follow lobes, for physical shading. The expected picture is the same.
+    #[must_use]
+    pub fn with_techniques(self, techniques: Techniques) -> Self {
+        Self { techniques, ..self }
+    }
+
     /// Whether the light that glossy lobes receive from lamps is also sampled by rays to the lamps.
     ///
     /// This requires opaque shadows: rays to lights pass straight through transparent objects, rays
