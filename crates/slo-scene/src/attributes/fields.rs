@@ -6,7 +6,7 @@ use super::language::Language;
 use super::schema::{Attribute, Kind, Schema};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::format::syntax::{Block, Entry, Form, Item, Number, Word};
-use crate::names::{closest, invisible};
+use crate::names::invisible;
 
 /// An element, or a block of an element, as it was written.
 #[derive(Clone, Copy, Debug)]
@@ -106,7 +106,9 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
     pub(crate) fn open(&mut self, field: Field<'t, 'a>) -> Option<Fields<'t, 'a, '_>> {
         let nameless = Word { text: "", span: field.keyword.span };
         let (schema, name, block) = match (field.attribute.kind, field.value) {
-            (Kind::Block(schema), Value::Block(block)) => (schema, nameless, block),
+            (Kind::Block(schema) | Kind::WordOrBlock(_, schema), Value::Block(block)) => {
+                (schema, nameless, block)
+            }
             (Kind::Element(schema), Value::Element(name, block)) => (schema, name, block),
             _ => return None,
         };
@@ -185,9 +187,10 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
 
     fn unknown(&mut self, item: &Item<'a>) {
         let (word, schema) = (item.keyword, self.element.schema);
-        let near = closest(word.text, schema.attributes().map(|a| a.name));
-        let attribute = near.and_then(|name| schema.attribute(name));
-        let diagnostic = if let Some(attribute) = attribute {
+        let diagnostic = if let Some(help) = schema.absent(word.text) {
+            let message = format!("`{}` does not take `{}` yet", schema.keyword, word.text);
+            Diagnostic::error(message).at(word.span, "").help(help)
+        } else if let Some(attribute) = schema.meant(word.text) {
             let help = invisible(word.text);
             // A misspelt attribute is not missing.
             self.found.push(Field { attribute, keyword: word, value: Value::Broken });
@@ -248,8 +251,13 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
                 self.diagnostics.push(error.help(format!("write {}", attribute.usage())));
                 Value::Broken
             }
-            (Kind::Number | Kind::Choice | Kind::Word(_), Form::Value(word)) => Value::Word(*word),
-            (Kind::Vector(_) | Kind::Block(_), Form::Block(block)) => Value::Block(block),
+            (
+                Kind::Number | Kind::Choice | Kind::Word(_) | Kind::WordOrBlock(..),
+                Form::Value(word),
+            ) => Value::Word(*word),
+            (Kind::Vector(_) | Kind::Block(_) | Kind::WordOrBlock(..), Form::Block(block)) => {
+                Value::Block(block)
+            }
             (Kind::Element(_), Form::Element(name, block)) => Value::Element(*name, block),
             (Kind::Element(_), Form::Block(block)) => {
                 self.diagnostics.push(nameless(item.keyword));
@@ -298,6 +306,8 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             Kind::Vector(_) => "three numbers in braces",
             Kind::Block(_) => "a block in braces",
             Kind::Element(_) => "a name and a block in braces",
+            Kind::WordOrBlock(..) => "a name or a block, not both",
+            Kind::Absent(_) => "nothing",
         };
         let help = rewritten(attribute.kind, keyword, form, numbers)
             .unwrap_or_else(|| format!("write {}", attribute.usage()));

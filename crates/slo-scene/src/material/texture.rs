@@ -20,7 +20,7 @@ pub struct TextureUse {
 pub struct ImageUse {
     /// The image.
     pub texture: TextureId,
-    /// What of a texel counts.
+    /// What of a texel counts. A colour of one channel is grey.
     pub channel: Channel,
     /// The curve that is removed from red, green and blue before interpolation; never from alpha.
     pub encoding: Encoding,
@@ -47,4 +47,20 @@ pub enum Channel {
     Blue,
     /// One channel; 1 if the image has none.
     Alpha,
+}
+
+impl Channel {
+    /// The words of the language.
+    pub(super) const WORDS: [&'static str; 4] = ["R", "G", "B", "A"];
+
+    /// The channel of a word.
+    pub(super) fn by_name(word: &str) -> Option<Self> {
+        match word {
+            "R" => Some(Self::Red),
+            "G" => Some(Self::Green),
+            "B" => Some(Self::Blue),
+            "A" => Some(Self::Alpha),
+            _ => None,
+        }
+    }
 }

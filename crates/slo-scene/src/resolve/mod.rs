@@ -8,5 +8,6 @@ mod oddities;
 mod overlaps;
 mod resolver;
 mod settings;
+mod tangents;
 
 pub(crate) use resolver::resolve;

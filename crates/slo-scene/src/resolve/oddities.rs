@@ -3,6 +3,7 @@
 use crate::attributes::Fields;
 use crate::description::{CamSegment, Camera, KeyFrame, SceneDescription};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
+use crate::material::wholes;
 
 /// Warns of a shutter that is open for `blur` seconds if its segment takes less.
 pub(super) fn check_shutter(
@@ -62,9 +63,10 @@ fn scene_time(segment: &CamSegment) -> [f64; 2] {
 /// Warns of a scene without any light.
 pub(super) fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostics) {
     let SceneDescription { settings, lights, materials, objects, .. } = scene;
+    let wholes = wholes(materials);
     let glows = objects.iter().any(|object| {
-        let material = materials.get(object.material.0 as usize);
-        material.is_some_and(|material| material.kind.glows())
+        let material = wholes.get(object.material.0 as usize);
+        material.is_some_and(|material| material.glows)
     });
     if objects.is_empty() || glows || settings.background != [0.0; 3] {
         return;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
-use super::{camera, key_frames, oddities, overlaps, settings};
+use super::{camera, key_frames, oddities, overlaps, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
@@ -12,7 +12,9 @@ use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 use crate::files::{ContentHash, Files};
 use crate::format::parse;
 use crate::light::{Light, ReadLight};
-use crate::material::{Material, Palette, PhongInfo, ReadMaterial, phong_info};
+use crate::material::{
+    Material, Palette, PhongInfo, ReadMaterial, Whole, check_contained, phong_info, wholes,
+};
 use crate::settings::Settings;
 use crate::shape::ReadShape;
 use crate::texture::Texture;
@@ -80,8 +82,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let lights = self.lights();
         let phong_infos = self.phong_infos();
         let textures = self.textures();
-        let materials = self.materials(&phong_infos);
-        let objects = self.objects(camera.as_ref(), &materials);
+        let materials = self.materials(&phong_infos, &textures);
+        let objects = self.objects(camera.as_ref(), &wholes(&materials));
         let scene = SceneDescription {
             settings,
             camera: camera?,
@@ -141,7 +143,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             let camera_visible = flag(&mut fields, "camera_visible");
             let solid = flag(&mut fields, "solid");
             let group = fields.word("light_group").map(|group| group.text.to_owned());
-            let mut palette = Palette { references: &mut self.references, phong_infos: &[] };
+            let references = &mut self.references;
+            let mut palette = Palette { references, phong_infos: &[], textures: &[] };
             let kind = read(&mut fields, &mut palette)?;
             let name = element.name.text.to_owned();
             Some((Light { name, kind, key_frames, camera_visible, solid, group }, element.head()))
@@ -163,13 +166,23 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         textures
     }
 
-    fn materials(&mut self, phong_infos: &[PhongInfo]) -> Vec<Material> {
+    fn materials(
+        &mut self,
+        phong_infos: &[PhongInfo],
+        textures: &[Option<Arc<Texture>>],
+    ) -> Vec<Material> {
         let elements = self.scene.of(|role| match role {
             Role::Material(read) => Some(read),
             _ => None,
         });
-        let material = |(read, element)| self.material(read, element, phong_infos);
-        elements.into_iter().filter_map(material).collect()
+        let heads: Vec<_> = elements.iter().map(|(_, element)| element.head()).collect();
+        let mut material = |(read, element)| self.material(read, element, phong_infos, textures);
+        let materials: Vec<_> = elements.into_iter().filter_map(&mut material).collect();
+        // If one is missing, references lead to others.
+        if materials.len() == heads.len() {
+            check_contained(&materials, &heads, self.diagnostics);
+        }
+        materials
     }
 
     fn material(
@@ -177,20 +190,24 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         read: ReadMaterial,
         element: Element<'t, 'a>,
         phong_infos: &[PhongInfo],
+        textures: &[Option<Arc<Texture>>],
     ) -> Option<Material> {
         let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
-        let mut palette = Palette { references: &mut self.references, phong_infos };
+        let mut palette = Palette { references: &mut self.references, phong_infos, textures };
         let kind = read(&mut fields, &mut palette)?;
         Some(Material { name: element.name.text.to_owned(), kind })
     }
 
     /// Objects, with the places that they are defined at.
-    fn objects(&mut self, camera: Option<&Camera>, materials: &[Material]) -> Vec<(Object, Span)> {
+    fn objects(&mut self, camera: Option<&Camera>, materials: &[Whole]) -> Vec<(Object, Span)> {
         let elements = self.scene.objects();
         let object = |(read, element): (ReadShape, Element<'t, 'a>)| {
             Some((self.object(read, element, camera, materials)?, element.head()))
         };
-        elements.into_iter().filter_map(object).collect()
+        let mut objects = elements.into_iter().filter_map(object).collect::<Vec<_>>();
+        self.assets.release_meshes();
+        tangents::add_tangents(&mut objects, materials);
+        objects
     }
 
     fn object(
@@ -198,7 +215,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         read: ReadShape,
         element: Element<'t, 'a>,
         camera: Option<&Camera>,
-        materials: &[Material],
+        materials: &[Whole],
     ) -> Option<Object> {
         let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
         let material = fields.word("material");
@@ -212,8 +229,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let files = fields.words("filename").unwrap_or_default();
         let find = |name| self.references.find(Referred::Material, name);
         let material = material.and_then(find);
-        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.kind.image().is_some())
-        {
+        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.has_images) {
             self.assets.warn_without_uvs(&files, self.diagnostics);
         }
         Some(Object {
