@@ -42,10 +42,10 @@ impl Picture {
         &self.image.rgb
     }
 
-    /// Returns the pixels clamped and encoded as sRGB: red, green and blue bytes, row by row from
-    /// the top.
+    /// Returns the pixels with the exposure and the tone map of the film, clamped and encoded as sRGB:
+    /// red, green and blue bytes, row by row from the top.
     pub fn srgb8(&self) -> Vec<u8> {
-        self.image.srgb8()
+        self.image.srgb8(self.scene.camera.film.look(&self.scene.settings))
     }
 
     /// Returns a layer that was [asked for](crate::Render::layers), row by row from the top.
@@ -75,7 +75,7 @@ impl Picture {
         let picture = output::Picture {
             image: &self.image,
             format,
-            encoding: scene.camera.film.encoding,
+            look: scene.camera.film.look(&scene.settings),
             recipe: &recipe,
             crop: None,
         };
@@ -87,7 +87,7 @@ impl Picture {
     /// The recipe as if the picture were of `scene`, which may name another file format.
     fn recipe_of(&self, scene: &SceneDescription) -> String {
         let film = &scene.camera.film;
-        let display = Display::of(film.output, film.encoding);
+        let display = Display::of(film.output, film.look(&scene.settings));
         let outcome = Outcome::of(&self.film, self.film.area(), display, Isa::best());
         with_outcome(&Recipe { scene, frame: self.frame }.to_json(), &outcome)
     }

@@ -12,6 +12,7 @@ mod foreign;
 mod frames;
 mod huge;
 mod layers;
+mod looks;
 mod parts;
 mod pictures;
 #[cfg(unix)]

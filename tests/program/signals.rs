@@ -254,6 +254,19 @@ fn more_samples_go_on_from_the_checkpoint_of_fewer() {
 }
 
 #[test]
+fn another_look_goes_on_from_a_checkpoint() {
+    let folder = short("imageSamples 2000");
+    let mut child = start(&folder, "-s scene.txt -q --checkpoint 1");
+    wait_for_state(&folder, &mut child);
+    signal(&child, "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    let look = "--exposure 1 --tone-map agx --encoding srgb";
+    assert!(rays(&folder, look) < 2000 * 250 * 150);
+    folder.printed(&format!("-q -s scene.txt {look} -od anew"));
+    assert!(folder.read("ball_00000.png") == folder.read("anew/ball_00000.png"), "other bytes");
+}
+
+#[test]
 fn what_is_kept_is_not_lost_to_fewer_samples() {
     let folder = short("imageSamples 300");
     let pixels = 250 * 150;

@@ -35,8 +35,8 @@ pub use load::{Loaded, load};
 pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;
 pub use settings::{
-    Accelerator, Contrast, Encoding, Film, Generator, Integrator, Layer, LightSampling,
-    MOST_CAMERA_SAMPLES, OutputFormat, Settings, ShadowMode,
+    Accelerator, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator, Layer,
+    LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, Settings, ShadowMode, ToneMap, Wrap,
 };
 pub use shape::Shape;
 pub use texture::Texture;

@@ -13,4 +13,4 @@ mod tips;
 pub(crate) use commands::{Command, CompareArgs, DenoiseArgs, MergeArgs, SheetArgs, VerifyArgs};
 pub(crate) use parse::parse;
 pub(crate) use program::Args;
-pub(crate) use settings::SettingArgs;
+pub(crate) use settings::{LookArgs, SettingArgs};

@@ -1,7 +1,10 @@
 //! Options that replace settings of the scene. Each option is one field here.
 
 use super::help::SETTINGS;
-use crate::cli::values::{AcceleratorName, FormatName, SizeChoice, noise, samples, seed, size};
+use crate::cli::values::{
+    AcceleratorName, EncodingName, FormatName, SizeChoice, ToneMapName, exposure, noise, samples,
+    seed, size,
+};
 
 /// What the command line sets instead of the scene; `apply` of the options' `Overrides` puts each in
 /// its place.
@@ -11,6 +14,9 @@ pub(crate) struct SettingArgs {
     #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
     #[arg(ignore_case = true)]
     pub(crate) format: Option<FormatName>,
+
+    #[command(flatten)]
+    pub(crate) look: LookArgs,
 
     /// Size of the picture, such as 320x180, 1080p, or 50% of the scene's
     #[arg(long, value_name = "WxH", help_heading = SETTINGS, value_parser = size)]
@@ -48,4 +54,26 @@ pub(crate) struct SettingArgs {
     /// Let the BVH split long triangles: bounces are faster, shadows slower
     #[arg(long, help_heading = SETTINGS)]
     pub(crate) spatial_splits: bool,
+}
+
+/// How a PNG file shows the light.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub(crate) struct LookArgs {
+    /// Brighten a PNG picture by so many stops, such as 1.5 or -2
+    ///
+    /// One stop doubles the light. EXR files hold the light as it is. A state that
+    /// --keep-state kept, and a checkpoint, serve any exposure, tone map and encoding.
+    #[arg(long, value_name = "STOPS", help_heading = SETTINGS, value_parser = exposure)]
+    #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
+    pub(crate) exposure: Option<f32>,
+
+    /// Compress bright light in a PNG picture: none, or agx as in Blender
+    #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
+    #[arg(ignore_case = true)]
+    pub(crate) tone_map: Option<ToneMapName>,
+
+    /// Transfer curve of a PNG picture: raw or srgb
+    #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
+    #[arg(ignore_case = true)]
+    pub(crate) encoding: Option<EncodingName>,
 }

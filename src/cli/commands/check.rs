@@ -4,7 +4,7 @@ use crate::cli::base::{Problem, Terminal, counted};
 use crate::cli::files::load;
 use crate::cli::options::Job;
 use slo_scene::animation::Clock;
-use slo_scene::{Camera, Object, SceneDescription, Settings, Texture};
+use slo_scene::{Camera, Look, Object, SceneDescription, Settings, Texture, ToneMap};
 
 /// Reports on the job's scene without rendering it.
 pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
@@ -23,23 +23,36 @@ pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
 }
 
 fn report(scene: &SceneDescription) -> Vec<String> {
-    let mut lines = vec![picture(&scene.camera), samples(&scene.settings)];
+    let mut lines = vec![picture(&scene.camera, &scene.settings), samples(&scene.settings)];
     lines.extend(segments(&scene.camera));
     lines.push(objects(&scene.objects));
     lines.push(lights_and_materials(scene));
     lines
 }
 
-fn picture(camera: &Camera) -> String {
+fn picture(camera: &Camera, settings: &Settings) -> String {
     let film = &camera.film;
-    let (format, encoding) = (film.output, film.encoding);
+    let (format, look) = (film.output, look(film.look(settings)));
     format!(
-        "picture: {} x {} pixels, {format}, {encoding}, {} frame{} per second",
+        "picture: {} x {} pixels, {format}, {look}, {} frame{} per second",
         film.width,
         film.height,
         camera.fps,
         if camera.fps == 1.0 { "" } else { "s" }
     )
+}
+
+/// Names the encoding, and what is applied before it.
+fn look(look: Look) -> String {
+    let Look { exposure, tone_map, encoding } = look;
+    let mut words = encoding.to_string();
+    if exposure != 0.0 {
+        words += &format!(", exposure {exposure}");
+    }
+    if tone_map != ToneMap::None {
+        words += &format!(", {tone_map}");
+    }
+    words
 }
 
 fn samples(settings: &Settings) -> String {

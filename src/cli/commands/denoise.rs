@@ -15,6 +15,7 @@ use slo_picture::output::{
     Picture, Raster, Values, check_writable, is_companion, is_denoised, read_layers, read_recipe,
     settings_of, with_denoiser,
 };
+use slo_scene::Look;
 
 /// Denoises the pictures one after the other, and prints the paths of the results.
 pub(crate) fn run(args: &DenoiseArgs, terminal: Terminal) -> Result<(), Problem> {
@@ -94,7 +95,7 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
     if is_denoised(&parsed) {
         return Err(bad("it is denoised already".into()));
     }
-    let Some((format, encoding)) = settings_of(&parsed) else {
+    let Some((format, look)) = settings_of(&parsed) else {
         return Err(bad("its recipe does not name a file format".into()));
     };
     let layers = read_layers(path).map_err(|error| {
@@ -110,7 +111,9 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
     let image = Raster { image, ..raster }.into_linear();
     let helped = if used.is_empty() { String::new() } else { format!(": {}", names(&used)) };
     let recipe = with_denoiser(&recipe, &format!("{}{helped}", denoiser.name()));
-    let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };
+    // The values of a PNG file are exposed and mapped already.
+    let look = Look::of(look.encoding);
+    let picture = Picture { image: &image, format, look, recipe: &recipe, crop };
     picture.save_with(target, &layers).map_err(|error| {
         Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", target.display()))
     })?;

@@ -241,9 +241,9 @@ fn again(
         film.map_err(|error| format!("not enough memory: a tile needs {} bytes", error.bytes))?;
     let film = render(frame, &plan, film, &Nobody).film;
     let image = film.image_of(tile);
-    let (format, encoding) = (settings.output, settings.encoding);
+    let (format, look) = (settings.output, settings.look(&scene.settings));
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let picture = Picture { image: &image, format, encoding, recipe: "{}", crop: None };
+    let picture = Picture { image: &image, format, look, recipe: "{}", crop: None };
     picture.write(&mut bytes).map_err(|error| error.to_string())?;
     let colors = Raster::from_bytes(bytes.into_inner()).map_err(|error| error.to_string())?.image;
     let layers = film.layers_of(tile, &settings.layers);

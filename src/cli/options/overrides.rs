@@ -1,6 +1,6 @@
 //! Settings of the scene that the command line replaces.
 
-use crate::cli::args::SettingArgs;
+use crate::cli::args::{LookArgs, SettingArgs};
 use slo_scene::{Layer, SceneDescription};
 
 /// Maximum number of camera samples per pixel if noise, time or steps decide and `--samples` is
@@ -25,7 +25,7 @@ impl Overrides {
     /// `dofSamples`.
     pub(crate) fn apply(&self, scene: &mut SceneDescription) {
         // Every option is named here, so that a new one can't be forgotten.
-        let SettingArgs { format, size, samples, noise, seed, accelerator, spatial_splits } =
+        let SettingArgs { format, look, size, samples, noise, seed, accelerator, spatial_splits } =
             self.settings;
         let film = &mut scene.camera.film;
         film.prefix = self.prefix.clone().unwrap_or_else(|| film.prefix.clone());
@@ -34,6 +34,10 @@ impl Overrides {
             (film.width, film.height) = (size.width, size.height);
         }
         film.output = format.map_or(film.output, |name| name.0);
+        let LookArgs { exposure, tone_map, encoding } = look;
+        film.exposure = exposure.unwrap_or(film.exposure);
+        film.tone_map = tone_map.map_or(film.tone_map, |name| name.0);
+        film.encoding = encoding.map(|name| name.0).or(film.encoding);
         if !self.layers.is_empty() {
             film.layers.clone_from(&self.layers);
             film.layers.sort_unstable();
@@ -55,8 +59,8 @@ impl Overrides {
 mod tests {
     use super::*;
     use crate::cli::options::empty_scene;
-    use crate::cli::values::{AcceleratorName, FormatName, SizeChoice};
-    use slo_scene::{Accelerator, OutputFormat};
+    use crate::cli::values::{AcceleratorName, EncodingName, FormatName, SizeChoice, ToneMapName};
+    use slo_scene::{Accelerator, Encoding, Look, OutputFormat, ToneMap};
 
     fn with(settings: SettingArgs) -> Overrides {
         Overrides { settings, ..Overrides::default() }
@@ -98,6 +102,11 @@ mod tests {
             accelerator: Some(AcceleratorName(Accelerator::None)),
             spatial_splits: true,
             format: Some(FormatName(OutputFormat::Exr)),
+            look: LookArgs {
+                exposure: Some(-1.5),
+                tone_map: Some(ToneMapName(ToneMap::Agx)),
+                encoding: Some(EncodingName(Encoding::Srgb)),
+            },
             ..SettingArgs::default()
         };
         let overrides = Overrides {
@@ -109,6 +118,8 @@ mod tests {
         let film = &scene.camera.film;
         assert_eq!((film.width, film.height, &*film.prefix), (16, 9, "p"));
         assert_eq!((film.output, &film.layers[..]), (OutputFormat::Exr, &Layer::ALL[..]));
+        let look = Look { exposure: -1.5, tone_map: ToneMap::Agx, encoding: Encoding::Srgb };
+        assert_eq!(film.look(&scene.settings), look);
         assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
         assert!(scene.settings.spatial_splits);
     }

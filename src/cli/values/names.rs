@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use slo_scene::{Accelerator, Layer, OutputFormat};
+use slo_scene::{Accelerator, Encoding, Layer, OutputFormat, ToneMap};
 
 /// `--layers`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,26 +39,48 @@ impl ValueEnum for FormatName {
     }
 }
 
-/// `--accelerator`: the words of the scene language, in any case.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AcceleratorName(pub(crate) Accelerator);
+/// Defines the names of an option: the words of the scene language, in any case.
+macro_rules! words {
+    ($(#[$of:meta])* $Name:ident, $Word:ty) => {
+        $(#[$of])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) struct $Name(pub(crate) $Word);
 
-impl ValueEnum for AcceleratorName {
-    fn value_variants<'a>() -> &'a [Self] {
-        static ALL: LazyLock<Vec<AcceleratorName>> =
-            LazyLock::new(|| Accelerator::ALL.into_iter().map(AcceleratorName).collect());
-        &ALL
-    }
+        impl ValueEnum for $Name {
+            fn value_variants<'a>() -> &'a [Self] {
+                const ALL: [$Name; <$Word>::ALL.len()] = {
+                    let mut all = [$Name(<$Word>::ALL[0]); <$Word>::ALL.len()];
+                    let mut i = 0;
+                    while i < all.len() {
+                        all[i] = $Name(<$Word>::ALL[i]);
+                        i += 1;
+                    }
+                    all
+                };
+                &ALL
+            }
 
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(lower_case(self.0)))
-    }
+            fn to_possible_value(&self) -> Option<PossibleValue> {
+                static WORDS: LazyLock<Vec<String>> =
+                    LazyLock::new(|| <$Word>::ALL.map(|all| all.name().to_ascii_lowercase()).into());
+                let place = <$Word>::ALL.iter().position(|all| *all == self.0);
+                Some(PossibleValue::new(place.map_or(self.0.name(), |place| &WORDS[place])))
+            }
+        }
+    };
 }
 
-/// Returns the word of a structure in lower case, kept for the whole run.
-fn lower_case(accelerator: Accelerator) -> &'static str {
-    static WORDS: LazyLock<Vec<String>> =
-        LazyLock::new(|| Accelerator::ALL.map(|all| all.name().to_ascii_lowercase()).into());
-    let place = Accelerator::ALL.iter().position(|all| *all == accelerator);
-    place.map_or(accelerator.name(), |place| &WORDS[place])
+words! {
+    /// `--accelerator`
+    AcceleratorName, Accelerator
+}
+
+words! {
+    /// `--encoding`
+    EncodingName, Encoding
+}
+
+words! {
+    /// `--tone-map`
+    ToneMapName, ToneMap
 }

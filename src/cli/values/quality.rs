@@ -23,6 +23,15 @@ pub(crate) fn noise(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Parses an exposure in stops.
+pub(crate) fn exposure(text: &str) -> Result<f32, String> {
+    let text = text.trim();
+    let stops = real(text).filter(|stops| stops.abs() <= 32.0 && !text.ends_with('%'));
+    stops
+        .map(|stops| stops as f32)
+        .ok_or_else(|| "expected a number of stops from -32 to 32, such as 1.5 or -2".into())
+}
+
 /// Parses a limit of a distance.
 pub(crate) fn limit(text: &str) -> Result<f64, String> {
     let limit = real(text).filter(|limit| *limit >= 0.0);
@@ -49,6 +58,16 @@ pub(crate) fn steps(text: &str) -> Result<Steps, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exposures_are_stops() {
+        for (text, expected) in [("0", 0.0), ("1.5", 1.5), ("-2", -2.0), ("+.5", 0.5)] {
+            assert_eq!(exposure(text), Ok(expected), "{text}");
+        }
+        for bad in ["", "33", "-33", "50%", "nan", "1 stop"] {
+            assert!(exposure(bad).unwrap_err().contains("from -32 to 32"), "{bad}");
+        }
+    }
 
     #[test]
     fn steps_are_written_as_in_recipes() {

@@ -27,6 +27,29 @@ pub fn sin_cos_octant(x: f32) -> (f32, f32) {
     (s, c)
 }
 
+/// The angle of the direction (x, y) in full turns from the x axis toward the y axis, from -0.5 to
+/// 0.5; absolute error below 4e-8. 0 if both are 0; its sign is that of `y`, also for y = -0.
+///
+/// `x` and `y` are finite.
+#[inline(always)]
+pub fn atan2_turns(y: f32, x: f32) -> f32 {
+    // The octant of (x, y) is turned into the first, and its upper half by another eighth.
+    let (ax, ay) = (x.abs(), y.abs());
+    let (low, high) = if ax < ay { (ax, ay) } else { (ay, ax) };
+    let q = low / high.max(f32::MIN_POSITIVE);
+    let is_upper = q > 0.414_213_57;
+    let t = if is_upper { (q - 1.0) / (q + 1.0) } else { q };
+    let offset = if is_upper { 0.125 } else { 0.0 };
+    let z = t * t;
+    // atan t / t by minimax, for |t| <= tan(pi / 8).
+    let series =
+        1.0 + z * (-0.333_329_5 + z * (0.199_777_1 + z * (-0.138_776_86 + z * 0.080_537_45)));
+    let angle = offset + t * series * (0.5 * std::f32::consts::FRAC_1_PI);
+    let angle = if ax < ay { 0.25 - angle } else { angle };
+    let angle = if x < 0.0 { 0.5 - angle } else { angle };
+    angle.copysign(y)
+}
+
 /// The nearest whole number, ties to even, for `|x| < 2^22`.
 #[inline(always)]
 fn round(x: f32) -> f32 {
@@ -87,6 +110,29 @@ mod tests {
             assert!((f64::from(s) - libm::sin(x)).abs() < 2e-7, "sin {turns}: {s}");
             assert!((f64::from(c) - libm::cos(x)).abs() < 2e-7, "cos {turns}: {c}");
         }
+    }
+
+    #[test]
+    fn angles() {
+        let mut worst = 0.0_f64;
+        for turns in steps(-0.5, 0.5) {
+            for length in [1e-30, 1e-3, 1.0, 7.0, 1e30] {
+                let angle = f64::from(turns) * std::f64::consts::TAU;
+                let (x, y) =
+                    ((length * libm::cos(angle)) as f32, (length * libm::sin(angle)) as f32);
+                let expected = libm::atan2(f64::from(y), f64::from(x)) / std::f64::consts::TAU;
+                worst = worst.max((f64::from(atan2_turns(y, x)) - expected).abs());
+            }
+        }
+        assert!(worst < 4e-8, "{worst}");
+        assert_eq!(atan2_turns(0.0, 0.0), 0.0);
+        assert_eq!(atan2_turns(0.0, 1.0), 0.0);
+        assert_eq!(atan2_turns(1.0, 0.0), 0.25);
+        assert_eq!(atan2_turns(0.0, -1.0), 0.5);
+        assert_eq!(atan2_turns(-0.0, -1.0), -0.5);
+        assert_eq!(atan2_turns(-2.0, 0.0), -0.25);
+        assert_eq!(atan2_turns(3.0, 3.0), 0.125);
+        assert_eq!(atan2_turns(f32::MAX, f32::MIN_POSITIVE), 0.25);
     }
 
     #[test]

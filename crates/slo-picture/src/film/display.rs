@@ -3,28 +3,42 @@
 use slo_accel::math::elementary::power;
 use slo_accel::{Isa, Lanewise};
 use slo_scene::settings::FileValues;
-use slo_scene::{Encoding, OutputFormat};
+use slo_scene::{Encoding, Look, OutputFormat, ToneMap};
 
+use super::agx::agx;
 use super::pixel::{Halves, Pixel, base_end};
+use super::toning::Toning;
 
-/// What a channel's radiance becomes on the screen.
+/// What radiance becomes on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Display {
+    toning: Toning,
+    curve: Curve,
+}
+
+/// What light of the screen becomes as a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Display {
+enum Curve {
     /// Linear from 0 to 1, clamped.
     Raw,
     /// sRGB from 0 to 1, clamped.
     Srgb,
-    /// The sRGB curve, continued beyond 1: for pictures whose exposure is chosen later.
+    /// The sRGB curve, continued beyond 1: for pictures whose last exposure is chosen later.
     Unclamped,
 }
 
 impl Display {
-    /// How viewers see the values of a file.
-    pub fn of(format: OutputFormat, encoding: Encoding) -> Self {
-        match (format.values(), encoding) {
-            (FileValues::Linear { .. }, _) => Self::Unclamped,
-            (FileValues::Encoded { .. }, Encoding::Srgb) => Self::Srgb,
-            (FileValues::Encoded { .. }, Encoding::Raw) => Self::Raw,
+    /// How viewers see the values of a file. Files of linear values hold radiance, so they have no tone
+    /// map; the exposure says which radiance viewers take for white.
+    pub fn of(format: OutputFormat, look: Look) -> Self {
+        let toning = Toning::of(look);
+        match (format.values(), look.encoding) {
+            (FileValues::Linear { .. }, _) => {
+                let toning = Toning { map: ToneMap::None, ..toning };
+                Self { toning, curve: Curve::Unclamped }
+            }
+            (FileValues::Encoded { .. }, Encoding::Srgb) => Self { toning, curve: Curve::Srgb },
+            (FileValues::Encoded { .. }, Encoding::Raw) => Self { toning, curve: Curve::Raw },
         }
     }
 
@@ -43,31 +57,88 @@ impl Display {
             let begin = errors.len();
             errors.resize(begin + GROUP, 0.0);
             let to = &mut errors[begin..];
-            let group = &group;
-            match self {
-                Self::Raw => isa.run(Squares { group, shown: raw, to }),
-                Self::Srgb => isa.run(Squares { group, shown: clamped, to }),
-                Self::Unclamped => isa.run(Squares { group, shown: unclamped, to }),
-            }
+            self.squares(isa, &group, to);
             errors.truncate(begin + count);
         }
         errors
     }
+
+    fn squares(self, isa: Isa, group: &Group, to: &mut [f64]) {
+        let scale = self.toning.scale;
+        match (self.toning.map, self.curve) {
+            (ToneMap::None, Curve::Raw) => {
+                isa.run(Squares { group, shown: Each { scale, curve: raw }, to });
+            }
+            (ToneMap::None, Curve::Srgb) => {
+                isa.run(Squares { group, shown: Each { scale, curve: clamped }, to });
+            }
+            (_, Curve::Unclamped) => {
+                isa.run(Squares { group, shown: Each { scale, curve: unclamped }, to });
+            }
+            (ToneMap::Agx, Curve::Raw) => {
+                isa.run(Squares { group, shown: Together { scale, curve: raw }, to });
+            }
+            (ToneMap::Agx, Curve::Srgb) => {
+                isa.run(Squares { group, shown: Together { scale, curve: clamped }, to });
+            }
+        }
+    }
+}
+
+/// Colours of a group of pixels, in columns.
+type Colours = [[f32; GROUP]; 3];
+
+/// Replaces radiance by what the screen shows.
+trait Shown {
+    fn show(&self, colours: &mut Colours);
+}
+
+/// Shows each channel by itself.
+struct Each<F> {
+    scale: f32,
+    curve: F,
+}
+
+impl<F: Fn(f32) -> f32> Shown for Each<F> {
+    #[inline(always)]
+    fn show(&self, colours: &mut Colours) {
+        for channel in colours {
+            for value in channel {
+                *value = (self.curve)(*value * self.scale);
+            }
+        }
+    }
+}
+
+/// Shows the channels of a pixel through AgX.
+struct Together<F> {
+    scale: f32,
+    curve: F,
+}
+
+impl<F: Fn(f32) -> f32> Shown for Together<F> {
+    #[inline(always)]
+    fn show(&self, [red, green, blue]: &mut Colours) {
+        for i in 0..GROUP {
+            let light = agx([red[i], green[i], blue[i]].map(|c| c * self.scale));
+            [red[i], green[i], blue[i]] = light.map(&self.curve);
+        }
+    }
 }
 
 #[inline(always)]
-fn raw(radiance: f32) -> f32 {
-    radiance.clamp(0.0, 1.0)
+fn raw(light: f32) -> f32 {
+    light.clamp(0.0, 1.0)
 }
 
 #[inline(always)]
-fn clamped(radiance: f32) -> f32 {
-    srgb(radiance.clamp(0.0, 1.0))
+fn clamped(light: f32) -> f32 {
+    srgb(light.clamp(0.0, 1.0))
 }
 
 #[inline(always)]
-fn unclamped(radiance: f32) -> f32 {
-    srgb(radiance.max(0.0))
+fn unclamped(light: f32) -> f32 {
+    srgb(light.max(0.0))
 }
 
 /// Number of pixels whose errors are estimated together.
@@ -107,13 +178,13 @@ impl Group {
 }
 
 /// Squared errors of a group.
-struct Squares<'a, F> {
+struct Squares<'a, S> {
     group: &'a Group,
-    shown: F,
+    shown: S,
     to: &'a mut [f64],
 }
 
-impl<F: Fn(f32) -> f32> Lanewise for Squares<'_, F> {
+impl<S: Shown> Lanewise for Squares<'_, S> {
     type Output = ();
 
     #[inline(always)]
@@ -130,11 +201,8 @@ impl<F: Fn(f32) -> f32> Lanewise for Squares<'_, F> {
                 (low[c][i], high[c][i]) = (mean - error, mean + error);
             }
         }
-        for ends in low.iter_mut().chain(&mut high) {
-            for end in ends {
-                *end = shown(*end);
-            }
-        }
+        shown.show(&mut low);
+        shown.show(&mut high);
         for (i, to) in to.iter_mut().enumerate() {
             let half = |c: usize| f64::from(high[c][i] - low[c][i]) / 2.0;
             *to = (half(0) * half(0) + half(1) * half(1) + half(2) * half(2)) / 3.0;
@@ -179,20 +247,41 @@ mod tests {
         pixel
     }
 
+    fn display(format: OutputFormat, encoding: Encoding) -> Display {
+        Display::of(format, Look::of(encoding))
+    }
+
+    fn error(display: Display, first: f32, second: f32) -> f32 {
+        display.squared_errors(Isa::Portable, [&pixel(first, second)])[0].sqrt() as f32
+    }
+
     #[test]
     fn errors_count_as_they_are_seen() {
-        let error = |display: Display, first, second| {
-            display.squared_errors(Isa::Portable, [&pixel(first, second)])[0].sqrt() as f32
-        };
+        let raw = display(OutputFormat::Png8, Encoding::Raw);
+        let srgb = display(OutputFormat::Png16, Encoding::Srgb);
         // The mean is 0.5, its error 0.25.
-        assert!((error(Display::Raw, 0.25, 0.75) - 0.25).abs() < 1e-6);
-        assert_eq!(error(Display::Raw, 3.0, 5.0), 0.0, "both are white");
-        assert_eq!(error(Display::Srgb, 3.0, 5.0), 0.0);
-        assert!(error(Display::Unclamped, 3.0, 5.0) > 0.1);
-        assert!(error(Display::Srgb, 0.01, 0.03) > 2.0 * error(Display::Srgb, 0.51, 0.53));
-        assert_eq!(error(Display::Srgb, 0.5, 0.5), 0.0);
-        let unexposed = Display::Raw.squared_errors(Isa::Portable, [&Pixel::default()]);
+        assert!((error(raw, 0.25, 0.75) - 0.25).abs() < 1e-6);
+        assert_eq!(error(raw, 3.0, 5.0), 0.0, "both are white");
+        assert_eq!(error(srgb, 3.0, 5.0), 0.0);
+        assert!(error(display(OutputFormat::Exr, Encoding::Raw), 3.0, 5.0) > 0.1);
+        assert!(error(srgb, 0.01, 0.03) > 2.0 * error(srgb, 0.51, 0.53));
+        assert_eq!(error(srgb, 0.5, 0.5), 0.0);
+        let unexposed = raw.squared_errors(Isa::Portable, [&Pixel::default()]);
         assert_eq!(unexposed, [f64::INFINITY]);
+    }
+
+    #[test]
+    fn the_look_decides_what_is_seen() {
+        let with = |format, exposure, tone_map| {
+            let look = Look { exposure, tone_map, encoding: Encoding::Srgb };
+            error(Display::of(format, look), 3.0, 5.0)
+        };
+        let (png, exr) = (OutputFormat::Png8, OutputFormat::Exr);
+        assert_eq!(with(png, 0.0, ToneMap::None), 0.0, "both are white");
+        assert!(with(png, -3.0, ToneMap::None) > 0.05, "both are grey");
+        assert!(with(png, 0.0, ToneMap::Agx) > 0.01, "nothing is quite white");
+        assert_eq!(with(exr, 0.0, ToneMap::Agx), with(exr, 0.0, ToneMap::None));
+        assert!(with(exr, 2.0, ToneMap::None) > 1.5 * with(exr, 0.0, ToneMap::None));
     }
 
     #[test]
@@ -204,13 +293,19 @@ mod tests {
                 pixel
             })
             .collect();
-        for display in [Display::Raw, Display::Srgb, Display::Unclamped] {
-            let one = |pixel| display.squared_errors(Isa::Portable, [pixel])[0];
-            let each: Vec<f64> = pixels.iter().map(one).collect();
-            for isa in Isa::available() {
-                assert_eq!(display.squared_errors(isa, &pixels), each, "{display:?} {isa}");
+        let looks = Encoding::ALL.into_iter().flat_map(|encoding| {
+            ToneMap::ALL.map(|tone_map| Look { exposure: 0.5, tone_map, encoding })
+        });
+        for look in looks {
+            for format in [OutputFormat::Png8, OutputFormat::Exr] {
+                let display = Display::of(format, look);
+                let one = |pixel| display.squared_errors(Isa::Portable, [pixel])[0];
+                let each: Vec<f64> = pixels.iter().map(one).collect();
+                for isa in Isa::available() {
+                    assert_eq!(display.squared_errors(isa, &pixels), each, "{display:?} {isa}");
+                }
+                assert!(display.squared_errors(Isa::Portable, std::iter::empty()).is_empty());
             }
-            assert!(display.squared_errors(Isa::Portable, std::iter::empty()).is_empty());
         }
     }
 }

@@ -1,6 +1,9 @@
 //! A picture in memory.
 
+use slo_scene::Look;
+
 use super::display::srgb;
+use super::toning::Toning;
 
 /// A picture in linear radiance, or three other numbers for each pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,9 +39,11 @@ impl Image {
         Self { width: width as u32, height: height as u32, rgb }
     }
 
-    /// The pixels clamped and encoded as sRGB: red, green and blue bytes, row by row from the top.
-    pub fn srgb8(&self) -> Vec<u8> {
+    /// The pixels with the exposure and the tone map of a look, clamped and encoded as sRGB: red, green
+    /// and blue bytes, row by row from the top.
+    pub fn srgb8(&self, look: Look) -> Vec<u8> {
+        let toning = Toning::of(look);
         let byte = |value: f32| (srgb(value.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
-        self.rgb.iter().flatten().map(|&value| byte(value)).collect()
+        self.rgb.iter().flat_map(|&rgb| toning.apply(rgb).map(byte)).collect()
     }
 }

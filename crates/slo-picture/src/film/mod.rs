@@ -4,6 +4,7 @@
 //! not depend on their order: threads, tiles, batches, parts and resumed runs may add in any order, and
 //! the bits stay the same.
 
+mod agx;
 mod area;
 mod display;
 mod features;
@@ -14,6 +15,7 @@ mod merge;
 mod pixel;
 mod state;
 mod steps;
+mod toning;
 mod view;
 
 pub use area::{Area, BLOCK, TILE};
@@ -27,4 +29,5 @@ pub use pixel::{LEAST_FOR_NOISE, Pixel, Spread, base_end, split};
 pub use slo_scene::Layer;
 pub use state::{State, Subject};
 pub use steps::{Steps, tiles_in_order};
+pub use toning::Toning;
 pub use view::{Pixels, View};

@@ -14,10 +14,12 @@ use super::shapes::{Geometry, geometry};
 use super::world::{Instance, World};
 use crate::camera::{Camera, DegenerateView};
 use crate::sampling::Sampler;
-use crate::shading::{Light, MaterialTable, material};
+use crate::shading::light::{LightTree, Techniques};
+use crate::shading::material::Kind;
+use crate::shading::{Light, Material, MaterialTable};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure};
 use slo_scene::animation::{Clock, DRigid, KeyFrameError, KeyFrames, NoSegment, Shutter};
-use slo_scene::{CamSegment, Object, SceneDescription, Settings};
+use slo_scene::{CamSegment, Integrator, Object, SceneDescription, Settings};
 
 /// Step, in units of the scene, by which the origin of render space follows the camera along each
 /// axis. Within half a step of the origin, an f32 resolves 2^-14 units or better. Structures of
@@ -109,11 +111,18 @@ impl FrameScene {
         for object in &scene.objects {
             parts.add(object, scene, &seen, isa)?;
         }
-        for (number, light) in scene.lights.iter().enumerate() {
+        let (mut lights, mut hidden) = (Vec::new(), Vec::new());
+        for light in &scene.lights {
+            let Some(ready) = Light::new(light, origin) else { continue };
             if let Some(surface) = light.kind.surface() {
-                let look = Look::Light(number as u32);
+                let look = Look::Light(lights.len() as u32);
                 parts.add_still(look, geometry(&surface), &DRigid::IDENTITY, &seen);
             }
+            lights.push(ready);
+            hidden.push(!light.camera_visible);
+        }
+        if !hidden.contains(&true) {
+            hidden.clear();
         }
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
@@ -127,13 +136,18 @@ impl FrameScene {
             parts.looks.into_iter(),
             parts.instances.iter().map(|instance| instance.object),
         );
-        let materials: Vec<_> = scene.materials.iter().map(material::ready).collect();
+        let materials: Vec<_> = scene.materials.iter().map(Material::new).collect();
         Ok(Self {
             camera,
             world: World::new(still, parts.instances, isa),
-            material_table: MaterialTable::new(&materials),
+            material_table: MaterialTable::new(&scene.materials, &materials),
             materials,
-            lights: scene.lights.iter().map(|light| Light::new(light, origin)).collect(),
+            light_tree: LightTree::new(lights.len()),
+            skies: skies(&lights),
+            hidden,
+            techniques: Techniques::default(),
+            lights: lights.into_iter().collect(),
+            is_physical: is_physical(scene),
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
             settings: scene.settings.clone(),
             isa,
@@ -145,6 +159,18 @@ impl FrameScene {
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
         })
     }
+}
+
+/// Returns the indices of lights that are infinitely far away.
+fn skies(lights: &[Light]) -> Vec<u32> {
+    (0..).zip(lights).filter(|(_, light)| light.is_distant()).map(|(number, _)| number).collect()
+}
+
+/// Whether a scene says anything that the thesis's integrator does not know.
+fn is_physical(scene: &SceneDescription) -> bool {
+    scene.settings.integrator == Integrator::Path
+        || scene.lights.iter().any(|light| !light.kind.is_of_thesis())
+        || scene.materials.iter().any(|material| Kind::of(material) != Kind::Phong)
 }
 
 /// Structures of another frame, to be reused.
@@ -234,6 +260,7 @@ impl Parts {
             geometry,
             place: Rigid::IDENTITY,
             first_triangle: 0,
+            first_light: None,
         });
         Ok(())
     }
@@ -249,7 +276,7 @@ impl Parts {
         let normals = vertex_normals(&geometry, place);
         let place = Rigid::relative(place, seen.origin);
         self.looks.push(look);
-        self.objects.push(FrameObject { geometry, place, first_triangle, normals });
+        self.objects.push(FrameObject { geometry, place, first_triangle, first_light: None, normals });
     }
 }
 

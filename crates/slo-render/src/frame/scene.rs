@@ -10,6 +10,7 @@ use super::shapes::Geometry;
 use super::world::{World, WorldHits};
 use crate::camera::Camera;
 use crate::sampling::Sampler;
+use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
 use slo_accel::math::columns::Column;
 use slo_accel::{Isa, Structure};
@@ -28,12 +29,22 @@ pub struct FrameScene {
     /// The materials in columns.
     pub(crate) material_table: MaterialTable,
     pub(crate) lights: Lights,
+    /// Chooses one of the lights.
+    pub(crate) light_tree: LightTree,
+    /// For each light, whether camera rays pass through it; empty if none does.
+    pub(crate) hidden: Vec<bool>,
+    /// Indices of the lights that are infinitely far away.
+    pub(crate) skies: Vec<u32>,
+    /// How the light of lamps is shared between techniques, for physical shading.
+    pub(crate) techniques: Techniques,
     pub(crate) sampler: Sampler,
     pub(crate) settings: Settings,
     /// Instruction set of all vectorized code.
     pub(crate) isa: Isa,
     /// Whether variance is reduced by more than good sample points; see [`plain`](Self::plain).
     pub(crate) clever: bool,
+    /// Whether the scene says anything that the thesis's integrator does not know.
+    pub(crate) is_physical: bool,
     pub(super) textures: Vec<Arc<Texture>>,
     pub(super) objects: Vec<FrameObject>,
     pub(super) looks: Looks,
@@ -51,6 +62,9 @@ pub(super) struct FrameObject {
     pub(super) place: Rigid,
     /// Id of its first triangle in its structure.
     pub(super) first_triangle: u32,
+    /// Index of the light that its first triangle is, if the material emits light toward which rays
+    /// are sent.
+    pub(super) first_light: Option<u32>,
     /// Unit normals of the vertices: in render space if the object is still, in object space if it
     /// moves. Empty if the object is not smooth.
     pub(super) normals: Vec<Vec3>,
@@ -77,6 +91,24 @@ impl FrameScene {
     pub(crate) fn receives_through(&self) -> bool {
         let rough = |m: &Material| m.refraction > 0.0 && m.refraction_lobe > 0.0;
         self.combines() && self.materials.iter().any(rough)
+    }
+
+    /// Whether camera rays pass through a light.
+    pub(crate) fn is_hidden(&self, light: u32) -> bool {
+        self.hidden.get(light as usize).is_some_and(|hidden| *hidden)
+    }
+
+    /// Whether camera rays pass through any light.
+    pub(crate) fn has_hidden_lamps(&self) -> bool {
+        !self.hidden.is_empty()
+    }
+
+    /// Returns the light that the surface which a ray hit belongs to; `None` if no rays are sent
+    /// toward it.
+    pub(crate) fn emitter(&self, found: &WorldHits, ray: usize) -> Option<u32> {
+        let (primitive, instance) = (found.hits.primitive[ray], found.instance[ray]);
+        let object = &self.objects[self.object_of(primitive, instance) as usize];
+        object.first_light.map(|first| first + (primitive - object.first_triangle))
     }
 
     /// Finds the looks of what the rays of a batch hit, as words.

@@ -23,6 +23,33 @@ impl Default for Labels {
     }
 }
 
+/// What a ray of a path remembers of the hit that it left.
+#[derive(Debug)]
+pub(super) struct Past {
+    /// Where the ray left the surface.
+    pub(super) from: Vec3s,
+    /// Packed normal of the surface; see [`receiver`](crate::shading::light::receiver).
+    pub(super) normal: Column<u32>,
+    /// See [`marks`].
+    pub(super) marks: Column<u32>,
+}
+
+/// Bits of [`Past::marks`].
+pub(super) mod marks {
+    /// The ray follows a diffuse lobe.
+    pub(in crate::integrator) const DIFFUSE: u32 = 1;
+    /// One more surface that the ray passed through since it left.
+    pub(in crate::integrator) const PASS: u32 = 2;
+    /// Most surfaces in a row that a ray passes through.
+    pub(in crate::integrator) const MOST_PASSES: u32 = 256;
+}
+
+impl Default for Past {
+    fn default() -> Self {
+        Self { from: Vec3s::default(), normal: [0; BATCH], marks: [0; BATCH] }
+    }
+}
+
 /// Rays taken from a queue to be traced.
 #[derive(Debug)]
 pub(super) struct Batch {
@@ -34,6 +61,8 @@ pub(super) struct Batch {
     /// See [`Sent::density`].
     pub(super) density: Column<f32>,
     pub(super) labels: Labels,
+    /// Of rays of paths.
+    pub(super) past: Past,
 }
 
 impl Default for Batch {
@@ -43,6 +72,7 @@ impl Default for Batch {
             weight: Vec3s::default(),
             density: [0.0; BATCH],
             labels: Labels::default(),
+            past: Past::default(),
         }
     }
 }

@@ -32,8 +32,18 @@ pub(super) fn glossy_samples(settings: &Settings, purpose: Purpose, depth: u32) 
         _ if depth > 0 => 1,
         Purpose::Refraction => settings.diffuse_refraction_samples,
         Purpose::Reflection => settings.diffuse_reflection_samples,
-        Purpose::Light(_) | Purpose::AnyLight => 1,
+        Purpose::Light(_)
+        | Purpose::AnyLight
+        | Purpose::Continuation
+        | Purpose::Survival
+        | Purpose::Surface => 1,
     }
+}
+
+/// Returns the number of rays that continue the path of a hit.
+pub(super) fn continuations(settings: &Settings, depth: u32) -> u32 {
+    let samples = settings.diffuse_reflection_samples.max(settings.diffuse_refraction_samples);
+    if depth == 0 { samples } else { 1 }
 }
 
 /// Returns the most camera rays of a batch. Its hits queue all their bounces before any of them is

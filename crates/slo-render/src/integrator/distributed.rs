@@ -60,6 +60,7 @@ impl Distributed {
         ended.find(frame, batch, hits, depth);
         machine.add(frame.isa, &ended.light, &ended.slot, ended.len);
         points.find(frame, batch, hits, machine.seeds());
+        points.look_up_phong(frame);
         if frame.material_table.has_ambient {
             machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
         }

@@ -4,7 +4,7 @@
 use slo_accel::Isa;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
-use super::batch::{Batch, Labels, Sent};
+use super::batch::{Batch, Labels, Past, Sent};
 use super::chosen::Chosen;
 use super::queue::{Habit, RayQueue};
 use super::sums::Sums;
@@ -182,6 +182,18 @@ impl Machine {
     /// Queues chosen rays after `depth` bounces.
     pub(super) fn extend(&mut self, depth: u32, sent: &Sent, labels: &Labels, chosen: &Chosen) {
         self.queue_at(depth).append_named(sent, labels, chosen);
+    }
+
+    /// Queues chosen rays of paths after `depth` bounces.
+    pub(super) fn extend_path(
+        &mut self,
+        depth: u32,
+        sent: &Sent,
+        labels: &Labels,
+        past: &Past,
+        chosen: &Chosen,
+    ) {
+        self.queue_at(depth).append_path(sent, labels, past, chosen);
     }
 
     /// Queues chosen connections.

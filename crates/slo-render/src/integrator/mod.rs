@@ -15,6 +15,7 @@ mod branching;
 mod chosen;
 mod distributed;
 mod machine;
+mod path;
 mod queue;
 mod roulette;
 mod stages;

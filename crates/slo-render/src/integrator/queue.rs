@@ -3,7 +3,7 @@
 use slo_accel::math::columns::{BATCH, Column};
 use slo_accel::{Coherence, Rays};
 
-use super::batch::{Batch, Labels, Sent};
+use super::batch::{Batch, Labels, Past, Sent};
 use super::chosen::Chosen;
 
 /// A queue of waiting rays.
@@ -15,6 +15,7 @@ pub(super) struct RayQueue {
     slot: Vec<u32>,
     /// Columns that a queue of rays to lights does not use.
     names: Names,
+    past: PastColumns,
     pub(super) habit: Habit,
 }
 
@@ -55,6 +56,14 @@ struct Names {
     index: Vec<u32>,
 }
 
+/// Columns of rays of paths, which other rays do not have.
+#[derive(Debug, Default)]
+struct PastColumns {
+    from: [Vec<f32>; 3],
+    normal: Vec<u32>,
+    marks: Vec<u32>,
+}
+
 impl RayQueue {
     pub(super) fn len(&self) -> usize {
         self.rays.len()
@@ -93,6 +102,22 @@ impl RayQueue {
         chosen.append(&labels.index, &mut self.names.index);
     }
 
+    /// Appends the chosen rays of paths.
+    pub(super) fn append_path(
+        &mut self,
+        sent: &Sent,
+        labels: &Labels,
+        past: &Past,
+        chosen: &Chosen,
+    ) {
+        self.append_named(sent, labels, chosen);
+        for (to, from) in self.past.from.iter_mut().zip(past.from.columns()) {
+            chosen.append(from, to);
+        }
+        chosen.append(&past.normal, &mut self.past.normal);
+        chosen.append(&past.marks, &mut self.past.marks);
+    }
+
     /// Moves the last rays, at most [`BATCH`], to `batch` in their order.
     pub(super) fn take_batch(&mut self, batch: &mut Batch) {
         let start = self.len().saturating_sub(BATCH);
@@ -108,6 +133,15 @@ impl RayQueue {
             move_to(&mut self.names.density, start, density);
             move_to(&mut self.names.path, start, &mut labels.path);
             move_to(&mut self.names.index, start, &mut labels.index);
+        }
+        if !self.past.normal.is_empty() {
+            let Past { from, normal, marks } = &mut batch.past;
+            for (column, to) in self.past.from.iter_mut().zip([&mut from.x, &mut from.y, &mut from.z])
+            {
+                move_to(column, start, to);
+            }
+            move_to(&mut self.past.normal, start, normal);
+            move_to(&mut self.past.marks, start, marks);
         }
     }
 }

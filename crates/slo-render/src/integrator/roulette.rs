@@ -26,6 +26,16 @@ pub(super) fn roulette(weight: Vec3, least: f32, u: f32) -> Vec3 {
     if chance < 1.0 { heavier } else { weight }
 }
 
+/// Returns the weight of one of `count` rays that continue a path, or 0 if it is not followed. Rays
+/// are followed with a probability in proportion to their weight, if it is small. `u` is a uniform
+/// random number.
+#[inline(always)]
+pub(super) fn follows(weight: Vec3, count: f32, u: f32) -> Vec3 {
+    let chance = weight.max_element() * count;
+    let heavier = if u < chance { weight * (1.0 / chance) } else { Vec3::ZERO };
+    if chance < 1.0 { heavier } else { weight }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

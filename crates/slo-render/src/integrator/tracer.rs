@@ -4,6 +4,7 @@ use slo_picture::film::Features;
 
 use super::distributed::Distributed;
 use super::machine::Machine;
+use super::path::Path;
 use super::work::{Job, Traced, Work};
 use crate::frame::FrameScene;
 
@@ -12,6 +13,7 @@ use crate::frame::FrameScene;
 pub struct Tracer {
     machine: Machine,
     distributed: Distributed,
+    path: Path,
 }
 
 impl Tracer {
@@ -25,11 +27,18 @@ impl Tracer {
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Traced<'_>> {
         let job = Job { frame, work, gives_up };
-        let Self { machine, distributed } = self;
+        let Self { machine, distributed, path } = self;
         machine.begin(&job, if with_features { 2 } else { 1 });
-        distributed.restart(if with_features { work.len() } else { 0 });
-        machine.run(distributed, &job)?;
-        let features: &[Features] = distributed.features();
+        let feature_slots = if with_features { work.len() } else { 0 };
+        let features: &[Features] = if frame.is_physical {
+            path.restart(feature_slots);
+            machine.run(path, &job)?;
+            path.features()
+        } else {
+            distributed.restart(feature_slots);
+            machine.run(distributed, &job)?;
+            distributed.features()
+        };
         let (sums, statistics) = machine.finish(work.len());
         Some(Traced { sums, features, statistics })
     }

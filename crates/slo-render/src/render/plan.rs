@@ -63,7 +63,7 @@ impl Plan {
             Rule::Noise(_) if least == most => LEAST_FOR_NOISE.min(most),
             _ => least,
         };
-        let display = Display::of(scene.camera.film.output, scene.camera.film.encoding);
+        let display = Display::of(scene.camera.film.output, scene.camera.film.look(settings));
         Self { least, most, rule, display, part: None, samples: None, steps: None }
     }
 
@@ -275,10 +275,13 @@ fn contrast(kind: Contrast, sample: f32, mean: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use slo_scene::{Look, OutputFormat};
+
     use super::*;
 
     fn plan(least: u32, most: u32, rule: Rule) -> Plan {
-        Plan { least, most, rule, display: Display::Raw, part: None, samples: None, steps: None }
+        let display = Display::of(OutputFormat::Png8, Look::default());
+        Plan { least, most, rule, display, part: None, samples: None, steps: None }
     }
 
     fn rungs(plan: &Plan) -> Vec<u32> {

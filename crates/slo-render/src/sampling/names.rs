@@ -65,6 +65,12 @@ pub enum Purpose {
     Reflection,
     /// A direction of the refracted lobe.
     Refraction,
+    /// A lobe, and a direction of it.
+    Continuation,
+    /// Whether a weak ray is followed.
+    Survival,
+    /// Whether a ray passes through, and which of two mixed materials it meets.
+    Surface,
 }
 
 /// A [`Purpose`] as a word, so that loops over many hits need no branches.
@@ -77,6 +83,9 @@ impl From<Purpose> for Use {
             Purpose::AnyLight => 1,
             Purpose::Reflection => 2,
             Purpose::Refraction => 3,
+            Purpose::Continuation => u32::MAX,
+            Purpose::Survival => u32::MAX - 1,
+            Purpose::Surface => u32::MAX - 2,
             Purpose::Light(number) => number.wrapping_add(4),
         })
     }

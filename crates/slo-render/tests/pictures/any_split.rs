@@ -49,8 +49,8 @@ fn whole(scene: &SceneDescription) -> Area {
 fn file(scene: &SceneDescription, film: &Film) -> Vec<u8> {
     let (image, recipe) = (film.image(), Recipe { scene, frame: 0 }.to_json());
     let settings = &scene.camera.film;
-    let (format, encoding) = (settings.output, settings.encoding);
-    let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop: None };
+    let (format, look) = (settings.output, settings.look(&scene.settings));
+    let picture = Picture { image: &image, format, look, recipe: &recipe, crop: None };
     let layers = film.layers_of(film.area(), &settings.layers);
     let mut out = std::io::Cursor::new(Vec::new());
     picture.write_with(&mut out, &layers).unwrap();

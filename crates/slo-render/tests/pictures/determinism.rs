@@ -71,11 +71,11 @@ fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
     [OutputFormat::Png8, OutputFormat::Exr].map(|format| {
         let mut scene = scene.clone();
         scene.camera.film.output = format;
-        let (image, encoding) = (&film.image(), scene.camera.film.encoding);
+        let (image, look) = (&film.image(), scene.camera.film.look(&scene.settings));
         let recipe = &Recipe { scene: &scene, frame: 0 }.to_json();
         let mut file = Cursor::new(Vec::new());
         let layers = film.layers_of(film.area(), &scene.camera.film.layers);
-        let picture = Picture { image, format, encoding, recipe, crop: None };
+        let picture = Picture { image, format, look, recipe, crop: None };
         picture.write_with(&mut file, &layers).unwrap();
         file.into_inner()
     })

@@ -207,7 +207,7 @@ pub(super) mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::settings::{Encoding, Film, OutputFormat};
+    use crate::settings::{Film, OutputFormat, ToneMap};
 
     /// A segment that looks from (0, -10, 0) to the origin.
     pub(in crate::animation) fn segment(
@@ -235,7 +235,9 @@ pub(super) mod tests {
             height: 100,
             prefix: "test".into(),
             output: OutputFormat::Png8,
-            encoding: Encoding::Raw,
+            encoding: None,
+            exposure: 0.0,
+            tone_map: ToneMap::None,
             layers: Vec::new(),
         };
         Camera { fps, film, segments }

@@ -1,6 +1,6 @@
 //! Images as materials use them.
 
-use crate::settings::Encoding;
+use crate::settings::Curve;
 
 /// Index into the textures of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -23,7 +23,7 @@ pub struct ImageUse {
     /// What of a texel counts. A colour of one channel is grey.
     pub channel: Channel,
     /// The curve that is removed from red, green and blue before interpolation; never from alpha.
-    pub encoding: Encoding,
+    pub encoding: Curve,
     /// Texture coordinates are scaled, then turned, then moved: `scale_U`, `scale_V`.
     pub scale: [f32; 2],
     /// `turn_deg`, counter-clockwise, degrees.

@@ -6,7 +6,8 @@ use super::texture::{Channel, ImageUse};
 use crate::attributes::schema::{Attribute, choice, number, word};
 use crate::attributes::{Bound, Fields, Value};
 use crate::format::syntax::Word;
-use crate::settings::Encoding;
+use crate::settings::Curve;
+use crate::texture::Texture;
 
 /// What stands in the block of an image for numbers and colours.
 pub(super) const IMAGE: &[Attribute] = &[
@@ -72,14 +73,18 @@ fn image_use<'a>(
     purpose: Purpose,
 ) -> Option<ImageUse> {
     let texture = palette.texture(name)?;
+    let image = palette.image(texture);
+    let has_alpha = image.is_some_and(Texture::has_alpha);
     let channel = channel.unwrap_or(match purpose {
         Purpose::Color | Purpose::Normals => Channel::Color,
+        Purpose::Alpha if has_alpha => Channel::Alpha,
         Purpose::Number | Purpose::Alpha => Channel::Luminance,
     });
-    let encoding = match purpose {
-        Purpose::Color => Encoding::Srgb,
-        Purpose::Number | Purpose::Alpha | Purpose::Normals => Encoding::Raw,
-    };
+    // An image that can't be loaded was reported.
+    let encoding = image.map_or(Curve::Raw, |image| match purpose {
+        Purpose::Color => image.color_curve(),
+        Purpose::Number | Purpose::Alpha | Purpose::Normals => image.data_curve(),
+    });
     let (scale, offset, turn_deg) = ([1.0; 2], [0.0; 2], 0.0);
     Some(ImageUse { texture, channel, encoding, scale, turn_deg, offset })
 }

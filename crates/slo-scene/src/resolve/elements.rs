@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use super::camera::CAMERA;
 use super::key_frames::ADD_KFRAME;
 use super::settings::SETTINGS;
+use super::texture::TEXTURE;
 use crate::attributes::schema::{Attribute, Schema, block, number, word};
 use crate::attributes::{Language, Referred};
 use crate::kinds::Kind;
@@ -60,9 +61,6 @@ pub(super) struct Known {
 
 /// `Scaling`, which holds a number.
 const SCALING: Schema = Schema::new("Scaling", &[]);
-
-/// `texture`
-const TEXTURE: Schema = Schema::new("texture", &[word("filename", "PATH").required()]);
 
 /// What all lights take.
 const LIGHT: &[Attribute] = &[

@@ -9,5 +9,6 @@ mod overlaps;
 mod resolver;
 mod settings;
 mod tangents;
+mod texture;
 
 pub(crate) use resolver::resolve;

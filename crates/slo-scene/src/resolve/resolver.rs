@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
+use super::texture::{Image, texture, warn_of_alpha};
 use super::{camera, key_frames, oddities, overlaps, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
@@ -81,8 +82,10 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let camera = self.camera();
         let lights = self.lights();
         let phong_infos = self.phong_infos();
-        let textures = self.textures();
+        let images = self.textures();
+        let textures: Vec<_> = images.iter().map(|image| image.texture.clone()).collect();
         let materials = self.materials(&phong_infos, &textures);
+        warn_of_alpha(&images, &materials, self.diagnostics);
         let objects = self.objects(camera.as_ref(), &wholes(&materials));
         let scene = SceneDescription {
             settings,
@@ -157,13 +160,13 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         elements.into_iter().map(|(_, e)| phong_info(&mut self.fields(e))).collect()
     }
 
-    fn textures(&mut self) -> Vec<Option<Arc<Texture>>> {
-        let mut textures = Vec::new();
-        for (_, element) in self.scene.of(|role| matches!(role, Role::Texture).then_some(())) {
-            let path = self.fields(element).word("filename");
-            textures.push(path.and_then(|path| self.assets.texture(path, self.diagnostics)));
-        }
-        textures
+    fn textures(&mut self) -> Vec<Image<'a>> {
+        let elements = self.scene.of(|role| matches!(role, Role::Texture).then_some(()));
+        let image = |(_, element)| {
+            let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+            texture(&mut fields, &mut self.assets)
+        };
+        elements.into_iter().map(image).collect()
     }
 
     fn materials(

@@ -189,6 +189,14 @@ pub(super) const fn choice<S, C: Choice>(name: &'static str, effect: Effect) -> 
     Row::new(name, Form::Word(C::WORDS), effect)
 }
 
+/// One of the words of a type; without one, other settings decide.
+pub(super) const fn optional_choice<S, C: Choice>(
+    name: &'static str,
+    effect: Effect,
+) -> Row<S, Option<C>> {
+    Row::new(name, Form::Word(C::WORDS), effect)
+}
+
 /// A word of the user's own; `what` is how messages call it.
 pub(super) const fn text<S, T: Of<String>>(
     name: &'static str,

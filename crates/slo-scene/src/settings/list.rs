@@ -2,7 +2,9 @@
 
 use super::entry::{Effect, choice, color, count, double, entries, flag, single, whole};
 use super::value::Bound;
-use super::words::{Accelerator, Contrast, Generator, Integrator, LightSampling, ShadowMode};
+use super::words::{
+    Accelerator, Contrast, Encoding, Generator, Integrator, LightSampling, ShadowMode,
+};
 
 /// Most camera samples of a pixel, `imageSamples` times `dofSamples`: the film can add up so many.
 pub const MOST_CAMERA_SAMPLES: u32 = (1 << 22) - 1;
@@ -94,6 +96,14 @@ impl Settings {
         self.image_min_samples = least.min(samples);
         self.image_samples = samples;
         self.dof_samples = 1;
+    }
+
+    /// The transfer curve of films that name none.
+    pub(super) fn encoding(&self) -> Encoding {
+        match self.integrator {
+            Integrator::Distributed => Encoding::Raw,
+            Integrator::Path => Encoding::Srgb,
+        }
     }
 
     /// Whether settings that depend on each other go together.

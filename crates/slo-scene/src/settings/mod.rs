@@ -15,12 +15,13 @@ mod words;
 
 pub use choice::Choice;
 pub use entry::{Effect, Entries, Entry, invalid, recorded, restore};
-pub use film::{Film, MOST_PIXELS};
+pub use film::{Film, Look, MOST_PIXELS};
 pub use format::{FileValues, OutputFormat};
 pub use list::{MOST_CAMERA_SAMPLES, Settings};
 pub use value::{Bound, Form, Value};
 pub use words::{
-    Accelerator, Contrast, Encoding, Generator, Integrator, Layer, LightSampling, ShadowMode,
+    Accelerator, Contrast, Curve, Encoding, Filter, Generator, Integrator, Layer, LightSampling,
+    ShadowMode, ToneMap, Wrap,
 };
 
 #[cfg(test)]
@@ -44,6 +45,18 @@ mod tests {
     fn settings_have_names_of_their_own_and_take_their_defaults() {
         check::<Settings>();
         check::<Film>();
+    }
+
+    #[test]
+    fn paths_are_shown_on_a_screen() {
+        let mut film = Film::default();
+        let encoding = |film: &Film, integrator| {
+            film.look(&Settings { integrator, ..Settings::default() }).encoding
+        };
+        assert_eq!(encoding(&film, Integrator::Distributed), Encoding::Raw);
+        assert_eq!(encoding(&film, Integrator::Path), Encoding::Srgb);
+        film.encoding = Some(Encoding::Raw);
+        assert_eq!(encoding(&film, Integrator::Path), Encoding::Raw);
     }
 
     #[test]

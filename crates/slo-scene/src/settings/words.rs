@@ -72,11 +72,25 @@ choices! {
 
 choices! {
     /// How radiance becomes an encoded value of a file, such as a PNG's.
+    #[derive(Default)]
     pub enum Encoding {
         /// Clamped and scaled, as in the thesis.
+        #[default]
         Raw = "RAW",
         /// Linear light to sRGB.
         Srgb = "SRGB",
+    }
+}
+
+choices! {
+    /// What compresses radiance of any size into the range of a screen, before the encoding.
+    #[derive(Default)]
+    pub enum ToneMap {
+        /// Nothing: what is brighter than white is clamped.
+        #[default]
+        None = "NONE",
+        /// AgX in its base look, as in Blender: what is bright loses contrast first, then colour.
+        Agx = "AGX",
     }
 }
 
@@ -91,5 +105,37 @@ choices! {
         /// Shading normals of surfaces, on the visible side: x, y, z in the scene's axes, of length 1
         /// where there is one surface, and 0 where there is none.
         Normal = "normal",
+    }
+}
+
+choices! {
+    /// How values of an image encode light.
+    pub enum Curve {
+        /// They are linear.
+        Raw = "RAW",
+        /// They follow the curve of sRGB.
+        Srgb = "SRGB",
+    }
+}
+
+choices! {
+    /// How an image continues outside of the unit square.
+    pub enum Wrap {
+        /// It repeats.
+        Repeat = "REPEAT",
+        /// Its edge continues.
+        Clamp = "CLAMP",
+        /// It repeats, each time mirrored.
+        Mirror = "MIRROR",
+    }
+}
+
+choices! {
+    /// How values between the texels of an image come about.
+    pub enum Filter {
+        /// From the four nearest texels.
+        Linear = "LINEAR",
+        /// From the nearest texel.
+        Nearest = "NEAREST",
     }
 }

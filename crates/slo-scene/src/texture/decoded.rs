@@ -1,6 +1,7 @@
 //! What decoders of all formats have in common.
 
-use super::image::{Channels, Texture};
+use super::image::{Alpha, Texture};
+use super::texels::{Layout, Samples};
 use crate::format::FileError;
 
 /// Texels that an image may have: 16384 x 16384, which takes 0.8 GB at 8 bits a channel.
@@ -15,8 +16,8 @@ pub struct LoadedTexture {
     pub warnings: Vec<String>,
 }
 
-/// The warning about a transparent image.
-pub(super) const NEVER_SHOWN: &str =
+/// The warning about a transparent image whose alpha no use shows.
+pub(crate) const NEVER_SHOWN: &str =
     "it has transparent pixels, but alpha is not used: they show their colour";
 
 /// Refuses images that would take more memory than a texture is worth.
@@ -40,13 +41,12 @@ pub(super) fn damaged(format: &str, reason: &str) -> FileError {
 pub(super) fn texture(
     width: u32,
     height: u32,
-    channels: Channels,
+    layout: Layout,
+    samples: Samples,
+    alpha: Alpha,
     warnings: Vec<String>,
 ) -> Result<LoadedTexture, FileError> {
-    let texture = match channels {
-        Channels::Bits8(channels) => Texture::from_rgb8(width, height, channels),
-        Channels::Bits16(channels) => Texture::from_rgb16(width, height, channels),
-    };
+    let texture = Texture::new(width, height, layout, samples, alpha);
     let texture = texture.ok_or_else(|| FileError::whole_file("the image has no pixels"))?;
     Ok(LoadedTexture { texture, warnings })
 }

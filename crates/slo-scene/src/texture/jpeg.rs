@@ -7,7 +7,8 @@ mod tests;
 use jpeg_decoder::{Decoder, Error, PixelFormat};
 
 use super::decoded::{LoadedTexture, check_size, damaged, texture};
-use super::image::Channels;
+use super::image::Alpha;
+use super::texels::{Layout, Samples};
 use crate::format::FileError;
 use structure::{Structure, unsupported};
 
@@ -23,10 +24,10 @@ pub(super) fn load(bytes: &[u8]) -> Result<LoadedTexture, FileError> {
     let mut decoder = Decoder::new(&structure.stream[..]);
     let pixels = decoder.decode().map_err(|error| failed(&error))?;
     let info = decoder.info().ok_or_else(|| damaged("JPEG", "it has no pixels"))?;
-    let rgb = match info.pixel_format {
-        PixelFormat::RGB24 => pixels,
-        PixelFormat::L8 => pixels.into_iter().flat_map(|grey| [grey; 3]).collect(),
-        PixelFormat::CMYK32 => pixels.chunks_exact(4).flat_map(from_cmyk).collect(),
+    let (layout, samples) = match info.pixel_format {
+        PixelFormat::RGB24 => (Layout::Rgb, pixels),
+        PixelFormat::L8 => (Layout::Grey, pixels),
+        PixelFormat::CMYK32 => (Layout::Rgb, pixels.chunks_exact(4).flat_map(from_cmyk).collect()),
         PixelFormat::L16 => return Err(unsupported("16 bits a channel are not read")),
     };
     let mut warnings = Vec::new();
@@ -39,7 +40,8 @@ pub(super) fn load(bytes: &[u8]) -> Result<LoadedTexture, FileError> {
                 .to_owned(),
         );
     }
-    texture(u32::from(info.width), u32::from(info.height), Channels::Bits8(rgb), warnings)
+    let [width, height] = [info.width, info.height].map(u32::from);
+    texture(width, height, layout, Samples::Bits8(samples), Alpha::None, warnings)
 }
 
 /// Red, green and blue of cyan, magenta, yellow and black ink.

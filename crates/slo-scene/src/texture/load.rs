@@ -56,7 +56,6 @@ fn other_kind(path_name: &str, bytes: &[u8]) -> FileError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texture::decoded::NEVER_SHOWN;
     use crate::texture::png::png_reason;
 
     /// Of a JPEG file everything up to its first scan, or less.
@@ -122,28 +121,35 @@ mod tests {
     }
 
     #[test]
-    fn only_pixels_that_are_transparent_are_warned_of() {
+    fn alpha_is_kept_where_a_pixel_is_transparent() {
         use ::png::BitDepth::{Eight, Sixteen};
-        use ::png::ColorType::{GrayscaleAlpha, Indexed, Rgb, Rgba};
-        let mut cases = Vec::new();
+        use ::png::ColorType::{Grayscale, GrayscaleAlpha, Indexed, Rgb, Rgba};
+        // Has alpha, is transparent, alpha of the third pixel, bytes.
+        let load = |color, depth, data: &[u8]| {
+            let loaded = load("a.png", &mut &png_of(color, depth, data)[..]).unwrap();
+            assert_eq!(loaded.warnings, Vec::<String>::new());
+            let texture = loaded.texture;
+            let alpha = (texture.texel_rgba(2, 0)[3] * 255.0).round() as u8;
+            (texture.has_alpha(), texture.is_transparent(), alpha, texture.bytes())
+        };
         for (color, channels) in [(GrayscaleAlpha, 2), (Rgba, 4)] {
-            let opaque = vec![255; 16 * channels];
-            let mut clear = opaque.clone();
-            clear[5 * channels - 1] = 254;
-            cases.extend([(color, Eight, opaque, false), (color, Eight, clear, true)]);
-            let opaque = vec![255; 32 * channels];
-            let mut clear = opaque.clone();
-            clear[10 * channels - 1] = 254;
-            cases.extend([(color, Sixteen, opaque, false), (color, Sixteen, clear, true)]);
+            for (depth, bytes) in [(Eight, 1), (Sixteen, 2)] {
+                let opaque = vec![255; 16 * channels * bytes];
+                let len = 16 * (channels - 1) * bytes;
+                assert_eq!(load(color, depth, &opaque), (true, false, 255, len));
+                let mut clear = opaque.clone();
+                clear[3 * channels * bytes - bytes] = 51;
+                let len = 16 * channels * bytes;
+                assert_eq!(load(color, depth, &clear), (true, true, 51, len));
+            }
         }
-        cases.push((Rgb, Eight, vec![7; 48], false));
-        cases.push((Indexed, Eight, vec![1; 16], false));
-        cases.push((Indexed, Eight, [vec![0; 1], vec![1; 15]].concat(), true));
-        for (color, depth, data, expected) in cases {
-            let loaded = load("a.png", &mut &png_of(color, depth, &data)[..]).unwrap();
-            let expected = if expected { vec![NEVER_SHOWN.to_owned()] } else { Vec::new() };
-            assert_eq!(loaded.warnings, expected, "{color:?} {depth:?}");
-        }
+        assert_eq!(load(Rgb, Eight, &[7; 48]), (false, false, 255, 48));
+        assert_eq!(load(Grayscale, Eight, &[7; 16]), (false, false, 255, 16));
+        assert_eq!(load(Indexed, Eight, &[1; 16]), (true, false, 255, 48));
+        let holed = [vec![1; 2], vec![0; 1], vec![1; 13]].concat();
+        assert_eq!(load(Indexed, Eight, &holed).1, false);
+        let holed = [vec![0; 1], vec![1; 1], vec![0; 1], vec![1; 13]].concat();
+        assert_eq!(load(Indexed, Eight, &holed), (true, true, 0, 64));
     }
 
     #[test]

@@ -5,8 +5,11 @@ mod image;
 mod jpeg;
 mod load;
 mod png;
+mod srgb;
+mod texels;
 
 pub use decoded::LoadedTexture;
+pub(crate) use decoded::NEVER_SHOWN;
 pub use image::Texture;
 pub use load::load;
 pub use png::png_reason;

@@ -4,8 +4,9 @@ use std::io::Cursor;
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Transformations};
 
-use super::decoded::{LoadedTexture, NEVER_SHOWN, check_size, damaged, texture};
-use super::image::Channels;
+use super::decoded::{LoadedTexture, check_size, damaged, texture};
+use super::image::Alpha;
+use super::texels::{Layout, Samples};
 use crate::format::FileError;
 
 /// How many times larger than its data an image can be: what the compression does at best, over
@@ -38,40 +39,48 @@ pub(super) fn load(bytes: &[u8]) -> Result<LoadedTexture, FileError> {
     if let Err(error @ DecodingError::IoError(_)) = reader.finish() {
         return Err(failed(error));
     }
-    let mut warnings = Vec::new();
-    let channels = color.samples();
-    let has_alpha = matches!(color, ColorType::GrayscaleAlpha | ColorType::Rgba);
-    let alpha_bytes = usize::from(depth == BitDepth::Sixteen) + 1;
-    let is_transparent =
-        |pixel: &[u8]| pixel[pixel.len() - alpha_bytes..].iter().any(|byte| *byte != u8::MAX);
-    if has_alpha && pixels.chunks_exact(channels * alpha_bytes).any(is_transparent) {
-        warnings.push(NEVER_SHOWN.to_owned());
-    }
-    let rgb = match depth {
+    let layout = match color {
+        ColorType::Grayscale => Layout::Grey,
+        ColorType::GrayscaleAlpha => Layout::GreyAlpha,
+        ColorType::Rgb | ColorType::Indexed => Layout::Rgb,
+        ColorType::Rgba => Layout::Rgba,
+    };
+    let (layout, samples, alpha) = match depth {
         BitDepth::Sixteen => {
             let values = pixels.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]]));
-            Channels::Bits16(to_rgb(values.collect(), channels))
+            let (layout, values, alpha) = without_opaque_alpha(layout, values.collect(), u16::MAX);
+            (layout, Samples::Bits16(values), alpha)
         }
-        _ => Channels::Bits8(to_rgb(pixels, channels)),
+        _ => {
+            let (layout, values, alpha) = without_opaque_alpha(layout, pixels, u8::MAX);
+            (layout, Samples::Bits8(values), alpha)
+        }
     };
-    texture(width, height, rgb, warnings)
+    texture(width, height, layout, samples, alpha, Vec::new())
 }
 
-/// Red, green and blue of pixels that have 1 to 4 channels: grey, and alpha, which is dropped.
-fn to_rgb<C: Copy>(mut values: Vec<C>, channels: usize) -> Vec<C> {
-    match channels {
-        1 | 2 => values.chunks_exact(channels).flat_map(|pixel| [pixel[0]; 3]).collect(),
-        4 => {
-            let pixels = values.len() / 4;
-            for pixel in 0..pixels {
-                values.copy_within(4 * pixel..4 * pixel + 3, 3 * pixel);
-            }
-            values.truncate(3 * pixels);
-            values.shrink_to_fit();
-            values
-        }
-        _ => values,
+/// Drops alpha if it is `opaque` everywhere.
+fn without_opaque_alpha<C: Copy + PartialEq>(
+    layout: Layout,
+    mut values: Vec<C>,
+    opaque: C,
+) -> (Layout, Vec<C>, Alpha) {
+    let channels = layout.channels();
+    let without = match layout {
+        Layout::Grey | Layout::Rgb => return (layout, values, Alpha::None),
+        Layout::GreyAlpha => Layout::Grey,
+        Layout::Rgba => Layout::Rgb,
+    };
+    if values.chunks_exact(channels).any(|pixel| pixel[channels - 1] != opaque) {
+        return (layout, values, Alpha::Straight);
     }
+    let (pixels, kept) = (values.len() / channels, without.channels());
+    for pixel in 0..pixels {
+        values.copy_within(channels * pixel..channels * pixel + kept, kept * pixel);
+    }
+    values.truncate(kept * pixels);
+    values.shrink_to_fit();
+    (without, values, Alpha::Opaque)
 }
 
 /// What the decoder says, without what follows.

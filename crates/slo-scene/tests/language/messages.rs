@@ -10,7 +10,7 @@ fn fixtures() -> PathBuf {
 }
 
 /// Loads a file of `tests/scenes`, from where no path may lead out.
-fn load_fixture(name: &str) -> Loaded {
+pub(crate) fn load_fixture(name: &str) -> Loaded {
     let path = fixtures().join(name);
     let text = std::fs::read(&path).expect("the fixture exists");
     let folder = path.parent().expect("it lies in a folder");
@@ -42,17 +42,7 @@ fn everything() {
     insta::assert_snapshot!("everything", format!("{scene:#?}"));
 }
 
-#[test]
-fn materials() {
-    let loaded = load_fixture("materials.txt");
-    assert_eq!(loaded.diagnostics.render(false), "");
-    let mut scene = loaded.scene.expect("there are no errors");
-    assert_eq!(scene.check(), Ok(()));
-    scene.textures.clear();
-    insta::assert_snapshot!("materials", format!("{:#?}", scene.materials));
-}
-
-fn mesh<'s>(scene: &'s SceneDescription, object: &str) -> &'s Arc<Mesh> {
+pub(crate) fn mesh<'s>(scene: &'s SceneDescription, object: &str) -> &'s Arc<Mesh> {
     match &scene.objects.iter().find(|o| o.name == object).expect("it is there").shape {
         Shape::Mesh(surface) => &surface.mesh,
         other => panic!("{other:?} is no mesh"),
@@ -100,32 +90,6 @@ fn a_mesh_without_uvs_under_a_texture_gets_a_warning() {
     assert_eq!(report("textured", &["with.obj", "without.obj"]).matches(warning).count(), 1);
     assert_eq!(report("plain", &["without.obj"]), "");
     assert_eq!(report("textured", &["with.obj"]), "");
-}
-
-#[test]
-fn meshes_whose_normals_an_image_bends_have_tangents() {
-    const FILES: &[(&str, &[u8])] = &[
-        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 0 1\nvt -1 0\nf 1/1 2/2 3/3\n"),
-        ("plank.png", include_bytes!("../scenes/files/plank.png")),
-    ];
-    let text = format!(
-        "{}\ntexture t {{ filename plank.png }}\n\
-         mesh plain {{ filename a.obj material shiny }}\n\
-         mesh bent {{ filename a.obj material mix }}\n\
-         mesh smooth {{ filename a.obj material shiny smooth_normals 1 }}\n\
-         material_mix mix {{ first shiny second bumpy }}\n\
-         material_principled shiny {{ roughness_texture t }}\n\
-         material_principled bumpy {{ normal_texture t }}\n",
-        include_str!("../scenes/minimal.txt")
-    );
-    let loaded = load("scene.txt", &text, &Files::built_in("", FILES));
-    assert_eq!(loaded.diagnostics.render(false), "");
-    let scene = loaded.scene.expect("there are no errors");
-    let [plain, bent, smooth] = ["plain", "bent", "smooth"].map(|name| mesh(&scene, name));
-    assert!(Arc::ptr_eq(plain, bent), "the mesh is there once");
-    assert!(smooth.tangents.is_empty());
-    let tangents = bent.tangents.as_flattened().iter().map(|tangent| tangent.unpacked());
-    assert_eq!(tangents.collect::<Vec<_>>(), [[0.0, -1.0, 0.0, 1.0]; 3]);
 }
 
 #[test]

@@ -17,7 +17,7 @@ use slo_picture::output::{
     Crop, Outcome, Picture, check_writable, layers_of, read_state, read_subject, settings_of,
     with_outcome, with_region,
 };
-use slo_scene::{Encoding, OutputFormat};
+use slo_scene::{Look, OutputFormat};
 
 /// Merges the parts of each frame, and prints the paths of the pictures.
 pub(crate) fn run(args: &MergeArgs, terminal: Terminal) -> Result<(), Problem> {
@@ -122,14 +122,14 @@ struct Whole<'a> {
     crop: Option<Crop>,
     region: Area,
     format: OutputFormat,
-    encoding: Encoding,
+    look: Look,
     layers: Vec<Layer>,
 }
 
 impl<'a> Whole<'a> {
     fn of(parts: &'a [Part], outdir: &Path) -> Result<Self, Problem> {
         let (first, whole) = (&parts[0], whole(&parts[0])?);
-        let (Some((format, encoding)), Some(layers)) =
+        let (Some((format, look)), Some(layers)) =
             (settings_of(&first.recipe), layers_of(&first.recipe))
         else {
             return Err(no_recipe(first));
@@ -141,19 +141,19 @@ impl<'a> Whole<'a> {
         let stem = first.stem();
         let stem = if crop.is_some() { &stem } else { without_region(&stem) };
         let path = outdir.join(format!("{stem}.{}", format.extension()));
-        Ok(Self { parts, path, crop, region, format, encoding, layers })
+        Ok(Self { parts, path, crop, region, format, look, layers })
     }
 
     fn save(&self) -> Result<(), Problem> {
-        let Self { region, format, encoding, crop, .. } = *self;
+        let Self { region, format, look, crop, .. } = *self;
         let film = film(self.parts, region)?;
         let recipe = self.parts[0].subject.recipe.clone();
         let recipe = crop.map_or(recipe.clone(), |_| with_region(recipe, region));
-        let outcome = Outcome::of(&film, region, Display::of(format, encoding), Isa::best());
+        let outcome = Outcome::of(&film, region, Display::of(format, look), Isa::best());
         let recipe = with_outcome(&recipe, &outcome);
         let image = film.image();
         let layers = film.layers_of(region, &self.layers);
-        let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };
+        let picture = Picture { image: &image, format, look, recipe: &recipe, crop };
         picture.save_with(&self.path, &layers).map_err(|error| {
             let path = self.path.display();
             Problem::new(Exit::CantWrite, format!("can't write `{path}`: {error}"))

@@ -160,10 +160,10 @@ impl<'a> Target<'a> {
         }
         let image = View::new(film, self.region);
         let settings = &self.scene.camera.film;
-        let (format, encoding) = (settings.output, settings.encoding);
+        let (format, look) = (settings.output, settings.look(&self.scene.settings));
         let recipe = with_outcome(&self.recipe(frame, steps.or(self.job.steps)), &outcome);
         let crop = Crop::of(self.region, self.whole);
-        let picture = Picture { image: &image, format, encoding, recipe: &recipe, crop };
+        let picture = Picture { image: &image, format, look, recipe: &recipe, crop };
         let layers: Vec<_> =
             settings.layers.iter().map(|&layer| (layer, image.layer(layer))).collect();
         picture

@@ -81,7 +81,7 @@ fn members(recipe: &str) -> impl Iterator<Item = &str> {
 
 #[cfg(test)]
 mod tests {
-    use slo_scene::{Encoding, OutputFormat};
+    use slo_scene::{Look, OutputFormat};
 
     use super::*;
     use crate::output::format::Picture;
@@ -102,8 +102,8 @@ mod tests {
         let path = folder.path().join("picture");
         for format in OutputFormat::ALL {
             let image = sample_image();
-            let encoding = Encoding::Raw;
-            let picture = Picture { image: &image, format, encoding, recipe: RECIPE, crop: None };
+            let look = Look::default();
+            let picture = Picture { image: &image, format, look, recipe: RECIPE, crop: None };
             picture.save(&path).unwrap();
             assert_eq!(find_picture(&path, RECIPE), Found::Finished, "{format:?}");
             let other = RECIPE.replace("1", "2");

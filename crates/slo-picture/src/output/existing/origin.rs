@@ -104,7 +104,7 @@ fn holds(bytes: &[u8], what: &[u8]) -> bool {
 mod tests {
     use std::fs;
 
-    use slo_scene::{Encoding, OutputFormat};
+    use slo_scene::{Encoding, Look, OutputFormat};
 
     use super::*;
     use crate::film::{Area, Film, State, Subject};
@@ -115,9 +115,9 @@ mod tests {
     const RECIPE: &str = "{\n  \"program\": \"slo-rt\",\n  \"version\": \"0.1.0\",\n  \"sceneBlake3\": \"00\",\n  \"generatorType\": \"QUASI\"\n}";
 
     fn picture(format: OutputFormat) -> Vec<u8> {
-        let (image, encoding) = (&sample_image(), Encoding::Srgb);
+        let (image, look) = (&sample_image(), Look::of(Encoding::Srgb));
         let mut out = io::Cursor::new(Vec::new());
-        Picture { image, format, encoding, recipe: RECIPE, crop: None }.write(&mut out).unwrap();
+        Picture { image, format, look, recipe: RECIPE, crop: None }.write(&mut out).unwrap();
         out.into_inner()
     }
 

@@ -1,6 +1,6 @@
 //! A picture that is to become a file.
 
-use slo_scene::{Encoding, OutputFormat};
+use slo_scene::{Look, OutputFormat};
 
 use crate::film::{Area, Pixels};
 
@@ -11,8 +11,8 @@ pub struct Picture<'a> {
     pub image: &'a dyn Pixels,
     /// File format.
     pub format: OutputFormat,
-    /// Transfer curve of encoded values; formats with linear values ignore it.
-    pub encoding: Encoding,
+    /// How radiance becomes encoded values; formats with linear values ignore it.
+    pub look: Look,
     /// The recipe as JSON, ASCII only; see [`Recipe::to_json`](crate::output::Recipe::to_json).
     pub recipe: &'a str,
     /// Where it lies in a larger picture, for formats that hold that; `None`: it is all of it.

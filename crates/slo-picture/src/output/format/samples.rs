@@ -2,7 +2,7 @@
 
 use std::io;
 
-use slo_scene::{Encoding, OutputFormat};
+use slo_scene::{Encoding, Look, OutputFormat};
 
 use super::Picture;
 use crate::film::Image;
@@ -16,7 +16,8 @@ pub(in crate::output) fn sample_image() -> Image {
 }
 
 pub(in crate::output) fn bytes(format: OutputFormat, encoding: Encoding, image: &Image) -> Vec<u8> {
-    let picture = Picture { image, format, encoding, recipe: "{\n  \"frame\": 5\n}", crop: None };
+    let look = Look::of(encoding);
+    let picture = Picture { image, format, look, recipe: "{\n  \"frame\": 5\n}", crop: None };
     let mut out = io::Cursor::new(Vec::new());
     picture.write(&mut out).unwrap();
     out.into_inner()

@@ -2,7 +2,7 @@
 
 use std::io::{self, Cursor, Read, Seek, Write};
 
-use slo_scene::{Encoding, Layer, OutputFormat};
+use slo_scene::{Encoding, Layer, Look, OutputFormat, ToneMap};
 
 use super::samples::{bytes, sample_image};
 use super::*;
@@ -17,6 +17,27 @@ fn the_same_picture_gives_the_same_bytes() {
         let once = bytes(format, Encoding::Srgb, &image);
         assert_eq!(once, bytes(format, Encoding::Srgb, &image.clone()), "{format:?}");
     }
+}
+
+#[test]
+fn the_look_is_in_encoded_values_only() {
+    let image = Image { width: 2, height: 1, rgb: vec![[0.0, 0.25, 2.0], [f32::NAN, 1e30, 9.0]] };
+    let read = |format, exposure, tone_map| {
+        let look = Look { exposure, tone_map, encoding: Encoding::Raw };
+        let mut out = Cursor::new(Vec::new());
+        let picture = Picture { image: &image, format, look, recipe: "{}", crop: None };
+        picture.write(&mut out).unwrap();
+        Raster::from_bytes(out.into_inner()).unwrap().image.rgb
+    };
+    for tone_map in ToneMap::ALL {
+        let exr = read(OutputFormat::Exr, -3.0, tone_map);
+        assert_eq!(exr, [[0.0, 0.25, 2.0], [0.0, 1e30, 9.0]]);
+    }
+    assert_eq!(read(OutputFormat::Png16, -3.0, ToneMap::None)[0][2], 16384.0 / 65535.0);
+    assert_eq!(read(OutputFormat::Png8, 1.0, ToneMap::None)[0], [0.0, 128.0 / 255.0, 1.0]);
+    assert_eq!(read(OutputFormat::Png8, 32.0, ToneMap::None)[1], [0.0, 1.0, 1.0]);
+    let [_, green, blue] = read(OutputFormat::Png8, 0.0, ToneMap::Agx)[0];
+    assert!(green > 0.15 && blue < 0.9, "bright light stays below white: {green} {blue}");
 }
 
 /// A disk that is full after so many bytes.
@@ -63,8 +84,8 @@ fn what_the_system_says_comes_through_every_encoder() {
     let image = Image { width: 90, height: 80, rgb: (0..90 * 80).map(noisy).collect() };
     for format in FORMATS {
         let whole = bytes(format, Encoding::Raw, &image).len();
-        let encoding = Encoding::Raw;
-        let picture = Picture { image: &image, format, encoding, recipe: "{}", crop: None };
+        let look = Look::default();
+        let picture = Picture { image: &image, format, look, recipe: "{}", crop: None };
         for size in [0, 1, 100, 1000, whole / 3, whole / 2, whole - 60] {
             for error in ERRORS {
                 let mut disk = SmallDisk { file: io::Cursor::default(), size, error };
@@ -81,7 +102,7 @@ fn values_that_are_not_finite_are_counted() {
     let picture = Picture {
         image: &image,
         format: OutputFormat::Png8,
-        encoding: Encoding::Raw,
+        look: Look::default(),
         recipe: "",
         crop: None,
     };
@@ -92,8 +113,8 @@ fn values_that_are_not_finite_are_counted() {
 fn a_picture_without_pixels_is_an_error() {
     let image = Image { width: 0, height: 4, rgb: Vec::new() };
     for format in [OutputFormat::Png8, OutputFormat::Exr] {
-        let encoding = Encoding::Raw;
-        let picture = Picture { image: &image, format, encoding, recipe: "", crop: None };
+        let look = Look::default();
+        let picture = Picture { image: &image, format, look, recipe: "", crop: None };
         assert!(picture.write(io::Cursor::new(Vec::new())).is_err(), "{format:?}");
     }
 }
@@ -105,8 +126,8 @@ fn it_comes_back_from_every_kind_of_file() {
     for format in FORMATS {
         let path = folder.path().join("picture");
         let image = sample_image();
-        let encoding = Encoding::Raw;
-        let picture = Picture { image: &image, format, encoding, recipe, crop: None };
+        let look = Look::default();
+        let picture = Picture { image: &image, format, look, recipe, crop: None };
         picture.save(&path).unwrap();
         assert_eq!(read_recipe(&path).unwrap(), recipe, "{format:?}");
     }
@@ -184,7 +205,7 @@ fn a_region_says_where_it_is() {
     let picture = Picture {
         image: &image,
         format: OutputFormat::Exr,
-        encoding: Encoding::Raw,
+        look: Look::default(),
         recipe: "{}",
         crop: Crop::of(area, whole),
     };
@@ -224,9 +245,9 @@ fn layers_that_were_written_are_read() {
         Image { width: 5, height: 3, rgb }
     };
     let layers = [(Layer::Albedo, layer(0.01)), (Layer::Normal, layer(0.05))];
-    let encoding = Encoding::Raw;
+    let look = Look::default();
     let crop = Crop::of(Area { x0: 7, y0: 2, x1: 12, y1: 5 }, Area::whole(20, 10));
-    let picture = |format| Picture { image: &image, format, encoding, recipe: "{}", crop };
+    let picture = |format| Picture { image: &image, format, look, recipe: "{}", crop };
     let exr = picture(OutputFormat::Exr);
     for layers in [&layers[..], &layers[1..], &[]] {
         exr.save_with(&path, layers).unwrap();

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use slo_scene::{Encoding, OutputFormat};
+use slo_scene::{Encoding, Look, OutputFormat};
 
 use crate::film::Image;
 use crate::output::file::{check_free, check_writable};
@@ -57,7 +57,7 @@ pub(super) fn save(
     crop: Option<Crop>,
 ) -> io::Result<()> {
     check_replaceable(path)?;
-    Picture { image, format, encoding: Encoding::Raw, recipe: NO_RECIPE, crop }.save(path)
+    Picture { image, format, look: Look::of(Encoding::Raw), recipe: NO_RECIPE, crop }.save(path)
 }
 
 /// Writes a contact sheet, as PNG: values from 0 to 1 as the screen shows them.

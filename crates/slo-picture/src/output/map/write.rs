@@ -115,6 +115,8 @@ fn heat(place: f32) -> [f32; 3] {
 
 #[cfg(test)]
 mod tests {
+    use slo_scene::Look;
+
     use super::*;
     use crate::film::Fixed;
     use crate::output::format::Raster;
@@ -130,7 +132,8 @@ mod tests {
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("error.exr");
-        write_error_map(&path, &film, area, area, Display::Unclamped).unwrap();
+        let display = Display::of(OutputFormat::Exr, Look::default());
+        write_error_map(&path, &film, area, area, display).unwrap();
         assert_eq!(Raster::read(&path).unwrap().image.rgb, [1.0, 1.0, 0.0].map(|e| [e; 3]));
     }
 

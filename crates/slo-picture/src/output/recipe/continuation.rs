@@ -139,6 +139,9 @@ mod tests {
         check(&uniform, &recipe(256, 256, ""), true);
         check(&recipe(256, 256, ""), &uniform, false);
         check(&uniform, &recipe(128, 128, "").replace("RAW", "SRGB"), true);
+        let looks = ", \"exposure\": -2.0, \"toneMap\": \"AGX\"";
+        check(&uniform, &recipe(64, 64, looks), true);
+        check(&recipe(64, 64, looks), &uniform, true);
         check(&uniform, &uniform.replace("\"seed\": 1", "\"seed\": 2"), false);
         check(&uniform, &recipe(16, 64, ""), false);
         check(&recipe(16, 64, ""), &recipe(64, 64, ""), false);
@@ -163,6 +166,7 @@ mod tests {
         check(&noise, &recipe(128, 128, ", \"noise\": 0.01"), true);
         check(&noise, &recipe(64, 64, ", \"noise\": 0.03"), false);
         check(&noise, &noise.replace("RAW", "SRGB"), false);
+        check(&noise, &noise.replace("\"RAW\"", "\"RAW\", \"exposure\": 1.0"), false);
         check(&noise, &recipe(64, 64, ""), false);
         check(&recipe(64, 64, ""), &noise, false);
     }

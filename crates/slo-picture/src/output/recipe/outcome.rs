@@ -66,8 +66,14 @@ const RESULT: &str = "  \"result\": ";
 
 #[cfg(test)]
 mod tests {
+    use slo_scene::{Look, OutputFormat};
+
     use super::*;
     use crate::film::Fixed;
+
+    fn raw() -> Display {
+        Display::of(OutputFormat::Png8, Look::default())
+    }
 
     #[test]
     fn the_outcome_is_the_last_member() {
@@ -111,10 +117,10 @@ mod tests {
                 film.at_mut(i).0.add([Fixed::new(value).unwrap(); 3], 1);
             }
         }
-        let outcome = Outcome::of(&film, film.area(), Display::Raw, Isa::Portable);
+        let outcome = Outcome::of(&film, film.area(), raw(), Isa::Portable);
         assert!((outcome.error.unwrap() - 0.1 * 0.5f64.sqrt()).abs() < 1e-6, "{outcome:?}");
         assert_eq!(outcome.samples, 2.0);
         film.at_mut(3).0.samples = 1;
-        assert_eq!(Outcome::of(&film, film.area(), Display::Raw, Isa::Portable).error, None);
+        assert_eq!(Outcome::of(&film, film.area(), raw(), Isa::Portable).error, None);
     }
 }

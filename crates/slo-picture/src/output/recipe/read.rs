@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json};
 use slo_scene::settings::{Effect, Entries, Entry, Form, Value};
-use slo_scene::{Encoding, Layer, OutputFormat};
+use slo_scene::{Film, Layer, Look, OutputFormat, Settings};
 
 use crate::film::Steps;
 
@@ -54,10 +54,12 @@ pub fn steps_of(recipe: &Json) -> Option<Steps> {
     Some(Steps { done: number(0)?, tiles: number(1)? })
 }
 
-/// The file format and the encoding that a recipe asks for; `None` if it names none.
-pub fn settings_of(recipe: &Json) -> Option<(OutputFormat, Encoding)> {
-    let word = |key: &str| recipe[key].as_str();
-    Some((OutputFormat::by_name(word("output")?)?, Encoding::by_name(word("encoding")?)?))
+/// The file format and the look that a recipe asks for; `None` if it names none.
+pub fn settings_of(recipe: &Json) -> Option<(OutputFormat, Look)> {
+    let mut film = Film::default();
+    restore_settings(&mut film, &[Effect::Display], recipe.as_object()?)?;
+    // Recipes name the encoding, so it does not depend on settings.
+    Some((film.output, film.look(&Settings::default())))
 }
 
 /// The layers that a recipe asks for, in its order; `None` if it names an unknown one.

@@ -58,7 +58,7 @@ fn set(scene: &mut SceneDescription, recipe: &Value, members: &Members) -> Optio
 #[cfg(test)]
 mod tests {
     use slo_scene::settings::{Entries, Form, Value as Setting};
-    use slo_scene::{Camera, Film, Settings};
+    use slo_scene::{Camera, Encoding, Film, Settings};
 
     use super::super::write::Recipe;
     use super::*;
@@ -66,6 +66,8 @@ mod tests {
     fn scene() -> SceneDescription {
         let mut film = Film::default();
         (film.width, film.height) = (8, 8);
+        // Recipes name the encoding.
+        film.encoding = Some(Encoding::Raw);
         SceneDescription {
             settings: Settings::default(),
             camera: Camera { fps: 25.0, film, segments: Vec::new() },

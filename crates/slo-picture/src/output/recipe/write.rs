@@ -28,13 +28,15 @@ impl Recipe<'_> {
         json.text("version", env!("CARGO_PKG_VERSION"));
         json.text("sceneBlake3", scene_hash(self.scene));
         json.number("frame", self.frame);
-        let film = &self.scene.camera.film;
-        json.settings(film);
+        let SceneDescription { camera, settings, .. } = self.scene;
+        let mut film = camera.film.clone();
+        film.encoding = Some(film.look(settings).encoding);
+        json.settings(&film);
         if !film.layers.is_empty() {
             let names: Vec<_> = film.layers.iter().map(|layer| layer.name()).collect();
             json.number("layers", format_args!("{names:?}"));
         }
-        json.settings(&self.scene.settings);
+        json.settings(settings);
         json.finish()
     }
 }
@@ -103,8 +105,8 @@ impl JsonObject {
 #[cfg(test)]
 mod tests {
     use slo_scene::{
-        Accelerator, Camera, Contrast, Encoding, Film, Generator, Layer, LightSampling,
-        OutputFormat, Settings, ShadowMode,
+        Accelerator, Camera, Contrast, Encoding, Film, Generator, Layer, LightSampling, Look,
+        OutputFormat, Settings, ShadowMode, ToneMap,
     };
 
     use super::super::read::{layers_of, settings_of, steps_of};
@@ -113,7 +115,7 @@ mod tests {
     fn scene() -> SceneDescription {
         let mut film = Film::default();
         (film.width, film.height) = (320, 240);
-        (film.output, film.encoding) = (OutputFormat::Png16, Encoding::Srgb);
+        (film.output, film.encoding) = (OutputFormat::Png16, Some(Encoding::Srgb));
         SceneDescription {
             settings: Settings::default(),
             camera: Camera { fps: 25.0, film, segments: Vec::new() },
@@ -142,6 +144,20 @@ mod tests {
         assert_eq!(parsed["imageContrastLimit"], 0.03);
         assert_eq!(parsed["background"], serde_json::json!([0.0, 0.0, 0.0]));
         assert!(parsed.get("noise").is_none());
+    }
+
+    #[test]
+    fn the_look_stands_in_it_where_older_pictures_had_the_encoding() {
+        let mut scene = scene();
+        scene.camera.film.encoding = None;
+        assert!(json(&scene).contains("\n  \"encoding\": \"RAW\",\n  \"seed\""));
+        (scene.camera.film.exposure, scene.camera.film.tone_map) = (1.5, ToneMap::Agx);
+        let json = json(&scene);
+        let members = "\"RAW\",\n  \"exposure\": 1.5,\n  \"toneMap\": \"AGX\",\n  \"seed\"";
+        assert!(json.contains(members), "{json}");
+        let look = scene.camera.film.look(&scene.settings);
+        let parsed = serde_json::from_str(&json).unwrap();
+        assert_eq!(settings_of(&parsed), Some((OutputFormat::Png16, look)));
     }
 
     #[test]
@@ -196,7 +212,9 @@ mod tests {
         check(|s| s.camera.film.width = 1);
         check(|s| s.camera.film.height = 1);
         check(|s| s.camera.film.output = OutputFormat::Exr);
-        check(|s| s.camera.film.encoding = Encoding::Raw);
+        check(|s| s.camera.film.encoding = Some(Encoding::Raw));
+        check(|s| s.camera.film.exposure = -0.5);
+        check(|s| s.camera.film.tone_map = ToneMap::Agx);
         check(|s| s.camera.film.layers = vec![Layer::Normal]);
     }
 
@@ -206,7 +224,7 @@ mod tests {
         let region = with_region(json(&scene()), area);
         let parsed: serde_json::Value = serde_json::from_str(&region).unwrap();
         assert_eq!(parsed["region"], serde_json::json!([3, 4, 10, 20]));
-        assert_eq!(settings_of(&parsed), Some((OutputFormat::Png16, Encoding::Srgb)));
+        assert_eq!(settings_of(&parsed), Some((OutputFormat::Png16, Look::of(Encoding::Srgb))));
         assert_eq!(settings_of(&serde_json::Value::Null), None);
         let steps = Steps { done: 7, tiles: 3 };
         let parsed: serde_json::Value =

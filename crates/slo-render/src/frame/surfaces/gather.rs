@@ -249,7 +249,7 @@ impl FrameScene {
         }
     }
 
-    fn object_of(&self, primitive: u32, instance: u32) -> u32 {
+    pub(in crate::frame) fn object_of(&self, primitive: u32, instance: u32) -> u32 {
         if instance == STILL {
             self.still_objects[primitive as usize]
         } else {

@@ -23,9 +23,9 @@ use crate::shading::{Lamp, WithLamp, WithLamps, lobe};
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrator) struct Question {
     /// Index of the light. `None`: each point chooses one at random.
-    light: Option<u32>,
+    pub(super) light: Option<u32>,
     /// Number of the ray, and the number of rays.
-    place: [u32; 2],
+    pub(super) place: [u32; 2],
 }
 
 /// Returns the rays of all points to lights, by the settings.

@@ -1,13 +1,19 @@
 //! The stages of integrators. Each turns columns into columns, and has working memory of its own
 //! that other stages may only read.
 
+pub(super) mod arrived;
+pub(super) mod bsdfs;
 pub(super) mod camera_rays;
+pub(super) mod continuation;
 pub(super) mod direct_light;
 pub(super) mod ended;
+pub(super) mod emission;
 pub(super) mod features;
 pub(super) mod hits;
+pub(super) mod lamp_light;
 mod light_choice;
 pub(super) mod lobes;
+pub(super) mod passing;
 pub(super) mod points;
 pub(super) mod scattering;
 pub(super) mod visibility;

@@ -11,6 +11,8 @@ use crate::integrator::chosen::Chosen;
 use crate::sampling::batch::SetNames;
 use crate::sampling::{PixelSeed, Purpose};
 use crate::shading::MaterialTable;
+use crate::shading::bsdf::At;
+use crate::shading::light::receiver;
 
 /// Shaded hits in columns: `surfaces.len` of them.
 #[derive(Debug)]
@@ -32,6 +34,10 @@ pub(in crate::integrator) struct Points {
     pub(super) shininess: Column<f32>,
     /// Whether any point has a highlight.
     pub(super) shines: bool,
+    /// Packed normals; see [`receiver`].
+    pub(super) receiver: Column<u32>,
+    /// 1 for points that the ray passes through, whose weight is 0; otherwise 0.
+    pub(super) passes: Column<u32>,
     scratch: SurfaceScratch,
 }
 
@@ -48,6 +54,8 @@ impl Default for Points {
             specular: Vec3s::default(),
             shininess: [0.0; BATCH],
             shines: false,
+            receiver: [receiver::ANY; BATCH],
+            passes: [0; BATCH],
             scratch: SurfaceScratch::default(),
         }
     }
@@ -74,7 +82,18 @@ impl Points {
         let (rays, time) = (&batch.rays, &batch.labels.time);
         frame.find_surfaces(rays, time, &hits.found, &mut self.surfaces, &mut self.scratch);
         self.take(batch, chosen);
-        frame.isa.run(FromTables { table: &frame.material_table, seeds, to: self });
+        frame.isa.run(Seeds { seeds, to: self });
+    }
+
+    /// Packs the normals.
+    pub(in crate::integrator) fn find_receivers(&mut self, frame: &FrameScene) {
+        frame.isa.run(Receivers(self));
+    }
+
+    /// Looks up the numbers of Phong materials.
+    pub(in crate::integrator) fn look_up_phong(&mut self, frame: &FrameScene) {
+        let len = self.len();
+        frame.isa.run(FromTables { table: &frame.material_table, to: self });
         frame.isa.run(Weighted(self));
         let some = |column: &Column<f32>| column[..len].iter().any(|k| *k != 0.0);
         self.shines = frame.material_table.shines && self.specular.columns().into_iter().any(some);
@@ -104,6 +123,13 @@ impl Points {
         ] {
             chosen.copy(from, &mut to[..len]);
         }
+    }
+
+    /// Returns the directions at point `i`.
+    #[inline(always)]
+    pub(super) fn at(&self, i: usize) -> At {
+        let Surfaces { n_shade, n_geo, .. } = &self.surfaces;
+        At { eye: -self.direction.get(i), n: n_shade.get(i), n_geo: n_geo.get(i) }
     }
 
     /// Returns the names of the random numbers of ray `i` of `count` from every point, after
@@ -141,10 +167,41 @@ static NUMBERS: Column<u32> = {
     numbers
 };
 
-/// Fetches the seeds of pixels and the numbers of materials.
+/// Fetches the seeds of pixels.
+struct Seeds<'a> {
+    seeds: &'a [PixelSeed],
+    to: &'a mut Points,
+}
+
+impl Lanewise for Seeds<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { seeds, to } = self;
+        let len = to.surfaces.len;
+        look_up(seeds, &to.labels.slot, len, PixelSeed::word, &mut to.seed);
+    }
+}
+
+/// Packs the normals.
+struct Receivers<'a>(&'a mut Points);
+
+impl Lanewise for Receivers<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let points = self.0;
+        for i in lanes(points.surfaces.len) {
+            points.receiver[i] = receiver::pack(points.surfaces.n_geo.get(i));
+        }
+    }
+}
+
+/// Fetches the numbers of materials.
 struct FromTables<'a> {
     table: &'a MaterialTable,
-    seeds: &'a [PixelSeed],
     to: &'a mut Points,
 }
 
@@ -153,9 +210,8 @@ impl<'a> Lanewise for FromTables<'a> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { table, seeds, to } = self;
+        let Self { table, to } = self;
         let len = to.surfaces.len;
-        look_up(seeds, &to.labels.slot, len, PixelSeed::word, &mut to.seed);
         let Points { surfaces, ambient, diffuse, specular, shininess, .. } = to;
         let colors = |[x, y, z]: &'a [Vec<f32>; 3]| [&x[..], &y[..], &z[..]];
         let ([ax, ay, az], [dx, dy, dz]) = (colors(&table.ambient), colors(&table.diffuse));

@@ -45,9 +45,10 @@ macro_rules! lamps {
         impl $Light {
             /// Converts a light of the scene; `origin` is the origin of render space in scene
             /// space.
-            pub fn new(light: &slo_scene::Light, origin: glam::DVec3) -> Self {
+            pub fn new(light: &slo_scene::Light, origin: glam::DVec3) -> Option<Self> {
                 match &light.kind {
-                    $( slo_scene::LightKind::$Kind(light) => Self::$Kind(<$Type>::new(light, origin)), )+
+                    $( slo_scene::LightKind::$Kind(light) => Some(Self::$Kind(<$Type>::new(light, origin))), )+
+                    _ => None,
                 }
             }
 

@@ -8,12 +8,30 @@ pub trait Lamp: Copy {
     /// Whether the light has an area, so that several rays to different points of it reduce noise.
     const IS_AREA: bool;
 
+    /// Whether no ray can hit the light. [`radiance`](Self::radiance) of such a light is the
+    /// irradiance on a surface that faces it.
+    const IS_DELTA: bool;
+
+    /// Whether it is one of the thesis's lights, whose light does not fall off with distance.
+    const IS_OF_THESIS: bool = false;
+
+    /// Whether the light is infinitely far away. Vectors from hits to its points are then unit
+    /// directions, and rays to it have no end.
+    const IS_DISTANT: bool = false;
+
     /// Returns the radiance that reaches a hit from a point of the light if nothing blocks it;
     /// `way` is the vector from the hit to the point.
     fn radiance(&self, way: Vec3) -> Vec3;
 
     /// Samples a point of the light for a hit at `from`, by a point `u` of the unit square.
     fn point(&self, from: Vec3, u: [f32; 2]) -> Vec3;
+
+    /// Returns the vector from a hit at `from` to the point of the light that
+    /// [`point`](Self::point) samples; for a distant light, the unit direction.
+    #[inline(always)]
+    fn way(&self, from: Vec3, u: [f32; 2]) -> Vec3 {
+        self.point(from, u) - from
+    }
 
     /// Returns the `pdf_solid_angle`, as seen from a hit, with which [`point`](Self::point) samples
     /// the point of the light at the end of the vector `way` from the hit; infinite for a light

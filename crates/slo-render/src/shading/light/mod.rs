@@ -2,8 +2,12 @@
 
 mod kinds;
 mod lamp;
+mod lamp_rectangle;
 mod point;
 mod rectangle;
+pub mod receiver;
+mod techniques;
+mod tree;
 
 use std::ops::Deref;
 
@@ -13,8 +17,11 @@ use kinds::lamps;
 
 pub use kinds::{WithLamp, WithLamps};
 pub use lamp::Lamp;
+pub use lamp_rectangle::RectangleLamp;
 pub use point::Point;
 pub use rectangle::Rectangle;
+pub use techniques::Techniques;
+pub use tree::LightTree;
 
 lamps! {
     /// A light.
@@ -23,6 +30,8 @@ lamps! {
         Point(Point) in points,
         /// `light_rectangle`
         Rectangle(Rectangle) in rectangles,
+        /// `lamp_rectangle`
+        RectangleLamp(RectangleLamp) in rectangle_lamps,
     }
 }
 
@@ -35,6 +44,32 @@ impl Deref for Lights {
 }
 
 impl Light {
+    /// See [`Lamp::IS_OF_THESIS`].
+    pub fn is_of_thesis(&self) -> bool {
+        struct IsOfThesis;
+        impl WithLamp for IsOfThesis {
+            type Output = bool;
+
+            fn run<L: Lamp>(self, _: L) -> bool {
+                L::IS_OF_THESIS
+            }
+        }
+        self.with(IsOfThesis)
+    }
+
+    /// See [`Lamp::IS_DISTANT`].
+    pub fn is_distant(&self) -> bool {
+        struct IsDistant;
+        impl WithLamp for IsDistant {
+            type Output = bool;
+
+            fn run<L: Lamp>(self, _: L) -> bool {
+                L::IS_DISTANT
+            }
+        }
+        self.with(IsDistant)
+    }
+
     /// See [`Lamp::IS_AREA`].
     pub fn is_area(&self) -> bool {
         struct IsArea;
@@ -112,7 +147,10 @@ mod tests {
         } else {
             LightKind::Rectangle(RectangleLight { color, rectangle: shape::Rectangle { vertices } })
         };
-        Light::new(&slo_scene::Light { name: "l".into(), kind }, DVec3::ZERO)
+        let (name, key_frames, group) = ("l".into(), Vec::new(), None);
+        let (camera_visible, solid) = (true, true);
+        let light = slo_scene::Light { name, kind, key_frames, camera_visible, solid, group };
+        Light::new(&light, DVec3::ZERO).unwrap()
     }
 
     #[test]

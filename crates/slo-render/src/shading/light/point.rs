@@ -24,6 +24,8 @@ impl Point {
 
 impl Lamp for Point {
     const IS_AREA: bool = false;
+    const IS_DELTA: bool = true;
+    const IS_OF_THESIS: bool = true;
 
     #[inline(always)]
     fn radiance(&self, _way: Vec3) -> Vec3 {

@@ -45,6 +45,8 @@ impl Rectangle {
 
 impl Lamp for Rectangle {
     const IS_AREA: bool = true;
+    const IS_DELTA: bool = false;
+    const IS_OF_THESIS: bool = true;
 
     #[inline(always)]
     fn radiance(&self, _way: Vec3) -> Vec3 {

@@ -1,11 +1,14 @@
-//! The numbers of a material at a hit, whatever its kind.
+//! The numbers of a Phong material at a hit.
 
 use glam::Vec3;
 
-use slo_scene::TextureUse;
+use slo_scene::{MaterialKind, TextureUse};
 
-/// A material prepared for shading: a row of the material table.
-#[derive(Clone, Copy, Debug)]
+use super::phong;
+
+/// A Phong material prepared for shading: a row of the material table. A material of another kind
+/// has a row of zeros.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Material {
     /// k_a, RGB.
     pub ambient: Vec3,
@@ -27,4 +30,14 @@ pub struct Material {
     pub refraction_index: f32,
     /// Image that multiplies `ambient` and `diffuse`.
     pub texture: Option<TextureUse>,
+}
+
+impl Material {
+    /// Prepares a material of a scene for shading.
+    pub fn new(material: &slo_scene::Material) -> Self {
+        match &material.kind {
+            MaterialKind::Phong(phong) => phong::row(phong),
+            MaterialKind::Principled(_) | MaterialKind::Mix(_) => Self::default(),
+        }
+    }
 }

@@ -2,7 +2,11 @@
 
 use glam::Vec3;
 
+use super::kind::Kind;
+use super::principled::{Constants, PrincipledTable};
 use super::row::Material;
+use slo_scene::MaterialKind;
+use slo_scene::material::{Principled, Varying};
 
 /// One number of every material, indexed by the material.
 type Entries = Vec<f32>;
@@ -32,11 +36,32 @@ pub struct MaterialTable {
     pub refraction_lobe: Entries,
     /// Indices of refraction inside the objects.
     pub refraction_index: Entries,
+    /// Kind of each material.
+    pub kinds: Vec<Kind>,
+    /// Physical materials; empty if the scene has none.
+    pub principled: PrincipledTable,
+    /// Whether any material emits light of its own.
+    pub emits: bool,
+    /// Whether any material absorbs light inside of its objects.
+    pub absorbs: bool,
 }
 
 impl MaterialTable {
+    /// Whether any material is physical.
+    pub fn is_physical(&self) -> bool {
+        self.kinds.contains(&Kind::Principled)
+    }
+
     /// Arranges materials in columns.
-    pub fn new(materials: &[Material]) -> Self {
+    pub fn new(scene: &[slo_scene::Material], materials: &[Material]) -> Self {
+        let kinds: Vec<Kind> = scene.iter().map(Kind::of).collect();
+        let black = Principled { base_color: Varying::constant([0.0; 3]), ..Principled::default() };
+        let constants = scene.iter().map(|material| match &material.kind {
+            MaterialKind::Principled(principled) => Constants::new(principled),
+            MaterialKind::Phong(_) | MaterialKind::Mix(_) => Constants::new(&black),
+        });
+        let is_physical = kinds.contains(&Kind::Principled);
+        let constants: Vec<_> = constants.filter(|_| is_physical).collect();
         let all = |of: fn(&Material) -> f32| materials.iter().map(of).collect();
         Self {
             ambient: [all(|m| m.ambient.x), all(|m| m.ambient.y), all(|m| m.ambient.z)],
@@ -50,6 +75,10 @@ impl MaterialTable {
             reflection_lobe: all(|m| m.reflection_lobe),
             refraction_lobe: all(|m| m.refraction_lobe),
             refraction_index: all(|m| m.refraction_index),
+            kinds,
+            emits: constants.iter().any(|m| m.emission != Vec3::ZERO),
+            absorbs: constants.iter().any(|m| m.absorption != Vec3::ZERO),
+            principled: PrincipledTable::new(&constants),
         }
     }
 }

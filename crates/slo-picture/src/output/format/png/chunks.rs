@@ -132,6 +132,8 @@ fn damaged(why: impl std::fmt::Display) -> io::Error {
 
 #[cfg(test)]
 mod tests {
+    use slo_scene::Look;
+
     use super::*;
     use crate::output::format::samples::{bytes, sample_image};
     use crate::output::format::{Encoding, OutputFormat, Picture};
@@ -169,9 +171,15 @@ mod tests {
             for format in [OutputFormat::Png8, OutputFormat::Png16] {
                 for encoding in [Encoding::Raw, Encoding::Srgb] {
                     let mut out = io::Cursor::new(Vec::new());
-                    Picture { image: &image, format, encoding, recipe: "{}", crop: None }
-                        .write(&mut out)
-                        .unwrap();
+                    Picture {
+                        image: &image,
+                        format,
+                        look: Look::of(encoding),
+                        recipe: "{}",
+                        crop: None,
+                    }
+                    .write(&mut out)
+                    .unwrap();
                     assert!(scan(&out.into_inner()[..]).unwrap(), "{width}x{height} {format:?}");
                 }
             }

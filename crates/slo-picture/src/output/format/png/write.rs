@@ -11,7 +11,8 @@ use slo_scene::Encoding;
 
 use super::super::container::KEYWORD;
 use super::super::picture::Picture;
-use super::super::quantise::quantised;
+use super::super::quantise::{finite, quantised};
+use crate::film::Toning;
 
 /// Number of rows that are encoded in parallel before they are written in order.
 const ROWS_AT_A_TIME: u32 = 256;
@@ -67,7 +68,7 @@ fn header<'a, W: Write>(
         Depth::Eight => BitDepth::Eight,
         Depth::Sixteen => BitDepth::Sixteen,
     });
-    if picture.encoding == Encoding::Srgb {
+    if picture.look.encoding == Encoding::Srgb {
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     }
     encoder.add_text_chunk(KEYWORD.to_owned(), picture.recipe.to_owned())?;
@@ -77,9 +78,10 @@ fn header<'a, W: Write>(
 /// The bytes of a row, big-endian as PNG requires.
 fn row_bytes(picture: &Picture, depth: Depth, y: u32) -> Vec<u8> {
     let [width, _] = picture.image.size();
-    let values = (0..width).flat_map(|x| picture.image.at(x, y));
+    let (toning, encoding) = (Toning::of(picture.look), picture.look.encoding);
+    let values = (0..width).flat_map(|x| toning.apply(picture.image.at(x, y).map(finite)));
     let mut bytes = Vec::with_capacity(width as usize * 6);
-    let value = |c: f32, max: u16| quantised(c, picture.encoding, max);
+    let value = |c: f32, max: u16| quantised(c, encoding, max);
     match depth {
         Depth::Eight => bytes.extend(values.map(|c| value(c, 255) as u8)),
         Depth::Sixteen => bytes.extend(values.flat_map(|c| value(c, u16::MAX).to_be_bytes())),

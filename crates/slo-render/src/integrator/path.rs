@@ -1,0 +1,163 @@
+//! Path tracing: all light.
+//!
+//! A hit sends rays to lamps, and one ray that follows one of its lobes. Rays that hit a lamp or the
+//! sky share its light with the rays to lamps by multiple importance sampling. The last hit of a
+//! path sends a ray too, which only collects what glows.
+//!
+//! Scenes of `DISTRIBUTED` with physical lamps or materials are rendered here as well; their diffuse
+//! lobes are not followed.
+
+use slo_picture::film::Features;
+
+use super::batch::Batch;
+use super::branching::{continuations, most_camera_rays};
+use super::machine::{Connection, Integrator, Machine};
+use super::stages::arrived::Arrived;
+use super::stages::bsdfs::Bsdfs;
+use super::stages::camera_rays::CameraRays;
+use super::stages::continuation::Continuation;
+use super::stages::direct_light::questions;
+use super::stages::emission::Emission;
+use super::stages::features::FeatureSums;
+use super::stages::hits::Hits;
+use super::stages::lamp_light::LampLight;
+use super::stages::passing::Passing;
+use super::stages::points::Points;
+use super::stages::visibility::Visibility;
+use super::work::Job;
+use crate::frame::WorldScratch;
+
+/// The stages, in the order in which a batch passes them.
+#[derive(Debug, Default)]
+pub(super) struct Path {
+    camera_rays: Box<CameraRays>,
+    /// The current batch.
+    batch: Box<Batch>,
+    hits: Box<Hits>,
+    arrived: Box<Arrived>,
+    points: Box<Points>,
+    passing: Box<Passing>,
+    emission: Box<Emission>,
+    features: FeatureSums,
+    bsdfs: Box<Bsdfs>,
+    lamp_light: Box<LampLight>,
+    visibility: Box<Visibility>,
+    continuation: Box<Continuation>,
+    /// Working memory of ray queries, used by one stage at a time.
+    scratch: WorldScratch,
+}
+
+impl Path {
+    /// Begins new work. Features are collected for `features` slots.
+    pub(super) fn restart(&mut self, features: usize) {
+        self.camera_rays.restart();
+        self.features.reset(features);
+    }
+
+    /// Returns the surface features of each slot.
+    pub(super) fn features(&self) -> &[Features] {
+        self.features.get()
+    }
+
+    /// Traces the batch, adds the light of its rays, and queues the rays that its hits send out.
+    /// Returns `None` if the work is given up.
+    fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        let frame = job.frame;
+        let Self {
+            batch,
+            hits,
+            arrived,
+            points,
+            emission,
+            features,
+            bsdfs,
+            passing,
+            scratch,
+            ..
+        } = self;
+        hits.trace(frame, batch, machine.habit(depth), scratch);
+        if depth == 0 && frame.has_hidden_lamps() {
+            passing.hidden_lamps(frame, batch, hits);
+            let Passing { sent, labels, past, chosen, .. } = &**passing;
+            machine.extend_path(depth, sent, labels, past, chosen);
+        }
+        arrived.find(frame, batch, hits, depth);
+        machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
+        let is_last = depth > frame.settings.recursion;
+        if is_last && !frame.material_table.emits {
+            return Some(());
+        }
+        points.find(frame, batch, hits, machine.seeds());
+        points.find_receivers(frame);
+        bsdfs.look_up(frame, points);
+        if frame.material_table.absorbs {
+            bsdfs.absorb(batch, points);
+        }
+        if frame.material_table.emits && emission.find(frame, batch, hits, points, bsdfs, depth) {
+            machine.add(frame.isa, &emission.light, &points.labels.slot, points.len());
+        }
+        if is_last {
+            return Some(());
+        }
+        features.add(frame, batch, hits, points);
+        bsdfs.find(frame, points);
+        self.ask_lamps(machine, job, depth)?;
+        self.follow(machine, job, depth)
+    }
+
+    /// Queues the rays from all points to lamps. Returns `None` if the work is given up.
+    fn ask_lamps(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        let kind = Connection::at(depth);
+        for question in questions(job.frame, depth) {
+            let Self { points, bsdfs, lamp_light, .. } = self;
+            lamp_light.ask(job, points, bsdfs, question, depth);
+            machine.connect(kind, &lamp_light.sent, &points.labels, &lamp_light.chosen);
+            machine.relieve(self, job, kind);
+            job.goes_on()?;
+        }
+        Some(())
+    }
+
+    /// Queues the rays that follow lobes of all points. Returns `None` if the work is given up.
+    fn follow(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        let Self { points, bsdfs, continuation, features, .. } = self;
+        let count = continuations(&job.frame.settings, depth);
+        for number in 0..count {
+            let (place, first_behind) = ([number, count], features.first_behind());
+            continuation.send(job.frame, points, bsdfs, place, depth, first_behind);
+            let Continuation { sent, labels, past, chosen, .. } = &**continuation;
+            machine.extend_path(depth + 1, sent, labels, past, chosen);
+            job.goes_on()?;
+        }
+        Some(())
+    }
+}
+
+impl Integrator for Path {
+    fn start_paths(&mut self, machine: &mut Machine, job: &Job<'_>) -> Option<bool> {
+        let most = most_camera_rays(&job.frame.settings);
+        self.camera_rays.fill(job, machine.seeds(), most, &mut self.batch);
+        if self.batch.len() == 0 {
+            return Some(false);
+        }
+        machine.count_camera_rays(&self.batch);
+        self.trace(machine, job, 0)?;
+        Some(true)
+    }
+
+    fn extend_paths(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        machine.take_paths(depth, &mut self.batch);
+        self.trace(machine, job, depth)
+    }
+
+    fn trace_connections(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection) {
+        let Self { visibility, scratch, .. } = self;
+        machine.take_connections(kind, &mut visibility.batch);
+        visibility.trace(job.frame, machine.connection_habit(kind), scratch);
+        if let Some((sent, labels, chosen)) = visibility.beyond() {
+            machine.connect(kind, sent, labels, chosen);
+        }
+        let Batch { weight, labels, .. } = &visibility.batch;
+        machine.add(job.frame.isa, weight, &labels.slot, visibility.batch.len());
+    }
+}

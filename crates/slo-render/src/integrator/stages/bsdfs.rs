@@ -1,0 +1,254 @@
+//! The lobes of a batch of hits.
+
+use glam::Vec3;
+use slo_accel::Lanewise;
+use slo_accel::math::elementary::exp2;
+use slo_accel::math::columns::{BATCH, Column, lanes, look_up, look_up_each};
+use slo_scene::Integrator;
+
+use super::points::Points;
+use crate::integrator::batch::Batch;
+use crate::frame::FrameScene;
+use crate::shading::bsdf::{Bsdf, Lobe, WithLobe, WithLobeMut};
+use crate::shading::material::Kind;
+use crate::shading::material::principled::Parameters;
+use crate::shading::{MaterialTable, lobe};
+
+/// The lobes of a batch of hits, and the numbers that they follow from.
+#[derive(Debug)]
+pub(in crate::integrator) struct Bsdfs {
+    pub(super) bsdf: Bsdf,
+    pub(super) parameters: Box<Parameters>,
+    /// 1 for hits on physical materials, 0 for others.
+    is_principled: Column<u32>,
+    /// Index of refraction on the incident side divided by the index on the other side, of Phong
+    /// materials.
+    eta: Column<f32>,
+    total: Column<f32>,
+}
+
+impl Default for Bsdfs {
+    fn default() -> Self {
+        Self {
+            bsdf: Bsdf::default(),
+            parameters: Box::default(),
+            is_principled: [0; BATCH],
+            eta: [0.0; BATCH],
+            total: [0.0; BATCH],
+        }
+    }
+}
+
+impl Bsdfs {
+    /// Looks up the numbers of the materials of all points.
+    pub(in crate::integrator) fn look_up(&mut self, frame: &FrameScene, points: &Points) {
+        let table = &frame.material_table;
+        let len = points.len();
+        let is_principled = |kind| u32::from(kind == Kind::Principled);
+        look_up(&table.kinds, &points.surfaces.material, len, is_principled, &mut self.is_principled);
+        if table.is_physical() {
+            frame.isa.run(LookUp { table, points, to: &mut self.parameters });
+        }
+    }
+
+    /// Returns the radiance that point `i` emits.
+    pub(super) fn emitted(&self, i: usize) -> Vec3 {
+        if self.is_principled[i] == 1 { self.parameters.emission.get(i) } else { Vec3::ZERO }
+    }
+
+    /// Weakens the light that comes to points from inside of their objects, by Beer's law.
+    pub(in crate::integrator) fn absorb(&self, batch: &Batch, points: &mut Points) {
+        for i in 0..points.len() {
+            let absorption = self.parameters.absorption.get(i);
+            let is_inside = (self.is_principled[i] == 1)
+                & (points.surfaces.from_outside[i] == 0)
+                & (self.parameters.transmission[i] > 0.0);
+            if is_inside && absorption != Vec3::ZERO {
+                let origin = batch.rays.origin(points.surfaces.ray[i] as usize);
+                let way = (points.surfaces.point.get(i) - origin).length() * std::f32::consts::LOG2_E;
+                let left = Vec3::from((absorption * -way).to_array().map(exp2));
+                points.weight.set(i, points.weight.get(i) * left);
+            }
+        }
+    }
+
+    /// Sets up the lobes of all points, and the chance with which a ray follows each.
+    pub(in crate::integrator) fn find(&mut self, frame: &FrameScene, points: &Points) {
+        self.bsdf.clear();
+        frame.isa.run(Phong { table: &frame.material_table, points, to: self });
+        // The chances of all lobes that rays follow sum to 1.
+        self.total = [0.0; BATCH];
+        let diffuse = frame.settings.integrator == Integrator::Path;
+        let Self { bsdf, total, .. } = self;
+        bsdf.for_each(&mut AddUp { frame, len: points.len(), diffuse, total });
+        bsdf.for_each_mut(&mut Divide { frame, len: points.len(), diffuse, total });
+    }
+}
+
+struct LookUp<'a> {
+    table: &'a MaterialTable,
+    points: &'a Points,
+    to: &'a mut Parameters,
+}
+
+impl Lanewise for LookUp<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { table, points, to } = self;
+        table.principled.look_up(&points.surfaces.material, points.surfaces.len, to);
+    }
+}
+
+/// Sets the lobes of Phong materials.
+struct Phong<'a> {
+    table: &'a MaterialTable,
+    points: &'a Points,
+    to: &'a mut Bsdfs,
+}
+
+impl Lanewise for Phong<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        phong(self.table, self.points, self.to);
+    }
+}
+
+#[inline(always)]
+fn phong(table: &MaterialTable, points: &Points, to: &mut Bsdfs) {
+    let surfaces = &points.surfaces;
+    let (len, material) = (surfaces.len, &surfaces.material);
+    let Bsdfs { bsdf, eta, is_principled, parameters, .. } = to;
+    let Bsdf { diffuse, highlight, reflection, refraction, .. } = bsdf;
+    let diffuse = &mut diffuse.0;
+    let [dx, dy, dz] = [&table.diffuse[0][..], &table.diffuse[1], &table.diffuse[2]];
+    let [sx, sy, sz] = [&table.specular[0][..], &table.specular[1], &table.specular[2]];
+    let specular = &mut highlight.share_mut().weight;
+    look_up_each(
+        [dx, dy, dz, sx, sy, sz],
+        material,
+        len,
+        [
+            &mut diffuse.weight.x,
+            &mut diffuse.weight.y,
+            &mut diffuse.weight.z,
+            &mut specular.x,
+            &mut specular.y,
+            &mut specular.z,
+        ],
+    );
+    look_up(&table.shininess, material, len, |x| x, &mut highlight.shininess);
+    look_up(&table.reflectance, material, len, |x| x, &mut reflection.share_mut().chance);
+    look_up(&table.reflection_lobe, material, len, |x| x, &mut reflection.inverse);
+    look_up(&table.refraction, material, len, |x| x, &mut refraction.share_mut().chance);
+    look_up(&table.refraction_lobe, material, len, |x| x, &mut refraction.inverse);
+    look_up(&table.refraction_index, material, len, |x| x, eta);
+    let mut present = [0.0f32; 4];
+    for i in lanes(len) {
+        let albedo = diffuse.weight.get(i) * surfaces.tint.get(i);
+        let base = parameters.base_color.get(i);
+        let albedo = if is_principled[i] == 1 { base } else { albedo };
+        diffuse.weight.set(i, albedo);
+        diffuse.chance[i] = albedo.max_element();
+        let eta = if surfaces.from_outside[i] == 1 { 1.0 / eta[i] } else { eta[i] };
+        let direction = points.direction.get(i);
+        let (n_shade, n_geo) = (surfaces.n_shade.get(i), surfaces.n_geo.get(i));
+        let n = if n_shade.dot(direction) < 0.0 { n_shade } else { n_geo };
+        let (axis, passes) = lobe::refract(direction, n, eta);
+        let passed = refraction.share().chance[i];
+        let (refracted, mirrored) = if passes { (passed, 0.0) } else { (0.0, passed) };
+        let reflected = reflection.share().chance[i] + mirrored;
+        refraction.axis.set(i, axis);
+        refraction.side.set(i, -n_geo);
+        refraction.share_mut().weight.set(i, Vec3::splat(refracted));
+        refraction.share_mut().chance[i] = refracted;
+        reflection.axis.set(i, lobe::reflect(direction, n_shade));
+        reflection.side.set(i, n_geo);
+        reflection.share_mut().weight.set(i, Vec3::splat(reflected));
+        reflection.share_mut().chance[i] = reflected;
+        let shines = highlight.share().weight.get(i).max_element();
+        let values = [albedo.max_element(), shines, reflected, refracted];
+        for (present, value) in present.iter_mut().zip(values) {
+            *present = present.max(if i < len { value } else { 0.0 });
+        }
+    }
+    diffuse.is_present = present[0] > 0.0;
+    highlight.share_mut().is_present = present[1] > 0.0;
+    highlight.share_mut().chance = [0.0; BATCH];
+    reflection.share_mut().is_present = present[2] > 0.0;
+    refraction.share_mut().is_present = present[3] > 0.0;
+}
+
+/// Adds up the estimated albedos of lobes that rays follow.
+struct AddUp<'a> {
+    frame: &'a FrameScene,
+    len: usize,
+    /// Whether rays follow diffuse lobes.
+    diffuse: bool,
+    total: &'a mut Column<f32>,
+}
+
+impl WithLobe for AddUp<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &L) {
+        if L::IS_FOLLOWED && (self.diffuse || !L::IS_DIFFUSE) {
+            let chance = &lobe.share().chance;
+            self.frame.isa.run(Sum { chance, len: self.len, total: self.total });
+        }
+    }
+}
+
+struct Sum<'a> {
+    chance: &'a Column<f32>,
+    len: usize,
+    total: &'a mut Column<f32>,
+}
+
+impl Lanewise for Sum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for i in lanes(self.len) {
+            self.total[i] += self.chance[i];
+        }
+    }
+}
+
+/// Turns estimated albedos into chances.
+struct Divide<'a> {
+    frame: &'a FrameScene,
+    len: usize,
+    diffuse: bool,
+    total: &'a Column<f32>,
+}
+
+impl WithLobeMut for Divide<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &mut L) {
+        let follows = L::IS_FOLLOWED && (self.diffuse || !L::IS_DIFFUSE);
+        let chance = &mut lobe.share_mut().chance;
+        self.frame.isa.run(Quotient { chance, len: self.len, follows, total: self.total });
+    }
+}
+
+struct Quotient<'a> {
+    chance: &'a mut Column<f32>,
+    len: usize,
+    follows: bool,
+    total: &'a Column<f32>,
+}
+
+impl Lanewise for Quotient<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { chance, len, follows, total } = self;
+        for i in lanes(len) {
+            let share = chance[i] / total[i];
+            chance[i] = if follows && total[i] > 0.0 { share } else { 0.0 };
+        }
+    }
+}

@@ -1,0 +1,271 @@
+//! Rays from the hits of a batch to lamps, with the light that lobes make of them.
+
+use glam::Vec3;
+use slo_accel::Lanewise;
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
+
+
+use super::bsdfs::Bsdfs;
+use super::points::Points;
+use crate::frame::FrameScene;
+use crate::integrator::batch::Sent;
+use crate::integrator::branching::continuations;
+use crate::integrator::chosen::Chosen;
+use crate::integrator::work::Job;
+use crate::sampling::Purpose;
+use crate::sampling::batch::SetPoints;
+use crate::shading::bsdf::{Lobe, WithLobe};
+use crate::shading::{Lamp, WithLamp, WithLamps};
+
+use super::direct_light::Question;
+
+/// Rays of one question from all points.
+#[derive(Debug)]
+pub(in crate::integrator) struct LampLight {
+    set: SetPoints,
+    /// Index of the light of each point.
+    light: Column<u32>,
+    /// Number of rays to the light: the probability of the choice, times the number of rays.
+    tries: Column<f32>,
+    /// Unit directions to the points of lamps.
+    toward: Vec3s,
+    /// Radiance of the lamp, or irradiance if it has no area.
+    radiance: Vec3s,
+    /// `pdf_solid_angle` of all rays to the lamp; `tries` if it has no area.
+    by_light: Column<f32>,
+    /// 1 if rays that follow lobes can hit the lamp, otherwise 0.
+    hittable: Column<f32>,
+    /// Factor of lobes that the thesis's lights reach without falloff; 0 for other lamps.
+    flat: Column<f32>,
+    /// Light that all lobes scatter, for a radiance of 1.
+    scattered: Vec3s,
+    pub(in crate::integrator) sent: Sent,
+    /// Points that send a ray.
+    pub(in crate::integrator) chosen: Chosen,
+}
+
+impl Default for LampLight {
+    fn default() -> Self {
+        let zeros = [0.0; BATCH];
+        Self {
+            set: SetPoints::default(),
+            light: [0; BATCH],
+            tries: zeros,
+            toward: Vec3s::default(),
+            radiance: Vec3s::default(),
+            by_light: zeros,
+            hittable: zeros,
+            flat: zeros,
+            scattered: Vec3s::default(),
+            sent: Sent::default(),
+            chosen: Chosen::default(),
+        }
+    }
+}
+
+impl LampLight {
+    /// Creates the rays of one question, except those whose light could add nothing.
+    pub(in crate::integrator) fn ask(
+        &mut self,
+        job: &Job<'_>,
+        points: &Points,
+        bsdfs: &Bsdfs,
+        question: Question,
+        depth: u32,
+    ) {
+        let frame = job.frame;
+        let Question { light, place } = question;
+        let purpose = light.map_or(Purpose::AnyLight, Purpose::Light);
+        let names = points.names(&frame.settings, depth, purpose, place);
+        if let Some(number) = light {
+            self.set.take::<2>(&frame.sampler, frame.isa, &names);
+            self.tries[..].fill(place[1] as f32);
+            frame.lights[number as usize].with(AskOne { frame, points, to: self });
+        } else {
+            self.set.take::<3>(&frame.sampler, frame.isa, &names);
+            self.choose(frame, points, place[1] as f32);
+            frame.lights.for_each_kind(&mut AskChosen { frame, points, to: self });
+        }
+        let Self { scattered, toward, by_light, hittable, flat, .. } = self;
+        *scattered = Vec3s::default();
+        let rays = continuations(&frame.settings, depth) as f32;
+        let arriving = Arriving { points, toward, by_light, hittable, flat, rays };
+        bsdfs.bsdf.for_each(&mut Scatter { frame, arriving, to: scattered });
+        frame.isa.run(Finish { points, to: self });
+        let weight = &self.sent.weight;
+        self.chosen.set(frame.isa, points.len(), |i| weight.get(i) != Vec3::ZERO);
+    }
+
+    /// Chooses a light for each point.
+    fn choose(&mut self, frame: &FrameScene, points: &Points, rays: f32) {
+        let Self { set, light, tries, .. } = self;
+        for i in 0..points.len() {
+            let from = points.surfaces.point.get(i);
+            let chosen = frame.light_tree.choose(from, points.receiver[i], set.numbers[2][i]);
+            light[i] = chosen.light;
+            tries[i] = chosen.chance * rays;
+        }
+    }
+}
+
+/// Rays from all points to one light.
+struct AskOne<'a> {
+    frame: &'a FrameScene,
+    points: &'a Points,
+    to: &'a mut LampLight,
+}
+
+impl WithLamp for AskOne<'_> {
+    type Output = ();
+
+    fn run<L: Lamp>(self, lamp: L) {
+        let Self { frame, points, to } = self;
+        frame.isa.run(Ask { points, choose: |_: u32| (lamp, true), to });
+    }
+}
+
+/// Rays from each point to the light that was chosen for it.
+struct AskChosen<'a> {
+    frame: &'a FrameScene,
+    points: &'a Points,
+    to: &'a mut LampLight,
+}
+
+impl WithLamps for AskChosen<'_> {
+    fn run<L: Lamp>(
+        &mut self,
+        lamps: &[L],
+        mine: impl Fn(u32) -> bool,
+        place: impl Fn(u32) -> usize,
+    ) {
+        let last = self.frame.lights.len() as u32 - 1;
+        let choose = |light: u32| {
+            let known = light.min(last);
+            (lamps[place(known)], mine(known) & (light <= last))
+        };
+        self.frame.isa.run(Ask { points: self.points, choose, to: self.to });
+    }
+}
+
+/// Creates a ray from every point to a light. `choose(light)` returns the light with an index, and
+/// whether to ask it. If not, the point keeps the ray that it has.
+struct Ask<'a, C> {
+    points: &'a Points,
+    choose: C,
+    to: &'a mut LampLight,
+}
+
+impl<L: Lamp, C: Fn(u32) -> (L, bool)> Lanewise for Ask<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { points, choose, to } = self;
+        let surfaces = &points.surfaces;
+        for i in lanes(surfaces.len) {
+            let (lamp, is_asked) = choose(to.light[i]);
+            let hit = surfaces.point.get(i);
+            let way = lamp.way(hit, [to.set.numbers[0][i], to.set.numbers[1][i]]);
+            let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };
+            let origin = surfaces.leave(i, toward);
+            let (direction, t_max) = if L::IS_DISTANT {
+                (way, f32::INFINITY)
+            } else {
+                lamp.shadow_ray(origin, hit + way)
+            };
+            let radiance = lamp.radiance(way);
+            let tries = to.tries[i];
+            let by_light = if L::IS_DELTA { tries } else { tries * lamp.density(way) };
+            let flat = if L::IS_OF_THESIS { std::f32::consts::PI / tries } else { 0.0 };
+            let keep = |new: Vec3, old: Vec3| if is_asked { new } else { old };
+            to.sent.origin.set(i, keep(origin, to.sent.origin.get(i)));
+            to.sent.direction.set(i, keep(direction, to.sent.direction.get(i)));
+            to.sent.t_max[i] = if is_asked { t_max } else { to.sent.t_max[i] };
+            to.toward.set(i, keep(toward, to.toward.get(i)));
+            to.radiance.set(i, keep(radiance, to.radiance.get(i)));
+            to.by_light[i] = if is_asked { by_light } else { to.by_light[i] };
+            let hittable = if L::IS_DELTA { 0.0 } else { 1.0 };
+            to.hittable[i] = if is_asked { hittable } else { to.hittable[i] };
+            to.flat[i] = if is_asked { flat } else { to.flat[i] };
+        }
+    }
+}
+
+/// Light that arrives at the points, before any lobe.
+#[derive(Clone, Copy)]
+struct Arriving<'a> {
+    points: &'a Points,
+    toward: &'a Vec3s,
+    by_light: &'a Column<f32>,
+    hittable: &'a Column<f32>,
+    flat: &'a Column<f32>,
+    /// Number of continuations of each hit.
+    rays: f32,
+}
+
+/// Adds what each lobe makes of the light.
+struct Scatter<'a> {
+    frame: &'a FrameScene,
+    arriving: Arriving<'a>,
+    to: &'a mut Vec3s,
+}
+
+impl WithLobe for Scatter<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &L) {
+        let (asked, partner) = self.frame.techniques.asked(L::IS_DIFFUSE);
+        let work = ScatterOne { lobe, arriving: self.arriving, asked, partner, to: self.to };
+        self.frame.isa.run(work);
+    }
+}
+
+struct ScatterOne<'a, L> {
+    lobe: &'a L,
+    arriving: Arriving<'a>,
+    /// See [`Techniques::asked`](crate::shading::light::Techniques::asked).
+    asked: f32,
+    partner: f32,
+    to: &'a mut Vec3s,
+}
+
+impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lobe, arriving, asked, partner, to } = self;
+        let Arriving { points, toward, by_light, hittable, flat, rays } = arriving;
+        let chance = &lobe.share().chance;
+        for i in lanes(points.surfaces.len) {
+            let scattered = lobe.evaluate(i, &points.at(i), toward.get(i));
+            let by_lobe = hittable[i] * partner * rays * chance[i] * scattered.density;
+            let share = 1.0 / (by_light[i] + by_lobe);
+            // Lamps without an area are found by asking only, whatever the techniques.
+            let asked = if hittable[i] == 0.0 { 1.0 } else { asked };
+            let is_flat = (flat[i] > 0.0) & (L::IS_DIFFUSE | (hittable[i] == 0.0));
+            let share = if is_flat { flat[i] } else { share * asked };
+            let shows = L::SHOWS_POINTS | (hittable[i] != 0.0);
+            let value = scattered.value * if shows { share } else { 0.0 };
+            to.set(i, to.get(i) + value);
+        }
+    }
+}
+
+/// Weights the rays.
+struct Finish<'a> {
+    points: &'a Points,
+    to: &'a mut LampLight,
+}
+
+impl Lanewise for Finish<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { points, to } = self;
+        for i in lanes(points.surfaces.len) {
+            let weight = points.weight.get(i) * to.scattered.get(i) * to.radiance.get(i);
+            let is_lit = (weight.max_element() > 0.0) & to.sent.is_ray(i);
+            to.sent.weight.set(i, if is_lit { weight } else { Vec3::ZERO });
+        }
+    }
+}
