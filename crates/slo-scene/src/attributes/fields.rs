@@ -255,7 +255,8 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
                 Kind::Number | Kind::Choice | Kind::Word(_) | Kind::WordOrBlock(..),
                 Form::Value(word),
             ) => Value::Word(*word),
-            (Kind::Vector(_) | Kind::Block(_) | Kind::WordOrBlock(..), Form::Block(block)) => {
+            (Kind::Vector(_) | Kind::Block(_), Form::Block(block)) => Value::Block(block),
+            (Kind::WordOrBlock(..), Form::Block(block)) if !holds_numbers(block) => {
                 Value::Block(block)
             }
             (Kind::Element(_), Form::Element(name, block)) => Value::Element(*name, block),
@@ -306,7 +307,10 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             Kind::Vector(_) => "three numbers in braces",
             Kind::Block(_) => "a block in braces",
             Kind::Element(_) => "a name and a block in braces",
-            Kind::WordOrBlock(..) => "a name or a block, not both",
+            Kind::WordOrBlock(..) if matches!(form, Form::Element(..)) => {
+                "a name or a block, not both"
+            }
+            Kind::WordOrBlock(..) => "a name, or a block of attributes",
             Kind::Absent(_) => "nothing",
         };
         let help = rewritten(attribute.kind, keyword, form, numbers)
@@ -342,6 +346,11 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
     }
 }
 
+/// Whether a block begins with a number, as vectors do.
+fn holds_numbers(block: &Block<'_>) -> bool {
+    matches!(block.entries.first(), Some(Entry::Number(_)))
+}
+
 /// The error about an element without a name.
 pub(crate) fn nameless(keyword: Word<'_>) -> Diagnostic {
     Diagnostic::error(format!("this `{}` has no name", keyword.text))
@@ -360,6 +369,10 @@ fn rewritten(
     match (kind, form, numbers) {
         (Kind::Vector(_), Form::Value(x), [y, z]) => {
             Some(format!("write `{keyword} {{ {} {} {} }}`", x.text, y.word.text, z.word.text))
+        }
+        (Kind::WordOrBlock(_, schema), Form::Element(name, _), _) => {
+            let first = schema.attributes().next()?.name;
+            Some(format!("write `{keyword} {{ {first} {} ... }}`", name.text))
         }
         (_, Form::Block(block), _) => match block.entries.as_slice() {
             [Entry::Number(Number { word, .. })]

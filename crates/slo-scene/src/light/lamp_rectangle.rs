@@ -1,8 +1,8 @@
 //! `lamp_rectangle`
 
-use super::lamp::{Lamp, WrittenLight, radiance_of};
-use crate::attributes::schema::{color, number, point};
+use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radiance_of};
 use crate::attributes::Fields;
+use crate::attributes::schema::{color, number, point};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Rectangle, Shape};
@@ -28,16 +28,23 @@ impl WrittenLight for RectangleLamp {
             point("vertex1").required(),
             point("vertex2").required(),
             number("two_sided"),
+            CAMERA_VISIBLE,
+            SOLID,
+            LIGHT_GROUP,
+            MOTION,
         ],
     }];
 
     fn read<'a>(fields: &mut Fields<'_, 'a, '_>, _: &mut Palette<'_, 'a>) -> Option<Self> {
         let two_sided = fields.count("two_sided", 0, 1).is_some_and(|flag| flag.value == 1);
-        let rectangle = Rectangle::of_corners(fields)?;
-        let [v0, v1, v2] = rectangle.vertices;
-        let area = (v1 - v0).cross(v2 - v1).length();
-        let radiance = radiance_of(fields, if two_sided { 2.0 * area } else { area })?;
-        Some(Self { radiance, rectangle, two_sided })
+        let rectangle = Rectangle::of_corners(fields);
+        // Without corners, the light itself is checked all the same.
+        let area = rectangle.map_or(1.0, |rectangle| {
+            let [v0, v1, v2] = rectangle.vertices;
+            (v1 - v0).cross(v2 - v1).length()
+        });
+        let radiance = radiance_of(fields, if two_sided { 2.0 * area } else { area });
+        Some(Self { radiance: radiance?, rectangle: rectangle?, two_sided })
     }
 }
 

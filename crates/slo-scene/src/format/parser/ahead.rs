@@ -25,6 +25,7 @@ impl Ahead<'_> {
         let Some(depth) = depth.filter(|depth| *depth <= parser.stack.len()) else { return false };
         match parser.follows(depth, self.word) {
             Some(follows) if follows.is_name() => !self.is_element,
+            Some(Follows::Element) => self.is_element,
             Some(_) => true,
             None => depth == 0 && self.word.is_empty(),
         }
