@@ -59,21 +59,16 @@ fn built() -> Scene {
                 blur_duration: 0.0,
             }],
         },
-        lights: vec![Light {
-            name: "lamp".into(),
-            kind: LightKind::Point(light::PointLight {
+        lights: vec![Light::new(
+            "lamp",
+            LightKind::Point(light::PointLight {
                 color: [1.0; 3],
                 position: [2.0, -3.0, 4.0].into(),
             }),
-        }],
+        )],
         materials: vec![Material { name: "matte".into(), kind: MaterialKind::Phong(phong) }],
         textures: vec![],
-        objects: vec![Object {
-            name: "ball".into(),
-            material: MaterialId(0),
-            shape: Shape::Sphere(sphere),
-            key_frames: vec![],
-        }],
+        objects: vec![Object::new("ball", MaterialId(0), Shape::Sphere(sphere))],
         content_hash: [0; 32],
     })
     .unwrap()
@@ -102,7 +97,7 @@ fn settings_replace_those_of_the_scene() {
         .size(32, 18)
         .samples(2)
         .seed(7)
-        .settings(|settings| settings.recursion = 0)
+        .settings(|settings| settings.recursion = Some(0))
         .film(|film| film.prefix = "p".into())
         .layers(&[Layer::Normal, Layer::Albedo])
         .threads(2)

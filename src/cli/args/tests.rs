@@ -4,7 +4,7 @@ use clap::{CommandFactory, Parser};
 
 use super::{Args, Command};
 use crate::cli::values::{FrameChoice, Frames, Threads};
-use slo_scene::Accelerator;
+use slo_scene::{Accelerator, Integrator};
 
 #[test]
 fn the_definition_is_sound() {
@@ -102,6 +102,7 @@ fn wrong_values_are_refused() {
         "--samples -1",
         "--seed -1",
         "--accelerator tree",
+        "--integrator photon_map",
         "--color blue",
         "--layers depth",
         "--layers albedo,",
@@ -212,6 +213,16 @@ fn no_refusal_is_a_programmers() {
         }
     }
     assert!(refused > 100, "{refused}");
+}
+
+#[test]
+fn integrators_may_be_spelt_as_in_scenes() {
+    for (name, integrator) in Integrator::NAMES {
+        for name in [name.to_owned(), name.to_lowercase()] {
+            let parsed = parse(&format!("--integrator {name}")).unwrap().settings.integrator;
+            assert_eq!(parsed.map(|name| name.0), Some(integrator), "{name}");
+        }
+    }
 }
 
 #[test]

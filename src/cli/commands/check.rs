@@ -4,6 +4,7 @@ use crate::cli::base::{Problem, Terminal, counted};
 use crate::cli::files::load;
 use crate::cli::options::Job;
 use slo_scene::animation::Clock;
+use slo_scene::light::LightKind;
 use slo_scene::{Camera, Look, Object, SceneDescription, Settings, Texture, ToneMap};
 
 /// Reports on the job's scene without rendering it.
@@ -59,12 +60,14 @@ fn samples(settings: &Settings) -> String {
     let Settings { image_samples: most, image_min_samples: least, .. } = *settings;
     let image = if least < most { format!("{least} to {most}") } else { most.to_string() };
     format!(
-        "samples: {image} image x {} dof, {} shadow, {} reflection, {} refraction; recursion {}",
+        "samples: {image} image x {} dof, {} shadow, {} reflection, {} refraction; \
+         {}, recursion {}",
         settings.dof_samples,
         settings.soft_shadow_samples,
         settings.diffuse_reflection_samples,
         settings.diffuse_refraction_samples,
-        settings.recursion
+        settings.integrator,
+        settings.recursion()
     )
 }
 
@@ -81,14 +84,36 @@ fn objects(objects: &[Object]) -> String {
 }
 
 fn lights_and_materials(scene: &SceneDescription) -> String {
-    let areas = scene.lights.iter().filter(|light| light.kind.surface().is_some()).count();
+    let count = |sort| scene.lights.iter().filter(|light| sort_of(&light.kind) == sort).count();
+    let skies = match count(Sort::Sky) {
+        0 => String::new(),
+        skies => format!(", {skies} in the sky"),
+    };
     let texels = |texture: &Texture| u64::from(texture.width()) * u64::from(texture.height());
     let texels: u64 = scene.textures.iter().map(|texture| texels(texture)).sum();
     format!(
-        "lights: {areas} area, {} point; materials: {}; textures: {} of {:.1} megapixels",
-        scene.lights.len() - areas,
+        "lights: {} area, {} point{skies}; materials: {}; textures: {} of {:.1} megapixels",
+        count(Sort::Area),
+        count(Sort::Point),
         scene.materials.len(),
         scene.textures.len(),
         texels as f64 / 1e6
     )
+}
+
+/// What a light is to those who wait for the picture.
+#[derive(Clone, Copy, PartialEq)]
+enum Sort {
+    Point,
+    Area,
+    Sky,
+}
+
+fn sort_of(kind: &LightKind) -> Sort {
+    match kind {
+        LightKind::SunLamp(_) | LightKind::Environment(_) => Sort::Sky,
+        LightKind::DiscLamp(_) => Sort::Area,
+        kind if kind.surface().is_some() => Sort::Area,
+        _ => Sort::Point,
+    }
 }

@@ -25,8 +25,17 @@ impl Overrides {
     /// `dofSamples`.
     pub(crate) fn apply(&self, scene: &mut SceneDescription) {
         // Every option is named here, so that a new one can't be forgotten.
-        let SettingArgs { format, look, size, samples, noise, seed, accelerator, spatial_splits } =
-            self.settings;
+        let SettingArgs {
+            format,
+            look,
+            size,
+            samples,
+            noise,
+            integrator,
+            seed,
+            accelerator,
+            spatial_splits,
+        } = self.settings;
         let film = &mut scene.camera.film;
         film.prefix = self.prefix.clone().unwrap_or_else(|| film.prefix.clone());
         if let Some(size) = size {
@@ -49,6 +58,7 @@ impl Overrides {
         if let Some(samples) = samples.or(open) {
             settings.set_camera_samples(samples);
         }
+        settings.integrator = integrator.map_or(settings.integrator, |name| name.0);
         settings.seed = seed.unwrap_or(settings.seed);
         settings.accelerator = accelerator.map_or(settings.accelerator, |name| name.0);
         settings.spatial_splits |= spatial_splits;
@@ -59,8 +69,12 @@ impl Overrides {
 mod tests {
     use super::*;
     use crate::cli::options::empty_scene;
-    use crate::cli::values::{AcceleratorName, EncodingName, FormatName, SizeChoice, ToneMapName};
-    use slo_scene::{Accelerator, Encoding, Look, OutputFormat, ToneMap};
+    use crate::cli::values::{
+        AcceleratorName, EncodingName, FormatName, IntegratorName, SizeChoice, ToneMapName,
+    };
+    use slo_scene::{
+        Accelerator, Encoding, Integrator, LightSampling, Look, OutputFormat, ToneMap,
+    };
 
     fn with(settings: SettingArgs) -> Overrides {
         Overrides { settings, ..Overrides::default() }
@@ -117,11 +131,28 @@ mod tests {
         overrides.apply(&mut scene);
         let film = &scene.camera.film;
         assert_eq!((film.width, film.height, &*film.prefix), (16, 9, "p"));
-        assert_eq!((film.output, &film.layers[..]), (OutputFormat::Exr, &Layer::ALL[..]));
+        assert_eq!((film.output, &film.layers[..]), (OutputFormat::Exr, &Layer::ALL[..2]));
         let look = Look { exposure: -1.5, tone_map: ToneMap::Agx, encoding: Encoding::Srgb };
         assert_eq!(film.look(&scene.settings), look);
         assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
         assert!(scene.settings.spatial_splits);
+    }
+
+    #[test]
+    fn another_integrator_has_its_own_defaults() {
+        let path = Some(IntegratorName(Integrator::Path));
+        let overrides = with(SettingArgs { integrator: path, ..SettingArgs::default() });
+        let mut scene = empty_scene();
+        overrides.apply(&mut scene);
+        let settings = &scene.settings;
+        assert_eq!(settings.integrator, Integrator::Path);
+        assert_eq!((settings.recursion(), settings.light_sampling()), (16, LightSampling::One));
+        let mut written = empty_scene();
+        written.settings.recursion = Some(3);
+        written.settings.light_sampling = Some(LightSampling::All);
+        overrides.apply(&mut written);
+        let settings = &written.settings;
+        assert_eq!((settings.recursion(), settings.light_sampling()), (3, LightSampling::All));
     }
 
     #[test]

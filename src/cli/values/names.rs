@@ -1,11 +1,11 @@
-//! Names of layers, file formats and structures on the command line, as in the scene language.
+//! Names of layers, file formats, integrators and structures on the command line, as in the scene language.
 
 use std::sync::LazyLock;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use slo_scene::{Accelerator, Encoding, Layer, OutputFormat, ToneMap};
+use slo_scene::{Accelerator, Encoding, Integrator, Layer, OutputFormat, ToneMap};
 
 /// `--layers`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +68,11 @@ macro_rules! words {
             }
         }
     };
+}
+
+words! {
+    /// `--integrator`
+    IntegratorName, Integrator
 }
 
 words! {

@@ -38,9 +38,9 @@ fn fields(film: &Film, info: &Info) -> String {
         ("shadow", settings.soft_shadow_samples.to_string()),
         ("reflection", settings.diffuse_reflection_samples.to_string()),
         ("refraction", settings.diffuse_refraction_samples.to_string()),
-        ("recursion", settings.recursion.to_string()),
+        ("recursion", settings.recursion().to_string()),
         ("generator", word(settings.generator.name())),
-        ("lights", lights(settings.light_sampling).into()),
+        ("lights", lights(settings.light_sampling()).into()),
         ("seed", settings.seed.to_string()),
         ("time", format!("{:.2}", info.time.as_secs_f64())),
     ];

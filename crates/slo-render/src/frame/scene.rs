@@ -33,6 +33,8 @@ pub struct FrameScene {
     pub(crate) light_tree: LightTree,
     /// For each light, whether camera rays pass through it; empty if none does.
     pub(crate) hidden: Vec<bool>,
+    /// For each light, whether all rays pass through it; empty if none does.
+    pub(crate) passable: Vec<bool>,
     /// Indices of the lights that are infinitely far away.
     pub(crate) skies: Vec<u32>,
     /// How the light of lamps is shared between techniques, for physical shading.
@@ -98,9 +100,21 @@ impl FrameScene {
         self.hidden.get(light as usize).is_some_and(|hidden| *hidden)
     }
 
-    /// Whether camera rays pass through any light.
-    pub(crate) fn has_hidden_lamps(&self) -> bool {
-        !self.hidden.is_empty()
+    /// Whether rays pass through a light.
+    pub(crate) fn is_passable(&self, light: u32) -> bool {
+        self.passable.get(light as usize).is_some_and(|passable| *passable)
+    }
+
+    /// Whether rays after `depth` bounces pass through any light.
+    pub(crate) fn has_passable_lamps(&self, depth: u32) -> bool {
+        !self.passable.is_empty() || (depth == 0 && !self.hidden.is_empty())
+    }
+
+    /// Whether rays to lamps may pass through anything.
+    pub(crate) fn lets_light_pass(&self) -> bool {
+        self.settings.shadow == ShadowMode::Transparent
+            || self.material_table.images.any_passes()
+            || !self.passable.is_empty()
     }
 
     /// Returns the light that the surface which a ray hit belongs to; `None` if no rays are sent

@@ -12,14 +12,14 @@ const MOST_BOUNCES_WAITING: usize = 512 * BATCH;
 
 /// Returns the number of rays from a hit to a light, or to randomly chosen lights.
 pub(super) fn rays_to(frame: &FrameScene, light: &Light, depth: u32) -> u32 {
-    let one = frame.settings.light_sampling == LightSampling::One;
+    let one = frame.settings.light_sampling() == LightSampling::One;
     if depth == 0 && (one || light.is_area()) { frame.settings.soft_shadow_samples } else { 1 }
 }
 
 /// Returns the mean number of rays from a hit to a light.
 pub(super) fn mean_rays_to(frame: &FrameScene, light: &Light, depth: u32) -> f32 {
     let rays = rays_to(frame, light, depth) as f32;
-    match frame.settings.light_sampling {
+    match frame.settings.light_sampling() {
         LightSampling::All => rays,
         LightSampling::One => rays / frame.lights.len() as f32,
     }

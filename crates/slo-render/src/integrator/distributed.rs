@@ -65,7 +65,7 @@ impl Distributed {
             machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
         }
         features.add(frame, batch, hits, points);
-        let scatters = depth < frame.settings.recursion && lobes.find(frame, points);
+        let scatters = depth < frame.settings.recursion() && lobes.find(frame, points);
         self.ask_lights(machine, job, scatters, depth)?;
         if scatters {
             self.scatter(machine, job, depth)?;

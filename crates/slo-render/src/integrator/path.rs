@@ -64,35 +64,32 @@ impl Path {
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
         let Self {
-            batch,
-            hits,
-            arrived,
-            points,
-            emission,
-            features,
-            bsdfs,
-            passing,
-            scratch,
-            ..
+            batch, hits, arrived, points, emission, features, bsdfs, passing, scratch, ..
         } = self;
         hits.trace(frame, batch, machine.habit(depth), scratch);
-        if depth == 0 && frame.has_hidden_lamps() {
-            passing.hidden_lamps(frame, batch, hits);
-            let Passing { sent, labels, past, chosen, .. } = &**passing;
-            machine.extend_path(depth, sent, labels, past, chosen);
+        if frame.has_passable_lamps(depth) {
+            passing.lamps(frame, batch, hits, depth);
+            passing.queue(machine, depth);
         }
         arrived.find(frame, batch, hits, depth);
         machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
-        let is_last = depth > frame.settings.recursion;
+        let is_last = depth > frame.settings.recursion();
         if is_last && !frame.material_table.emits {
             return Some(());
         }
         points.find(frame, batch, hits, machine.seeds());
         points.find_receivers(frame);
+        points.choose_materials(frame, depth);
         bsdfs.look_up(frame, points);
+        if frame.material_table.images.any_passes() {
+            bsdfs.let_pass(points);
+            passing.surfaces(frame, batch, points);
+            passing.queue(machine, depth);
+        }
         if frame.material_table.absorbs {
             bsdfs.absorb(batch, points);
         }
+        bsdfs.find(frame, points);
         if frame.material_table.emits && emission.find(frame, batch, hits, points, bsdfs, depth) {
             machine.add(frame.isa, &emission.light, &points.labels.slot, points.len());
         }
@@ -100,7 +97,6 @@ impl Path {
             return Some(());
         }
         features.add(frame, batch, hits, points);
-        bsdfs.find(frame, points);
         self.ask_lamps(machine, job, depth)?;
         self.follow(machine, job, depth)
     }

@@ -2,11 +2,12 @@
 
 use std::fmt::Display;
 
+use super::elsewhere::attribute_meant;
 use super::language::Language;
 use super::schema::{Attribute, Kind, Schema};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::format::syntax::{Block, Entry, Form, Item, Number, Word};
-use crate::names::invisible;
+use crate::names::{closest, invisible};
 
 /// An element, or a block of an element, as it was written.
 #[derive(Clone, Copy, Debug)]
@@ -122,6 +123,39 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         self.found.iter().find(|f| f.attribute.name == name).copied()
     }
 
+    /// Which one of two attributes stands there. Reports both, and neither.
+    pub(crate) fn either(&mut self, names: [&'static str; 2]) -> Option<&'static str> {
+        let [first, second] = names.map(|name| self.get(name));
+        match (first, second) {
+            (Some(_), None) => Some(names[0]),
+            (None, Some(_)) => Some(names[1]),
+            (Some(first), Some(second)) => {
+                let [one, other] = names;
+                let message = format!("{} has `{one}` and `{other}`", self.element.title());
+                let (a, b) = (first.keyword.span, second.keyword.span);
+                let error = Diagnostic::error(message).at(a.max(b), "one of the two is too much");
+                self.diagnostics.push(error.also(a.min(b), ""));
+                None
+            }
+            (None, None) => {
+                // An unknown attribute is probably the missing one, misspelt.
+                if !self.element.damaged && self.strangers == 0 {
+                    self.report_neither(names);
+                }
+                None
+            }
+        }
+    }
+
+    fn report_neither(&mut self, [one, other]: [&'static str; 2]) {
+        let message = format!("{} has neither `{one}` nor `{other}`", self.element.title());
+        let usage = |name| self.element.schema.attribute(name).map(Attribute::usage);
+        let usages: Vec<_> = [one, other].into_iter().filter_map(usage).collect();
+        let label = format!("expected {} in this", usages.join(" or "));
+        let error = Diagnostic::error(message).at(self.element.head(), label);
+        self.diagnostics.push(error);
+    }
+
     /// All attributes of that name.
     pub(crate) fn all(&self, name: &str) -> Vec<Field<'t, 'a>> {
         self.found.iter().filter(|f| f.attribute.name == name).copied().collect()
@@ -187,11 +221,15 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
 
     fn unknown(&mut self, item: &Item<'a>) {
         let (word, schema) = (item.keyword, self.element.schema);
+        let called = schema.called(word.text).or_else(|| attribute_meant(word.text, schema));
+        let near = || closest(word.text, schema.attributes().map(|a| a.name));
+        let attribute = called.or_else(|| near().and_then(|name| schema.attribute(name)));
         let diagnostic = if let Some(help) = schema.absent(word.text) {
             let message = format!("`{}` does not take `{}` yet", schema.keyword, word.text);
             Diagnostic::error(message).at(word.span, "").help(help)
-        } else if let Some(attribute) = schema.meant(word.text) {
-            let help = invisible(word.text);
+        } else if let Some(attribute) = attribute {
+            let usage = || called.map(|attribute| format!("write {}", attribute.usage()));
+            let help = invisible(word.text).or_else(usage);
             // A misspelt attribute is not missing.
             self.found.push(Field { attribute, keyword: word, value: Value::Broken });
             let error = Diagnostic::error(format!(
@@ -389,7 +427,13 @@ fn rewritten(
 pub(crate) fn quoted_list<S: Display>(names: impl Iterator<Item = S>, most: usize) -> String {
     let names: Vec<_> = names.map(|n| format!("`{n}`")).collect();
     match names.len() {
-        n if n > most => format!("{} and {} others", names[..most].join(", "), n - most),
+        n if n > most => {
+            let others = match n - most {
+                1 => "one other".to_owned(),
+                others => format!("{others} others"),
+            };
+            format!("{} and {others}", names[..most].join(", "))
+        }
         _ => names.join(", "),
     }
 }

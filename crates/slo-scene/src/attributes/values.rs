@@ -62,6 +62,17 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         Some(value)
     }
 
+    /// A number within a bound and not above `most`, kept in f32.
+    pub(crate) fn number_to(&mut self, name: &str, bound: Bound, most: f32) -> Option<f32> {
+        let value = self.number_f32(name, bound)?;
+        if value > most {
+            let word = self.word(name)?;
+            self.out_of_range(name, word, &format!("must be {most} or less"));
+            return None;
+        }
+        Some(value)
+    }
+
     fn fit_f32(&mut self, found: Found<f64>) -> Option<f32> {
         let value = found.value as f32;
         if !value.is_finite() {
@@ -163,8 +174,15 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         self.all(name).into_iter().filter_map(|field| self.point_of(field)).collect()
     }
 
-    /// Red, green and blue, none below 0.
+    /// Red, green and blue of a colour, none below 0. A colour from 0 to 255 gets a warning.
     pub(crate) fn color(&mut self, name: &str) -> Option<[f32; 3]> {
+        let Found { value, span } = self.light(name)?;
+        check_color(self, name, span, value);
+        Some(value)
+    }
+
+    /// Red, green and blue of light, however strong; none below 0.
+    pub(crate) fn light(&mut self, name: &str) -> Option<Found<[f32; 3]>> {
         let found = self.vector(name)?;
         if found.value.min_element() < 0.0 {
             let message = format!("`{name}` must not be negative");
@@ -173,9 +191,7 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         }
         let [r, g, b] =
             found.value.to_array().map(|value| self.fit_f32(Found { value, span: found.span }));
-        let color = [r?, g?, b?];
-        check_color(self, name, found.span, color);
-        Some(color)
+        Some(Found { value: [r?, g?, b?], span: found.span })
     }
 
     fn point_of(&mut self, field: Field<'t, 'a>) -> Option<Found<DVec3>> {

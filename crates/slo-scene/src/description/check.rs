@@ -1,6 +1,7 @@
 //! Whether a scene that was built in memory holds together.
 
 use super::{MaterialId, Object, SceneDescription};
+use crate::light::{Environment, Light, LightKind, Sky};
 use crate::material::{MOST_MIXES, Material, Tangle, inside_out};
 
 impl SceneDescription {
@@ -21,9 +22,20 @@ impl SceneDescription {
                 return Err(format!("camera segment `{}` has no path", segment.name));
             }
         }
+        self.lights.iter().try_for_each(|light| self.check_light(light))?;
         self.materials.iter().try_for_each(|material| self.check_material(material))?;
         inside_out(&self.materials).map_err(|tangle| self.tangled(&tangle))?;
         self.objects.iter().try_for_each(|object| self.check_object(object))
+    }
+
+    fn check_light(&self, light: &Light) -> Result<(), String> {
+        let name = &light.name;
+        if let LightKind::Environment(Environment { sky: Sky::Image(texture), .. }) = light.kind
+            && texture.0 as usize >= self.textures.len()
+        {
+            return Err(format!("environment `{name}` refers to a texture that is missing"));
+        }
+        Ok(())
     }
 
     fn check_material(&self, material: &Material) -> Result<(), String> {

@@ -18,9 +18,17 @@ pub struct Object {
     pub shape: Shape,
     /// In order of time; none: object space is scene space. One: a placed, still object.
     pub key_frames: Vec<KeyFrame>,
-    /// Whether rays are sent toward it if its material emits light; otherwise only rays that hit it
+    /// Whether rays are sent toward it if its material emits light. Otherwise only rays that hit it
     /// find its light.
     pub sampled: bool,
-    /// `light_group` of the light that its material emits.
+    /// `light_group`: the layer that holds the light that its material emits.
     pub light_group: Option<String>,
+}
+
+impl Object {
+    /// An object that rests where its shape is.
+    pub fn new(name: impl Into<String>, material: MaterialId, shape: Shape) -> Self {
+        let (key_frames, light_group) = (Vec::new(), None);
+        Self { name: name.into(), material, shape, key_frames, sampled: true, light_group }
+    }
 }

@@ -1,8 +1,9 @@
 //! `environment`
 
-use super::lamp::{Lamp, WrittenLight};
+use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, WrittenLight};
 use crate::attributes::schema::{color, number, word};
 use crate::attributes::{Bound, Fields};
+use crate::diagnostics::Diagnostic;
 use crate::kinds::Keyword;
 use crate::material::{Palette, TextureId};
 use crate::shape::Shape;
@@ -31,22 +32,34 @@ impl WrittenLight for Environment {
     const KEYWORDS: &'static [Keyword] = &[Keyword {
         keyword: "environment",
         attributes: &[
-            color("radiance"),
             word("texture", "NAME"),
+            color("radiance"),
             number("strength"),
             number("turn_deg"),
+            CAMERA_VISIBLE,
+            LIGHT_GROUP,
         ],
     }];
 
     fn read<'a>(fields: &mut Fields<'_, 'a, '_>, palette: &mut Palette<'_, 'a>) -> Option<Self> {
-        let radiance = fields.color("radiance").map(Sky::Even);
         let strength = fields.number_f32("strength", Bound::NotNegative).unwrap_or(1.0);
         let turn_deg = fields.number_f32("turn_deg", Bound::Any).unwrap_or(0.0);
-        let image = match fields.word("texture") {
-            Some(name) => Some(Sky::Image(palette.texture(name)?)),
-            None => None,
+        let sky = match fields.either(["radiance", "texture"])? {
+            "texture" => Sky::Image(palette.texture(fields.word("texture")?)?),
+            _ => {
+                warn_of_turn(fields);
+                Sky::Even(fields.color("radiance")?)
+            }
         };
-        Some(Self { sky: image.or(radiance)?, strength, turn_deg })
+        Some(Self { sky, strength, turn_deg })
+    }
+}
+
+/// Warns of a turn of what looks the same everywhere.
+fn warn_of_turn(fields: &mut Fields<'_, '_, '_>) {
+    if let Some(field) = fields.get("turn_deg") {
+        let warning = Diagnostic::warning("`turn_deg` has no effect without `texture`");
+        fields.diagnostics.push(warning.at(field.keyword.span, ""));
     }
 }
 

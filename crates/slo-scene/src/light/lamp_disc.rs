@@ -1,13 +1,18 @@
 //! `lamp_disc`
 
+use std::f64::consts::{PI, TAU};
+
 use glam::DVec3;
 
-use super::lamp::{Lamp, WrittenLight, radiance_of};
+use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radiance_of};
 use crate::attributes::schema::{color, number, point};
 use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
 use crate::material::Palette;
-use crate::shape::Shape;
+use crate::shape::{Shape, axes_about};
+
+/// Corners of the polygon that stands for the disc.
+const CORNERS: u32 = 24;
 
 /// A disc that glows evenly in all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +39,10 @@ impl WrittenLight for DiscLamp {
             point("normal").required(),
             number("radius").required(),
             number("two_sided"),
+            CAMERA_VISIBLE,
+            SOLID,
+            LIGHT_GROUP,
+            MOTION,
         ],
     }];
 
@@ -42,11 +51,11 @@ impl WrittenLight for DiscLamp {
         let center = fields.point("center");
         let normal = fields.direction("normal");
         let radius = fields.length("radius", Bound::Positive);
+        // Without a radius, the light itself is checked all the same.
+        let area = radius.map_or(1.0, |radius| PI * radius.value * radius.value);
+        let radiance = radiance_of(fields, if two_sided { 2.0 * area } else { area });
         let (center, normal) = (center?.value, normal?.value.normalize());
-        let radius = radius?.value;
-        let area = std::f64::consts::PI * radius * radius;
-        let radiance = radiance_of(fields, if two_sided { 2.0 * area } else { area })?;
-        Some(Self { radiance, center, normal, radius, two_sided })
+        Some(Self { radiance: radiance?, center, normal, radius: radius?.value, two_sided })
     }
 }
 
@@ -55,8 +64,18 @@ impl Lamp for DiscLamp {
         self.radiance == [0.0; 3]
     }
 
-    /// A disc is no shape of the language yet.
+    /// A disc is no shape of the language.
     fn surface(&self) -> Option<Shape> {
         None
+    }
+
+    fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool) {
+        let [x, y] = axes_about(self.normal).map(|axis| axis * self.radius);
+        let corner = |i| {
+            let (sine, cosine) = libm::sincos(TAU * f64::from(i) / f64::from(CORNERS));
+            self.center + x * cosine + y * sine
+        };
+        let corners: Vec<_> = (0..CORNERS).map(corner).collect();
+        put(&corners);
     }
 }

@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 
-use super::lamp::{Lamp, WrittenLight};
+use super::lamp::{
+    CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radius_or_point,
+};
+use crate::attributes::Fields;
 use crate::attributes::schema::{color, number, point};
-use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Shape, Sphere};
@@ -23,14 +25,22 @@ pub struct PointLamp {
 impl WrittenLight for PointLamp {
     const KEYWORDS: &'static [Keyword] = &[Keyword {
         keyword: "lamp_point",
-        attributes: &[color("power").required(), point("position").required(), number("radius")],
+        attributes: &[
+            color("power").required(),
+            point("position").required(),
+            number("radius"),
+            CAMERA_VISIBLE,
+            SOLID,
+            LIGHT_GROUP,
+            MOTION,
+        ],
     }];
 
     fn read<'a>(fields: &mut Fields<'_, 'a, '_>, _: &mut Palette<'_, 'a>) -> Option<Self> {
-        let power = fields.color("power");
+        let power = fields.light("power");
         let position = fields.point("position");
-        let radius = fields.length("radius", Bound::NotNegative).map_or(0.0, |r| r.value);
-        Some(Self { power: power?, position: position?.value, radius })
+        let radius = radius_or_point(fields);
+        Some(Self { power: power?.value, position: position?.value, radius: radius? })
     }
 }
 

@@ -2,9 +2,12 @@
 
 use glam::DVec3;
 
-use super::lamp::{Lamp, WrittenLight};
+use super::lamp::{
+    CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radius_or_point,
+};
 use crate::attributes::schema::{color, number, point};
-use crate::attributes::{Bound, Fields};
+use crate::attributes::{Bound, Fields, Found};
+use crate::diagnostics::Diagnostic;
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Shape, Sphere};
@@ -36,20 +39,46 @@ impl WrittenLight for SpotLamp {
             point("target").required(),
             number("angle_deg").required(),
             number("blend"),
+            CAMERA_VISIBLE,
+            SOLID,
+            LIGHT_GROUP,
+            MOTION,
         ],
     }];
 
     fn read<'a>(fields: &mut Fields<'_, 'a, '_>, _: &mut Palette<'_, 'a>) -> Option<Self> {
-        let power = fields.color("power");
+        let power = fields.light("power");
         let position = fields.point("position");
-        let radius = fields.length("radius", Bound::NotNegative).map_or(0.0, |r| r.value);
+        let radius = radius_or_point(fields);
         let target = fields.point("target");
-        let angle_deg = fields.number_f32("angle_deg", Bound::Positive);
-        let blend = fields.number_f32("blend", Bound::NotNegative).unwrap_or(0.0);
-        let (position, target) = (position?.value, target?.value);
-        let axis = (target - position).normalize_or(DVec3::NEG_Z);
-        Some(Self { power: power?, position, radius, axis, angle_deg: angle_deg?, blend })
+        let angle_deg = fields.number_to("angle_deg", Bound::Positive, 180.0);
+        let blend = fields.number_to("blend", Bound::NotNegative, 1.0).unwrap_or(0.0);
+        let (position, target) = (position?, target?);
+        let axis = axis(fields, position, target);
+        Some(Self {
+            power: power?.value,
+            position: position.value,
+            radius: radius?,
+            axis: axis?,
+            angle_deg: angle_deg?,
+            blend,
+        })
     }
+}
+
+/// The direction from the lamp to its target.
+fn axis(
+    fields: &mut Fields<'_, '_, '_>,
+    position: Found<DVec3>,
+    target: Found<DVec3>,
+) -> Option<DVec3> {
+    let axis = (target.value - position.value).try_normalize();
+    if axis.is_none() {
+        let message = format!("{} stands at its own target", fields.element.title());
+        let error = Diagnostic::error(message).at(target.span, "the target");
+        fields.diagnostics.push(error.also(position.span, "the position"));
+    }
+    axis
 }
 
 impl Lamp for SpotLamp {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::lamp::{Lamp, WrittenLight};
+use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, WrittenLight};
 use crate::attributes::schema::{color, number, point};
 use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
@@ -27,15 +27,18 @@ impl WrittenLight for SunLamp {
             color("irradiance").required(),
             point("direction").required(),
             number("angle_deg"),
+            CAMERA_VISIBLE,
+            LIGHT_GROUP,
+            MOTION,
         ],
     }];
 
     fn read<'a>(fields: &mut Fields<'_, 'a, '_>, _: &mut Palette<'_, 'a>) -> Option<Self> {
-        let irradiance = fields.color("irradiance");
+        let irradiance = fields.light("irradiance");
         let direction = fields.direction("direction");
-        let angle_deg = fields.number_f32("angle_deg", Bound::NotNegative).unwrap_or(0.53);
+        let angle_deg = fields.number_to("angle_deg", Bound::NotNegative, 180.0).unwrap_or(0.53);
         let direction = direction?.value.normalize();
-        Some(Self { irradiance: irradiance?, direction, angle_deg })
+        Some(Self { irradiance: irradiance?.value, direction, angle_deg })
     }
 }
 

@@ -10,6 +10,8 @@ mod lamp_sun;
 mod point;
 mod rectangle;
 
+use glam::DVec3;
+
 use crate::attributes::Fields;
 use crate::description::KeyFrame;
 use crate::kinds::kinds;
@@ -39,12 +41,21 @@ pub struct Light {
     pub kind: LightKind,
     /// In order of time; none: lamp space is scene space.
     pub key_frames: Vec<KeyFrame>,
-    /// Whether camera rays see it.
+    /// Whether camera rays see it. All other rays do.
     pub camera_visible: bool,
-    /// Whether it stops rays.
+    /// Whether it stops rays, as an opaque, black surface does.
     pub solid: bool,
-    /// `light_group`
+    /// `light_group`: the layer that holds its light.
     pub group: Option<String>,
+}
+
+impl Light {
+    /// A light that rests where its kind says, in no group, seen by the camera, and solid if it has a
+    /// surface.
+    pub fn new(name: impl Into<String>, kind: LightKind) -> Self {
+        let (key_frames, group) = (Vec::new(), None);
+        Self { name: name.into(), kind, key_frames, camera_visible: true, solid: true, group }
+    }
 }
 
 kinds! {
@@ -75,9 +86,15 @@ impl LightKind {
         self.common().is_dark()
     }
 
-    /// The surface that shines, in lamp space; `None` if no ray can hit the light.
+    /// The surface that shines, in lamp space; `None` if no ray can hit the light, or if no shape is
+    /// like it.
     pub fn surface(&self) -> Option<Shape> {
         self.common().surface()
+    }
+
+    /// Hands the flat parts of the surface to `put`, for as long as that returns true, in lamp space.
+    pub(crate) fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool) {
+        self.common().for_flat_parts(put);
     }
 
     /// Whether it is one of the thesis's lights: its light does not fall off with distance.

@@ -24,8 +24,6 @@ pub enum Tangle {
 /// What is true of a material with all that it contains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Whole {
-    /// It can be seen without light on it.
-    pub(crate) glows: bool,
     /// It shows an image, or an image bends its normals.
     pub(crate) has_images: bool,
     /// An image bends its normals.
@@ -55,7 +53,6 @@ pub(crate) fn wholes(materials: &[Material]) -> Vec<Whole> {
         for part in materials[of].kind.parts().into_iter().flatten() {
             let Some(part) = wholes.get(part.0 as usize).copied() else { continue };
             let whole = &mut wholes[of];
-            whole.glows |= part.glows;
             whole.has_images |= part.has_images;
             whole.bends_normals |= part.bends_normals;
         }
@@ -68,7 +65,7 @@ fn alone(material: &Material) -> Whole {
     let mut has_images = false;
     material.kind.for_images(&mut |_| has_images = true);
     let bends_normals = material.kind.bends_normals();
-    Whole { glows: material.kind.glows(), has_images, bends_normals }
+    Whole { has_images, bends_normals }
 }
 
 /// Reports materials that contain themselves, and mixes that are nested too deeply; `heads` are the

@@ -1,7 +1,7 @@
 //! The elements at the top of a scene, by type.
 
 use super::elements::{ELEMENTS, LANGUAGE, Role};
-use crate::attributes::{Element, References, nameless, quoted_list};
+use crate::attributes::{Element, References, element_meant, nameless, quoted_list};
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::format::syntax::{Entry, Form, Item, Tree, Word};
 use crate::names::{Names, closest, invisible};
@@ -66,6 +66,10 @@ impl<'t, 'a> Scene<'t, 'a> {
         // A misspelt element is read as the one that was meant, so that its block is checked too.
         let known = known.or_else(|| {
             diagnostics.push(unknown_type(keyword));
+            // Another program's element has other attributes.
+            if element_meant(keyword.text).is_some() {
+                return None;
+            }
             let near = closest(keyword.text, LANGUAGE.keywords())?;
             ELEMENTS.iter().find(|known| known.schema.keyword == near)
         });
@@ -157,6 +161,13 @@ fn warn_of_double<'a>(names: &mut Names<'a>, name: Word<'a>, diagnostics: &mut D
 fn unknown_type(keyword: Word<'_>) -> Diagnostic {
     let word = keyword.text;
     let types = LANGUAGE.keywords();
+    if let Some(meant) = element_meant(word) {
+        let message = format!("unknown element `{word}`, did you mean `{meant}`?");
+        return Diagnostic {
+            help: usage(meant),
+            ..Diagnostic::error(message).at(keyword.span, "")
+        };
+    }
     if let Some(near) = closest(word, types.clone()) {
         let message = format!("unknown element `{word}`, did you mean `{near}`?");
         let help = invisible(word);
@@ -170,6 +181,15 @@ fn unknown_type(keyword: Word<'_>) -> Diagnostic {
         owners => diagnostic
             .at(keyword.span, format!("this stands in {}", quoted_list(owners.iter().copied(), 3))),
     }
+}
+
+/// How to write an element: its first attribute, and those that it must have.
+fn usage(keyword: &str) -> Option<String> {
+    let known = ELEMENTS.iter().find(|known| known.schema.keyword == keyword)?;
+    let attributes = known.schema.attributes().enumerate();
+    let attributes = attributes.filter(|(i, attribute)| *i == 0 || attribute.required);
+    let usages: Vec<_> = attributes.map(|(_, attribute)| attribute.usage()).collect();
+    Some(format!("write `{keyword} NAME {{ {} }}`", usages.join("  ").replace('`', "")))
 }
 
 fn not_an_element(item: &Item<'_>) -> Diagnostic {

@@ -3,11 +3,10 @@
 use std::sync::LazyLock;
 
 use super::camera::CAMERA;
-use super::key_frames::ADD_KFRAME;
 use super::settings::SETTINGS;
 use super::texture::TEXTURE;
 use crate::attributes::schema::{Attribute, Schema, block, number, word};
-use crate::attributes::{Language, Referred};
+use crate::attributes::{ADD_KFRAME, Language, Referred};
 use crate::kinds::Kind;
 use crate::light::{LightKind, ReadLight};
 use crate::material::{MaterialKind, PHONG_INFO, ReadMaterial};
@@ -62,14 +61,6 @@ pub(super) struct Known {
 /// `Scaling`, which holds a number.
 const SCALING: Schema = Schema::new("Scaling", &[]);
 
-/// What all lights take.
-const LIGHT: &[Attribute] = &[
-    number("camera_visible"),
-    number("solid"),
-    word("light_group", "NAME"),
-    block(&ADD_KFRAME).repeated(),
-];
-
 /// What all objects take beside their shapes.
 const OBJECT: &[Attribute] = &[
     word("material", "NAME").required(),
@@ -85,7 +76,7 @@ pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
         Known { schema: SETTINGS, role: Role::Settings },
         Known { schema: CAMERA, role: Role::Camera },
     ];
-    elements.extend(written(LightKind::KINDS, LIGHT, Role::Light));
+    elements.extend(written(LightKind::KINDS, &[], Role::Light));
     elements.push(Known { schema: PHONG_INFO, role: Role::PhongInfo });
     elements.extend(written(MaterialKind::KINDS, &[], Role::Material));
     elements.push(Known { schema: TEXTURE, role: Role::Texture });
@@ -125,9 +116,20 @@ mod tests {
     fn blocks_follow_from_the_elements_that_take_them() {
         assert_eq!(LANGUAGE.owners("pivot"), ["pre", "key", "nex"]);
         assert_eq!(LANGUAGE.owners("width"), ["Film"]);
-        assert_eq!(LANGUAGE.owners("radius"), ["sphere", "cylinder", "cone"]);
+        let round = ["lamp_point", "lamp_spot", "lamp_disc", "sphere", "cylinder", "cone"];
+        assert_eq!(LANGUAGE.owners("radius"), round);
+    }
+
+    #[test]
+    fn what_moves_and_what_rays_pass_through() {
+        let lamps = ["lamp_point", "lamp_spot", "lamp_sun", "lamp_rectangle", "lamp_disc"];
         let objects = ELEMENTS.iter().filter(|known| matches!(known.role, Role::Object(_)));
-        let objects: Vec<_> = objects.map(|known| known.schema.keyword).collect();
-        assert_eq!(LANGUAGE.owners("addKframe"), objects);
+        let objects = objects.map(|known| known.schema.keyword);
+        let moving: Vec<_> = lamps.into_iter().chain(objects).collect();
+        assert_eq!(LANGUAGE.owners("addKframe"), moving);
+        let visible: Vec<_> = lamps.into_iter().chain(["environment"]).collect();
+        assert_eq!(LANGUAGE.owners("camera_visible"), visible);
+        let solid = ["lamp_point", "lamp_spot", "lamp_rectangle", "lamp_disc"];
+        assert_eq!(LANGUAGE.owners("solid"), solid);
     }
 }

@@ -3,19 +3,9 @@
 use glam::DVec3;
 
 use crate::animation::{KeyFrames, have_orientation};
-use crate::attributes::schema::{Attribute, Schema, block, number, point};
 use crate::attributes::{Bound, Field, Fields};
 use crate::description::{KeyFrame, Placement};
 use crate::diagnostics::{Diagnostic, Span};
-
-/// `addKframe`
-pub(super) const ADD_KFRAME: Schema =
-    Schema::new("addKframe", &[number("time").required(), block(&PRE), block(&KEY), block(&NEX)]);
-
-const PLACEMENT: [Attribute; 3] = [point("pivot"), point("up"), point("right")];
-const PRE: Schema = Schema::new("pre", &PLACEMENT);
-const KEY: Schema = Schema::new("key", &PLACEMENT);
-const NEX: Schema = Schema::new("nex", &PLACEMENT);
 
 /// A key frame with its places in the text.
 struct Written {
@@ -24,7 +14,7 @@ struct Written {
     keyword: Span,
 }
 
-/// The key frames of an object, in order of time.
+/// The key frames of an object or a lamp, in order of time.
 pub(super) fn key_frames(fields: &mut Fields<'_, '_, '_>) -> Vec<KeyFrame> {
     let blocks = fields.all("addKframe");
     let mut written: Vec<_> = blocks.into_iter().filter_map(|b| key_frame(fields, b)).collect();

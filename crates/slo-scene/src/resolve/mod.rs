@@ -4,6 +4,7 @@ mod camera;
 mod collect;
 mod elements;
 mod key_frames;
+mod lights;
 mod oddities;
 mod overlaps;
 mod resolver;

@@ -1,9 +1,12 @@
 //! Warnings about scenes that the language allows but nobody means.
 
+use std::collections::HashSet;
+
 use crate::attributes::Fields;
 use crate::description::{CamSegment, Camera, KeyFrame, SceneDescription};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
-use crate::material::wholes;
+use crate::material::{Material, MaterialKind};
+use crate::settings::Integrator;
 
 /// Warns of a shutter that is open for `blur` seconds if its segment takes less.
 pub(super) fn check_shutter(
@@ -25,7 +28,7 @@ pub(super) fn check_shutter(
     fields.diagnostics.push(Diagnostic::warning(message).at(span, "").help(help));
 }
 
-/// Warns if all key frames of an object lie before the scene time that the camera sees, or after it.
+/// Warns if all key frames of an object or a lamp lie before the scene time that the camera sees, or after it.
 pub(super) fn check_key_times(
     fields: &mut Fields<'_, '_, '_>,
     key_frames: &[KeyFrame],
@@ -42,7 +45,10 @@ pub(super) fn check_key_times(
     let message = format!("{} has key frames only {when} of scene time", fields.element.title());
     let mut warning = Diagnostic::warning(message)
         .at(at.keyword.span, format!("key frames from {} to {}", first.time, last.time))
-        .help(format!("scene time goes from {start} to {end}: the object does not move"));
+        .help(format!(
+            "scene time goes from {start} to {end}: {} does not move",
+            fields.element.title()
+        ));
     let in_seconds = last.time / camera.fps;
     let are_frames = key_frames.iter().all(|key_frame| key_frame.time.fract() == 0.0);
     if are_frames && end < first.time && in_seconds <= end {
@@ -63,16 +69,23 @@ fn scene_time(segment: &CamSegment) -> [f64; 2] {
 /// Warns of a scene without any light.
 pub(super) fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostics) {
     let SceneDescription { settings, lights, materials, objects, .. } = scene;
-    let wholes = wholes(materials);
-    let glows = objects.iter().any(|object| {
-        let material = wholes.get(object.material.0 as usize);
-        material.is_some_and(|material| material.glows)
-    });
-    if objects.is_empty() || glows || settings.background != [0.0; 3] {
+    let is_path = settings.integrator == Integrator::Path;
+    let glows = |kind: &MaterialKind| match kind {
+        MaterialKind::Phong(_) if is_path => false,
+        _ => kind.glows(),
+    };
+    let shown = objects.iter().map(|object| object.material.0 as usize);
+    let is_seen = || any_part(materials, shown, glows);
+    if objects.is_empty() || settings.background != [0.0; 3] || is_seen() {
         return;
     }
-    let help = "write `light_point NAME { color { 1 1 1 } position { x y z } }`, or give a material \
-                `ambient` light";
+    let help = if is_path {
+        "write `lamp_point NAME { power { 100 100 100 } position { x y z } }`, or \
+         `environment NAME { radiance { 1 1 1 } }`"
+    } else {
+        "write `light_point NAME { color { 1 1 1 } position { x y z } }`, or give a material \
+         `ambient` light"
+    };
     if lights.is_empty() {
         diagnostics
             .push(Diagnostic::warning("the scene has no light: its picture is black").help(help));
@@ -80,4 +93,85 @@ pub(super) fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostic
         let message = "all lights are black, and so is the picture";
         diagnostics.push(Diagnostic::warning(message).help(help));
     }
+}
+
+/// Warns of `ambient` light under an integrator that computes what it stands in for; `places` are
+/// where it is written.
+pub(super) fn check_ambient(
+    places: &[Span],
+    integrator: Integrator,
+    diagnostics: &mut Diagnostics,
+) {
+    let [first, others @ ..] = places else { return };
+    if integrator == Integrator::Distributed {
+        return;
+    }
+    let label = match others.len() {
+        0 => String::new(),
+        1 => "and in one other `phong_info`".into(),
+        n => format!("and in {n} other `phong_info`s"),
+    };
+    let message = format!("`ambient` does nothing under `integrator {integrator}`");
+    let warning = Diagnostic::warning(message).at(*first, label);
+    diagnostics
+        .push(warning.help("it stands in for light between surfaces, which is computed here"));
+}
+
+/// What an object says about the light that it emits.
+#[derive(Clone, Debug)]
+pub(super) struct Emission {
+    /// `sampled` or `light_group`.
+    name: &'static str,
+    place: Span,
+    object: String,
+    /// Index of the object's material.
+    material: usize,
+}
+
+/// What an object of a material says about the light that it emits.
+pub(super) fn emission(fields: &Fields<'_, '_, '_>, material: usize) -> Vec<Emission> {
+    let object = fields.element.title();
+    let said = ["sampled", "light_group"].into_iter().filter_map(|name| {
+        let place = fields.get(name)?.keyword.span;
+        Some(Emission { name, place, object: object.clone(), material })
+    });
+    said.collect()
+}
+
+/// Warns of what objects say about the light that they emit if they emit none.
+pub(super) fn check_emission(
+    said: &[Emission],
+    materials: &[Material],
+    diagnostics: &mut Diagnostics,
+) {
+    let emits = |kind: &MaterialKind| !matches!(kind, MaterialKind::Phong(_)) && kind.glows();
+    for Emission { name, place, object, material } in said {
+        if any_part(materials, std::iter::once(*material), emits) {
+            continue;
+        }
+        let message = format!("`{name}` has no effect: {object} emits no light");
+        let warning = Diagnostic::warning(message).at(*place, "");
+        let help = "a `material_principled` with `emission_strength` makes an object a lamp";
+        diagnostics.push(warning.help(help));
+    }
+}
+
+/// Whether some of these materials, or something that they are mixed from, has a property.
+fn any_part(
+    materials: &[Material],
+    of: impl Iterator<Item = usize>,
+    has: impl Fn(&MaterialKind) -> bool,
+) -> bool {
+    let mut seen = HashSet::new();
+    let mut waiting: Vec<usize> = of.filter(|material| seen.insert(*material)).collect();
+    while let Some(Material { kind, .. }) = waiting.pop().and_then(|index| materials.get(index)) {
+        if has(kind) {
+            return true;
+        }
+        if let MaterialKind::Mix(mix) = kind {
+            let parts = [mix.first, mix.second].map(|part| part.0 as usize);
+            waiting.extend(parts.into_iter().filter(|part| seen.insert(*part)));
+        }
+    }
+    false
 }

@@ -99,12 +99,19 @@ fn faces(objects: &[(Object, Span)], lights: &[(Light, Span)]) -> Option<Vec<Fac
         add_faces(&mut faces, owner, Look::Material(object.material.0), &object.shape, &place)?;
     }
     for (number, (light, _)) in lights.iter().enumerate() {
-        if let Some(surface) = light.kind.surface() {
-            let (owner, look) = (objects.len() + number, Look::Light(number));
-            add_faces(&mut faces, owner, look, &surface, &DRigid::IDENTITY)?;
+        if light.key_frames.len() > 1 {
+            continue;
         }
+        let Ok(path) = KeyFrames::new(&light.key_frames) else { continue };
+        let place = path.pose(0.0);
+        let (owner, look) = (objects.len() + number, Look::Light(number));
+        light.kind.for_flat_parts(&mut |corners| {
+            let corners = corners.iter().map(|corner| place.point(*corner)).collect();
+            faces.extend(face(owner, look, corners, true));
+            faces.len() <= MOST_FACES
+        });
     }
-    Some(faces)
+    (faces.len() <= MOST_FACES).then_some(faces)
 }
 
 /// Adds the flat parts of a surface, placed; `None` if there are too many.

@@ -4,19 +4,20 @@ use std::sync::Arc;
 
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
+use super::oddities::Emission;
 use super::texture::{Image, texture, warn_of_alpha};
-use super::{camera, key_frames, oddities, overlaps, settings, tangents};
+use super::{camera, key_frames, lights, oddities, overlaps, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
 use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 use crate::files::{ContentHash, Files};
 use crate::format::parse;
-use crate::light::{Light, ReadLight};
+use crate::light::Light;
 use crate::material::{
     Material, Palette, PhongInfo, ReadMaterial, Whole, check_contained, phong_info, wholes,
 };
-use crate::settings::Settings;
+use crate::settings::{Integrator, Settings};
 use crate::shape::ReadShape;
 use crate::texture::Texture;
 
@@ -35,7 +36,8 @@ pub(crate) fn resolve(
     let scale = scaling(&scene, diagnostics);
     let references = scene.references(diagnostics);
     let assets = Assets::new(files, &name, hash);
-    let mut resolver = Resolver { scene, scale, references, assets, diagnostics };
+    let emission = Vec::new();
+    let mut resolver = Resolver { scene, scale, references, assets, emission, diagnostics };
     let description = resolver.description();
     resolver.references.report_dangling(resolver.diagnostics);
     if !resolver.diagnostics.has_errors() {
@@ -73,15 +75,18 @@ struct Resolver<'t, 'a, 'd> {
     scale: f64,
     references: References<'a>,
     assets: Assets<'d>,
+    /// What objects say about the light that they emit.
+    emission: Vec<Emission>,
     diagnostics: &'d mut Diagnostics,
 }
 
 impl<'t, 'a> Resolver<'t, 'a, '_> {
     fn description(&mut self) -> Option<SceneDescription> {
-        let settings = self.settings();
+        let (settings, background) = self.settings();
         let camera = self.camera();
-        let lights = self.lights();
-        let phong_infos = self.phong_infos();
+        let lights = self.lights(camera.as_ref());
+        lights::check_sky(&lights, background, self.diagnostics);
+        let phong_infos = self.phong_infos(settings.integrator);
         let images = self.textures();
         let textures: Vec<_> = images.iter().map(|image| image.texture.clone()).collect();
         let materials = self.materials(&phong_infos, &textures);
@@ -98,6 +103,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         };
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
             oddities::check_light(&scene, self.diagnostics);
+            oddities::check_emission(&self.emission, &scene.materials, self.diagnostics);
             overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
         }
         Some(scene)
@@ -107,10 +113,15 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         Fields::read(element, &LANGUAGE, self.scale, self.diagnostics)
     }
 
-    fn settings(&mut self) -> Settings {
+    /// The settings, and where they set `background`.
+    fn settings(&mut self) -> (Settings, Option<Span>) {
         match self.scene.only(|role| matches!(role, Role::Settings), self.diagnostics) {
-            Some(element) => settings::settings(&mut self.fields(element)),
-            None => Settings::default(),
+            Some(element) => {
+                let mut fields = self.fields(element);
+                let background = fields.get("background").map(|field| field.keyword.span);
+                (settings::settings(&mut fields), background)
+            }
+            None => (Settings::default(), None),
         }
     }
 
@@ -132,32 +143,33 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
     }
 
     /// Lights, with the places that they are defined at.
-    fn lights(&mut self) -> Vec<(Light, Span)> {
+    fn lights(&mut self, camera: Option<&Camera>) -> Vec<(Light, Span)> {
         let elements = self.scene.of(|role| match role {
             Role::Light(read) => Some(read),
             _ => None,
         });
-        let light = |(read, element): (ReadLight, Element<'t, 'a>)| {
+        let light = |(read, element)| {
             let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
-            let key_frames = key_frames::key_frames(&mut fields);
-            let flag = |fields: &mut Fields<'t, 'a, '_>, name| {
-                fields.count(name, 0, 1).is_none_or(|flag| flag.value == 1)
-            };
-            let camera_visible = flag(&mut fields, "camera_visible");
-            let solid = flag(&mut fields, "solid");
-            let group = fields.word("light_group").map(|group| group.text.to_owned());
             let references = &mut self.references;
             let mut palette = Palette { references, phong_infos: &[], textures: &[] };
-            let kind = read(&mut fields, &mut palette)?;
-            let name = element.name.text.to_owned();
-            Some((Light { name, kind, key_frames, camera_visible, solid, group }, element.head()))
+            lights::light(read, &mut fields, &mut palette, camera)
         };
         elements.into_iter().filter_map(light).collect()
     }
 
-    fn phong_infos(&mut self) -> Vec<PhongInfo> {
+    fn phong_infos(&mut self, integrator: Integrator) -> Vec<PhongInfo> {
         let elements = self.scene.of(|role| matches!(role, Role::PhongInfo).then_some(()));
-        elements.into_iter().map(|(_, e)| phong_info(&mut self.fields(e))).collect()
+        let mut ambient = Vec::new();
+        let mut read = |(_, element)| {
+            let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+            let info = phong_info(&mut fields);
+            let field = fields.get("ambient").filter(|_| info.ambient != [0.0; 3]);
+            ambient.extend(field.map(|field| field.keyword.span));
+            info
+        };
+        let infos = elements.into_iter().map(&mut read).collect();
+        oddities::check_ambient(&ambient, integrator, self.diagnostics);
+        infos
     }
 
     fn textures(&mut self) -> Vec<Image<'a>> {
@@ -232,6 +244,9 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let files = fields.words("filename").unwrap_or_default();
         let find = |name| self.references.find(Referred::Material, name);
         let material = material.and_then(find);
+        if let Some(material) = material {
+            self.emission.extend(oddities::emission(&fields, material));
+        }
         if material.and_then(|index| materials.get(index)).is_some_and(|m| m.has_images) {
             self.assets.warn_without_uvs(&files, self.diagnostics);
         }

@@ -49,6 +49,8 @@ pub struct Entry<S> {
     pub effect: Effect,
     recorded: Recorded<S>,
     place: Place,
+    /// The value that applies if none is set.
+    otherwise: Option<fn(&S) -> Value>,
     get: fn(&S) -> Value,
     set: fn(&mut S, Value),
 }
@@ -60,9 +62,17 @@ pub trait Entries: Default + 'static {
 }
 
 impl<S: Entries> Entry<S> {
-    /// The value.
+    /// The value that is set.
     pub fn get(&self, of: &S) -> Value {
         (self.get)(of)
+    }
+
+    /// The value that applies: if none is set, other settings may say which.
+    pub fn applied(&self, of: &S) -> Value {
+        match (self.get(of), self.otherwise) {
+            (Value::Absent, Some(otherwise)) => otherwise(of),
+            (value, _) => value,
+        }
     }
 
     /// Sets the value, if it is one that the setting takes.
@@ -89,12 +99,20 @@ impl<S: Entries> Entry<S> {
     fn restore(&self, of: &mut S, found: Option<Value>) -> Option<()> {
         match (found, &self.recorded) {
             (_, _) if self.effect == Effect::Nothing => {}
-            (Some(value), _) => return self.set(of, value).then_some(()),
+            (Some(value), _) => return self.set_back(of, value),
             (None, Recorded::Always) => return None,
             // Any value that would not stand there makes the same picture.
             (None, _) if self.is_recorded(of) => (self.set)(of, self.get(&S::default())),
             (None, _) => {}
         }
+        Some(())
+    }
+
+    /// Sets the value that a recipe holds, or none if that value applies anyway.
+    fn set_back(&self, of: &mut S, value: Value) -> Option<()> {
+        self.form.takes(&value).then_some(())?;
+        let applies = self.otherwise.is_some_and(|otherwise| otherwise(of) == value);
+        (self.set)(of, if applies { Value::Absent } else { value });
         Some(())
     }
 }
@@ -103,7 +121,7 @@ impl<S: Entries> Entry<S> {
 pub fn recorded<S: Entries>(of: &S) -> Vec<(&'static str, Value)> {
     let mut entries: Vec<_> = S::ENTRIES.iter().filter(|entry| entry.is_recorded(of)).collect();
     entries.sort_by_key(|entry| entry.place);
-    entries.into_iter().map(|entry| (entry.name, entry.get(of))).collect()
+    entries.into_iter().map(|entry| (entry.name, entry.applied(of))).collect()
 }
 
 /// The name of the first setting whose value is not one that it takes; `None` if all are.
@@ -134,6 +152,7 @@ pub(super) struct Row<S, T> {
     effect: Effect,
     recorded: Recorded<S>,
     place: Place,
+    otherwise: Option<fn(&S) -> Value>,
     field: PhantomData<fn() -> T>,
 }
 
@@ -209,7 +228,8 @@ pub(super) const fn text<S, T: Of<String>>(
 impl<S, T> Row<S, T> {
     const fn new(name: &'static str, form: Form, effect: Effect) -> Self {
         let (recorded, place) = (Recorded::Always, Place::InOrder);
-        Self { name, form, is_required: false, effect, recorded, place, field: PhantomData }
+        let (otherwise, field) = (None, PhantomData);
+        Self { name, form, is_required: false, effect, recorded, place, otherwise, field }
     }
 
     /// A scene must have it.
@@ -242,10 +262,18 @@ impl<S, T> Row<S, T> {
         self
     }
 
+    /// If it is not set, `otherwise` gives the value that applies. It may look at settings that stand
+    /// before this one in the list.
+    pub(super) const fn otherwise(self, otherwise: fn(&S) -> Value) -> Row<S, Option<T>> {
+        let Self { name, form, is_required, effect, recorded, place, .. } = self;
+        let (otherwise, field) = (Some(otherwise), PhantomData);
+        Row { name, form, is_required, effect, recorded, place, otherwise, field }
+    }
+
     /// Ties the row to its field.
     pub(super) const fn entry(self, get: fn(&S) -> Value, set: fn(&mut S, Value)) -> Entry<S> {
-        let Self { name, form, is_required, effect, recorded, place, .. } = self;
-        Entry { name, form, is_required, effect, recorded, place, get, set }
+        let Self { name, form, is_required, effect, recorded, place, otherwise, .. } = self;
+        Entry { name, form, is_required, effect, recorded, place, otherwise, get, set }
     }
 }
 

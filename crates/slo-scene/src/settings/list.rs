@@ -1,7 +1,7 @@
 //! The `settings` element.
 
 use super::entry::{Effect, choice, color, count, double, entries, flag, single, whole};
-use super::value::Bound;
+use super::value::{Bound, Value};
 use super::words::{
     Accelerator, Contrast, Encoding, Generator, Integrator, LightSampling, ShadowMode,
 };
@@ -25,9 +25,12 @@ entries! {
             choice("integrator", Effect::Samples).unless_default();
         /// Which points the integral is sampled at.
         generator: Generator = Generator::Quasi, choice("generatorType", Effect::Samples);
-        /// How many lights a hit asks.
-        light_sampling: LightSampling = LightSampling::All,
-            choice("lightSamplingType", Effect::Samples);
+        /// How many lights a hit asks; `None`: the integrator's default, see
+        /// [`Settings::light_sampling`].
+        light_sampling: Option<LightSampling> = None,
+            choice("lightSamplingType", Effect::Samples).otherwise(|settings: &Settings| {
+                Value::Word(settings.integrator.light_sampling().name())
+            });
         /// How a sample stands out.
         contrast: Contrast = Contrast::Difference, choice("contrastType", Effect::Count);
         /// Samples of a pixel's area.
@@ -47,8 +50,11 @@ entries! {
         /// At the first hit.
         diffuse_refraction_samples: u32 = 1,
             count("diffuseRefractionSamples", [1, MOST_SAMPLES], Effect::Samples);
-        /// Bounces after the primary hit; 0 is none.
-        recursion: u32 = 3, count("recursion", [0, MOST_BOUNCES], Effect::Samples);
+        /// Bounces after the first hit; 0 is none. `None`: the integrator's default, see
+        /// [`Settings::recursion`].
+        recursion: Option<u32> = None,
+            count("recursion", [0, MOST_BOUNCES], Effect::Samples)
+                .otherwise(|settings: &Settings| Value::Count(settings.integrator.recursion()));
         /// Sections side by side; `None`: chosen by the renderer.
         sections_horizontal: Option<u32> = None,
             count("sectionsHorizontal", [1, MOST_SECTIONS], Effect::Nothing);
@@ -83,6 +89,16 @@ entries! {
 }
 
 impl Settings {
+    /// Bounces after the first hit, at most: as set, or as the integrator has it.
+    pub fn recursion(&self) -> u32 {
+        self.recursion.unwrap_or(self.integrator.recursion())
+    }
+
+    /// How many lights a hit asks: as set, or as the integrator has it.
+    pub fn light_sampling(&self) -> LightSampling {
+        self.light_sampling.unwrap_or(self.integrator.light_sampling())
+    }
+
     /// Camera samples of a pixel, at most.
     pub fn camera_samples(&self) -> u64 {
         u64::from(self.image_samples) * u64::from(self.dof_samples)

@@ -1,6 +1,8 @@
 //! The scene language: what it says, how it reports mistakes, and that no text makes it fall over.
 
+mod documentation;
 mod fuzz;
+mod lamps;
 mod materials;
 mod messages;
 mod mistakes;

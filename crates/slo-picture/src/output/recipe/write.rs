@@ -201,10 +201,10 @@ mod tests {
         check(|s| s.settings.soft_shadow_samples = 2);
         check(|s| s.settings.diffuse_reflection_samples = 2);
         check(|s| s.settings.diffuse_refraction_samples = 2);
-        check(|s| s.settings.recursion = 2);
+        check(|s| s.settings.recursion = Some(2));
         check(|s| s.settings.background[2] = 0.5);
         check(|s| s.settings.generator = Generator::ZeroTwo);
-        check(|s| s.settings.light_sampling = LightSampling::One);
+        check(|s| s.settings.light_sampling = Some(LightSampling::One));
         check(|s| s.settings.contrast = Contrast::Weber);
         check(|s| s.settings.shadow = ShadowMode::Transparent);
         check(|s| s.settings.noise = Some(0.5));
@@ -240,7 +240,7 @@ mod tests {
         assert!(!json(&scene).contains("layers"));
         assert_eq!(layers(&scene), Some(Vec::new()));
         scene.camera.film.layers = Layer::ALL.to_vec();
-        assert!(json(&scene).contains("\n  \"layers\": [\"albedo\", \"normal\"],\n"));
+        assert!(json(&scene).contains("\n  \"layers\": [\"albedo\", \"normal\", \"lights\"],\n"));
         assert_eq!(layers(&scene), Some(Layer::ALL.to_vec()));
         for bad in [serde_json::json!(["depth"]), serde_json::json!("albedo")] {
             assert_eq!(layers_of(&serde_json::json!({ "layers": bad })), None);

@@ -89,11 +89,15 @@ pub(super) fn share(
         return 1.0;
     }
     let rays = rays_to(frame, light, depth - 1) as f32;
-    let chance = match frame.settings.light_sampling {
+    let chance = match frame.settings.light_sampling() {
         LightSampling::All => 1.0,
         LightSampling::One => {
             frame.light_tree.chance(number, batch.past.from.get(i), batch.past.normal[i])
         }
     };
-    frame.techniques.hit(is_diffuse, density, rays * chance * light.density(way))
+    frame.techniques.hit(
+        is_diffuse,
+        density,
+        rays * chance * light.density(batch.past.from.get(i), way),
+    )
 }

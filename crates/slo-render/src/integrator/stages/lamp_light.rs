@@ -4,7 +4,6 @@ use glam::Vec3;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 
-
 use super::bsdfs::Bsdfs;
 use super::points::Points;
 use crate::frame::FrameScene;
@@ -15,6 +14,7 @@ use crate::integrator::work::Job;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{Lobe, WithLobe};
+use crate::shading::light::Choices;
 use crate::shading::{Lamp, WithLamp, WithLamps};
 
 use super::direct_light::Question;
@@ -23,6 +23,7 @@ use super::direct_light::Question;
 #[derive(Debug)]
 pub(in crate::integrator) struct LampLight {
     set: SetPoints,
+    choices: Choices,
     /// Index of the light of each point.
     light: Column<u32>,
     /// Number of rays to the light: the probability of the choice, times the number of rays.
@@ -49,6 +50,7 @@ impl Default for LampLight {
         let zeros = [0.0; BATCH];
         Self {
             set: SetPoints::default(),
+            choices: Choices::default(),
             light: [0; BATCH],
             tries: zeros,
             toward: Vec3s::default(),
@@ -98,13 +100,16 @@ impl LampLight {
 
     /// Chooses a light for each point.
     fn choose(&mut self, frame: &FrameScene, points: &Points, rays: f32) {
-        let Self { set, light, tries, .. } = self;
-        for i in 0..points.len() {
-            let from = points.surfaces.point.get(i);
-            let chosen = frame.light_tree.choose(from, points.receiver[i], set.numbers[2][i]);
-            light[i] = chosen.light;
-            tries[i] = chosen.chance * rays;
+        let Self { set, choices, light, tries, radiance, .. } = self;
+        let Points { surfaces, receiver, .. } = points;
+        let (point, u) = (&surfaces.point, &set.numbers[2]);
+        frame.light_tree.choose_all(frame.isa, points.len(), point, receiver, u, choices);
+        *light = choices.light;
+        for (tries, chance) in tries.iter_mut().zip(&choices.chance) {
+            *tries = chance * rays;
         }
+        // Points that no light can reach have none, and ask none.
+        *radiance = Vec3s::default();
     }
 }
 
@@ -175,7 +180,7 @@ impl<L: Lamp, C: Fn(u32) -> (L, bool)> Lanewise for Ask<'_, C> {
             };
             let radiance = lamp.radiance(way);
             let tries = to.tries[i];
-            let by_light = if L::IS_DELTA { tries } else { tries * lamp.density(way) };
+            let by_light = if L::IS_DELTA { tries } else { tries * lamp.density(hit, way) };
             let flat = if L::IS_OF_THESIS { std::f32::consts::PI / tries } else { 0.0 };
             let keep = |new: Vec3, old: Vec3| if is_asked { new } else { old };
             to.sent.origin.set(i, keep(origin, to.sent.origin.get(i)));

@@ -216,7 +216,7 @@ impl<'a> Oracle<'a> {
     /// Returns the number of rays from a hit to a light, and its mean.
     fn tries(&self, number: usize, depth: u32) -> (u32, f64) {
         let settings = &self.scene.settings;
-        let one = settings.light_sampling == LightSampling::One;
+        let one = settings.light_sampling() == LightSampling::One;
         let area = matches!(self.scene.lights[number].kind, LightKind::Rectangle(_));
         let many = depth == 0 && (one || area);
         let count = if many { settings.soft_shadow_samples } else { 1 };
@@ -234,7 +234,7 @@ impl<'a> Oracle<'a> {
 
     fn lights(&self, hit: &Hit<'_>, branch: Branch, lobes: &[Glossy]) -> DVec3 {
         let lights = &self.scene.lights;
-        if self.scene.settings.light_sampling == LightSampling::One {
+        if self.scene.settings.light_sampling() == LightSampling::One {
             let (count, tries) = self.tries(0, branch.depth);
             let key = self.key(branch, Purpose::AnyLight, count);
             let one = |i| {
@@ -375,7 +375,7 @@ impl<'a> Oracle<'a> {
     /// Returns the light that a hit reflects and refracts.
     fn lobes(&self, hit: &Hit<'_>, depth: u32) -> Vec<Glossy> {
         let settings = &self.scene.settings;
-        if depth == settings.recursion {
+        if depth == settings.recursion() {
             return Vec::new();
         }
         let material = &hit.material.info;

@@ -244,7 +244,7 @@ fn the_comparison_finds_small_mistakes() {
     let image = |scene: &SceneDescription| expose(scene, Isa::best()).image();
     let changes: [fn(&mut SceneDescription); 4] = [
         |scene| scene.settings.seed = 1,
-        |scene| scene.settings.recursion = 2,
+        |scene| scene.settings.recursion = Some(2),
         |scene| match &mut scene.lights[1].kind {
             LightKind::Point(light) => light.color[0] *= 1.02,
             LightKind::Rectangle(light) => light.color[0] *= 1.02,
