@@ -11,7 +11,7 @@ use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::{FrameObject, FrameScene};
-use super::shapes::{Geometry, geometry};
+use super::shapes::{Geometry, geometry, lamp_geometry};
 use super::world::{Instance, World};
 use crate::camera::{Camera, DegenerateView};
 use crate::sampling::Sampler;
@@ -116,9 +116,9 @@ impl FrameScene {
         let (mut lights, mut hidden, mut passable) = (Vec::new(), Vec::new(), Vec::new());
         for light in &scene.lights {
             let ready = Light::new(light, origin, &scene.textures, lights_before);
-            if let Some(surface) = light.kind.surface() {
+            if let Some(geometry) = lamp_geometry(&light.kind) {
                 let look = Look::Light(lights.len() as u32);
-                parts.add_still(look, geometry(&surface), &DRigid::IDENTITY, &seen);
+                parts.add_still(look, geometry, &DRigid::IDENTITY, &seen);
             }
             lights.push(ready);
             hidden.push(!light.camera_visible);
