@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::emitters::add_emitters;
+use super::emitters::{add_emitters, light_groups};
 use super::looks::{Look, Looks};
 use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::{FrameObject, FrameScene};
-use super::shapes::{Geometry, geometry};
+use super::shapes::{Geometry, geometry, lamp_geometry};
 use super::world::{Instance, World};
 use crate::camera::{Camera, DegenerateView};
 use crate::sampling::Sampler;
@@ -116,15 +116,16 @@ impl FrameScene {
         let (mut lights, mut hidden, mut passable) = (Vec::new(), Vec::new(), Vec::new());
         for light in &scene.lights {
             let ready = Light::new(light, origin, &scene.textures, lights_before);
-            if let Some(surface) = light.kind.surface() {
+            if let Some(geometry) = lamp_geometry(&light.kind) {
                 let look = Look::Light(lights.len() as u32);
-                parts.add_still(look, geometry(&surface), &DRigid::IDENTITY, &seen);
+                parts.add_still(look, geometry, &DRigid::IDENTITY, &seen);
             }
             lights.push(ready);
             hidden.push(!light.camera_visible);
             passable.push(!light.solid);
         }
         add_emitters(scene, &mut parts, &mut lights);
+        let light_groups = light_groups(scene, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
                 flags.clear();
@@ -152,6 +153,7 @@ impl FrameScene {
             skies: skies(&lights),
             hidden,
             passable,
+            light_groups,
             techniques: Techniques::default(),
             lights: lights.into_iter().collect(),
             is_physical: is_physical(scene),
@@ -278,6 +280,7 @@ impl Parts {
             place: Rigid::IDENTITY,
             first_triangle: 0,
             first_light: None,
+            light_group: 0,
         });
         Ok(())
     }
@@ -298,6 +301,7 @@ impl Parts {
             place,
             first_triangle,
             first_light: None,
+            light_group: 0,
             normals,
         });
     }

@@ -38,7 +38,10 @@ mod tests {
         let n_geo = Vec3::new(0.48, 0.6, 0.64);
         let mut bends = 0;
         for i in 0..2000u32 {
-            let number = |k: u32| (i * 7919 + k * 104_729) as f32 * 0.618_034 % 1.0 * 2.0 - 1.0;
+            let number = |k: u32| {
+                let x = f64::from(i * 7919 + k * 104_729) * 0.618_033_988_749_894_9;
+                (x % 1.0 * 2.0 - 1.0) as f32
+            };
             let upper = |k: u32| {
                 let w = Vec3::new(number(k), number(k + 1), number(k + 2));
                 let w = w / w.length();
@@ -48,7 +51,7 @@ mod tests {
             let to = bent(eye, n, n_geo);
             let height = |n: Vec3| reflect(-eye, n).dot(n_geo);
             let least = (0.9 * eye.dot(n_geo)).min(0.01);
-            assert!((to.length() - 1.0).abs() < 1e-5);
+            assert!((to.length() - 1.0).abs() < 1e-5, "{eye} {n}: {to}");
             assert!(height(to) > least - 1e-4, "{eye} {n}: {}", height(to));
             assert!(to.dot(eye) > 0.0);
             if height(n) >= least {

@@ -126,7 +126,6 @@ impl Seen {
     }
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

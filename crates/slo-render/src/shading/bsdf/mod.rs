@@ -57,3 +57,6 @@ lobes! {
         pub specular: Specular,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -73,7 +73,7 @@ impl<A: Fn(usize) -> At, M: Fn(usize) -> bool> Lanewise for Set<'_, A, M> {
         }
         metal(parameters, &found, &views.cos, len, left, &mut to.metal);
         glass(parameters, &found, &views.cos, len, left, &mut to.glass);
-        specular(parameters, &found, len, left, &mut to.specular);
+        specular(parameters, &found, &views.cos, len, left, &mut to.specular);
         diffuse(parameters, &views, &is_mine, len, &mut to.diffuse, &mut to.rough_diffuse);
         place(parameters, &views, len, to);
         for share in [
@@ -338,10 +338,20 @@ fn glass(
     }
 }
 
+/// Light that rough gloss keeps from the base without reflecting it. Blender's gloss of roughness 0.5
+/// keeps 0.0086 at 80 degrees, for want of nodes in a table. This is half of that: albedos are
+/// within 0.5 % of Blender's, and white surfaces within 0.5 % of white.
+#[inline(always)]
+fn withheld(cos: f32, roughness: f32) -> f32 {
+    let slant = 1.0 - cos;
+    0.0049 * (1.3 * slant * slant).min(1.0) * (4.0 * roughness).clamp(0.0, 1.0)
+}
+
 #[inline(always)]
 fn specular(
     parameters: &Parameters,
     found: &Found,
+    cos: &Numbers,
     len: usize,
     left: &mut Vec3s,
     to: &mut Specular,
@@ -358,7 +368,8 @@ fn specular(
         // An index of 1 leaves nothing to reflect.
         let is_there = eta != 1.0;
         set(&mut to.facets.share, i, if is_there { above * boost } else { Vec3::ZERO }, albedo);
-        let taken = (albedo * boost).max_element().clamp(0.0, 1.0);
+        let lost = withheld(cos.0[i], parameters.roughness[i]);
+        let taken = ((albedo * boost).max_element() + lost).clamp(0.0, 1.0);
         left.set(i, above * (1.0 - if is_there { taken } else { 0.0 }));
     }
 }

@@ -272,40 +272,12 @@ impl Normals {
                 for (side, eta) in [eta, 1.0 / eta].into_iter().enumerate() {
                     let (share, cos_t) = dielectric(along, eta);
                     let z = (view.eye[1] - (along - eta * cos_t) * h[2]) / eta;
-                    row.glass[side][e] += share * reflected + (1.0 - share) * weight * view.passed(z);
+                    row.glass[side][e] +=
+                        share * reflected + (1.0 - share) * weight * view.passed(z);
                 }
             }
         }
         row.curve = row.curve.map(|sum| sum / all);
         row
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn explore() {
-        let t = std::time::Instant::now();
-        let a = Tables::new(POINTS);
-        println!("{:?}", t.elapsed());
-        let b = Tables::new([32, 128]);
-        let mut worst = [(0.0f32, 0, 0, 0); 4];
-        let mut see = |k: usize, x: f32, at: (usize, usize, usize)| if x > worst[k].0 { worst[k] = (x, at.0, at.1, at.2) };
-        for r in 0..FINE { for m in 1..FINE { see(0, (a.single[r][m] / b.single[r][m] - 1.0).abs(), (r, m, 0)); } }
-        for r in 0..ROUGH { for m in 1..COS { for e in 0..ETA {
-            see(1, (a.curve[e][r][m] - b.curve[e][r][m]).abs(), (r, m, e));
-            see(2, (a.glass[0][e][r][m] - b.glass[0][e][r][m]).abs(), (r, m, e));
-            see(3, (a.glass[1][e][r][m] - b.glass[1][e][r][m]).abs(), (r, m, e));
-        }}}
-        println!("{worst:?}");
-        for cos in [1.0, 0.5, 0.173_648_18] {
-            println!("{cos}: E1 {} E.5 {} glass1 {} glass.5 {} curve.5 {} curve 0 {}", a.single(1.0, cos), a.single(0.5, cos), a.glass(1.5, 1.0, cos), a.glass(1.5, 0.5, cos), a.curve(1.5, 0.5, cos), a.curve(1.5, 0.0, cos));
-            let n = Normals::new([64, 512]);
-            let r = n.row(0.5, cos as f64);
-            println!("   exact curve at nodes eta {} {:?} glass {:?}", index(8), r.curve[8], r.glass[0][8]);
-        }
-        println!("mean {} {}", a.mean(1.0), a.curve_mean(1.5)*0.96+0.04);
     }
 }
