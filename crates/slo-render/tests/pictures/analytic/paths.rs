@@ -174,7 +174,7 @@ fn light_fades_in_glass_by_the_law_of_beer() {
     // Straight through 2 units of clear matter: half is left after 1 unit.
     let glass = "material_principled m { base_color { 1 1 1 } transmission 1 roughness 0 ior 1
         absorption_color { .5 .25 1 } absorption_distance 1 } ";
-    let slab = "box b { material m vertex0 { -9 -1 -9 } vertex1 { -9 1 -9 } vertex2 { 9 1 -9 } height 18 } ";
+    let slab = "box b { material m vertex0 { -9 -1 -9 } vertex1 { 9 -1 -9 } vertex2 { 9 1 -9 } height 18 } ";
     let settings = "integrator PATH background { 1 1 1 }".to_owned();
     let shot = Shot { fov: 0.02, settings, recursion: 4, ..Shot::default() };
     shot.take(&(glass.to_owned() + slab)).assert_mean([0.25, 0.0625, 1.0], 0.002);
