@@ -31,6 +31,8 @@ pub(crate) struct Surfaces {
     pub(crate) tint: Vec3s,
     /// Where anisotropic materials have their long axis; 0 if they do not matter.
     pub(crate) tangent: Vec3s,
+    /// -1 where the texture is mirrored, otherwise 1; of hits that have a tangent.
+    pub(crate) mirrored: Column<f32>,
     /// Texture coordinates, of hits on materials that depend on them.
     pub(crate) uv: [Column<f32>; 2],
     /// Bounds of the absolute coordinates from which points were computed.
@@ -50,6 +52,7 @@ impl Default for Surfaces {
             from_outside: [0; BATCH],
             tint: Vec3s::default(),
             tangent: Vec3s::default(),
+            mirrored: [1.0; BATCH],
             uv: [[0.0; BATCH]; 2],
             magnitude: Vec3s::default(),
         }

@@ -45,7 +45,7 @@ impl Default for Bsdfs {
 
 impl Bsdfs {
     /// Looks up the numbers of the materials of all points.
-    pub(in crate::integrator) fn look_up(&mut self, frame: &FrameScene, points: &Points) {
+    pub(in crate::integrator) fn look_up(&mut self, frame: &FrameScene, points: &mut Points) {
         let table = &frame.material_table;
         let len = points.len();
         let is_principled = |kind| u32::from(kind == Kind::Principled);
@@ -59,6 +59,7 @@ impl Bsdfs {
         if table.is_physical() {
             frame.isa.run(LookUp { table, points, to: &mut self.parameters });
             frame.multiply_images(&points.surfaces, &mut self.parameters);
+            frame.bend_normals(&self.parameters, &mut points.surfaces);
         }
     }
 
