@@ -16,7 +16,7 @@ pub(super) fn dielectric(cos: f32, eta: f32) -> f32 {
 /// The cosine of the refracted ray's angle to the normal; 0 beyond the critical angle.
 #[inline(always)]
 pub(super) fn cos_refracted(cos: f32, eta: f32) -> f32 {
-    (1.0 - (1.0 - cos * cos) / (eta * eta)).max(0.0).sqrt()
+    ((eta - 1.0) * (eta + 1.0) + cos * cos).max(0.0).sqrt() / eta
 }
 
 /// [`dielectric`] along the normal.
@@ -77,5 +77,52 @@ impl Metal {
     pub(super) fn mean(self) -> Vec3 {
         let mean = self.f0 + (Vec3::ONE - self.f0) * (1.0 / 21.0) - self.bend * (1.0 / 126.0);
         mean.max(Vec3::ZERO).min(Vec3::ONE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cos(degrees: f64) -> f32 {
+        libm::cos(degrees.to_radians()) as f32
+    }
+
+    #[test]
+    fn dielectrics() {
+        for (degrees, expected) in [(0.0, 0.04), (60.0, 0.089_187), (80.0, 0.387_704)] {
+            let found = dielectric(cos(degrees), 1.5);
+            assert!((found - expected).abs() < 2e-6, "{degrees}: {found} is not {expected}");
+        }
+        assert_eq!(dielectric(0.0, 1.5), 1.0);
+        // From inside, beyond the critical angle of 41.8 degrees.
+        assert_eq!(dielectric(cos(42.0), 1.0 / 1.5), 1.0);
+        assert!(dielectric(cos(41.0), 1.0 / 1.5) < 0.4);
+        for c in [0.0, 1e-6, 0.3, 1.0] {
+            assert!(dielectric(c, 1.0) < 1e-6);
+            assert!(between(c, 1.0) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn an_index_reflects_what_it_should() {
+        for f0 in [0.0, 0.02, 0.04, 0.5] {
+            assert!((normal_incidence(index_of(f0)) - f0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn metals_are_tinted_near_grazing_angles() {
+        let (f0, tint) = (Vec3::new(0.9, 0.5, 0.1), Vec3::new(0.5, 1.0, 0.6));
+        let metal = Metal::new(f0, tint);
+        let schlick = f0 + (Vec3::ONE - f0) * f32::powi(6.0 / 7.0, 5);
+        assert!((metal.at(1.0 / 7.0) - schlick * tint).abs().max_element() < 1e-5);
+        assert!((metal.at(1.0) - f0).abs().max_element() < 1e-6);
+        assert!((metal.at(0.0) - Vec3::ONE).abs().max_element() < 1e-6);
+        let mean = (0..1000).map(|i| {
+            let cos = (i as f32 + 0.5) / 1000.0;
+            metal.at(cos) * (2.0 * cos / 1000.0)
+        });
+        assert!((mean.sum::<Vec3>() - metal.mean()).abs().max_element() < 1e-4);
     }
 }

@@ -17,6 +17,7 @@ mod metal;
 mod power;
 mod principled;
 mod rough_diffuse;
+mod sheen;
 mod specular;
 mod tables;
 
@@ -32,6 +33,7 @@ pub use metal::Metal;
 pub use power::Power;
 pub use principled::principled;
 pub use rough_diffuse::RoughDiffuse;
+pub use sheen::Sheen;
 pub use specular::Specular;
 
 lobes! {
@@ -47,6 +49,8 @@ lobes! {
         pub refraction: Power,
         /// The rough diffuse base of principled materials.
         pub rough_diffuse: RoughDiffuse,
+        /// The sheen of principled materials.
+        pub sheen: Sheen,
         /// The clear coat of principled materials.
         pub coat: Coat,
         /// Their metal.

@@ -19,7 +19,7 @@ use super::ggx::{LEAST_ROUGHNESS, widths};
 use super::glass::is_perfect;
 use super::lobe::{At, Lobe, Share};
 use super::tables::{TABLES, Tables};
-use super::{Bsdf, Coat, Diffuse, Glass, Metal, RoughDiffuse, Specular};
+use super::{Bsdf, Coat, Diffuse, Glass, Metal, RoughDiffuse, Sheen, Specular};
 use crate::shading::lobe::pair;
 use crate::shading::material::principled::Parameters;
 
@@ -67,6 +67,7 @@ impl<A: Fn(usize) -> At, M: Fn(usize) -> bool> Lanewise for Set<'_, A, M> {
         found.look_up(tables, parameters, &views, to, len);
         let left = &mut views.left;
         *emitted = Vec3s::default();
+        sheen(parameters, &views.cos_shading, len, left, &mut to.sheen);
         coat(parameters, &views.cos, &found, len, left, &mut to.coat);
         for i in lanes(len) {
             emitted.set(i, left.get(i));
@@ -77,6 +78,7 @@ impl<A: Fn(usize) -> At, M: Fn(usize) -> bool> Lanewise for Set<'_, A, M> {
         diffuse(parameters, &views, &is_mine, len, &mut to.diffuse, &mut to.rough_diffuse);
         place(parameters, &views, len, to);
         for share in [
+            to.sheen.share_mut(),
             to.coat.share_mut(),
             to.metal.share_mut(),
             to.glass.share_mut(),
@@ -261,6 +263,17 @@ fn set(share: &mut Share, i: usize, weight: Vec3, albedo: Vec3) {
 }
 
 #[inline(always)]
+fn sheen(parameters: &Parameters, cos: &Numbers, len: usize, left: &mut Vec3s, to: &mut Sheen) {
+    for i in lanes(len) {
+        let above = left.get(i);
+        let albedo = to.set(i, parameters.sheen_roughness[i], cos.0[i]);
+        let scattered = parameters.sheen_tint.get(i) * (parameters.sheen[i] * albedo);
+        set(&mut to.share, i, above * scattered, Vec3::ONE);
+        left.set(i, above * (1.0 - scattered.max_element()).clamp(0.0, 1.0));
+    }
+}
+
+#[inline(always)]
 fn coat(
     parameters: &Parameters,
     cos: &Numbers,
@@ -344,7 +357,7 @@ fn glass(
 #[inline(always)]
 fn withheld(cos: f32, roughness: f32) -> f32 {
     let slant = 1.0 - cos;
-    0.0049 * (1.3 * slant * slant).min(1.0) * (4.0 * roughness).clamp(0.0, 1.0)
+    0.0046 * (1.3 * slant * slant).min(1.0) * (4.0 * roughness).clamp(0.0, 1.0)
 }
 
 #[inline(always)]

@@ -6,26 +6,25 @@
 
 use std::sync::LazyLock;
 
-use rayon::prelude::*;
-
 /// Nodes of roughness and cosine of the albedo of microfacets that reflect all light.
 const FINE: usize = 32;
 /// Nodes of roughness, of tables that depend on the index of refraction too.
 const ROUGH: usize = 16;
-/// Nodes of the cosine of these tables.
+/// Nodes of the root of the cosine of these tables.
 const COS: usize = 16;
 /// Nodes of the index of refraction of these tables.
 const ETA: usize = 16;
 /// The largest value of [`place`] that has a node of its own.
 const LAST: f64 = 0.8;
 
-/// Nodes of the azimuth, in half a circle, and of the other coordinate of normals.
-const POINTS: [usize; 2] = [8, 16];
+/// Points of the azimuth, in half a circle, and of the other coordinate of normals: for tables of
+/// microfacets that reflect all light, and for the others.
+const POINTS: [[usize; 2]; 2] = [[8, 64], [8, 32]];
 
 /// Where an index of refraction stands among the nodes, 0 to 1; the same for its reciprocal.
 #[inline(always)]
 fn place(eta: f32) -> f32 {
-    let eta = eta.max(1.0 / eta.max(1e-6));
+    let eta = eta.max(1.0 / eta.max(1e-6)).min(1e6);
     ((eta - 1.0) / (eta + 1.0)).sqrt() / LAST as f32
 }
 
@@ -45,7 +44,7 @@ pub(super) struct Tables {
     glass: [[[[f32; COS]; ROUGH]; ETA]; 2],
 }
 
-/// The tables.
+/// The tables. No thread pool integrates them: its threads may wait for them at the same time.
 pub(super) static TABLES: LazyLock<Tables> = LazyLock::new(|| Tables::new(POINTS));
 
 /// Between which nodes of `N` a number of 0 to 1 lies, and how far from the first one.
@@ -70,6 +69,7 @@ fn plane<const A: usize, const B: usize>(of: &[[f32; B]; A], a: f32, b: f32) -> 
 #[inline(always)]
 fn space(of: &[[[f32; COS]; ROUGH]; ETA], eta: f32, roughness: f32, cos: f32) -> f32 {
     let (i, t) = split::<ETA>(place(eta));
+    let cos = cos.max(0.0).sqrt();
     mix(plane(&of[i], roughness, cos), plane(&of[i + 1], roughness, cos), t)
 }
 
@@ -111,52 +111,49 @@ impl Tables {
         space(&self.glass[side], eta, roughness, cos)
     }
 
-    fn new(points: [usize; 2]) -> Self {
-        let normals = Normals::new(points);
-        let mut single = [[0.0; FINE]; FINE];
-        let mut mean = [0.0; FINE];
-        single.par_iter_mut().zip(&mut mean).enumerate().for_each(|(r, (row, mean))| {
-            let roughness = r as f64 / (FINE - 1) as f64;
-            let step = 1.0 / (FINE - 1) as f64;
-            let exact: Vec<f64> =
-                (0..FINE).map(|m| normals.single(roughness, m as f64 * step)).collect();
+    fn new([fine, coarse]: [[usize; 2]; 2]) -> Self {
+        let normals = Normals::new(fine);
+        let mut tables = Self {
+            single: [[0.0; FINE]; FINE],
+            mean: [0.0; FINE],
+            curve: [[[0.0; COS]; ROUGH]; ETA],
+            curve_mean: std::array::from_fn(|e| curve_mean(index(e)) as f32),
+            glass: [[[[0.0; COS]; ROUGH]; ETA]; 2],
+        };
+        let step = 1.0 / (FINE - 1) as f64;
+        for (r, row) in tables.single.iter_mut().enumerate() {
+            let exact: [f64; FINE] =
+                std::array::from_fn(|m| normals.single(r as f64 * step, m as f64 * step));
             // Linear between the nodes, times the cosine.
             let part = |(m, pair): (usize, &[f64])| {
                 let (c, d) = (m as f64 * step, (m + 1) as f64 * step);
                 step / 3.0 * (pair[0] * (2.0 * c + d) + pair[1] * (c + 2.0 * d))
             };
-            *mean = exact.windows(2).enumerate().map(part).sum::<f64>() as f32;
-            for (to, exact) in row.iter_mut().zip(exact) {
-                *to = exact as f32;
-            }
-        });
-        let mut curve = [[[0.0; COS]; ROUGH]; ETA];
-        let mut glass = [[[[0.0; COS]; ROUGH]; ETA]; 2];
-        let rows: Vec<[[Row; COS]; 1]> = (0..ROUGH)
-            .into_par_iter()
-            .map(|r| {
-                let roughness = r as f64 / (ROUGH - 1) as f64;
-                [std::array::from_fn(|m| normals.row(roughness, m as f64 / (COS - 1) as f64))]
-            })
-            .collect();
-        for (r, [row]) in rows.iter().enumerate() {
-            for (m, of) in row.iter().enumerate() {
+            tables.mean[r] = exact.windows(2).enumerate().map(part).sum::<f64>() as f32;
+            *row = exact.map(|x| x as f32);
+        }
+        let normals = Normals::new(coarse);
+        for r in 0..ROUGH {
+            for m in 0..COS {
+                let [roughness, cos] = [r as f64 / (ROUGH - 1) as f64, m as f64 / (COS - 1) as f64];
+                let cos = cos * cos;
+                let row = normals.row(roughness, cos);
                 for e in 0..ETA {
-                    curve[e][r][m] = of.curve[e] as f32;
-                    glass[0][e][r][m] = of.glass[0][e] as f32;
-                    glass[1][e][r][m] = of.glass[1][e] as f32;
+                    tables.curve[e][r][m] = row.curve[e] as f32;
+                    tables.glass[0][e][r][m] = row.glass[e] as f32;
+                    tables.glass[1][e][r][m] = row.glass[ETA + e] as f32;
                 }
             }
         }
-        let curve_mean = std::array::from_fn(|e| curve_mean(index(e)) as f32);
-        Self { single, mean, curve, curve_mean, glass }
+        tables
     }
 }
 
-/// The values of all indices of refraction at one roughness and cosine.
+/// The values of all indices of refraction at one roughness and cosine: from outside, and then from
+/// inside.
 struct Row {
-    curve: [f64; ETA],
-    glass: [[f64; ETA]; 2],
+    curve: [f64; 2 * ETA],
+    glass: [f64; 2 * ETA],
 }
 
 /// Points that the visible normals of microfacets are sampled by.
@@ -203,7 +200,7 @@ fn root(x: f64) -> f64 {
 
 /// See [`dielectric`](super::fresnel::dielectric); also returns the cosine beyond.
 fn dielectric(cos: f64, eta: f64) -> (f64, f64) {
-    let cos_t = root((1.0 - (1.0 - cos * cos) / (eta * eta)).max(0.0));
+    let cos_t = root(((eta - 1.0) * (eta + 1.0) + cos * cos).max(0.0)) / eta;
     let s = (cos - eta * cos_t) / (cos + eta * cos_t).max(1e-300);
     let p = (eta * cos - cos_t) / (eta * cos + cos_t).max(1e-300);
     (0.5 * (s * s + p * p), cos_t)
@@ -258,7 +255,9 @@ impl Normals {
 
     fn row(&self, roughness: f64, cos: f64) -> Row {
         let view = View::new(roughness, cos);
-        let mut row = Row { curve: [0.0; ETA], glass: [[0.0; ETA]; 2] };
+        let etas: [f64; 2 * ETA] =
+            std::array::from_fn(|e| if e < ETA { index(e) } else { 1.0 / index(e - ETA) });
+        let mut row = Row { curve: [0.0; 2 * ETA], glass: [0.0; 2 * ETA] };
         let mut all = 0.0;
         for &point in &self.points {
             let h = view.normal(point);
@@ -266,18 +265,80 @@ impl Normals {
             let weight = point[3];
             let reflected = weight * view.passed(2.0 * along * h[2] - view.eye[1]);
             all += reflected;
-            for e in 0..ETA {
-                let eta = index(e);
-                row.curve[e] += reflected * between(dielectric(along, eta).0, eta);
-                for (side, eta) in [eta, 1.0 / eta].into_iter().enumerate() {
-                    let (share, cos_t) = dielectric(along, eta);
-                    let z = (view.eye[1] - (along - eta * cos_t) * h[2]) / eta;
-                    row.glass[side][e] +=
-                        share * reflected + (1.0 - share) * weight * view.passed(z);
-                }
+            for e in 0..2 * ETA {
+                let eta = etas[e];
+                let (share, cos_t) = dielectric(along, eta);
+                let z = (view.eye[1] - (along - eta * cos_t) * h[2]) / eta;
+                row.curve[e] += reflected * between(share, eta);
+                row.glass[e] += share * reflected + (1.0 - share) * weight * view.passed(z);
             }
         }
         row.curve = row.curve.map(|sum| sum / all);
         row
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_integrated_finely_enough() {
+        let start = std::time::Instant::now();
+        let tables = &Tables::new(POINTS);
+        println!("{:?}", start.elapsed());
+        let finer = Tables::new([[16, 256], [16, 128]]);
+        let mut worst = [0.0f32; 4];
+        for r in 0..FINE {
+            for m in 1..FINE {
+                let off = (tables.single[r][m] / finer.single[r][m] - 1.0).abs();
+                worst[0] = worst[0].max(off);
+            }
+        }
+        for (e, r, m) in (0..ETA * ROUGH * COS).map(|i| (i / ROUGH / COS, i / COS % ROUGH, i % COS))
+        {
+            let off = |a: &Tables, b: &Tables, side: usize| {
+                (a.glass[side][e][r][m] / b.glass[side][e][r][m] - 1.0).abs()
+            };
+            worst[1] = worst[1].max((tables.curve[e][r][m] - finer.curve[e][r][m]).abs());
+            // Nothing is seen at a cosine of 0.
+            if m > 0 {
+                worst[2] = worst[2].max(off(tables, &finer, 0));
+                worst[3] = worst[3].max(off(tables, &finer, 1));
+            }
+        }
+        println!("{worst:?}");
+        assert!(worst[0] < 0.001 && worst[1] < 0.004, "{worst:?}");
+        assert!(worst[2] < 0.004 && worst[3] < 0.004, "{worst:?}");
+    }
+
+    #[test]
+    fn single_scattering_loses_what_it_should() {
+        let single = |cos| TABLES.single(1.0, cos);
+        assert!((single(1.0) - (1.0 - std::f32::consts::LN_2)).abs() < 2e-4, "{}", single(1.0));
+        assert!((single(0.5) - 0.4507).abs() < 5e-4, "{}", single(0.5));
+        assert!((single(0.173_648_18) - 0.6682).abs() < 5e-4, "{}", single(0.173_648_18));
+        for (cos, expected) in [(1.0, 0.9157), (0.5, 0.8572), (0.173_648_18, 0.8555)] {
+            let found = TABLES.single(0.5, cos);
+            assert!((found - expected).abs() < 1e-3, "{found} is not {expected}");
+        }
+        assert_eq!(TABLES.single(0.0, 0.3), 1.0);
+    }
+
+    #[test]
+    fn dielectrics_reflect_their_mean() {
+        for (eta, expected) in [(1.5, 0.091_778), (1.33, 0.065_931), (1.45, 0.084_367)] {
+            let f0 = f32::powi((eta - 1.0) / (eta + 1.0), 2);
+            let found = f0 + (1.0 - f0) * TABLES.curve_mean(eta);
+            assert!((found - expected).abs() < 5e-4, "{found} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn lookups_stay_in_the_tables() {
+        for x in [-1.0, 0.0, 0.5, 1.0, 7.0, f32::INFINITY] {
+            assert!(TABLES.single(x, x).is_finite() && TABLES.mean(x).is_finite());
+            assert!(TABLES.curve(x, x, x).is_finite() && TABLES.glass(x, x, x).is_finite());
+        }
     }
 }

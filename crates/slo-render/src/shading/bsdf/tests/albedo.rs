@@ -121,3 +121,73 @@ fn materials_return_what_blender_does() {
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
+
+/// White materials scatter all light, whatever their roughness.
+#[test]
+fn white_furnace() {
+    let degrees = [0.0, 30.0, 60.0, 75.0, 85.0];
+    let mut wrong = Vec::new();
+    for step in 0..=10 {
+        let r = step as f32 / 10.0;
+        let white = |change: &dyn Fn(&mut Parameters)| {
+            material(|p| {
+                color(&mut p.base_color, [1.0; 3]);
+                p.roughness = [r; BATCH];
+                change(p);
+            })
+        };
+        let glass = || white(&|p| p.transmission = [1.0; BATCH]);
+        let cases = [
+            ("gloss", white(&|_| ()), true),
+            ("metal", white(&|p| p.metallic = [1.0; BATCH]), true),
+            ("glass", glass(), true),
+            ("glass from inside", glass(), false),
+            (
+                "pane",
+                white(&|p| {
+                    p.transmission = [1.0; BATCH];
+                    p.thin = [1.0; BATCH];
+                }),
+                true,
+            ),
+            (
+                "coat",
+                white(&|p| {
+                    p.coat = [1.0; BATCH];
+                    p.coat_roughness = [r; BATCH];
+                    p.ior = [1.0; BATCH];
+                }),
+                true,
+            ),
+            (
+                "sheen",
+                white(&|p| {
+                    p.sheen = [1.0; BATCH];
+                    p.sheen_roughness = [r; BATCH];
+                    p.ior = [1.0; BATCH];
+                }),
+                true,
+            ),
+            (
+                "rough diffuse",
+                white(&|p| {
+                    p.diffuse_roughness = [r; BATCH];
+                    p.ior = [1.0; BATCH];
+                }),
+                true,
+            ),
+        ];
+        for (name, parameters, outside) in cases {
+            let hits = Hits::new(&parameters, &degrees.map(|d| direction(d, 0.2)), outside);
+            let eta = if parameters.thin[0] == 1.0 { 1.0 } else { parameters.ior[0] };
+            let eta = f64::from(if outside { eta } else { 1.0 / eta });
+            for (i, degrees) in degrees.into_iter().enumerate() {
+                let found = hits.albedo(i, eta, 20_000).x;
+                if (found - 1.0).abs() > 0.005 {
+                    wrong.push(format!("{name}, roughness {r}, {degrees} degrees: {found:.4}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

@@ -47,7 +47,6 @@ pub(super) fn direction(degrees: f64, turn: f64) -> Vec3 {
 pub(super) struct Hits {
     pub(super) bsdf: Box<Bsdf>,
     pub(super) at: Vec<At>,
-    pub(super) emitted: Box<Vec3s>,
 }
 
 impl Hits {
@@ -68,7 +67,7 @@ impl Hits {
         let get = |i: usize| at[i.min(at.len() - 1)];
         let (isa, len) = (Isa::best(), at.len());
         principled(parameters, get, &from_outside, |_| true, len, isa, &mut bsdf, &mut emitted);
-        Self { bsdf, at, emitted }
+        Self { bsdf, at }
     }
 
     /// The share of light that hit `i` scatters in all, by `count` samples of each lobe. Light that
