@@ -170,9 +170,10 @@ impl FrameScene {
     }
 }
 
-/// Returns the indices of lights that are infinitely far away.
+/// Returns the indices of lights that are infinitely far away and seen by rays that hit nothing.
 fn skies(lights: &[Light]) -> Vec<u32> {
-    (0..).zip(lights).filter(|(_, light)| light.is_distant()).map(|(number, _)| number).collect()
+    let is_sky = |light: &Light| light.is_distant() && !light.is_delta();
+    (0..).zip(lights).filter(|(_, light)| is_sky(light)).map(|(number, _)| number).collect()
 }
 
 /// Whether a scene says anything that the thesis's integrator does not know.

@@ -118,6 +118,19 @@ impl Deref for Lights {
 }
 
 impl Light {
+    /// See [`Lamp::IS_DELTA`].
+    pub fn is_delta(&self) -> bool {
+        struct IsDelta;
+        impl WithLamp for IsDelta {
+            type Output = bool;
+
+            fn run<L: Lamp>(self, _: L) -> bool {
+                L::IS_DELTA
+            }
+        }
+        self.with(IsDelta)
+    }
+
     /// See [`Lamp::IS_AREA`].
     pub fn is_area(&self) -> bool {
         struct IsArea;
