@@ -10,8 +10,8 @@ use super::{Folder, SCENE};
 
 /// A ball under three lamps, of the groups `key`, `rim` and none.
 fn folder() -> Folder {
-    let lamps = "light_point key { color { .8 .4 .2 } position { 2 -3 4 } light_group key }
-         light_point rim { color { .1 .2 .9 } position { -3 2 1 } light_group rim }
+    let lamps = "lamp_point key { power { 200 100 50 } position { 2 -3 4 } light_group key }
+         lamp_point rim { power { 50 60 200 } position { -3 -4 1 } light_group rim }
          light_point lamp";
     let text = SCENE.replace("width 16 height 9", "width 40 height 36");
     let text = text.replace("imageSamples 2", "integrator PATH imageSamples 2");
