@@ -136,7 +136,15 @@ fn how_a_texture_is_looked_up() {
 fn alpha_that_no_material_shows_is_warned_of_once() {
     let loaded = with_texture("");
     assert!(!loaded.diagnostics.has_errors());
-    insta::assert_snapshot!(loaded.diagnostics.render(false), @"");
+    insta::assert_snapshot!(loaded.diagnostics.render(false), @r"
+    warning: texture `clear.png`: it has transparent pixels, but alpha is not used: they show their colour
+      --> scene.txt:15:39
+       |
+    15 | phong_info p { } texture t { filename clear.png  }
+       |                                       ^^^^^^^^^
+
+    warning: 1 warning
+    ");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! OpenEXR images: scan lines and tiles, half floats, floats and whole numbers.
 
 mod channels;
+mod dwa;
 #[cfg(test)]
 mod tests;
 
@@ -127,6 +128,9 @@ impl Blocks<'_> {
         let part = &self.meta.headers[self.choice.part];
         if chunk.layer_index != self.choice.part || !is_inside(part, &chunk.compressed_block) {
             return Err(damaged("EXR", "its table of blocks is wrong"));
+        }
+        if !dwa::is_believable(part, &chunk) {
+            return Err(damaged("EXR", "a block promises more than it has room for"));
         }
         let block = UncompressedBlock::decompress_chunk(chunk, self.meta, false).map_err(failed)?;
         // The table has as many entries as there are blocks: none is missing if none comes twice.

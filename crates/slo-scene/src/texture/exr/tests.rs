@@ -197,6 +197,26 @@ fn what_is_wrong_is_said() {
 }
 
 #[test]
+fn blocks_that_promise_too_much_take_no_memory() {
+    for form in FORMS {
+        let whole = file(rgb(), Compression::DWAA(None), form);
+        // Version 2, then the first counter, which is 0: all channels are of kinds that DWA knows.
+        let start = [2_u64.to_le_bytes(), [0; 8]].concat();
+        let at = whole.windows(16).rposition(|w| w == start).expect("a block begins so");
+        for counter in [1, 6, 7, 8, 9] {
+            for count in [1 << 20, 1 << 40, u64::MAX >> 1, u64::MAX] {
+                let mut file = whole.clone();
+                file[at + 8 * counter..at + 8 * counter + 8].copy_from_slice(&count.to_le_bytes());
+                assert_eq!(
+                    load(&file).unwrap_err().message,
+                    "the EXR image is damaged: a block promises more than it has room for"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn mutated_files_never_panic() {
     let mut random = StdRng::seed_from_u64(7);
     let mut refused = 0;
