@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::principled::Parameters;
 use crate::shading::texture::sample;
 use slo_scene::material::{Mix, Principled, Varying};
-use slo_scene::{Channel, Curve, Encoding, ImageUse, MaterialKind, Texture};
+use slo_scene::{Channel, Curve, ImageUse, MaterialKind, Texture};
 
 /// An image as a material uses it.
 #[derive(Clone, Copy, Debug)]
@@ -27,10 +27,7 @@ impl Image {
         let turn = Mat2::from_cols(Vec2::new(cos, sin), Vec2::new(-sin, cos));
         Self {
             texture: of.texture.0,
-            curve: match of.encoding {
-                Encoding::Raw => Curve::Raw,
-                Encoding::Srgb => Curve::Srgb,
-            },
+            curve: of.encoding,
             channel: of.channel,
             turn: turn * Mat2::from_diagonal(of.scale.into()),
             offset: of.offset.into(),
