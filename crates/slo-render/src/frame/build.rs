@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::emitters::add_emitters;
+use super::emitters::{add_emitters, light_groups};
 use super::looks::{Look, Looks};
 use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
@@ -125,6 +125,7 @@ impl FrameScene {
             passable.push(!light.solid);
         }
         add_emitters(scene, &mut parts, &mut lights);
+        let light_groups = light_groups(scene, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
                 flags.clear();
@@ -152,6 +153,7 @@ impl FrameScene {
             skies: skies(&lights),
             hidden,
             passable,
+            light_groups,
             techniques: Techniques::default(),
             lights: lights.into_iter().collect(),
             is_physical: is_physical(scene),
@@ -278,6 +280,7 @@ impl Parts {
             place: Rigid::IDENTITY,
             first_triangle: 0,
             first_light: None,
+            light_group: 0,
         });
         Ok(())
     }
@@ -298,6 +301,7 @@ impl Parts {
             place,
             first_triangle,
             first_light: None,
+            light_group: 0,
             normals,
         });
     }

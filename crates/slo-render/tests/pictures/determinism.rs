@@ -74,7 +74,8 @@ fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
         let (image, look) = (&film.image(), scene.camera.film.look(&scene.settings));
         let recipe = &Recipe { scene: &scene, frame: 0 }.to_json();
         let mut file = Cursor::new(Vec::new());
-        let layers = film.layers_of(film.area(), &scene.camera.film.layers);
+        let layers = FileLayer::all(&scene.camera.film.layers, &scene.light_groups());
+        let layers = film.layers_of(film.area(), layers);
         let picture = Picture { image, format, look, recipe, crop: None };
         picture.write_with(&mut file, &layers).unwrap();
         file.into_inner()

@@ -55,6 +55,7 @@ DULL = {"ior": 1.0, "specular_ior_level": 0.0}
 
 # Blender's metals have their tint at this cosine.
 _COSINE_OF_TINT = 1.0 / 7.0
+_STEPS = 64  # of cosines that are compared
 
 
 @dataclass(frozen=True)
@@ -230,21 +231,40 @@ def glowing(color, strength):
 def tint_of_even_metal(color):
     """Returns the `specular_tint` with which a metal of this colour reflects nearly as much at the rim
     as straight on."""
-    return tuple(_tint(facing, facing) for facing in color)
+    return tuple(_tint(facing, lambda _, facing=facing: facing) for facing in color)
 
 
 def metal_of_conductor(n, k):
     """Returns `(base_color, specular_tint)` of a conductor with refractive indices `n` and extinction
     coefficients `k`, three numbers each."""
     facing = tuple(_conductor(1.0, a, b) for a, b in zip(n, k))
-    rim = tuple(_conductor(_COSINE_OF_TINT, a, b) for a, b in zip(n, k))
-    return facing, tuple(_tint(f, r) for f, r in zip(facing, rim))
+    tints = (
+        _tint(f, lambda cosine, a=a, b=b: _conductor(cosine, a, b)) for f, a, b in zip(facing, n, k)
+    )
+    return facing, tuple(tints)
 
 
-def _tint(facing, wanted):
-    """Returns the tint that makes a metal reflect `wanted` at the cosine of the tint."""
-    schlick = facing + (1.0 - facing) * (1.0 - _COSINE_OF_TINT) ** 5
-    return min(wanted / schlick, 1.0)
+def metal(cosine, facing, tint):
+    """Returns the reflectance of a metal as slo-rt and Blender compute it (F82 tint)."""
+    rim = 1.0 - cosine
+    dip = cosine * rim**6 / (_COSINE_OF_TINT * (1.0 - _COSINE_OF_TINT) ** 6)
+    return _schlick(cosine, facing) - dip * _schlick(_COSINE_OF_TINT, facing) * (1.0 - tint)
+
+
+def _schlick(cosine, facing):
+    return facing + (1.0 - facing) * (1.0 - cosine) ** 5
+
+
+def _tint(facing, reflectance):
+    """Returns the tint that makes `metal` most like `reflectance(cosine)`, by least squares over the
+    directions that a surface sees."""
+    above, norm = 0.0, 0.0
+    for step in range(_STEPS):
+        cosine = (step + 0.5) / _STEPS
+        dip = metal(cosine, facing, 1.0) - metal(cosine, facing, 0.0)
+        above += cosine * dip * (metal(cosine, facing, 1.0) - reflectance(cosine))
+        norm += cosine * dip * dip
+    return min(max(1.0 - above / norm, 0.0), 1.0)
 
 
 def _conductor(cosine, n, k):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Physical surfaces as text, without Blender."""
 
-import math
 import unittest
 
 from slo_rt.format import scene_text
@@ -14,6 +13,7 @@ from slo_rt.format.principled import (
     Value,
     glowing,
     matt,
+    metal,
     metal_of_conductor,
     seen_through,
     tint_of_even_metal,
@@ -74,29 +74,38 @@ class MeaningTest(unittest.TestCase):
         self.assertTrue(Mix(matt(Value((0.5,) * 3)), lamp, Value(0.5)).emits)
         self.assertFalse(matt(Value((0.5,) * 3)).emits)
 
-    def test_even_metals_keep_their_colour_at_the_angle_of_the_tint(self):
-        color = (0.0, 0.3, 1.0)
+    def check_fit(self, facing, tint, reflectance):
+        """No other tint makes a metal more like `reflectance(cosine)`."""
+
+        def misfit(other):
+            cosines = [(step + 0.5) / 200 for step in range(200)]
+            return sum(c * (metal(c, facing, other) - reflectance(c)) ** 2 for c in cosines)
+
+        for other in (tint - 0.02, tint + 0.02):
+            if 0.0 <= other <= 1.0:
+                self.assertGreater(misfit(other), misfit(tint))
+
+    def test_even_metals(self):
+        color = (0.0, 0.3, 0.9, 1.0)
         for facing, tint in zip(color, tint_of_even_metal(color)):
-            schlick = facing + (1.0 - facing) * (6.0 / 7.0) ** 5
-            self.assertAlmostEqual(schlick * tint, facing)
+            self.check_fit(facing, tint, lambda _, facing=facing: facing)
+            self.assertAlmostEqual(metal(1.0, facing, tint), facing)
 
     def test_conductors(self):
-        """Silver-like values, against Fresnel's equations with complex numbers."""
-        n, k = (0.05, 1.5, 2.7), (4.0, 0.0, 3.0)
+        """Against Fresnel's equations with complex numbers."""
+        n, k = (0.05, 1.5, 2.7), (4.0, 0.1, 3.0)
         color, tint = metal_of_conductor(n, k)
         for index in range(3):
             eta = complex(n[index], -k[index])
-            for cosine, wanted in ((1.0, color[index]), (1.0 / 7.0, None)):
+
+            def reflectance(cosine, eta=eta):
                 inside = (1.0 - (1.0 - cosine**2) / eta**2) ** 0.5
                 across = abs((cosine - eta * inside) / (cosine + eta * inside)) ** 2
                 along = abs((eta * cosine - inside) / (eta * cosine + inside)) ** 2
-                reflected = 0.5 * (across + along)
-                facing = color[index]
-                if wanted is None:
-                    schlick = facing + (1.0 - facing) * (6.0 / 7.0) ** 5
-                    wanted = schlick * tint[index]
-                    reflected = min(reflected, schlick)
-                self.assertTrue(math.isclose(reflected, wanted, rel_tol=1e-9), (index, cosine))
+                return 0.5 * (across + along)
+
+            self.assertAlmostEqual(color[index], reflectance(1.0))
+            self.check_fit(color[index], tint[index], reflectance)
 
 
 if __name__ == "__main__":

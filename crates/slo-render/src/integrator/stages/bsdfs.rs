@@ -10,6 +10,7 @@ use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::batch::Batch;
 use crate::shading::bsdf::{Bsdf, Lobe, WithLobe, WithLobeMut, principled};
+use crate::shading::light::receiver;
 use crate::shading::material::Kind;
 use crate::shading::material::principled::Parameters;
 use crate::shading::{MaterialTable, lobe};
@@ -58,6 +59,18 @@ impl Bsdfs {
         if table.is_physical() {
             frame.isa.run(LookUp { table, points, to: &mut self.parameters });
             frame.multiply_images(&points.surfaces, &mut self.parameters);
+        }
+    }
+
+    /// Lets light from all directions count at points that light passes through.
+    pub(in crate::integrator) fn open_receivers(&self, points: &mut Points) {
+        for i in 0..points.len() {
+            let is_glass = self.is_principled[i] == 1 && self.parameters.transmission[i] > 0.0;
+            let refracts = self.bsdf.refraction.share().is_present
+                && self.bsdf.refraction.share().chance[i] > 0.0;
+            if is_glass || refracts {
+                points.receiver[i] = receiver::ANY;
+            }
         }
     }
 

@@ -7,7 +7,7 @@ use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 use super::bsdfs::Bsdfs;
 use super::points::Points;
 use crate::frame::FrameScene;
-use crate::integrator::batch::Sent;
+use crate::integrator::batch::{Labels, Sent};
 use crate::integrator::branching::continuations;
 use crate::integrator::chosen::Chosen;
 use crate::integrator::work::Job;
@@ -41,6 +41,7 @@ pub(in crate::integrator) struct LampLight {
     /// Light that all lobes scatter, for a radiance of 1.
     scattered: Vec3s,
     pub(in crate::integrator) sent: Sent,
+    pub(in crate::integrator) labels: Labels,
     /// Points that send a ray.
     pub(in crate::integrator) chosen: Chosen,
 }
@@ -60,6 +61,7 @@ impl Default for LampLight {
             flat: zeros,
             scattered: Vec3s::default(),
             sent: Sent::default(),
+            labels: Labels::default(),
             chosen: Chosen::default(),
         }
     }
@@ -82,6 +84,7 @@ impl LampLight {
         if let Some(number) = light {
             self.set.take::<2>(&frame.sampler, frame.isa, &names);
             self.tries[..].fill(place[1] as f32);
+            self.light[..].fill(number);
             frame.lights[number as usize].with(AskOne { frame, points, to: self });
         } else {
             self.set.take::<3>(&frame.sampler, frame.isa, &names);
@@ -96,6 +99,19 @@ impl LampLight {
         frame.isa.run(Finish { points, to: self });
         let weight = &self.sent.weight;
         self.chosen.set(frame.isa, points.len(), |i| weight.get(i) != Vec3::ZERO);
+    }
+
+    /// Labels the rays: like the points, but with the slots of the groups that the lights belong to,
+    /// at a distance of `stride` from each other.
+    pub(in crate::integrator) fn name(&mut self, frame: &FrameScene, points: &Points, stride: u32) {
+        let (labels, len) = (&mut self.labels, points.len());
+        labels.time[..len].copy_from_slice(&points.labels.time[..len]);
+        labels.slot[..len].copy_from_slice(&points.labels.slot[..len]);
+        if stride > 0 {
+            for (slot, light) in labels.slot[..len].iter_mut().zip(&self.light) {
+                *slot += frame.group_of(*light) * stride;
+            }
+        }
     }
 
     /// Chooses a light for each point.

@@ -48,7 +48,7 @@ impl Random {
             8 if i < 40 => lamps::of_thesis(corners, i % 2 == 0),
             _ => {
                 let corners = corners.map(|c| c.as_vec3());
-                Light::Triangle(Triangle::new(corners, Vec3::splat(self.number())).unwrap())
+                Light::Triangle(Triangle::new(corners, Vec3::splat(self.number())))
             }
         }
     }
