@@ -45,6 +45,7 @@ pub struct Material {
 
 kinds! {
     /// What a material does to light.
+    #[allow(clippy::large_enum_variant, reason = "a scene has few materials")]
     pub enum MaterialKind: dyn Look, read by ReadMaterial {
         /// `material_phong`, `material_texture`
         Phong(Phong),

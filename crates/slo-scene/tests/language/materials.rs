@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use slo_scene::material::{MOST_MIXES, inside_out};
-use slo_scene::{Files, Loaded, MaterialId, load};
+use slo_scene::{Channel, Curve, Files, ImageUse, Loaded, MaterialId, MaterialKind, load};
 
 use super::messages::{load_fixture, mesh};
 
@@ -42,6 +42,41 @@ fn meshes_whose_normals_an_image_bends_have_tangents() {
     assert!(smooth.tangents.is_empty());
     let tangents = bent.tangents.as_flattened().iter().map(|tangent| tangent.unpacked());
     assert_eq!(tangents.collect::<Vec<_>>(), [[0.0, -1.0, 0.0, 1.0]; 3]);
+}
+
+#[test]
+fn the_use_and_the_file_decide_how_an_image_is_read() {
+    const FILES: &[(&str, &[u8])] = &[
+        ("clear.png", include_bytes!("../scenes/files/clear.png")),
+        ("plank.png", include_bytes!("../scenes/files/plank.png")),
+    ];
+    let text = format!(
+        "{}\ntexture clear {{ filename clear.png }}\ntexture opaque {{ filename plank.png }}\n\
+         texture raw {{ filename plank.png encoding RAW }}\n\
+         texture srgb {{ filename plank.png encoding SRGB }}\n\
+         material_principled m {{ base_color_texture opaque alpha_texture clear\n\
+             specular_tint_texture raw metallic_texture srgb normal_texture opaque }}\n\
+         material_principled n {{ alpha_texture opaque coat_texture {{ texture clear channel A }} }}\n\
+         sphere a {{ center {{ 0 0 5 }} radius 1 material m }}\n\
+         sphere b {{ center {{ 5 0 0 }} radius 1 material n }}\n",
+        include_str!("../scenes/minimal.txt")
+    );
+    let loaded = load("scene.txt", &text, &Files::built_in("", FILES));
+    assert_eq!(loaded.diagnostics.render(false), "");
+    let scene = loaded.scene.expect("there are no errors");
+    let [_, m, n] = &scene.materials[..] else { panic!("there are three") };
+    let (MaterialKind::Principled(m), MaterialKind::Principled(n)) = (&m.kind, &n.kind) else {
+        panic!("they are physical");
+    };
+    let read = |image: Option<ImageUse>| image.map(|image| (image.channel, image.encoding));
+    assert_eq!(read(m.base_color.image), Some((Channel::Color, Curve::Srgb)));
+    assert_eq!(read(m.alpha.image), Some((Channel::Alpha, Curve::Raw)));
+    assert_eq!(read(m.specular_tint.image), Some((Channel::Color, Curve::Raw)));
+    assert_eq!(read(m.metallic.image), Some((Channel::Luminance, Curve::Srgb)));
+    assert_eq!(read(m.normal), Some((Channel::Color, Curve::Raw)));
+    assert_eq!(read(n.alpha.image), Some((Channel::Luminance, Curve::Raw)));
+    assert_eq!(read(n.coat.image), Some((Channel::Alpha, Curve::Raw)));
+    assert_eq!((m.metallic.value, m.base_color.value), (1.0, [1.0; 3]));
 }
 
 /// A scene of so many mixes, each of which holds the one before twice.
