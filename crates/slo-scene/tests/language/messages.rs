@@ -10,7 +10,7 @@ fn fixtures() -> PathBuf {
 }
 
 /// Loads a file of `tests/scenes`, from where no path may lead out.
-fn load_fixture(name: &str) -> Loaded {
+pub(crate) fn load_fixture(name: &str) -> Loaded {
     let path = fixtures().join(name);
     let text = std::fs::read(&path).expect("the fixture exists");
     let folder = path.parent().expect("it lies in a folder");
@@ -42,7 +42,7 @@ fn everything() {
     insta::assert_snapshot!("everything", format!("{scene:#?}"));
 }
 
-fn mesh<'s>(scene: &'s SceneDescription, object: &str) -> &'s Arc<Mesh> {
+pub(crate) fn mesh<'s>(scene: &'s SceneDescription, object: &str) -> &'s Arc<Mesh> {
     match &scene.objects.iter().find(|o| o.name == object).expect("it is there").shape {
         Shape::Mesh(surface) => &surface.mesh,
         other => panic!("{other:?} is no mesh"),
