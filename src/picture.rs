@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slo_accel::Isa;
-use slo_picture::film::{Display, Film, Image};
+use slo_picture::film::{Display, FileLayer, Film, Image};
 use slo_picture::output::{self, Outcome, Recipe, with_outcome};
 use slo_scene::{Layer, OutputFormat, SceneDescription};
 
@@ -16,14 +16,14 @@ pub struct Picture {
     frame: i64,
     film: Film,
     image: Image,
-    layers: Vec<(Layer, Image)>,
+    layers: Vec<(FileLayer, Image)>,
 }
 
 impl Picture {
     pub(crate) fn new(scene: SceneDescription, frame: i64, film: Film) -> Self {
-        let layers = &scene.camera.film.layers;
-        let layers = layers.iter().map(|&layer| (layer, film.layer_of(film.area(), layer)));
-        Self { layers: layers.collect(), image: film.image(), film, scene, frame }
+        let layers = FileLayer::all(&scene.camera.film.layers, &scene.light_groups());
+        let layers = film.layers_of(film.area(), layers);
+        Self { layers, image: film.image(), film, scene, frame }
     }
 
     /// Returns the width in pixels.
@@ -48,9 +48,25 @@ impl Picture {
         self.image.srgb8(self.scene.camera.film.look(&self.scene.settings))
     }
 
-    /// Returns a layer that was [asked for](crate::Render::layers), row by row from the top.
+    /// Returns a layer that was [asked for](crate::Render::layers), row by row from the top. For
+    /// [`Layer::Lights`], which is one layer for each group, see [`light`](Self::light).
     pub fn layer(&self, layer: Layer) -> Option<&[[f32; 3]]> {
-        let found = self.layers.iter().find(|(name, _)| *name == layer);
+        match layer {
+            Layer::Albedo => self.file_layer(&FileLayer::Albedo),
+            Layer::Normal => self.file_layer(&FileLayer::Normal),
+            Layer::Lights => None,
+        }
+    }
+
+    /// Returns the light of a group of lights, if [`Layer::Lights`] was
+    /// [asked for](crate::Render::layers), row by row from the top. The group `rest` holds all light that
+    /// has no group; the sum of all groups is the picture.
+    pub fn light(&self, group: &str) -> Option<&[[f32; 3]]> {
+        self.file_layer(&FileLayer::Light(group.to_owned()))
+    }
+
+    fn file_layer(&self, layer: &FileLayer) -> Option<&[[f32; 3]]> {
+        let found = self.layers.iter().find(|(name, _)| name == layer);
         found.map(|(_, image)| &image.rgb[..])
     }
 

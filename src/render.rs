@@ -61,7 +61,7 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Layers for denoisers that the picture has beside its colours. Not every format can hold them, see
+    /// Layers that the picture has beside its colours. Not every format can hold them, see
     /// [`Picture::save`].
     #[must_use]
     pub fn layers(mut self, layers: &[Layer]) -> Self {
@@ -145,7 +145,7 @@ impl<'a> Render<'a> {
         check(&scene.settings, film)?;
         let frame = FrameScene::build(scene, self.frame, Isa::best())?;
         let plan = Plan::new(scene);
-        let empty = empty_film(film, plan.needs_spreads())?;
+        let empty = empty_film(scene, plan.needs_spreads())?;
         let watch = Watch { render: self, done: Mutex::new(0.0) };
         let Exposed { film, is_complete, .. } = render(&frame, &plan, empty, &watch);
         if !is_complete {
@@ -163,10 +163,10 @@ fn check(settings: &Settings, film: &FilmSettings) -> Result<(), Error> {
 }
 
 /// A film without a sample, with room for the layers.
-fn empty_film(film: &FilmSettings, with_spreads: bool) -> Result<Film, Error> {
-    let &FilmSettings { width, height, ref layers, .. } = film;
+fn empty_film(scene: &SceneDescription, with_spreads: bool) -> Result<Film, Error> {
+    let &FilmSettings { width, height, ref layers, .. } = &scene.camera.film;
     let empty = Film::new(Area::whole(width, height), with_spreads);
-    let empty = if layers.is_empty() { empty } else { empty.and_then(Film::with_features) };
+    let empty = empty.and_then(|film| film.with_layers(layers, &scene.light_groups()));
     empty.map_err(|_| Error::TooLarge { width, height })
 }
 

@@ -15,6 +15,7 @@ mod layers;
 mod looks;
 mod parts;
 mod pictures;
+mod relight;
 #[cfg(unix)]
 mod sequence;
 #[cfg(unix)]

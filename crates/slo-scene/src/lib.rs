@@ -27,7 +27,7 @@ pub mod shape;
 pub mod texture;
 
 pub use description::{
-    CamSegment, Camera, KeyFrame, MaterialId, Object, Placement, SceneDescription,
+    CamSegment, Camera, KeyFrame, LightGroups, MaterialId, Object, Placement, SceneDescription,
 };
 pub use files::Files;
 pub use light::{Light, LightKind};

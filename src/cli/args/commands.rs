@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use crate::cli::values::{Threads, count, limit, threads};
+use super::settings::LookArgs;
+use crate::cli::values::{FormatName, Gain, Threads, count, gain, limit, threads};
 
 /// What else the program does.
 #[derive(Debug, Subcommand)]
@@ -19,6 +20,8 @@ pub(crate) enum Command {
     Sheet(SheetArgs),
     /// Remove the noise from pictures with Open Image Denoise
     Denoise(DenoiseArgs),
+    /// Show pictures in another light: lamps dimmed or coloured, another exposure
+    Relight(RelightArgs),
 }
 
 /// `merge`
@@ -135,6 +138,41 @@ pub(crate) struct DenoiseArgs {
     /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<Threads>,
+
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+
+    /// Print help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
+}
+
+/// `relight`
+#[derive(Debug, clap::Args)]
+pub(crate) struct RelightArgs {
+    /// EXR pictures of slo-rt; with `--layers lights` if lamps are to change
+    #[arg(value_name = "PICTURES", required = true)]
+    pub(crate) pictures: Vec<PathBuf>,
+
+    /// Multiply the light of a group: key=0.5, sky=1,0.8,0.6; rest is all light without a group
+    #[arg(short, long, value_name = "NAME=FACTOR", value_parser = gain)]
+    pub(crate) group: Vec<Gain>,
+
+    /// The file to write, PNG or EXR, for one picture
+    #[arg(short, long, value_name = "FILE", conflicts_with = "outdir")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Folder for the results, under the same names (short: -od) [default: beside, as NAME_relit]
+    #[arg(long, value_name = "DIR", alias = "outdit")]
+    pub(crate) outdir: Option<PathBuf>,
+
+    /// File format: png, png16 or exr [default: the one that `--output` names, or exr]
+    #[arg(long, value_name = "NAME", hide_possible_values = true, ignore_case = true)]
+    pub(crate) format: Option<FormatName>,
+
+    #[command(flatten)]
+    pub(crate) look: LookArgs,
 
     /// Print nothing but warnings and errors
     #[arg(short, long)]

@@ -28,6 +28,8 @@ Examples:
   slo-rt merge *.part                   the pictures from all parts
   slo-rt sheet out/*.png                a contact sheet of the pictures
   slo-rt denoise draft_00015.exr        remove the noise from a picture
+  slo-rt relight room.exr -g lamp=0.5 -o dim.png
+                                        dim lights of a picture made with `--layers lights`
   slo-rt --recipe default_00000.png     how a picture was made
 
 The paths of the pictures go to standard output, everything else to standard error.";

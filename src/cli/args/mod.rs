@@ -10,7 +10,9 @@ mod short_forms;
 mod tests;
 mod tips;
 
-pub(crate) use commands::{Command, CompareArgs, DenoiseArgs, MergeArgs, SheetArgs, VerifyArgs};
+pub(crate) use commands::{
+    Command, CompareArgs, DenoiseArgs, MergeArgs, RelightArgs, SheetArgs, VerifyArgs,
+};
 pub(crate) use parse::parse;
 pub(crate) use program::Args;
 pub(crate) use settings::{LookArgs, SettingArgs};

@@ -159,10 +159,11 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", help_heading = WHERE)]
     pub(crate) error_map: Option<FramePath>,
 
-    /// Extra layers of an EXR picture: albedo, normal, or both as albedo,normal
+    /// Extra layers of an EXR picture, such as albedo,normal or lights
     ///
-    /// They tell a denoiser which share of light surfaces reflect, and which way
-    /// they face. They are channels of the same file.
+    /// albedo and normal tell a denoiser which share of light surfaces reflect, and
+    /// which way they face. lights keeps the light of each light_group apart, for
+    /// `slo-rt relight`. Layers are channels of the same file.
     #[arg(long, value_name = "NAMES", help_heading = WHERE, hide_possible_values = true)]
     #[arg(value_enum, value_delimiter = ',', ignore_case = true, verbatim_doc_comment)]
     pub(crate) layers: Vec<LayerName>,

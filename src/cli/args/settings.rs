@@ -15,7 +15,7 @@ pub(crate) struct SettingArgs {
     #[arg(ignore_case = true)]
     pub(crate) format: Option<FormatName>,
 
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = SETTINGS)]
     pub(crate) look: LookArgs,
 
     /// Size of the picture, such as 320x180, 1080p, or 50% of the scene's
@@ -70,19 +70,18 @@ pub(crate) struct SettingArgs {
 pub(crate) struct LookArgs {
     /// Brighten a PNG picture by so many stops, such as 1.5 or -2
     ///
-    /// One stop doubles the light. EXR files hold the light as it is. A state that
-    /// --keep-state kept, and a checkpoint, serve any exposure, tone map and encoding.
-    #[arg(long, value_name = "STOPS", help_heading = SETTINGS, value_parser = exposure)]
+    /// One stop doubles the light. EXR files hold the light as it is.
+    #[arg(long, value_name = "STOPS", value_parser = exposure)]
     #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(crate) exposure: Option<f32>,
 
     /// Compress bright light in a PNG picture: none, or agx as in Blender
-    #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
+    #[arg(long, value_name = "NAME", hide_possible_values = true)]
     #[arg(ignore_case = true)]
     pub(crate) tone_map: Option<ToneMapName>,
 
     /// Transfer curve of a PNG picture: raw or srgb
-    #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
+    #[arg(long, value_name = "NAME", hide_possible_values = true)]
     #[arg(ignore_case = true)]
     pub(crate) encoding: Option<EncodingName>,
 }

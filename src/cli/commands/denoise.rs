@@ -10,7 +10,7 @@ use crate::cli::files::new_folders::NewFolders;
 use crate::cli::files::pictures::{NO_PICTURE, read, unreadable};
 use crate::cli::values::Threads;
 use slo_picture::denoise::{Denoiser, Noisy};
-use slo_picture::film::Layer;
+use slo_picture::film::FileLayer;
 use slo_picture::output::{
     Picture, Raster, Values, check_writable, is_companion, is_denoised, read_layers, read_recipe,
     settings_of, with_denoiser,
@@ -83,7 +83,7 @@ fn check_target(path: &Path, target: &Path) -> Result<(), Problem> {
 }
 
 /// Denoises one picture, and returns the layers that helped.
-fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>, Problem> {
+fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<FileLayer>, Problem> {
     let shown = path.display();
     let bad = |why: String| Problem::new(Exit::BadInput, format!("`{shown}`: {why}"));
     let raster = read(path)?;
@@ -104,7 +104,7 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
     let crop = raster.crop;
     let is_linear = raster.values == Values::Linear;
     let noisy = Noisy { image: &raster.image, is_linear, layers: &layers };
-    let used: Vec<Layer> = noisy.usable().into_iter().map(|(layer, _)| layer).collect();
+    let used: Vec<FileLayer> = noisy.usable().into_iter().map(|(layer, _)| layer.clone()).collect();
     let image = denoiser
         .denoise(&noisy)
         .map_err(|why| Problem::new(Exit::Failed, format!("`{shown}` can't be denoised: {why}")))?;
@@ -120,6 +120,6 @@ fn denoise(path: &Path, target: &Path, denoiser: &Denoiser) -> Result<Vec<Layer>
     Ok(used)
 }
 
-fn names(layers: &[Layer]) -> String {
-    layers.iter().map(|layer| layer.name()).collect::<Vec<_>>().join(", ")
+fn names(layers: &[FileLayer]) -> String {
+    layers.iter().map(FileLayer::name).collect::<Vec<_>>().join(", ")
 }

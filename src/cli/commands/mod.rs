@@ -5,6 +5,7 @@ pub(crate) mod compare;
 pub(crate) mod denoise;
 pub(crate) mod merge;
 pub(crate) mod recipe;
+pub(crate) mod relight;
 pub(crate) mod render;
 pub(crate) mod sheet;
 pub(crate) mod verify;

@@ -13,10 +13,11 @@ use crate::cli::files::pictures::{NO_PICTURE, unreadable};
 use crate::cli::options::Job;
 use crate::cli::system::threads;
 use slo_picture::film::Steps;
-use slo_picture::film::{Area, Film, Image, Layer};
+use slo_picture::film::{Area, FileLayer, Film, Image};
 use slo_picture::output::{
     Crop, Picture, Raster, ReadError, Recipe, RestoreError, Values, is_companion, is_denoised,
-    read_layers, read_recipe, restore, steps_of, with_region, with_steps, without_outcome,
+    is_relit, read_layers, read_recipe, restore, steps_of, with_region, with_steps,
+    without_outcome,
 };
 use slo_render::frame::FrameScene;
 use slo_render::render::{Observer, Plan, render};
@@ -122,8 +123,10 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     }
     let recipe = without_outcome(&recipe);
     let parsed: Value = serde_json::from_str(&recipe).map_err(|error| bad(error.to_string()))?;
-    if is_denoised(&parsed) {
-        return Err(bad("it is denoised; verify the picture that it was made from".into()));
+    for (is_made, how) in [(is_denoised(&parsed), "denoised"), (is_relit(&parsed), "relit")] {
+        if is_made {
+            return Err(bad(format!("it is {how}; verify the picture that it was made from")));
+        }
     }
     let (scene, frame) = restore(scene, &parsed).map_err(|error| bad(mismatch(error, job)))?;
     let film = &scene.camera.film;
@@ -143,7 +146,8 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     }
     let colors = Raster { crop: Crop::of(area, whole), ..raster };
     let layers = read_layers(path).map_err(refusal)?;
-    let rasters = with_layers(colors, layers, &film.layers).map_err(bad)?;
+    let expected = FileLayer::all(&film.layers, &scene.light_groups());
+    let rasters = with_layers(colors, layers, &expected).map_err(bad)?;
     let built = load::frame(job, &scene, frame, None)
         .map_err(|problem| Refusal { exit: problem.exit, why: problem.message })?;
     let chosen = choose(area.cells(TILE).collect(), tiles);
@@ -176,8 +180,8 @@ fn mismatch(error: RestoreError, job: &Job) -> String {
 /// Returns the colours of a picture, then its layers, which must be the expected ones.
 fn with_layers(
     colors: Raster,
-    layers: Vec<(Layer, Image)>,
-    expected: &[Layer],
+    layers: Vec<(FileLayer, Image)>,
+    expected: &[FileLayer],
 ) -> Result<Vec<Raster>, String> {
     let crop = colors.crop;
     if !layers.iter().map(|(layer, _)| layer).eq(expected) {
@@ -236,7 +240,8 @@ fn again(
     let plan = steps.map_or(plan.clone(), |steps| plan.in_steps(steps));
     let area = tile.in_blocks(&Area::whole(settings.width, settings.height));
     let film = Film::new(area, plan.needs_spreads());
-    let film = if settings.layers.is_empty() { film } else { film.and_then(Film::with_features) };
+    let groups = scene.light_groups();
+    let film = film.and_then(|film| film.with_layers(&settings.layers, &groups));
     let film =
         film.map_err(|error| format!("not enough memory: a tile needs {} bytes", error.bytes))?;
     let film = render(frame, &plan, film, &Nobody).film;
@@ -246,6 +251,6 @@ fn again(
     let picture = Picture { image: &image, format, look, recipe: "{}", crop: None };
     picture.write(&mut bytes).map_err(|error| error.to_string())?;
     let colors = Raster::from_bytes(bytes.into_inner()).map_err(|error| error.to_string())?.image;
-    let layers = film.layers_of(tile, &settings.layers);
+    let layers = film.layers_of(tile, FileLayer::all(&settings.layers, &groups));
     Ok(std::iter::once(colors).chain(layers.into_iter().map(|(_, image)| image)).collect())
 }

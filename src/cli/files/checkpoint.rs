@@ -114,8 +114,8 @@ impl Checkpoint {
                 if !continues(&subject.recipe, &self.recipe(last)) {
                     return Found::OfAnotherRun;
                 }
-                if subject.with_features != self.subject.with_features {
-                    self.say_other_layers(path, subject.with_features);
+                if !subject.same_layers(&self.subject) {
+                    self.say_other_layers(path, &subject);
                     return Found::None;
                 }
                 let fits = subject.same_place(&self.subject);
@@ -134,12 +134,17 @@ impl Checkpoint {
         }
     }
 
-    fn say_other_layers(&self, path: &Path, has_layers: bool) {
+    fn say_other_layers(&self, path: &Path, found: &Subject) {
+        let (has_layers, what) = if found.with_features == self.subject.with_features {
+            (found.light_groups.is_some(), "layers of lights")
+        } else {
+            (found.with_features, "layers")
+        };
         let (has, wanted) =
             if has_layers { ("has", "does not write") } else { ("has no", "writes") };
         let path = path.display();
         self.terminal.warn(format_args!(
-            "`{path}` can't be used: it {has} layers, but this run {wanted} them"
+            "`{path}` can't be used: it {has} {what}, but this run {wanted} them"
         ));
     }
 

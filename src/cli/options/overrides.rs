@@ -131,7 +131,7 @@ mod tests {
         overrides.apply(&mut scene);
         let film = &scene.camera.film;
         assert_eq!((film.width, film.height, &*film.prefix), (16, 9, "p"));
-        assert_eq!((film.output, &film.layers[..]), (OutputFormat::Exr, &Layer::ALL[..]));
+        assert_eq!((film.output, &film.layers[..]), (OutputFormat::Exr, &Layer::ALL[..2]));
         let look = Look { exposure: -1.5, tone_map: ToneMap::Agx, encoding: Encoding::Srgb };
         assert_eq!(film.look(&scene.settings), look);
         assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));

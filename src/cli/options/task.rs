@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
-use crate::cli::args::{Args, Command, CompareArgs, DenoiseArgs, MergeArgs, SheetArgs, VerifyArgs};
+use crate::cli::args::{
+    Args, Command, CompareArgs, DenoiseArgs, MergeArgs, RelightArgs, SheetArgs, VerifyArgs,
+};
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Maps, Threads};
 use slo_accel::Isa;
@@ -36,6 +38,8 @@ pub(crate) enum Task {
     Sheet(SheetArgs),
     /// Remove the noise from pictures.
     Denoise(DenoiseArgs),
+    /// Show pictures in another light.
+    Relight(RelightArgs),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -46,6 +50,7 @@ impl From<Args> for Options {
         let quiet = match &args.command {
             Some(Command::Merge(merge)) => merge.quiet,
             Some(Command::Denoise(denoise)) => denoise.quiet,
+            Some(Command::Relight(relight)) => relight.quiet,
             _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
@@ -71,6 +76,7 @@ fn task(mut args: Args) -> Result<Task, Problem> {
             Command::Compare(compare) => Task::Compare(compare),
             Command::Sheet(sheet) => Task::Sheet(sheet),
             Command::Denoise(denoise) => Task::Denoise(denoise),
+            Command::Relight(relight) => Task::Relight(relight),
         });
     }
     match args.recipe.clone() {

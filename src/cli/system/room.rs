@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::memory;
 use super::memory::Left;
 use crate::cli::base::{Exit, Problem, Terminal, megabytes};
-use slo_picture::film::{Features, Layer, Pixel, Spread, Subject};
+use slo_picture::film::{Features, Fixed, Pixel, Spread, Subject};
 use slo_picture::output::memory_to_write;
 use slo_scene::OutputFormat;
 
@@ -38,11 +38,18 @@ impl Needs {
     ) -> Self {
         let region = subject.region.len() as u64;
         let spreads = if subject.with_spreads { size_of::<Spread>() } else { 0 };
-        let (features, images) = match subject.with_features {
-            true => (size_of::<Features>(), 1 + Layer::ALL.len() as u64),
-            false => (0, 1),
+        let (features, surfaces) = match subject.with_features {
+            true => (size_of::<Features>(), 2),
+            false => (0, 0),
         };
-        let film = subject.area.len() as u64 * (size_of::<Pixel>() + spreads + features) as u64;
+        // Each named group has sums of its own, and the group of all other light a layer too.
+        let (groups, lights) = match &subject.light_groups {
+            Some(groups) => (groups.len() * size_of::<[Fixed; 3]>(), groups.len() as u64 + 1),
+            None => (0, 0),
+        };
+        let images = 1 + surfaces + lights;
+        let film =
+            subject.area.len() as u64 * (size_of::<Pixel>() + spreads + features + groups) as u64;
         let value = u64::from(format.value_bytes());
         let picture = region.saturating_mul(3 * value * images).saturating_add(4096);
         let disk = picture.saturating_mul(pictures as u64).saturating_add(film);
@@ -168,6 +175,7 @@ mod tests {
             samples: None,
             with_spreads: false,
             with_features: false,
+            light_groups: None,
         };
         let none = Beside::default();
         let needs = Needs::of(&subject, OutputFormat::Png16, 10, none);

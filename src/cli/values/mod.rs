@@ -2,6 +2,7 @@
 
 mod frame_path;
 mod frames;
+mod gain;
 mod maps;
 mod names;
 mod numbers;
@@ -15,6 +16,7 @@ mod time;
 
 pub(crate) use frame_path::FramePath;
 pub(crate) use frames::{FrameChoice, Frames, frames, named, shown};
+pub(crate) use gain::{Gain, gain};
 pub(crate) use maps::{Map, Maps, check_name};
 pub(crate) use names::{
     AcceleratorName, EncodingName, FormatName, IntegratorName, LayerName, ToneMapName,

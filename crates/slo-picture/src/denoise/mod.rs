@@ -8,7 +8,7 @@ mod library;
 
 use std::path::Path;
 
-use crate::film::{Image, Layer};
+use crate::film::{FileLayer, Image};
 use library::Device;
 
 /// Open Image Denoise, loaded, on the processor.
@@ -26,7 +26,7 @@ pub struct Noisy<'a> {
     /// the screen shows them.
     pub is_linear: bool,
     /// Layers of the same size.
-    pub layers: &'a [(Layer, Image)],
+    pub layers: &'a [(FileLayer, Image)],
 }
 
 impl Denoiser {
@@ -53,25 +53,27 @@ impl Denoiser {
         let guides = noisy
             .usable()
             .into_iter()
-            .map(|(layer, image)| Ok((layer, self.prefiltered(layer, image)?)))
+            .map(|(layer, image)| Ok((layer.name(), self.prefiltered(layer, image)?)))
             .collect::<Result<Vec<_>, String>>()?;
-        let guides = guides.iter().map(|(layer, image)| (layer.name(), image));
+        let guides = guides.iter().map(|(name, image)| (&**name, image));
         let images: Vec<_> = std::iter::once(("color", noisy.image)).chain(guides).collect();
         let range = if noisy.is_linear { "hdr" } else { "srgb" };
         self.device.filter(&images, &[range, "cleanAux"])
     }
 
-    fn prefiltered(&self, layer: Layer, image: &Image) -> Result<Image, String> {
-        self.device.filter(&[(layer.name(), image)], &[])
+    fn prefiltered(&self, layer: &FileLayer, image: &Image) -> Result<Image, String> {
+        self.device.filter(&[(&layer.name(), image)], &[])
     }
 }
 
 impl<'a> Noisy<'a> {
-    /// The layers that help: normals help only beside the albedo.
-    pub fn usable(&self) -> Vec<(Layer, &'a Image)> {
-        let has_albedo = self.layers.iter().any(|(layer, _)| *layer == Layer::Albedo);
-        let usable = self.layers.iter().filter(|_| has_albedo);
-        usable.map(|(layer, image)| (*layer, image)).collect()
+    /// The layers that help: normals help only beside the albedo, and groups of lights do not.
+    pub fn usable(&self) -> Vec<(&'a FileLayer, &'a Image)> {
+        let has_albedo = self.layers.iter().any(|(layer, _)| *layer == FileLayer::Albedo);
+        let of_surfaces =
+            |layer: &FileLayer| matches!(layer, FileLayer::Albedo | FileLayer::Normal);
+        let usable = self.layers.iter().filter(|(layer, _)| has_albedo && of_surfaces(layer));
+        usable.map(|(layer, image)| (layer, image)).collect()
     }
 }
 
@@ -82,7 +84,9 @@ mod tests {
     #[test]
     fn normals_help_beside_the_albedo_only() {
         let image = Image { width: 1, height: 1, rgb: vec![[0.5; 3]] };
-        let layers = Layer::ALL.map(|layer| (layer, image.clone()));
+        let light = FileLayer::Light("key".into());
+        let layers = [FileLayer::Albedo, FileLayer::Normal, light];
+        let layers = layers.map(|layer| (layer, image.clone()));
         let usable = |layers| Noisy { image: &image, is_linear: true, layers }.usable().len();
         assert_eq!((usable(&layers), usable(&layers[..1]), usable(&layers[1..])), (2, 1, 0));
     }

@@ -2,20 +2,28 @@
 
 use std::ops::AddAssign;
 
-use slo_scene::Layer;
-
 use super::fixed::Fixed;
 
 /// Sums of what a pixel's samples saw of surfaces; exact, as the sums of [`Pixel`](super::Pixel).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Features {
-    /// See [`Layer::Albedo`]; red, green, blue.
+    /// See [`Layer::Albedo`](slo_scene::Layer::Albedo); red, green, blue.
     pub albedo: [Fixed; 3],
-    /// See [`Layer::Normal`]; x, y, z.
+    /// See [`Layer::Normal`](slo_scene::Layer::Normal); x, y, z.
     pub normal: [Fixed; 3],
 }
 
 impl Features {
+    /// The mean of the albedo, of so many samples.
+    pub(super) fn mean_albedo(&self, samples: u32) -> [f32; 3] {
+        mean(self.albedo, samples, [0.0, 1.0])
+    }
+
+    /// The mean of the normal, of so many samples.
+    pub(super) fn mean_normal(&self, samples: u32) -> [f32; 3] {
+        mean(self.normal, samples, [-1.0, 1.0])
+    }
+
     /// The sum of two; `None` on overflow.
     pub fn checked_add(&self, other: &Self) -> Option<Self> {
         let mut result = *self;
@@ -36,23 +44,10 @@ impl AddAssign for Features {
     }
 }
 
-/// The least and the largest value.
-fn range(layer: Layer) -> (f32, f32) {
-    match layer {
-        Layer::Albedo => (0.0, 1.0),
-        Layer::Normal => (-1.0, 1.0),
-    }
-}
-
-/// The mean of a pixel's samples.
-pub(super) fn mean(layer: Layer, features: &Features, samples: u32) -> [f32; 3] {
-    let sum = match layer {
-        Layer::Albedo => features.albedo,
-        Layer::Normal => features.normal,
-    };
-    let (low, high) = range(layer);
+/// The mean of so many samples, in a range.
+fn mean(sum: [Fixed; 3], samples: u32, [least, most]: [f32; 2]) -> [f32; 3] {
     let samples = f64::from(samples.max(1));
-    sum.map(|sum| ((sum.to_f64() / samples) as f32).clamp(low, high))
+    sum.map(|sum| ((sum.to_f64() / samples) as f32).clamp(least, most))
 }
 
 #[cfg(test)]
@@ -70,9 +65,9 @@ mod tests {
             let (albedo, normal) = (fixed([0.25, 2.0, 0.0]), fixed([-3.0, 0.5, 0.0]));
             sum += Features { albedo, normal };
         }
-        assert_eq!(mean(Layer::Albedo, &sum, 4), [0.25, 1.0, 0.0]);
-        assert_eq!(mean(Layer::Normal, &sum, 4), [-1.0, 0.5, 0.0]);
-        assert_eq!(mean(Layer::Albedo, &Features::default(), 0), [0.0; 3]);
+        assert_eq!(sum.mean_albedo(4), [0.25, 1.0, 0.0]);
+        assert_eq!(sum.mean_normal(4), [-1.0, 0.5, 0.0]);
+        assert_eq!(Features::default().mean_albedo(0), [0.0; 3]);
     }
 
     #[test]

@@ -1,10 +1,13 @@
 //! The pixels of a picture and all that is known of them.
 
-use slo_scene::Layer;
+use slo_scene::LightGroups;
 
 use super::area::Area;
-use super::features::{Features, mean as mean_of};
+use super::features::Features;
+use super::fixed::Fixed;
+use super::groups::GroupSums;
 use super::image::Image;
+use super::layers::FileLayer;
 use super::pixel::{Pixel, Spread};
 
 /// The pixels of a picture or of a region of it, row by row, the top row first.
@@ -14,8 +17,9 @@ pub struct Film {
     pub(super) pixels: Vec<Pixel>,
     /// Of each pixel; empty if no rule asks for it.
     spreads: Vec<Spread>,
-    /// Of each pixel; empty if nobody asks for layers.
+    /// Of each pixel; empty if nobody asks for layers of surfaces.
     pub(super) features: Vec<Features>,
+    lights: GroupSums,
 }
 
 /// There is not enough memory for a picture of this size.
@@ -34,15 +38,24 @@ impl Film {
     pub fn new(area: Area, with_spreads: bool) -> Result<Self, TooLarge> {
         let pixels = filled(area)?;
         let spreads = if with_spreads { filled(area)? } else { Vec::new() };
-        Ok(Self { area, pixels, spreads, features: Vec::new() })
+        Ok(Self { area, pixels, spreads, ..Self::default() })
     }
 
-    /// Adds all layers, unexposed.
+    /// Adds the layers of surfaces, unexposed.
     ///
     /// # Errors
     /// [`TooLarge`] if there is not enough memory.
     pub fn with_features(self) -> Result<Self, TooLarge> {
         Ok(Self { features: filled(self.area)?, ..self })
+    }
+
+    /// Adds the light of groups of lights, unexposed.
+    ///
+    /// # Errors
+    /// [`TooLarge`] if there is not enough memory.
+    pub fn with_light_groups(self, groups: LightGroups) -> Result<Self, TooLarge> {
+        let sums = filled_times(self.area, groups.len())?;
+        Ok(Self { lights: GroupSums { groups: Some(groups), sums }, ..self })
     }
 
     /// The pixels of the picture that it covers.
@@ -70,6 +83,23 @@ impl Film {
         self.features.get_mut(i)
     }
 
+    /// The groups of lights whose light it keeps apart; `None` if it does not.
+    pub fn light_groups(&self) -> Option<&LightGroups> {
+        self.lights.groups.as_ref()
+    }
+
+    /// Exact sums of the light of each named group in the pixel of row-major index `i`, in the order of
+    /// the groups; empty without groups. What is missing to the pixel's sum belongs to the group
+    /// [`LightGroups::REST`].
+    pub fn lights(&self, i: usize) -> &[[Fixed; 3]] {
+        self.lights.of(i..i + 1)
+    }
+
+    /// The same, to be changed.
+    pub fn lights_mut(&mut self, i: usize) -> &mut [[Fixed; 3]] {
+        self.lights.of_mut(i..i + 1)
+    }
+
     /// Pixel and spread of row-major index `i`, to be changed.
     pub fn at_mut(&mut self, i: usize) -> (&mut Pixel, Option<&mut Spread>) {
         (&mut self.pixels[i], self.spreads.get_mut(i))
@@ -81,14 +111,16 @@ impl Film {
         film.pixels.clear();
         film.spreads.clear();
         film.features.clear();
+        film.lights.clear_for(&self.lights);
         for row in self.rows(area) {
             film.pixels.extend_from_slice(&self.pixels[row.clone()]);
             if !self.spreads.is_empty() {
                 film.spreads.extend_from_slice(&self.spreads[row.clone()]);
             }
             if !self.features.is_empty() {
-                film.features.extend_from_slice(&self.features[row]);
+                film.features.extend_from_slice(&self.features[row.clone()]);
             }
+            film.lights.sums.extend_from_slice(self.lights.of(row));
         }
     }
 
@@ -102,8 +134,9 @@ impl Film {
                 self.spreads[row.clone()].copy_from_slice(&film.spreads[from.clone()]);
             }
             if !self.features.is_empty() {
-                self.features[row].copy_from_slice(&film.features[from]);
+                self.features[row.clone()].copy_from_slice(&film.features[from.clone()]);
             }
+            self.lights.of_mut(row).copy_from_slice(film.lights.of(from));
         }
     }
 
@@ -128,21 +161,20 @@ impl Film {
         Image { width: area.width(), height: area.height(), rgb }
     }
 
-    /// A layer of an area inside this film's; black without layers.
-    pub fn layer_of(&self, area: Area, layer: Layer) -> Image {
-        let nothing = Features::default();
-        let mean = |i: usize| {
-            let features = self.features.get(i).unwrap_or(&nothing);
-            mean_of(layer, features, self.pixels[i].samples)
-        };
+    /// A layer of an area inside this film's; black without such a layer.
+    pub fn layer_of(&self, area: Area, layer: &FileLayer) -> Image {
         let mut rgb = Vec::with_capacity(area.len());
-        rgb.extend(self.rows(area).flatten().map(mean));
+        rgb.extend(self.rows(area).flatten().map(|i| self.layer_at(layer, i)));
         Image { width: area.width(), height: area.height(), rgb }
     }
 
     /// Some layers of an area inside this film's.
-    pub fn layers_of(&self, area: Area, layers: &[Layer]) -> Vec<(Layer, Image)> {
-        layers.iter().map(|&layer| (layer, self.layer_of(area, layer))).collect()
+    pub fn layers_of(&self, area: Area, layers: Vec<FileLayer>) -> Vec<(FileLayer, Image)> {
+        let with_image = |layer| {
+            let image = self.layer_of(area, &layer);
+            (layer, image)
+        };
+        layers.into_iter().map(with_image).collect()
     }
 
     /// The pixels of an area inside this film's, row by row.
@@ -157,6 +189,10 @@ impl Film {
             pixels: copied(&self.pixels)?,
             spreads: copied(&self.spreads)?,
             features: copied(&self.features)?,
+            lights: GroupSums {
+                groups: self.lights.groups.clone(),
+                sums: copied(&self.lights.sums)?,
+            },
         })
     }
 
@@ -173,6 +209,7 @@ impl Default for Film {
             pixels: Vec::new(),
             spreads: Vec::new(),
             features: Vec::new(),
+            lights: GroupSums::default(),
         }
     }
 }
@@ -186,17 +223,23 @@ fn copied<T: Clone>(values: &[T]) -> Option<Vec<T>> {
 
 /// A default value for every pixel of an area.
 fn filled<T: Clone + Default>(area: Area) -> Result<Vec<T>, TooLarge> {
-    let bytes =
-        (u64::from(area.width()) * u64::from(area.height())).saturating_mul(size_of::<T>() as u64);
+    filled_times(area, 1)
+}
+
+/// So many default values for every pixel of an area.
+fn filled_times<T: Clone + Default>(area: Area, times: usize) -> Result<Vec<T>, TooLarge> {
+    let pixels = u64::from(area.width()) * u64::from(area.height());
+    let all = pixels.saturating_mul(times as u64);
+    let too_large = TooLarge { bytes: all.saturating_mul(size_of::<T>() as u64) };
+    let count = usize::try_from(all).map_err(|_| too_large)?;
     let mut values = Vec::new();
-    values.try_reserve_exact(area.len()).map_err(|_| TooLarge { bytes })?;
-    values.resize(area.len(), T::default());
+    values.try_reserve_exact(count).map_err(|_| too_large)?;
+    values.resize(count, T::default());
     Ok(values)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixed::Fixed;
     use super::*;
 
     #[test]
@@ -224,13 +267,35 @@ mod tests {
             part.features_mut(i).unwrap().albedo = [Fixed::new(i as f32 / 4.0).unwrap(); 3];
         }
         film.put(&part);
-        let layer = film.layer_of(Area { x0: 1, ..film.area() }, Layer::Albedo);
+        let layer = film.layer_of(Area { x0: 1, ..film.area() }, &FileLayer::Albedo);
         let expected = [0.0, 0.0, 0.0, 0.0, 0.25, 0.0, 0.5, 0.75, 0.0];
         assert_eq!(layer.rgb, expected.map(|albedo| [albedo; 3]));
         let plain = Film::new(area, false).unwrap();
-        assert_eq!(plain.layer_of(area, Layer::Normal).rgb, [[0.0; 3]; 4]);
+        assert_eq!(plain.layer_of(area, &FileLayer::Normal).rgb, [[0.0; 3]; 4]);
         film.copy_to(area, &mut part);
         assert_eq!(part.features().len(), 4);
+    }
+
+    #[test]
+    fn the_light_of_groups_goes_where_pixels_go() {
+        let groups = LightGroups::new(["a", "b"]);
+        let film = Film::new(Area::whole(4, 3), false).unwrap();
+        let mut film = film.with_light_groups(groups.clone()).unwrap();
+        let area = Area { x0: 1, y0: 1, x1: 3, y1: 3 };
+        let mut part = Film::default();
+        film.copy_to(area, &mut part);
+        assert_eq!(part.light_groups(), Some(&groups));
+        for i in 0..4 {
+            part.at_mut(i).0.samples = 1;
+            part.lights_mut(i)[1] = [Fixed::new(i as f32 / 4.0).unwrap(); 3];
+        }
+        film.put(&part);
+        assert_eq!(film.try_clone(), Some(film.clone()));
+        let layer = |name: &str| film.layer_of(area, &FileLayer::Light(name.into())).rgb;
+        assert_eq!(layer("b"), [0.0, 0.25, 0.5, 0.75].map(|light| [light; 3]));
+        assert_eq!(layer("a"), [[0.0; 3]; 4]);
+        Film::new(area, false).unwrap().copy_to(area, &mut part);
+        assert_eq!((part.light_groups(), part.lights(0)), (None, &[][..]));
     }
 
     #[test]

@@ -102,6 +102,11 @@ impl Merger {
         {
             *sum = sum.checked_add(more).ok_or(MergeError::TooBright)?;
         }
+        for (sum, more) in self.film.lights_mut(to).iter_mut().zip(state.film.lights(from)) {
+            for (sum, more) in sum.iter_mut().zip(more) {
+                *sum = sum.checked_add(*more).ok_or(MergeError::TooBright)?;
+            }
+        }
         Ok(())
     }
 
@@ -169,6 +174,8 @@ fn place(area: Area, (x, y): (u32, u32)) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use slo_scene::LightGroups;
+
     use super::super::fixed::Fixed;
     use super::*;
 
@@ -182,6 +189,7 @@ mod tests {
             samples: samples.clone(),
             with_spreads: false,
             with_features: true,
+            light_groups: Some(LightGroups::new(["key"])),
         };
         let mut film = subject.film().unwrap();
         for i in 0..area.len() {
@@ -189,6 +197,7 @@ mod tests {
             let sum = [Fixed::new(count as f32).unwrap(); 3];
             film.at_mut(i).0.add_later(sum, count);
             film.features_mut(i).unwrap().normal = sum;
+            film.lights_mut(i)[0] = sum;
         }
         State { subject, film, is_complete: true }
     }

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use slo_scene::LightGroups;
+
 use super::area::Area;
 use super::grid::{Film, TooLarge};
 
@@ -19,8 +21,10 @@ pub struct Subject {
     pub samples: Option<Range<u32>>,
     /// Whether the film records the smallest and largest sample of a pixel.
     pub with_spreads: bool,
-    /// Whether the film has layers.
+    /// Whether the film has layers of surfaces.
     pub with_features: bool,
+    /// The groups of lights whose light the film keeps apart, if it does.
+    pub light_groups: Option<LightGroups>,
 }
 
 impl Subject {
@@ -35,14 +39,22 @@ impl Subject {
     /// The same of another area.
     pub(super) fn film_of(&self, area: Area) -> Result<Film, TooLarge> {
         let film = Film::new(area, self.with_spreads)?;
-        if self.with_features { film.with_features() } else { Ok(film) }
+        let film = if self.with_features { film.with_features()? } else { film };
+        match &self.light_groups {
+            Some(groups) => film.with_light_groups(groups.clone()),
+            None => Ok(film),
+        }
     }
 
     /// Whether films of both show the same samples of the same pixels, the recipes aside.
     pub fn same_place(&self, other: &Self) -> bool {
-        let known = |s: &Self| (s.with_spreads, s.with_features);
-        let place = |s: &Self| (s.area, s.region, s.samples.clone(), known(s));
-        place(self) == place(other)
+        let place = |s: &Self| (s.area, s.region, s.samples.clone(), s.with_spreads);
+        place(self) == place(other) && self.same_layers(other)
+    }
+
+    /// Whether films of both have the same layers.
+    pub fn same_layers(&self, other: &Self) -> bool {
+        (self.with_features, &self.light_groups) == (other.with_features, &other.light_groups)
     }
 }
 

@@ -2,12 +2,10 @@
 
 use std::fmt::{self, Debug};
 
-use slo_scene::Layer;
-
 use super::area::Area;
-use super::features::{Features, mean};
 use super::grid::Film;
 use super::image::Image;
+use super::layers::FileLayer;
 
 /// Three numbers for each pixel.
 pub trait Pixels: Debug + Sync {
@@ -33,7 +31,7 @@ impl Pixels for Image {
 pub struct View<'a> {
     film: &'a Film,
     area: Area,
-    layer: Option<Layer>,
+    layer: Option<&'a FileLayer>,
 }
 
 impl<'a> View<'a> {
@@ -43,7 +41,7 @@ impl<'a> View<'a> {
     }
 
     /// A layer of the area; black if the film has none.
-    pub fn layer(self, layer: Layer) -> Self {
+    pub fn layer(self, layer: &'a FileLayer) -> Self {
         Self { layer: Some(layer), ..self }
     }
 }
@@ -57,13 +55,9 @@ impl Pixels for View<'_> {
         let whole = self.film.area;
         let row = (self.area.y0 - whole.y0 + y) as usize;
         let i = row * whole.width() as usize + (self.area.x0 - whole.x0 + x) as usize;
-        let pixel = &self.film.pixels[i];
         match self.layer {
-            None => pixel.mean(),
-            Some(layer) => {
-                let nothing = Features::default();
-                mean(layer, self.film.features.get(i).unwrap_or(&nothing), pixel.samples)
-            }
+            None => self.film.pixels[i].mean(),
+            Some(layer) => self.film.layer_at(layer, i),
         }
     }
 }
@@ -98,8 +92,8 @@ mod tests {
         };
         assert_eq!(all(&view), film.image_of(area).rgb);
         assert_eq!(all(&film.image_of(area)), film.image_of(area).rgb);
-        for layer in Layer::ALL {
-            assert_eq!(all(&view.layer(layer)), film.layer_of(area, layer).rgb);
+        for layer in [FileLayer::Albedo, FileLayer::Normal] {
+            assert_eq!(all(&view.layer(&layer)), film.layer_of(area, &layer).rgb);
         }
     }
 }

@@ -5,19 +5,20 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
+use super::emitters::{add_emitters, light_groups};
 use super::looks::{Look, Looks};
 use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::{FrameObject, FrameScene};
-use super::shapes::{Geometry, geometry};
+use super::shapes::{Geometry, geometry, lamp_geometry};
 use super::world::{Instance, World};
 use crate::camera::{Camera, DegenerateView};
 use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::material::Kind;
-use crate::shading::{Light, Material, MaterialTable};
-use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure};
+use crate::shading::{Light, Lights, Material, MaterialTable};
+use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
 use slo_scene::animation::{Clock, DRigid, KeyFrameError, KeyFrames, NoSegment, Shutter};
 use slo_scene::{CamSegment, Integrator, Object, SceneDescription, Settings};
 
@@ -111,18 +112,24 @@ impl FrameScene {
         for object in &scene.objects {
             parts.add(object, scene, &seen, isa)?;
         }
-        let (mut lights, mut hidden) = (Vec::new(), Vec::new());
+        let lights_before = before.as_ref().map(|before| &before.lights);
+        let (mut lights, mut hidden, mut passable) = (Vec::new(), Vec::new(), Vec::new());
         for light in &scene.lights {
-            let Some(ready) = Light::new(light, origin) else { continue };
-            if let Some(surface) = light.kind.surface() {
+            let ready = Light::new(light, origin, &scene.textures, lights_before);
+            if let Some(geometry) = lamp_geometry(&light.kind) {
                 let look = Look::Light(lights.len() as u32);
-                parts.add_still(look, geometry(&surface), &DRigid::IDENTITY, &seen);
+                parts.add_still(look, geometry, &DRigid::IDENTITY, &seen);
             }
             lights.push(ready);
             hidden.push(!light.camera_visible);
+            passable.push(!light.solid);
         }
-        if !hidden.contains(&true) {
-            hidden.clear();
+        add_emitters(scene, &mut parts, &mut lights);
+        let light_groups = light_groups(scene, &mut parts, lights.len());
+        for flags in [&mut hidden, &mut passable] {
+            if !flags.contains(&true) {
+                flags.clear();
+            }
         }
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
@@ -142,9 +149,11 @@ impl FrameScene {
             world: World::new(still, parts.instances, isa),
             material_table: MaterialTable::new(&scene.materials, &materials),
             materials,
-            light_tree: LightTree::new(lights.len()),
+            light_tree: LightTree::new(&lights.iter().map(Light::bounds).collect::<Vec<_>>()),
             skies: skies(&lights),
             hidden,
+            passable,
+            light_groups,
             techniques: Techniques::default(),
             lights: lights.into_iter().collect(),
             is_physical: is_physical(scene),
@@ -179,13 +188,15 @@ struct Before {
     places: Vec<(u32, DRigid)>,
     /// Structures of moving objects, with the index of the object.
     moving: Vec<(u32, Arc<Structure>)>,
+    /// Lights, for tables of images.
+    lights: Lights,
 }
 
 impl From<FrameScene> for Before {
     fn from(frame: FrameScene) -> Self {
         let World { still, instances, .. } = frame.world;
         let moving = instances.into_iter().map(|i| (i.object, i.structure)).collect();
-        Self { still, places: frame.still_places, moving }
+        Self { still, places: frame.still_places, moving, lights: frame.lights }
     }
 }
 
@@ -201,8 +212,8 @@ struct Seen<'a> {
 
 /// Parts of a frame, collected object by object.
 #[derive(Default)]
-struct Parts {
-    objects: Vec<FrameObject>,
+pub(super) struct Parts {
+    pub(super) objects: Vec<FrameObject>,
     /// Look of each object.
     looks: Vec<Look>,
     still: Primitives,
@@ -217,6 +228,14 @@ struct Parts {
 }
 
 impl Parts {
+    /// Returns the triangles of an object, in render space, if it is still.
+    pub(super) fn still_triangles(&self, object: usize) -> Option<&[Triangle]> {
+        self.places.iter().find(|(number, _)| *number as usize == object)?;
+        let Geometry::Mesh(mesh, _) = &self.objects[object].geometry else { return None };
+        let first = self.objects[object].first_triangle as usize;
+        self.still.triangles.get(first..first + mesh.faces.len())
+    }
+
     fn add(
         &mut self,
         object: &Object,
@@ -261,6 +280,7 @@ impl Parts {
             place: Rigid::IDENTITY,
             first_triangle: 0,
             first_light: None,
+            light_group: 0,
         });
         Ok(())
     }
@@ -276,7 +296,14 @@ impl Parts {
         let normals = vertex_normals(&geometry, place);
         let place = Rigid::relative(place, seen.origin);
         self.looks.push(look);
-        self.objects.push(FrameObject { geometry, place, first_triangle, first_light: None, normals });
+        self.objects.push(FrameObject {
+            geometry,
+            place,
+            first_triangle,
+            first_light: None,
+            light_group: 0,
+            normals,
+        });
     }
 }
 

@@ -19,6 +19,14 @@ impl Look {
     /// Words below this are materials; words from here on are lights.
     const LIGHTS: u32 = 1 << 31;
 
+    /// Returns the index of the material, if it is one.
+    pub(crate) fn material(self) -> Option<u32> {
+        match self {
+            Self::Material(index) => Some(index),
+            Self::Light(_) | Self::Nothing => None,
+        }
+    }
+
     fn word(self) -> u32 {
         match self {
             Self::Material(index) => index,

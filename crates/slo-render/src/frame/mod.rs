@@ -2,6 +2,7 @@
 //! threads.
 
 mod build;
+mod emitters;
 mod looks;
 mod rigid;
 mod sampled;

@@ -33,6 +33,10 @@ pub struct FrameScene {
     pub(crate) light_tree: LightTree,
     /// For each light, whether camera rays pass through it; empty if none does.
     pub(crate) hidden: Vec<bool>,
+    /// For each light, whether all rays pass through it; empty if none does.
+    pub(crate) passable: Vec<bool>,
+    /// For each light, the number of its group; 0: none.
+    pub(crate) light_groups: Vec<u32>,
     /// Indices of the lights that are infinitely far away.
     pub(crate) skies: Vec<u32>,
     /// How the light of lamps is shared between techniques, for physical shading.
@@ -65,6 +69,8 @@ pub(super) struct FrameObject {
     /// Index of the light that its first triangle is, if the material emits light toward which rays
     /// are sent.
     pub(super) first_light: Option<u32>,
+    /// Number of the group of the light that it emits; 0: none.
+    pub(super) light_group: u32,
     /// Unit normals of the vertices: in render space if the object is still, in object space if it
     /// moves. Empty if the object is not smooth.
     pub(super) normals: Vec<Vec3>,
@@ -77,6 +83,13 @@ impl FrameScene {
     #[must_use]
     pub fn plain(self) -> Self {
         Self { clever: false, ..self }
+    }
+
+    /// Returns the same frame with another way to share the light of lamps between rays to them and
+    /// rays that follow lobes, for physical shading. The expected picture is the same.
+    #[must_use]
+    pub fn with_techniques(self, techniques: Techniques) -> Self {
+        Self { techniques, ..self }
     }
 
     /// Whether the light that glossy lobes receive from lamps is also sampled by rays to the lamps.
@@ -98,9 +111,32 @@ impl FrameScene {
         self.hidden.get(light as usize).is_some_and(|hidden| *hidden)
     }
 
-    /// Whether camera rays pass through any light.
-    pub(crate) fn has_hidden_lamps(&self) -> bool {
-        !self.hidden.is_empty()
+    /// Returns the number of the group of a light; 0 if it has none.
+    pub(crate) fn group_of(&self, light: u32) -> u32 {
+        self.light_groups.get(light as usize).copied().unwrap_or(0)
+    }
+
+    /// Returns the number of the group of the object that a ray hit; 0 if it has none.
+    pub(crate) fn group_of_object(&self, found: &WorldHits, ray: usize) -> u32 {
+        let (primitive, instance) = (found.hits.primitive[ray], found.instance[ray]);
+        self.objects[self.object_of(primitive, instance) as usize].light_group
+    }
+
+    /// Whether rays pass through a light.
+    pub(crate) fn is_passable(&self, light: u32) -> bool {
+        self.passable.get(light as usize).is_some_and(|passable| *passable)
+    }
+
+    /// Whether rays after `depth` bounces pass through any light.
+    pub(crate) fn has_passable_lamps(&self, depth: u32) -> bool {
+        !self.passable.is_empty() || (depth == 0 && !self.hidden.is_empty())
+    }
+
+    /// Whether rays to lamps may pass through anything.
+    pub(crate) fn lets_light_pass(&self) -> bool {
+        self.settings.shadow == ShadowMode::Transparent
+            || self.material_table.images.any_passes()
+            || !self.passable.is_empty()
     }
 
     /// Returns the light that the surface which a ray hit belongs to; `None` if no rays are sent

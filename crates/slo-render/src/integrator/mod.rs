@@ -24,4 +24,4 @@ mod tracer;
 mod work;
 
 pub use tracer::Tracer;
-pub use work::{SampleSum, Statistics, Traced, Work};
+pub use work::{Beside, SampleSum, Statistics, Traced, Work};

@@ -136,7 +136,8 @@ impl RayQueue {
         }
         if !self.past.normal.is_empty() {
             let Past { from, normal, marks } = &mut batch.past;
-            for (column, to) in self.past.from.iter_mut().zip([&mut from.x, &mut from.y, &mut from.z])
+            for (column, to) in
+                self.past.from.iter_mut().zip([&mut from.x, &mut from.y, &mut from.z])
             {
                 move_to(column, start, to);
             }

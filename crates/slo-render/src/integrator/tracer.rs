@@ -5,7 +5,7 @@ use slo_picture::film::Features;
 use super::distributed::Distributed;
 use super::machine::Machine;
 use super::path::Path;
-use super::work::{Job, Traced, Work};
+use super::work::{Beside, Job, Traced, Work};
 use crate::frame::FrameScene;
 
 /// Working memory of one thread, allocated once and used for tile after tile.
@@ -17,21 +17,23 @@ pub struct Tracer {
 }
 
 impl Tracer {
-    /// Traces camera samples completely, and collects surface features too if `with_features`.
-    /// Between batches it asks `gives_up`; it returns `None` if the answer is yes.
+    /// Traces camera samples completely. Between batches it asks `gives_up`; it returns `None` if the
+    /// answer is yes.
     pub fn trace(
         &mut self,
         frame: &FrameScene,
         work: &[Work],
-        with_features: bool,
+        beside: Beside,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Traced<'_>> {
         let job = Job { frame, work, gives_up };
         let Self { machine, distributed, path } = self;
-        machine.begin(&job, if with_features { 2 } else { 1 });
-        let feature_slots = if with_features { work.len() } else { 0 };
+        let copies = if beside.features { 2 } else { 1 };
+        let groups = if frame.is_physical { beside.light_groups } else { 0 };
+        machine.begin(&job, copies * (groups + 1));
+        let feature_slots = if beside.features { work.len() } else { 0 };
         let features: &[Features] = if frame.is_physical {
-            path.restart(feature_slots);
+            path.restart(feature_slots, if groups > 0 { copies * work.len() } else { 0 });
             machine.run(path, &job)?;
             path.features()
         } else {
@@ -39,8 +41,8 @@ impl Tracer {
             machine.run(distributed, &job)?;
             distributed.features()
         };
-        let (sums, statistics) = machine.finish(work.len());
-        Some(Traced { sums, features, statistics })
+        let (sums, groups, statistics) = machine.finish(work.len(), groups);
+        Some(Traced { sums, features, groups, statistics })
     }
 }
 
@@ -86,7 +88,7 @@ mod tests {
         ] {
             let (frame, mut tracer) = (frame(settings, 1), Tracer::default());
             let work = if settings.starts_with("diffuse") { &work()[..2048] } else { &work() };
-            let traced = tracer.trace(&frame, work, false, &|| false).unwrap();
+            let traced = tracer.trace(&frame, work, Beside::default(), &|| false).unwrap();
             let counts = traced.statistics;
             assert!(counts.shadow_rays + counts.bounce_rays > 100_000, "{settings}: {counts:?}");
             let (paths, connections) = tracer.machine.rooms();
@@ -107,12 +109,12 @@ mod tests {
                 asked.set(asked.get() + 1);
                 asked.get() >= 10
             };
-            assert!(tracer.trace(&frame, &work(), false, &gives_up).is_none());
+            assert!(tracer.trace(&frame, &work(), Beside::default(), &gives_up).is_none());
             assert_eq!(asked.get(), 10, "{settings}");
-            assert!(tracer.machine.finish(0).1.shadow_rays < 20 * BATCH as u64, "{settings}");
+            assert!(tracer.machine.finish(0, 0).2.shadow_rays < 20 * BATCH as u64, "{settings}");
             assert_eq!(tracer.machine.rooms(), (vec![], vec![0, 0]));
             // The same memory serves further work.
-            let traced = tracer.trace(&frame, &work()[..64], false, &|| false).unwrap();
+            let traced = tracer.trace(&frame, &work()[..64], Beside::default(), &|| false).unwrap();
             assert_eq!(traced.sums.len(), 64);
         }
     }

@@ -27,8 +27,22 @@ pub struct Traced<'a> {
     pub sums: &'a [SampleSum],
     /// Exact sums of surface features over the samples of each entry; empty unless requested.
     pub features: &'a [Features],
+    /// Exact sums of the light of each named group of lights, group by group: the sum of group `g` and
+    /// entry `i` is at `g * sums.len() + i`. Each contribution is the one that was added to `sums`. What
+    /// is missing to `sums` belongs to the group without a name; if this is empty, all light does.
+    pub groups: &'a [SampleSum],
     /// Counts of what was traced.
     pub statistics: Statistics,
+}
+
+/// What is collected beside the sums of radiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Beside {
+    /// Whether surface features are.
+    pub features: bool,
+    /// How many named groups of lights there are whose light is collected by itself; see
+    /// [`Traced::groups`].
+    pub light_groups: usize,
 }
 
 /// Counts of what was traced, for the log; never part of a picture.

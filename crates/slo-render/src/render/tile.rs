@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use super::plan::Plan;
 use crate::frame::FrameScene;
-use crate::integrator::{SampleSum, Statistics, Traced, Tracer, Work};
+use crate::integrator::{Beside, SampleSum, Statistics, Traced, Tracer, Work};
 use slo_accel::Isa;
 use slo_picture::film::{Area, BLOCK, Film, base_end, split};
+use slo_scene::LightGroups;
 
 /// Most camera samples traced together. Their sums stay in the second-level cache, and there are
 /// enough of them to fill the batches of deep bounces.
@@ -168,9 +169,12 @@ impl TileRenderer {
         plan: &Plan,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<()> {
-        let with_features = !self.film.features().is_empty();
-        let Traced { sums, features, statistics } =
-            self.tracer.trace(frame, &self.work, with_features, gives_up)?;
+        let beside = Beside {
+            features: !self.film.features().is_empty(),
+            light_groups: self.film.light_groups().map_or(0, LightGroups::len),
+        };
+        let Traced { sums, features, groups, statistics } =
+            self.tracer.trace(frame, &self.work, beside, gives_up)?;
         self.statistics += statistics;
         for ((work, &pixel), &sum) in self.work.iter().zip(&self.pixels).zip(sums) {
             add(&mut self.film, plan, pixel, work, sum);
@@ -180,6 +184,7 @@ impl TileRenderer {
                 *sum += more;
             }
         }
+        add_lights(&mut self.film, &self.pixels, groups);
         self.clear_work();
         Some(())
     }
@@ -222,8 +227,40 @@ fn add(film: &mut Film, plan: &Plan, pixel: u32, work: &Work, sum: SampleSum) {
     spread.into_iter().for_each(|spread| spread.add(sum));
 }
 
+/// Adds the light of groups of lights, group by group, to the pixels of some entries of work.
+fn add_lights(film: &mut Film, pixels: &[u32], groups: &[SampleSum]) {
+    for (group, sums) in groups.chunks(pixels.len().max(1)).enumerate() {
+        for (&pixel, sum) in pixels.iter().zip(sums) {
+            if let Some(to) = film.lights_mut(pixel as usize).get_mut(group) {
+                to.iter_mut().zip(sum).for_each(|(to, more)| *to += *more);
+            }
+        }
+    }
+}
+
 /// Returns the indices, within a tile, of the pixels of an area of it, row by row.
 fn indices(area: Area, tile: Area) -> impl Iterator<Item = u32> {
     let row = move |y| (area.x0..area.x1).map(move |x| (y - tile.y0) * tile.width() + x - tile.x0);
     (area.y0..area.y1).flat_map(row)
+}
+
+#[cfg(test)]
+mod tests {
+    use slo_picture::film::Fixed;
+
+    use super::*;
+
+    #[test]
+    fn the_light_of_groups_lands_in_its_pixels() {
+        let groups = LightGroups::new(["a", "b"]);
+        let film = Film::new(Area::whole(2, 2), false).unwrap();
+        let mut film = film.with_light_groups(groups).unwrap();
+        let sums: Vec<SampleSum> = (1..=6).map(|i| [Fixed::from_units(i); 3]).collect();
+        // Three entries of work; two of them are of pixel 3.
+        add_lights(&mut film, &[3, 0, 3], &sums);
+        let units = |i: usize| film.lights(i).iter().map(|sum| sum[1].units()).collect::<Vec<_>>();
+        assert_eq!([units(0), units(1), units(3)], [vec![2, 5], vec![0, 0], vec![1 + 3, 4 + 6]]);
+        add_lights(&mut film, &[3, 0, 3], &[]);
+        assert_eq!(film.lights(1), &[[Fixed::ZERO; 3]; 2]);
+    }
 }

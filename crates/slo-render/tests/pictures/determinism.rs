@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use slo_accel::Isa;
-use slo_picture::film::Film;
+use slo_picture::film::{FileLayer, Film};
 use slo_picture::output::{Picture, Recipe};
 use slo_render::frame::FrameScene;
 use slo_scene::{Accelerator, Layer, OutputFormat, SceneDescription, Settings};
@@ -74,7 +74,8 @@ fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
         let (image, look) = (&film.image(), scene.camera.film.look(&scene.settings));
         let recipe = &Recipe { scene: &scene, frame: 0 }.to_json();
         let mut file = Cursor::new(Vec::new());
-        let layers = film.layers_of(film.area(), &scene.camera.film.layers);
+        let layers = FileLayer::all(&scene.camera.film.layers, &scene.light_groups());
+        let layers = film.layers_of(film.area(), layers);
         let picture = Picture { image, format, look, recipe, crop: None };
         picture.write_with(&mut file, &layers).unwrap();
         file.into_inner()
@@ -117,8 +118,8 @@ fn one_file_with_layers() {
     scene.camera.film.layers = Layer::ALL.to_vec();
     let film = expose(&scene, Isa::best());
     assert!(film.image() == colors, "layers change the colours");
-    for layer in Layer::ALL {
-        let image = film.layer_of(film.area(), layer);
+    for layer in FileLayer::all(&Layer::ALL, &scene.light_groups()) {
+        let image = film.layer_of(film.area(), &layer);
         assert!(image.rgb.iter().any(|value| *value != image.rgb[0]), "{layer:?} is flat");
     }
     assert_one_file(&scene);

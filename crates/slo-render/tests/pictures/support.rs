@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slo_accel::Isa;
-use slo_picture::film::{Area, Film, Image};
+use slo_picture::film::{Area, FileLayer, Film, Image};
 use slo_render::frame::FrameScene;
 use slo_render::render::{Observer, Plan, render};
 use slo_scene::{Files, Layer, SceneDescription, load};
@@ -32,8 +32,7 @@ pub(crate) fn expose_frame(scene: &SceneDescription, frame: &FrameScene) -> Film
     let (plan, picture) = (Plan::new(scene), &scene.camera.film);
     let area = Area::whole(picture.width, picture.height);
     let film = Film::new(area, plan.needs_spreads()).expect("small enough");
-    let film = if picture.layers.is_empty() { Ok(film) } else { film.with_features() };
-    let film = film.expect("small enough");
+    let film = film.with_layers(&picture.layers, &scene.light_groups()).expect("small enough");
     let exposed = render(frame, &plan, film, &Unwatched);
     assert!(exposed.is_complete);
     assert_eq!(exposed.statistics.refused_contributions, 0);
@@ -121,7 +120,7 @@ impl Shot {
         scene.camera.film.layers = Layer::ALL.to_vec();
         let film = self.film(&scene);
         let layer = |layer| Picture(film.layer_of(film.area(), layer));
-        [Picture(film.image()), layer(Layer::Albedo), layer(Layer::Normal)]
+        [Picture(film.image()), layer(&FileLayer::Albedo), layer(&FileLayer::Normal)]
     }
 
     fn film(&self, scene: &SceneDescription) -> Film {
@@ -210,6 +209,18 @@ impl Picture {
                 i / 64
             );
         }
+    }
+}
+
+impl Picture {
+    /// Checks the mean of the whole picture, to a relative tolerance.
+    #[track_caller]
+    pub(crate) fn assert_mean(&self, color: [f64; 3], tolerance: f64) {
+        let count = self.0.rgb.len() as f64;
+        let mean = [0, 1, 2]
+            .map(|c| self.0.rgb.iter().map(|pixel| f64::from(pixel[c])).sum::<f64>() / count);
+        let near = |c: usize| (mean[c] - color[c]).abs() <= tolerance * color[c];
+        assert!((0..3).all(near), "the mean is {mean:?}, expected {color:?}");
     }
 }
 

@@ -52,8 +52,8 @@ const ATTRIBUTES: [(&str, &[&str]); 34] = [
     ("brightness", LIGHT),
     ("emission", LIGHT),
     ("light", LIGHT),
-    ("color", LIGHT),
-    ("colour", LIGHT),
+    ("color", COLOR),
+    ("colour", COLOR),
     ("strength", LIGHT),
     ("scale", &["strength"]),
     ("L", &["radiance"]),
@@ -83,6 +83,9 @@ const ATTRIBUTES: [(&str, &[&str]); 34] = [
 
 /// What says how strong a light is.
 const LIGHT: &[&str] = &["power", "irradiance", "radiance"];
+
+/// What says which colour a thing has, or its light.
+const COLOR: &[&str] = &["power", "irradiance", "radiance", "base_color"];
 
 /// The element that a word of another program means.
 pub(crate) fn element_meant(word: &str) -> Option<&'static str> {

@@ -7,7 +7,7 @@ use super::language::Language;
 use super::schema::{Attribute, Kind, Schema};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::format::syntax::{Block, Entry, Form, Item, Number, Word};
-use crate::names::invisible;
+use crate::names::{closest, invisible};
 
 /// An element, or a block of an element, as it was written.
 #[derive(Clone, Copy, Debug)]
@@ -221,12 +221,14 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
 
     fn unknown(&mut self, item: &Item<'a>) {
         let (word, schema) = (item.keyword, self.element.schema);
-        let elsewhere = || attribute_meant(word.text, schema);
+        let called = schema.called(word.text).or_else(|| attribute_meant(word.text, schema));
+        let near = || closest(word.text, schema.attributes().map(|a| a.name));
+        let attribute = called.or_else(|| near().and_then(|name| schema.attribute(name)));
         let diagnostic = if let Some(help) = schema.absent(word.text) {
             let message = format!("`{}` does not take `{}` yet", schema.keyword, word.text);
             Diagnostic::error(message).at(word.span, "").help(help)
-        } else if let Some(attribute) = schema.meant(word.text).or_else(elsewhere) {
-            let usage = || elsewhere().map(|attribute| format!("write {}", attribute.usage()));
+        } else if let Some(attribute) = attribute {
+            let usage = || called.map(|attribute| format!("write {}", attribute.usage()));
             let help = invisible(word.text).or_else(usage);
             // A misspelt attribute is not missing.
             self.found.push(Field { attribute, keyword: word, value: Value::Broken });

@@ -1,6 +1,6 @@
 //! What an element takes: its attributes.
 
-use crate::names::{closest, is_same};
+use crate::names::is_same;
 use crate::settings::{Entry, Form};
 
 /// An element or inner block: its keyword and what may stand in it.
@@ -41,11 +41,9 @@ impl Schema {
         })
     }
 
-    /// The attribute that a word was probably meant to be.
-    pub(crate) fn meant(&self, name: &str) -> Option<&'static Attribute> {
-        let near = || closest(name, self.attributes().map(|attribute| attribute.name));
-        let called = self.attributes().find(|attribute| attribute.is_called(name));
-        called.or_else(|| self.attribute(near()?))
+    /// The attribute that other programs and formats call so.
+    pub(crate) fn called(&self, name: &str) -> Option<&'static Attribute> {
+        self.attributes().find(|attribute| attribute.is_called(name))
     }
 
     /// The attribute of a name.

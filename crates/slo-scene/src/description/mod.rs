@@ -6,6 +6,7 @@
 mod camera;
 mod check;
 mod key_frame;
+mod light_groups;
 mod object;
 
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use crate::texture::Texture;
 
 pub use camera::{CamSegment, Camera};
 pub use key_frame::{KeyFrame, Placement};
+pub use light_groups::LightGroups;
 pub use object::{MaterialId, Object};
 
 /// A scene that has no errors: all that its text, meshes and textures say.

@@ -1,7 +1,7 @@
 //! Materials that contain others: in which order they can be looked at, and what is true of one
 //! with all that it contains.
 
-use super::{Material, MaterialKind};
+use super::Material;
 use crate::description::MaterialId;
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::format::written;
@@ -24,10 +24,6 @@ pub enum Tangle {
 /// What is true of a material with all that it contains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Whole {
-    /// It can be seen without light on it.
-    pub(crate) glows: bool,
-    /// It is a lamp: what it emits lights other surfaces.
-    pub(crate) emits: bool,
     /// It shows an image, or an image bends its normals.
     pub(crate) has_images: bool,
     /// An image bends its normals.
@@ -57,8 +53,6 @@ pub(crate) fn wholes(materials: &[Material]) -> Vec<Whole> {
         for part in materials[of].kind.parts().into_iter().flatten() {
             let Some(part) = wholes.get(part.0 as usize).copied() else { continue };
             let whole = &mut wholes[of];
-            whole.glows |= part.glows;
-            whole.emits |= part.emits;
             whole.has_images |= part.has_images;
             whole.bends_normals |= part.bends_normals;
         }
@@ -71,10 +65,7 @@ fn alone(material: &Material) -> Whole {
     let mut has_images = false;
     material.kind.for_images(&mut |_| has_images = true);
     let bends_normals = material.kind.bends_normals();
-    let glows = material.kind.glows();
-    // Light of the thesis's materials is only seen.
-    let emits = glows && !matches!(material.kind, MaterialKind::Phong(_));
-    Whole { glows, emits, has_images, bends_normals }
+    Whole { has_images, bends_normals }
 }
 
 /// Reports materials that contain themselves, and mixes that are nested too deeply; `heads` are the

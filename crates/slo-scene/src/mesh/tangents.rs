@@ -21,8 +21,7 @@ const MOST_CORNERS: usize = 256;
 impl Mesh {
     /// Computes the tangents of all corners, unless the mesh has no uvs.
     ///
-    /// A corner whose triangles all have the same uv at two corners gets any direction along the
-    /// surface.
+    /// Where uvs have no area, corners get any direction along the surface.
     pub fn add_tangents(&mut self) {
         self.tangents = Vec::new();
         if self.face_uvs.is_empty() {
@@ -56,18 +55,26 @@ impl<'m> Surface<'m> {
         };
         let faces = 0..mesh.faces.len();
         surface.tangents =
-            faces.clone().map(|face| [0, 1, 2].map(|i| surface.any(face, i))).collect();
+            faces.clone().map(|face| [0, 1, 2].map(|i| surface.alone(face, i))).collect();
         let corners = faces.flat_map(|face| [0, 1, 2].map(|i| [face as u32, i]));
         surface.apart = surface.crowded(corners.collect());
         surface
     }
 
-    /// Any tangent of a corner.
-    fn any(&self, face: usize, corner: usize) -> Tangent {
+    /// The tangent of a corner of a triangle by itself: of those that the algorithm leaves out, and
+    /// where triangles are so narrow that their angles are 0 to it.
+    fn alone(&self, face: usize, corner: usize) -> Tangent {
         let normal = glam::Vec3::from_array(Geometry::normal(self, face, corner)).as_dvec3();
         let normal = normal.try_normalize().unwrap_or(DVec3::Z);
-        let tangent = normal.any_orthonormal_vector().as_vec3().to_array();
-        Tangent::new(tangent, false).unwrap_or(Tangent::ALONG_X)
+        let [a, b, c] = corners(&self.mesh.positions, self.mesh.faces[face]);
+        let [u, v, w] = [0, 1, 2].map(|corner| self.tex_coord(face, corner).map(f64::from));
+        let [along, beside] = [[v[0] - u[0], v[1] - u[1]], [w[0] - u[0], w[1] - u[1]]];
+        let is_mirrored = along[0] * beside[1] - along[1] * beside[0] < 0.0;
+        let sign = if is_mirrored { -1.0 } else { 1.0 };
+        let tangent = ((b - a) * beside[1] - (c - a) * along[1]) * sign;
+        let tangent = (tangent - normal * normal.dot(tangent)).try_normalize();
+        let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector());
+        Tangent::new(tangent.as_vec3().to_array(), is_mirrored).unwrap_or(Tangent::ALONG_X)
     }
 
     /// The corners past the first [`MOST_CORNERS`] of each vertex, in groups of as many.

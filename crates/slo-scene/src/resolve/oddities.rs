@@ -1,9 +1,11 @@
 //! Warnings about scenes that the language allows but nobody means.
 
+use std::collections::HashSet;
+
 use crate::attributes::Fields;
 use crate::description::{CamSegment, Camera, KeyFrame, SceneDescription};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
-use crate::material::{Whole, wholes};
+use crate::material::{Material, MaterialKind};
 use crate::settings::Integrator;
 
 /// Warns of a shutter that is open for `blur` seconds if its segment takes less.
@@ -68,12 +70,13 @@ fn scene_time(segment: &CamSegment) -> [f64; 2] {
 pub(super) fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostics) {
     let SceneDescription { settings, lights, materials, objects, .. } = scene;
     let is_path = settings.integrator == Integrator::Path;
-    let wholes = wholes(materials);
-    let is_seen = objects.iter().any(|object| {
-        let material = wholes.get(object.material.0 as usize);
-        material.is_some_and(|material| if is_path { material.emits } else { material.glows })
-    });
-    if objects.is_empty() || is_seen || settings.background != [0.0; 3] {
+    let glows = |kind: &MaterialKind| match kind {
+        MaterialKind::Phong(_) if is_path => false,
+        _ => kind.glows(),
+    };
+    let shown = objects.iter().map(|object| object.material.0 as usize);
+    let is_seen = || any_part(materials, shown, glows);
+    if objects.is_empty() || settings.background != [0.0; 3] || is_seen() {
         return;
     }
     let help = if is_path {
@@ -138,11 +141,12 @@ pub(super) fn emission(fields: &Fields<'_, '_, '_>, material: usize) -> Vec<Emis
 /// Warns of what objects say about the light that they emit if they emit none.
 pub(super) fn check_emission(
     said: &[Emission],
-    materials: &[Whole],
+    materials: &[Material],
     diagnostics: &mut Diagnostics,
 ) {
+    let emits = |kind: &MaterialKind| !matches!(kind, MaterialKind::Phong(_)) && kind.glows();
     for Emission { name, place, object, material } in said {
-        if materials.get(*material).is_none_or(|material| material.emits) {
+        if any_part(materials, std::iter::once(*material), emits) {
             continue;
         }
         let message = format!("`{name}` has no effect: {object} emits no light");
@@ -150,4 +154,24 @@ pub(super) fn check_emission(
         let help = "a `material_principled` with `emission_strength` makes an object a lamp";
         diagnostics.push(warning.help(help));
     }
+}
+
+/// Whether some of these materials, or something that they are mixed from, has a property.
+fn any_part(
+    materials: &[Material],
+    of: impl Iterator<Item = usize>,
+    has: impl Fn(&MaterialKind) -> bool,
+) -> bool {
+    let mut seen = HashSet::new();
+    let mut waiting: Vec<usize> = of.filter(|material| seen.insert(*material)).collect();
+    while let Some(Material { kind, .. }) = waiting.pop().and_then(|index| materials.get(index)) {
+        if has(kind) {
+            return true;
+        }
+        if let MaterialKind::Mix(mix) = kind {
+            let parts = [mix.first, mix.second].map(|part| part.0 as usize);
+            waiting.extend(parts.into_iter().filter(|part| seen.insert(*part)));
+        }
+    }
+    false
 }

@@ -91,8 +91,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let textures: Vec<_> = images.iter().map(|image| image.texture.clone()).collect();
         let materials = self.materials(&phong_infos, &textures);
         warn_of_alpha(&images, &materials, self.diagnostics);
-        let wholes = wholes(&materials);
-        let objects = self.objects(camera.as_ref(), &wholes);
+        let objects = self.objects(camera.as_ref(), &wholes(&materials));
         let scene = SceneDescription {
             settings,
             camera: camera?,
@@ -104,7 +103,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         };
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
             oddities::check_light(&scene, self.diagnostics);
-            oddities::check_emission(&self.emission, &wholes, self.diagnostics);
+            oddities::check_emission(&self.emission, &scene.materials, self.diagnostics);
             overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
         }
         Some(scene)

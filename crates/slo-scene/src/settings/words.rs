@@ -115,8 +115,8 @@ choices! {
 }
 
 choices! {
-    /// A picture of surfaces beside the colours. Its word is the one of the command line, of recipes and
-    /// of channels in files.
+    /// What a file holds beside the colours. Its word is the one of the command line, of recipes and of
+    /// channels in files.
     #[derive(PartialOrd, Ord)]
     pub enum Layer {
         /// The share of light that surfaces reflect, whatever light falls on them: red, green, blue
@@ -125,6 +125,18 @@ choices! {
         /// Shading normals of surfaces, on the visible side: x, y, z in the scene's axes, of length 1
         /// where there is one surface, and 0 where there is none.
         Normal = "normal",
+        /// The light of each group of lights, one layer a group: their sum is the picture.
+        Lights = "lights",
+    }
+}
+
+impl Layer {
+    /// Whether it shows surfaces, whatever light falls on them.
+    pub fn is_of_surfaces(self) -> bool {
+        match self {
+            Self::Albedo | Self::Normal => true,
+            Self::Lights => false,
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::cli::base::{Exit, Problem, Terminal, counted, print};
 use crate::cli::files::new_folders::NewFolders;
 use part_names::missing;
 use slo_accel::Isa;
-use slo_picture::film::{Area, Display, Layer, MergeError, Merger, Subject};
+use slo_picture::film::{Area, Display, FileLayer, Layer, MergeError, Merger, Subject};
 use slo_picture::output::{
     Crop, Outcome, Picture, check_writable, layers_of, read_state, read_subject, settings_of,
     with_outcome, with_region,
@@ -152,7 +152,8 @@ impl<'a> Whole<'a> {
         let outcome = Outcome::of(&film, region, Display::of(format, look), Isa::best());
         let recipe = with_outcome(&recipe, &outcome);
         let image = film.image();
-        let layers = film.layers_of(region, &self.layers);
+        let groups = film.light_groups().cloned().unwrap_or_default();
+        let layers = film.layers_of(region, FileLayer::all(&self.layers, &groups));
         let picture = Picture { image: &image, format, look, recipe: &recipe, crop };
         picture.save_with(&self.path, &layers).map_err(|error| {
             let path = self.path.display();

@@ -12,13 +12,13 @@ use crate::cli::base::{Exit, Problem, Terminal};
 use crate::cli::options::Job;
 use crate::cli::values::{PartBy, Region};
 use slo_picture::film::Steps;
-use slo_picture::film::{Area, Film, State, Subject, View};
+use slo_picture::film::{Area, FileLayer, Film, Layer, State, Subject, View};
 use slo_picture::output::{
     Crop, Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state,
     find_timed_picture, made_by_others, with_outcome, with_region, with_steps, write_state,
 };
 use slo_render::render::{Part, Plan};
-use slo_scene::SceneDescription;
+use slo_scene::{LightGroups, SceneDescription};
 
 /// What is made from each frame of a job.
 #[derive(Clone, Debug)]
@@ -45,6 +45,9 @@ impl<'a> Target<'a> {
             let message = format!("layers are written to EXR pictures only, but this is a {kind}");
             return Err(Problem::new(Exit::Usage, message)
                 .with_help("use `--format exr`, or `output EXR_IMAGE` in the scene"));
+        }
+        if film.layers.contains(&Layer::Lights) {
+            check_groups(&scene.light_groups())?;
         }
         let whole = Area::whole(film.width, film.height);
         let region = match job.region {
@@ -101,13 +104,16 @@ impl<'a> Target<'a> {
 
     /// Returns what the film of a frame is exposed for.
     pub(super) fn subject(&self, frame: i64) -> Subject {
+        let layers = &self.scene.camera.film.layers;
+        let has_lights = layers.contains(&Layer::Lights);
         Subject {
             recipe: self.whole_recipe(frame, self.job.steps),
             area: self.region.in_blocks(&self.whole),
             region: self.region,
             samples: self.plan.samples(),
             with_spreads: self.plan.needs_spreads(),
-            with_features: !self.scene.camera.film.layers.is_empty(),
+            with_features: layers.iter().any(|layer| layer.is_of_surfaces()),
+            light_groups: has_lights.then(|| self.scene.light_groups()),
         }
     }
 
@@ -164,8 +170,9 @@ impl<'a> Target<'a> {
         let recipe = with_outcome(&self.recipe(frame, steps.or(self.job.steps)), &outcome);
         let crop = Crop::of(self.region, self.whole);
         let picture = Picture { image: &image, format, look, recipe: &recipe, crop };
+        let layers = FileLayer::all(&settings.layers, &self.scene.light_groups());
         let layers: Vec<_> =
-            settings.layers.iter().map(|&layer| (layer, image.layer(layer))).collect();
+            layers.iter().map(|layer| (layer.clone(), image.layer(layer))).collect();
         picture
             .save_with(path, &layers)
             .map(|()| Written { not_finite: picture.not_finite(), outcome })
@@ -183,6 +190,29 @@ impl<'a> Target<'a> {
     ) -> Result<(), (PathBuf, io::Error)> {
         let (place, display) = ((self.region, self.whole), self.plan.display());
         maps::write(&self.job.maps, frame, film, place, display, terminal)
+    }
+}
+
+/// Checks that files can hold the light of these groups.
+fn check_groups(groups: &LightGroups) -> Result<(), Problem> {
+    let bad = |message: String| Err(Problem::new(Exit::BadInput, message));
+    if groups.len() > LightGroups::MOST {
+        let (count, most) = (groups.len(), LightGroups::MOST);
+        return bad(format!(
+            "the scene has {count} groups of lights, but `--layers lights` takes at most {most}"
+        ));
+    }
+    match groups.names().iter().find(|name| name.len() > LightGroups::LONGEST) {
+        Some(name) => {
+            let start: String = name.chars().take(20).collect();
+            bad(format!(
+                "the name of the group of lights `{start}...` has {} bytes, but a channel's name \
+                 has room for {}",
+                name.len(),
+                LightGroups::LONGEST
+            ))
+        }
+        None => Ok(()),
     }
 }
 

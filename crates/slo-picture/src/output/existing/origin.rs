@@ -132,6 +132,7 @@ mod tests {
             samples: None,
             with_spreads: false,
             with_features: false,
+            light_groups: None,
         };
         let film = Film::new(area, false).unwrap();
         write_state(&path, &State { subject, film, is_complete: true }).unwrap();

@@ -3,12 +3,12 @@
 use std::fmt::{self, Display};
 use std::io::{self, BufRead, Read, Seek, Write};
 
-use slo_scene::{Layer, OutputFormat};
+use slo_scene::OutputFormat;
 
 use super::claim::ReadError;
 use super::picture::Picture;
 use super::raster::Raster;
-use crate::film::{Image, Pixels};
+use crate::film::{FileLayer, Image, Pixels};
 
 /// Keyword of the text that holds the recipe: a PNG text chunk, an EXR attribute.
 pub const KEYWORD: &str = "slo-rt recipe";
@@ -31,7 +31,7 @@ pub(super) trait Container: Sync {
     fn write(
         &self,
         picture: &Picture,
-        layers: &[(Layer, &dyn Pixels)],
+        layers: &[(&FileLayer, &dyn Pixels)],
         out: &mut dyn Sink,
     ) -> io::Result<()>;
 
@@ -41,8 +41,8 @@ pub(super) trait Container: Sync {
     /// Reads the colours, whoever wrote the file. Refuses a file of ours that is damaged.
     fn read(&self, input: &mut dyn Source) -> Result<Raster, ReadError>;
 
-    /// Reads the layers beside the colours, in the order of [`Layer::ALL`].
-    fn read_layers(&self, input: &mut dyn Source) -> Result<Vec<(Layer, Image)>, ReadError>;
+    /// Reads the layers beside the colours, in the order of [`FileLayer::all`].
+    fn read_layers(&self, input: &mut dyn Source) -> Result<Vec<(FileLayer, Image)>, ReadError>;
 
     /// The number of pixels in the header; `None` if it can't be read.
     fn claimed_pixels(&self, input: &mut dyn Source) -> Option<u64>;

@@ -20,10 +20,10 @@ use std::path::Path;
 
 #[cfg(test)]
 use slo_scene::Encoding;
-use slo_scene::{Layer, OutputFormat};
+use slo_scene::OutputFormat;
 
 use super::file::{Candid, open_regular, write_atomically};
-use crate::film::{Image, Pixels};
+use crate::film::{FileLayer, Image, Pixels};
 use container::Container;
 
 pub use claim::ReadError;
@@ -56,7 +56,7 @@ pub fn memory_to_write(format: OutputFormat, size: [u32; 2], images: u64) -> u64
     container(format).memory(size, images)
 }
 
-const NO_LAYERS: &[(Layer, Image)] = &[];
+const NO_LAYERS: &[(FileLayer, Image)] = &[];
 
 impl Picture<'_> {
     /// Writes the picture to `path`, which holds the old file or the complete new one at any time.
@@ -71,7 +71,7 @@ impl Picture<'_> {
     ///
     /// # Errors
     /// As [`save`](Self::save).
-    pub fn save_with(&self, path: &Path, layers: &[(Layer, impl Pixels)]) -> io::Result<()> {
+    pub fn save_with(&self, path: &Path, layers: &[(FileLayer, impl Pixels)]) -> io::Result<()> {
         write_atomically(path, |file| self.write_with(file, layers))
     }
 
@@ -90,10 +90,10 @@ impl Picture<'_> {
     pub fn write_with(
         &self,
         out: impl Read + Write + Seek,
-        layers: &[(Layer, impl Pixels)],
+        layers: &[(FileLayer, impl Pixels)],
     ) -> io::Result<()> {
         let layers: Vec<_> =
-            layers.iter().map(|(layer, image)| (*layer, image as &dyn Pixels)).collect();
+            layers.iter().map(|(layer, image)| (layer, image as &dyn Pixels)).collect();
         let mut out = Candid::new(out);
         let written = container(self.format).write(self, &layers, &mut out);
         out.said(written)
@@ -125,12 +125,12 @@ impl Raster {
     }
 }
 
-/// Reads the layers that a picture has beside its colours, in the order of [`Layer::ALL`]; none for a
+/// Reads the layers that a picture has beside its colours, in the order of [`FileLayer::all`]; none for a
 /// file of another kind.
 ///
 /// # Errors
 /// What the system says, or what is wrong with the file.
-pub fn read_layers(path: &Path) -> Result<Vec<(Layer, Image)>, ReadError> {
+pub fn read_layers(path: &Path) -> Result<Vec<(FileLayer, Image)>, ReadError> {
     let mut input = BufReader::new(open_regular(path)?);
     match container_of(input.fill_buf()?) {
         Some(container) => container.read_layers(&mut input),

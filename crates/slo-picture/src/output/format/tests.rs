@@ -2,11 +2,11 @@
 
 use std::io::{self, Cursor, Read, Seek, Write};
 
-use slo_scene::{Encoding, Layer, Look, OutputFormat, ToneMap};
+use slo_scene::{Encoding, Look, OutputFormat, ToneMap};
 
 use super::samples::{bytes, sample_image};
 use super::*;
-use crate::film::{Area, Image, srgb};
+use crate::film::{Area, FileLayer, Image, srgb};
 
 const FORMATS: [OutputFormat; OutputFormat::NAMES.len()] = OutputFormat::ALL;
 
@@ -244,7 +244,13 @@ fn layers_that_were_written_are_read() {
         let rgb = (0..15).map(|i| [i as f32 * factor, -factor, 0.5]).collect();
         Image { width: 5, height: 3, rgb }
     };
-    let layers = [(Layer::Albedo, layer(0.01)), (Layer::Normal, layer(0.05))];
+    let light = |name: &str| FileLayer::Light(name.to_owned());
+    let layers = [
+        (FileLayer::Albedo, layer(0.01)),
+        (FileLayer::Normal, layer(0.05)),
+        (light("Küche.1"), layer(3.0)),
+        (light("rest"), layer(-2.0)),
+    ];
     let look = Look::default();
     let crop = Crop::of(Area { x0: 7, y0: 2, x1: 12, y1: 5 }, Area::whole(20, 10));
     let picture = |format| Picture { image: &image, format, look, recipe: "{}", crop };

@@ -3,6 +3,7 @@
 mod continuation;
 mod outcome;
 mod read;
+mod relit;
 mod restore;
 mod write;
 
@@ -10,5 +11,6 @@ pub use continuation::{continues, has_same_samples};
 pub use outcome::{Outcome, is_denoised, with_denoiser, with_outcome, without_outcome};
 pub(super) use read::restore_settings;
 pub use read::{layers_of, settings_of, steps_of};
+pub use relit::{is_relit, with_look, with_relit};
 pub use restore::{RestoreError, restore};
 pub use write::{Recipe, with_region, with_steps};

@@ -240,7 +240,7 @@ mod tests {
         assert!(!json(&scene).contains("layers"));
         assert_eq!(layers(&scene), Some(Vec::new()));
         scene.camera.film.layers = Layer::ALL.to_vec();
-        assert!(json(&scene).contains("\n  \"layers\": [\"albedo\", \"normal\"],\n"));
+        assert!(json(&scene).contains("\n  \"layers\": [\"albedo\", \"normal\", \"lights\"],\n"));
         assert_eq!(layers(&scene), Some(Layer::ALL.to_vec()));
         for bad in [serde_json::json!(["depth"]), serde_json::json!("albedo")] {
             assert_eq!(layers_of(&serde_json::json!({ "layers": bad })), None);

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use serde_json::Value;
 
-use slo_scene::Settings;
 use slo_scene::settings::{Effect, MOST_PIXELS};
+use slo_scene::{Layer, Settings};
 
 use crate::film::{Area, Features, Fixed, Pixel, Spread, Steps, Subject, TILE, base_end};
 use crate::output::recipe::{layers_of, restore_settings, steps_of};
@@ -83,6 +83,7 @@ impl Bounds {
         pixel: &Pixel,
         spread: Option<&Spread>,
         features: Option<&Features>,
+        lights: &[[Fixed; 3]],
     ) -> Result<(), &'static str> {
         let Pixel { sum, base, samples } = *pixel;
         let in_base = self.in_base(samples);
@@ -90,7 +91,8 @@ impl Bounds {
         let is_small =
             |sums: [Fixed; 3]| sums.iter().all(|sum| sum.units().unsigned_abs() <= largest);
         let features = features.map(|features| [features.albedo, features.normal]);
-        let mut sums = [sum, base].into_iter().chain(features.into_iter().flatten());
+        let features = features.into_iter().flatten();
+        let mut sums = [sum, base].into_iter().chain(features).chain(lights.iter().copied());
         if !sums.all(is_small) {
             return Err("its sums are larger than rendered ones");
         }
@@ -142,7 +144,7 @@ struct Plan {
     /// Of a pixel, at most.
     samples: u32,
     rule: Rule,
-    has_layers: bool,
+    layers: Vec<Layer>,
 }
 
 impl Plan {
@@ -169,16 +171,19 @@ impl Plan {
             (false, false) => Rule::Uniform,
         };
         let samples = u32::try_from(settings.camera_samples()).ok()?;
-        Some(Self { whole, samples, rule, has_layers: !layers_of(recipe)?.is_empty() })
+        Some(Self { whole, samples, rule, layers: layers_of(recipe)? })
     }
 
     fn check(&self, subject: &Subject) -> Result<(), &'static str> {
         let Subject { area, region, samples, with_spreads, with_features, .. } = subject;
+        let has_surfaces = self.layers.iter().any(|layer| layer.is_of_surfaces());
+        let has_lights = self.layers.contains(&Layer::Lights);
         if !self.whole.holds(region) || *area != region.in_blocks(&self.whole) {
             return Err("its area does not fit its recipe");
         }
         if *with_spreads != (self.rule == Rule::Contrast)
-            || *with_features != self.has_layers
+            || *with_features != has_surfaces
+            || subject.light_groups.is_some() != has_lights
             || (samples.is_some() && self.rule != Rule::Uniform)
         {
             return Err("what is in it is not what its recipe asks for");

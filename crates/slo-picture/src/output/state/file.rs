@@ -10,14 +10,17 @@
 //! | 16 | area of the film: x0, y0, x1, y1 |
 //! | 16 | region that was asked for |
 //! | 8 | numbers of the first sample and one past the last, 0 and 0 if samples are not shared out |
-//! | 4 | 1 with spreads, 2 complete, 4 with features |
+//! | 4 | 1 with spreads, 2 complete, 4 with features, 8 with the light of groups |
+//! | 4, (4 + n) each | with the light of groups: their number, and the length and the name of each |
 //! | 4 each | how many samples each pixel has, row by row |
-//! | 24, 24, 48, 48 each | of the pixels that have any: sums; of those with more than one or a share of samples: base; with spreads: least and most; with features: albedo and normal |
+//! | 24, 24, 48, 48 each | of the pixels that have any: sums; of those with more than one or a share of samples: base; with spreads: least and most; with features: albedo and normal; with the light of groups: 24 each |
 //! | 32 | BLAKE3 over all before |
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
+
+use slo_scene::LightGroups;
 
 use super::check::Bounds;
 use crate::film::{Area, Features, Film, Fixed, Pixel, Spread, State, Subject};
@@ -31,6 +34,7 @@ const LONGEST_RECIPE: u32 = 1 << 16;
 const WITH_SPREADS: u32 = 1;
 const COMPLETE: u32 = 2;
 const WITH_FEATURES: u32 = 4;
+const WITH_LIGHTS: u32 = 8;
 /// Length of the hash at the end.
 pub(super) const HASH: u64 = 32;
 const BUFFER: usize = 1 << 16;
@@ -66,8 +70,15 @@ fn write_header(out: &mut impl Write, state: &State) -> io::Result<()> {
         (subject.with_spreads, WITH_SPREADS),
         (state.is_complete, COMPLETE),
         (subject.with_features, WITH_FEATURES),
+        (subject.light_groups.is_some(), WITH_LIGHTS),
     ];
-    put(out, flags.iter().filter(|(is_set, _)| *is_set).map(|(_, flag)| flag).sum())
+    put(out, flags.iter().filter(|(is_set, _)| *is_set).map(|(_, flag)| flag).sum())?;
+    let Some(groups) = &subject.light_groups else { return Ok(()) };
+    put(out, groups.len() as u32)?;
+    groups.names().iter().try_for_each(|name| {
+        put(out, name.len() as u32)?;
+        out.write_all(name.as_bytes())
+    })
 }
 
 fn write_pixels(out: &mut impl Write, state: &State) -> io::Result<()> {
@@ -86,6 +97,7 @@ fn write_pixels(out: &mut impl Write, state: &State) -> io::Result<()> {
             put_color(out, features.albedo)?;
             put_color(out, features.normal)?;
         }
+        state.film.lights(i).iter().try_for_each(|light| put_color(out, *light))?;
     }
     Ok(())
 }
@@ -176,12 +188,17 @@ impl Header {
         let (area, region) = (get_area(input)?, get_area(input)?);
         let samples = Some(get(input)?..get(input)?).filter(|range| *range != (0..0));
         let flags = get(input)?;
-        if flags >= WITH_FEATURES << 1 {
+        if flags >= WITH_LIGHTS << 1 {
             return Err(bad("it is of another version of slo-rt"));
         }
         let with_spreads = flags & WITH_SPREADS != 0;
         let with_features = flags & WITH_FEATURES != 0;
-        let subject = Subject { recipe, area, region, samples, with_spreads, with_features };
+        let light_groups = match flags & WITH_LIGHTS {
+            0 => None,
+            _ => Some(get_groups(input)?),
+        };
+        let subject =
+            Subject { recipe, area, region, samples, with_spreads, with_features, light_groups };
         Ok(Self { subject, is_complete: flags & COMPLETE != 0 })
     }
 
@@ -215,8 +232,11 @@ fn read_film(input: &mut impl Read, subject: &Subject, bounds: &Bounds) -> io::R
         if let Some(features) = film.features_mut(i) {
             *features = Features { albedo: get_color(input)?, normal: get_color(input)? };
         }
+        for light in film.lights_mut(i) {
+            *light = get_color(input)?;
+        }
         let (spread, features) = (film.spreads().get(i), film.features().get(i));
-        bounds.check_pixel(&film.pixels()[i], spread, features).map_err(damaged)?;
+        bounds.check_pixel(&film.pixels()[i], spread, features, film.lights(i)).map_err(damaged)?;
     }
     Ok(film)
 }
@@ -246,6 +266,26 @@ fn get(input: &mut impl Read) -> io::Result<u32> {
 fn get_area(input: &mut impl Read) -> io::Result<Area> {
     let area = Area { x0: get(input)?, y0: get(input)?, x1: get(input)?, y1: get(input)? };
     if area.x0 < area.x1 && area.y0 < area.y1 { Ok(area) } else { Err(bad("it is damaged")) }
+}
+
+/// Reads the groups of lights, which are in their order.
+fn get_groups(input: &mut impl Read) -> io::Result<LightGroups> {
+    let count = get(input)? as usize;
+    if count > LightGroups::MOST {
+        return Err(bad("it is damaged"));
+    }
+    let mut names = Vec::new();
+    for _ in 0..count {
+        let length = get(input)? as usize;
+        if length > LightGroups::LONGEST {
+            return Err(bad("it is damaged"));
+        }
+        let mut name = vec![0; length];
+        input.read_exact(&mut name)?;
+        names.push(String::from_utf8(name).map_err(|_| bad("it is damaged"))?);
+    }
+    let groups = LightGroups::new(names.iter().map(String::as_str));
+    if groups.names() == names { Ok(groups) } else { Err(bad("it is damaged")) }
 }
 
 fn get_color(input: &mut impl Read) -> io::Result<[Fixed; 3]> {

@@ -3,6 +3,8 @@
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
+use slo_scene::LightGroups;
+
 use super::file::*;
 use crate::film::{Area, Features, Fixed, Merger, State, Subject, base_end};
 
@@ -23,7 +25,7 @@ const KINDS: [Kind; 4] = [Kind::Checkpoint, Kind::Part, Kind::Contrast, Kind::Sh
 
 fn recipe(kind: Kind) -> String {
     let (least, layers) = match kind {
-        Kind::Contrast => (1, ", \"layers\": [\"albedo\"]"),
+        Kind::Contrast => (1, ", \"layers\": [\"albedo\", \"lights\"]"),
         _ => (4, ""),
     };
     let version = env!("CARGO_PKG_VERSION");
@@ -52,6 +54,7 @@ fn state(kind: Kind) -> State {
         samples: matches!(kind, Kind::Share).then_some(3..7),
         with_spreads: matches!(kind, Kind::Contrast),
         with_features: matches!(kind, Kind::Contrast),
+        light_groups: matches!(kind, Kind::Contrast).then(|| LightGroups::new(["key", "rim"])),
     };
     let mut film = subject.film().unwrap();
     for i in 0..subject.area.len() {
@@ -67,6 +70,7 @@ fn state(kind: Kind) -> State {
             if let Some(features) = film.features_mut(i) {
                 *features += Features { albedo: value(5), normal: value(11) };
             }
+            film.lights_mut(i).iter_mut().for_each(|light| *light = value(3));
         }
     }
     State { subject, film, is_complete: matches!(kind, Kind::Part) }
@@ -191,6 +195,10 @@ fn numbers_that_can_not_be_are_refused() {
         });
         check(kind, "not what its recipe asks for", &|s| {
             s.subject.with_features = !s.subject.with_features;
+        });
+        check(kind, "not what its recipe asks for", &|s| {
+            let groups = s.subject.light_groups.take();
+            s.subject.light_groups = groups.is_none().then(LightGroups::default);
         });
     }
     check(Kind::Share, "not among its recipe", &|s| s.subject.samples = Some(3..9));

@@ -1,6 +1,6 @@
 //! Surfaces at the hits of a batch.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
@@ -29,6 +29,12 @@ pub(crate) struct Surfaces {
     pub(crate) from_outside: Column<u32>,
     /// Colours of the materials' images; white if a material has none.
     pub(crate) tint: Vec3s,
+    /// Where anisotropic materials have their long axis; 0 if they do not matter.
+    pub(crate) tangent: Vec3s,
+    /// -1 where the texture is mirrored, otherwise 1; of hits that have a tangent.
+    pub(crate) mirrored: Column<f32>,
+    /// Texture coordinates, of hits on materials that depend on them.
+    pub(crate) uv: [Column<f32>; 2],
     /// Bounds of the absolute coordinates from which points were computed.
     pub(super) magnitude: Vec3s,
 }
@@ -45,6 +51,9 @@ impl Default for Surfaces {
             n_shade: Vec3s::default(),
             from_outside: [0; BATCH],
             tint: Vec3s::default(),
+            tangent: Vec3s::default(),
+            mirrored: [1.0; BATCH],
+            uv: [[0.0; BATCH]; 2],
             magnitude: Vec3s::default(),
         }
     }
@@ -57,6 +66,12 @@ impl Surfaces {
         self.ray[self.len] = ray as u32;
         self.material[self.len] = material;
         self.len += 1;
+    }
+
+    /// Returns the texture coordinates of hit `i`.
+    #[inline(always)]
+    pub(crate) fn uv(&self, i: usize) -> Vec2 {
+        Vec2::new(self.uv[0][i], self.uv[1][i])
     }
 
     /// Returns the origin of a ray from hit `i` toward `direction`, such that the ray cannot hit

@@ -6,15 +6,18 @@ use std::ops::Range;
 use glam::{DVec3, Mat3, Vec3};
 
 use super::columns::Surfaces;
+use super::tangents::{Tangent, tangent};
 use crate::frame::looks::Look;
 use crate::frame::scene::{FrameObject, FrameScene};
 use crate::frame::shapes::Geometry;
 use crate::frame::world::{Instance, STILL, WorldHits};
+use crate::shading::material::Kind;
+use crate::shading::material::principled::Parameters;
 use crate::shading::texture::sample_bilinear;
 use slo_accel::curved::Part;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 use slo_accel::{Curved, Lanewise, NO_HIT, Rays, Structure, Triangle};
-use slo_scene::Mesh;
+use slo_scene::{Mesh, ShadowMode};
 
 /// The data from which the points of hits are computed.
 #[derive(Debug)]
@@ -218,6 +221,7 @@ impl FrameScene {
             to.point.set(i, pose.point(to.point.get(i)));
             to.n_geo.set(i, pose.vector(to.n_geo.get(i)).normalize());
             to.n_shade.set(i, pose.vector(to.n_shade.get(i)));
+            to.tangent.set(i, pose.vector(to.tangent.get(i)));
             let magnitude = abs_product(&pose.rotation, to.magnitude.get(i));
             to.magnitude.set(i, magnitude + pose.translation.abs());
         }
@@ -226,6 +230,34 @@ impl FrameScene {
     /// Looks up the colours of images. `to.point` must still be in the space of the structures.
     pub(super) fn look_up_images(&self, found: &WorldHits, to: &mut Surfaces) {
         self.isa.run(Images { frame: self, found, to });
+        let images = &self.material_table.images;
+        if !images.any_needs_uv() {
+            return;
+        }
+        for i in 0..to.len.min(BATCH) {
+            if images.needs_uv(to.material[i]) {
+                let hit = Hit::new(found, to.ray[i] as usize);
+                [to.uv[0][i], to.uv[1][i]] = self.uv(&hit, to.point.get(i));
+                let (tangent, mirrored) = self.tangent(&hit, to.point.get(i), to.n_geo.get(i));
+                to.tangent.set(i, tangent);
+                to.mirrored[i] = mirrored;
+            }
+        }
+    }
+
+    /// Returns the tangent at a hit, in the space of its structure, as are `point` and `normal`.
+    fn tangent(&self, hit: &Hit, point: Vec3, normal: Vec3) -> Tangent {
+        if hit.instance == STILL {
+            let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
+            let (face, place) = (hit.primitive.wrapping_sub(object.first_triangle), &object.place);
+            let (point, normal) = (place.inverse_point(point), place.inverse_vector(normal));
+            let (along, mirrored) = tangent(&object.geometry, face, hit.uv, point, normal);
+            (place.vector(along), mirrored)
+        } else {
+            let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
+            let geometry = &self.objects[object as usize].geometry;
+            tangent(geometry, hit.primitive, hit.uv, point + center, normal)
+        }
     }
 
     /// Returns the texture coordinates of a hit. `point` is in the space of its structure.
@@ -249,6 +281,52 @@ impl FrameScene {
         }
     }
 
+    /// Chooses materials of mixes for the hits of a batch, by a random number `u` for each, which is
+    /// rescaled to be uniform again.
+    pub(crate) fn choose_materials(&self, u: &mut Column<f32>, to: &mut Surfaces) {
+        let table = &self.material_table;
+        for i in 0..to.len.min(BATCH) {
+            let mixed = to.material[i];
+            if table.kinds[mixed as usize] != Kind::Mix {
+                continue;
+            }
+            let (material, rest) = table.images.choose(mixed, &self.textures, to.uv(i), u[i]);
+            (to.material[i], u[i]) = (material, rest);
+            if let Some(texture) = self.materials[material as usize].texture {
+                let image = &self.textures[texture.texture.0 as usize];
+                let [scale_u, scale_v] = texture.scale;
+                let uv = to.uv(i);
+                to.tint.set(i, sample_bilinear(image, uv.x * scale_u, uv.y * scale_v).into());
+            }
+        }
+    }
+
+    /// Multiplies the numbers of physical materials by what images hold at the hits of a batch.
+    pub(crate) fn multiply_images(&self, surfaces: &Surfaces, to: &mut Parameters) {
+        let images = &self.material_table.images;
+        if images.any_needs_uv() {
+            for i in 0..surfaces.len.min(BATCH) {
+                let material = surfaces.material[i];
+                images.multiply(material, &self.textures, surfaces.uv(i), i, to);
+            }
+        }
+    }
+
+    /// Whether light may pass through hits on a material or light, unbent: the look of a hit.
+    pub(crate) fn may_pass(&self, look: Look) -> bool {
+        match look {
+            Look::Material(material) => self.material_table.images.passes(material),
+            Look::Light(light) => self.is_passable(light),
+            Look::Nothing => false,
+        }
+    }
+
+    /// Returns the share of light that passes through hit `i` of a batch unbent.
+    pub(crate) fn share_passing(&self, surfaces: &Surfaces, i: usize) -> f32 {
+        let (images, material) = (&self.material_table.images, surfaces.material[i]);
+        1.0 - images.opacity(material, &self.textures, surfaces.uv(i))
+    }
+
     pub(in crate::frame) fn object_of(&self, primitive: u32, instance: u32) -> u32 {
         if instance == STILL {
             self.still_objects[primitive as usize]
@@ -257,12 +335,20 @@ impl FrameScene {
         }
     }
 
+    /// Returns the look of a primitive.
+    pub(crate) fn look_of(&self, primitive: u32, instance: u32) -> Look {
+        self.looks.of(self.object_of(primitive, instance))
+    }
+
     /// Returns the share of light that passes a primitive on its way to another one, for
     /// transparent shadows; `None` if the primitive blocks it.
     ///
     /// A closed object lets the share `refraction` through in all, so each of its surfaces lets the
     /// square root of it through.
     pub(crate) fn light_passed(&self, primitive: u32, instance: u32) -> Option<f32> {
+        if self.settings.shadow == ShadowMode::Opaque {
+            return None;
+        }
         let number = self.object_of(primitive, instance);
         let Look::Material(material) = self.looks.of(number) else { return None };
         let refraction = self.materials[material as usize].refraction;

@@ -2,14 +2,15 @@
 
 use glam::Vec3;
 use slo_accel::Lanewise;
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up, look_up_each};
 use slo_accel::math::elementary::exp2;
-use slo_accel::math::columns::{BATCH, Column, lanes, look_up, look_up_each};
 use slo_scene::Integrator;
 
 use super::points::Points;
-use crate::integrator::batch::Batch;
 use crate::frame::FrameScene;
-use crate::shading::bsdf::{Bsdf, Lobe, WithLobe, WithLobeMut};
+use crate::integrator::batch::Batch;
+use crate::shading::bsdf::{Bsdf, Lobe, WithLobe, WithLobeMut, principled};
+use crate::shading::light::receiver;
 use crate::shading::material::Kind;
 use crate::shading::material::principled::Parameters;
 use crate::shading::{MaterialTable, lobe};
@@ -24,6 +25,8 @@ pub(in crate::integrator) struct Bsdfs {
     /// Index of refraction on the incident side divided by the index on the other side, of Phong
     /// materials.
     eta: Column<f32>,
+    /// Share of emitted light that the layers above let through to the eye.
+    emitted: Vec3s,
     total: Column<f32>,
 }
 
@@ -34,6 +37,7 @@ impl Default for Bsdfs {
             parameters: Box::default(),
             is_principled: [0; BATCH],
             eta: [0.0; BATCH],
+            emitted: Vec3s::default(),
             total: [0.0; BATCH],
         }
     }
@@ -41,19 +45,52 @@ impl Default for Bsdfs {
 
 impl Bsdfs {
     /// Looks up the numbers of the materials of all points.
-    pub(in crate::integrator) fn look_up(&mut self, frame: &FrameScene, points: &Points) {
+    pub(in crate::integrator) fn look_up(&mut self, frame: &FrameScene, points: &mut Points) {
         let table = &frame.material_table;
         let len = points.len();
         let is_principled = |kind| u32::from(kind == Kind::Principled);
-        look_up(&table.kinds, &points.surfaces.material, len, is_principled, &mut self.is_principled);
+        look_up(
+            &table.kinds,
+            &points.surfaces.material,
+            len,
+            is_principled,
+            &mut self.is_principled,
+        );
         if table.is_physical() {
             frame.isa.run(LookUp { table, points, to: &mut self.parameters });
+            frame.multiply_images(&points.surfaces, &mut self.parameters);
+            frame.bend_normals(&self.parameters, &mut points.surfaces);
+        }
+    }
+
+    /// Lets light from all directions count at points that light passes through.
+    pub(in crate::integrator) fn open_receivers(&self, points: &mut Points) {
+        for i in 0..points.len() {
+            let is_glass = self.is_principled[i] == 1 && self.parameters.transmission[i] > 0.0;
+            let refracts = self.bsdf.refraction.share().is_present
+                && self.bsdf.refraction.share().chance[i] > 0.0;
+            if is_glass || refracts {
+                points.receiver[i] = receiver::ANY;
+            }
+        }
+    }
+
+    /// Decides which points the rays pass through.
+    pub(in crate::integrator) fn let_pass(&self, points: &mut Points) {
+        for i in 0..points.len() {
+            let alpha = self.parameters.alpha[i];
+            let passes = self.is_principled[i] == 1 && points.surface[i] >= alpha;
+            points.passes[i] = u32::from(passes);
+            if passes {
+                points.weight.set(i, Vec3::ZERO);
+            }
         }
     }
 
     /// Returns the radiance that point `i` emits.
     pub(super) fn emitted(&self, i: usize) -> Vec3 {
-        if self.is_principled[i] == 1 { self.parameters.emission.get(i) } else { Vec3::ZERO }
+        let emitted = self.parameters.emission.get(i) * self.emitted.get(i);
+        if self.is_principled[i] == 1 { emitted } else { Vec3::ZERO }
     }
 
     /// Weakens the light that comes to points from inside of their objects, by Beer's law.
@@ -65,7 +102,8 @@ impl Bsdfs {
                 & (self.parameters.transmission[i] > 0.0);
             if is_inside && absorption != Vec3::ZERO {
                 let origin = batch.rays.origin(points.surfaces.ray[i] as usize);
-                let way = (points.surfaces.point.get(i) - origin).length() * std::f32::consts::LOG2_E;
+                let way =
+                    (points.surfaces.point.get(i) - origin).length() * std::f32::consts::LOG2_E;
                 let left = Vec3::from((absorption * -way).to_array().map(exp2));
                 points.weight.set(i, points.weight.get(i) * left);
             }
@@ -76,6 +114,14 @@ impl Bsdfs {
     pub(in crate::integrator) fn find(&mut self, frame: &FrameScene, points: &Points) {
         self.bsdf.clear();
         frame.isa.run(Phong { table: &frame.material_table, points, to: self });
+        let table = &frame.material_table;
+        let Self { bsdf, parameters, is_principled, emitted, .. } = self;
+        if table.is_physical() {
+            let (at, from_outside) = (|i| points.at(i), &points.surfaces.from_outside);
+            let is_mine = |i: usize| is_principled[i] == 1;
+            let (len, isa) = (points.len(), frame.isa);
+            principled(parameters, at, from_outside, is_mine, len, isa, bsdf, emitted);
+        }
         // The chances of all lobes that rays follow sum to 1.
         self.total = [0.0; BATCH];
         let diffuse = frame.settings.integrator == Integrator::Path;
@@ -121,7 +167,7 @@ impl Lanewise for Phong<'_> {
 fn phong(table: &MaterialTable, points: &Points, to: &mut Bsdfs) {
     let surfaces = &points.surfaces;
     let (len, material) = (surfaces.len, &surfaces.material);
-    let Bsdfs { bsdf, eta, is_principled, parameters, .. } = to;
+    let Bsdfs { bsdf, eta, .. } = to;
     let Bsdf { diffuse, highlight, reflection, refraction, .. } = bsdf;
     let diffuse = &mut diffuse.0;
     let [dx, dy, dz] = [&table.diffuse[0][..], &table.diffuse[1], &table.diffuse[2]];
@@ -149,8 +195,6 @@ fn phong(table: &MaterialTable, points: &Points, to: &mut Bsdfs) {
     let mut present = [0.0f32; 4];
     for i in lanes(len) {
         let albedo = diffuse.weight.get(i) * surfaces.tint.get(i);
-        let base = parameters.base_color.get(i);
-        let albedo = if is_principled[i] == 1 { base } else { albedo };
         diffuse.weight.set(i, albedo);
         diffuse.chance[i] = albedo.max_element();
         let eta = if surfaces.from_outside[i] == 1 { 1.0 / eta[i] } else { eta[i] };

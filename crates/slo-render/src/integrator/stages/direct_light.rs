@@ -85,7 +85,7 @@ impl DirectLight {
             let from = Asking { points, lobes, set, survival, tries, rays, least };
             first.with(AskOne { frame, glossy, from, to: sent });
         } else {
-            choice.choose(job, points, &set.numbers[2])?;
+            choice.choose(job, points, &set.numbers[2]);
             let survival = choice.rest();
             let from = Asking { points, lobes, set, survival, tries, rays, least };
             frame.lights.for_each_kind(&mut AskChosen { frame, glossy, from, choice, to: sent });
@@ -214,7 +214,7 @@ fn ask_lanes<const SHINES: bool, const GLOSSY: bool, L: Lamp>(
         let front = toward.dot(surfaces.n_geo.get(i)) > 0.0;
         let mut added = if front { reflected * share } else { Vec3::ZERO };
         if GLOSSY {
-            let by_light = tries * light.density(way);
+            let by_light = tries * light.density(hit, way);
             let reflected = lobes.reflected.share_of_light(i, toward, by_light, rays[0]);
             let refracted = lobes.refracted.share_of_light(i, toward, by_light, rays[1]);
             added += points.weight.get(i) * if front { reflected } else { refracted };

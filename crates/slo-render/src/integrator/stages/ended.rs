@@ -40,7 +40,8 @@ impl Ended {
                 Look::Light(light) => {
                     let light = &frame.lights[light as usize];
                     let way = batch.rays.direction(i) * hits.found.hits.t[i];
-                    (light.radiance(way), lobe_share(frame, light, way, batch.density[i], depth))
+                    let ray = [batch.rays.origin(i), way];
+                    (light.radiance(way), lobe_share(frame, light, ray, batch.density[i], depth))
                 }
                 Look::Nothing | Look::Material(_) => (background, 1.0),
             };
@@ -57,10 +58,16 @@ impl Ended {
 }
 
 /// Returns the weight, by the balance heuristic, of a lobe's ray that hits a lamp after `depth`
-/// bounces, at the end of the vector `way`. It is 1 if no rays to the lamp sample the same light.
-fn lobe_share(frame: &FrameScene, light: &Light, way: Vec3, density: f32, depth: u32) -> f32 {
+/// bounces, at the end of the vector `way` from its origin. It is 1 if no rays to the lamp sample the same light.
+fn lobe_share(
+    frame: &FrameScene,
+    light: &Light,
+    [from, way]: [Vec3; 2],
+    density: f32,
+    depth: u32,
+) -> f32 {
     if density == 0.0 {
         return 1.0;
     }
-    density / (density + mean_rays_to(frame, light, depth - 1) * light.density(way))
+    density / (density + mean_rays_to(frame, light, depth - 1) * light.density(from, way))
 }

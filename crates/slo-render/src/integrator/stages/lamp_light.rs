@@ -4,17 +4,17 @@ use glam::Vec3;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 
-
 use super::bsdfs::Bsdfs;
 use super::points::Points;
 use crate::frame::FrameScene;
-use crate::integrator::batch::Sent;
+use crate::integrator::batch::{Labels, Sent};
 use crate::integrator::branching::continuations;
 use crate::integrator::chosen::Chosen;
 use crate::integrator::work::Job;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{Lobe, WithLobe};
+use crate::shading::light::Choices;
 use crate::shading::{Lamp, WithLamp, WithLamps};
 
 use super::direct_light::Question;
@@ -23,6 +23,7 @@ use super::direct_light::Question;
 #[derive(Debug)]
 pub(in crate::integrator) struct LampLight {
     set: SetPoints,
+    choices: Choices,
     /// Index of the light of each point.
     light: Column<u32>,
     /// Number of rays to the light: the probability of the choice, times the number of rays.
@@ -40,6 +41,7 @@ pub(in crate::integrator) struct LampLight {
     /// Light that all lobes scatter, for a radiance of 1.
     scattered: Vec3s,
     pub(in crate::integrator) sent: Sent,
+    pub(in crate::integrator) labels: Labels,
     /// Points that send a ray.
     pub(in crate::integrator) chosen: Chosen,
 }
@@ -49,6 +51,7 @@ impl Default for LampLight {
         let zeros = [0.0; BATCH];
         Self {
             set: SetPoints::default(),
+            choices: Choices::default(),
             light: [0; BATCH],
             tries: zeros,
             toward: Vec3s::default(),
@@ -58,6 +61,7 @@ impl Default for LampLight {
             flat: zeros,
             scattered: Vec3s::default(),
             sent: Sent::default(),
+            labels: Labels::default(),
             chosen: Chosen::default(),
         }
     }
@@ -80,6 +84,7 @@ impl LampLight {
         if let Some(number) = light {
             self.set.take::<2>(&frame.sampler, frame.isa, &names);
             self.tries[..].fill(place[1] as f32);
+            self.light[..].fill(number);
             frame.lights[number as usize].with(AskOne { frame, points, to: self });
         } else {
             self.set.take::<3>(&frame.sampler, frame.isa, &names);
@@ -96,15 +101,31 @@ impl LampLight {
         self.chosen.set(frame.isa, points.len(), |i| weight.get(i) != Vec3::ZERO);
     }
 
+    /// Labels the rays: like the points, but with the slots of the groups that the lights belong to,
+    /// at a distance of `stride` from each other.
+    pub(in crate::integrator) fn name(&mut self, frame: &FrameScene, points: &Points, stride: u32) {
+        let (labels, len) = (&mut self.labels, points.len());
+        labels.time[..len].copy_from_slice(&points.labels.time[..len]);
+        labels.slot[..len].copy_from_slice(&points.labels.slot[..len]);
+        if stride > 0 {
+            for (slot, light) in labels.slot[..len].iter_mut().zip(&self.light) {
+                *slot += frame.group_of(*light) * stride;
+            }
+        }
+    }
+
     /// Chooses a light for each point.
     fn choose(&mut self, frame: &FrameScene, points: &Points, rays: f32) {
-        let Self { set, light, tries, .. } = self;
-        for i in 0..points.len() {
-            let from = points.surfaces.point.get(i);
-            let chosen = frame.light_tree.choose(from, points.receiver[i], set.numbers[2][i]);
-            light[i] = chosen.light;
-            tries[i] = chosen.chance * rays;
+        let Self { set, choices, light, tries, radiance, .. } = self;
+        let Points { surfaces, receiver, .. } = points;
+        let (point, u) = (&surfaces.point, &set.numbers[2]);
+        frame.light_tree.choose_all(frame.isa, points.len(), point, receiver, u, choices);
+        *light = choices.light;
+        for (tries, chance) in tries.iter_mut().zip(&choices.chance) {
+            *tries = chance * rays;
         }
+        // Points that no light can reach have none, and ask none.
+        *radiance = Vec3s::default();
     }
 }
 
@@ -175,7 +196,7 @@ impl<L: Lamp, C: Fn(u32) -> (L, bool)> Lanewise for Ask<'_, C> {
             };
             let radiance = lamp.radiance(way);
             let tries = to.tries[i];
-            let by_light = if L::IS_DELTA { tries } else { tries * lamp.density(way) };
+            let by_light = if L::IS_DELTA { tries } else { tries * lamp.density(hit, way) };
             let flat = if L::IS_OF_THESIS { std::f32::consts::PI / tries } else { 0.0 };
             let keep = |new: Vec3, old: Vec3| if is_asked { new } else { old };
             to.sent.origin.set(i, keep(origin, to.sent.origin.get(i)));

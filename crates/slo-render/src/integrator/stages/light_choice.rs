@@ -6,71 +6,50 @@ use slo_accel::math::columns::{BATCH, Column, lanes};
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::work::Job;
-use crate::shading::{Lamp, WithLamp};
+use crate::shading::light::{Choices, receiver};
 
 /// A light for each hit, chosen at random in proportion to the light expected from it, in columns.
 #[derive(Debug)]
 pub(super) struct LightChoice {
-    light: Column<u32>,
+    choices: Choices,
     /// Weight of the chosen light, relative to a uniform choice.
     times: Column<f32>,
-    /// Light expected from all lights.
-    total: Column<f32>,
-    /// Sum of the light expected from the lights visited so far.
-    below: Column<f32>,
-    /// Light expected from the chosen light.
-    kept: Column<f32>,
-    /// Sum of the light expected from the lights before the chosen one.
-    before: Column<f32>,
-    /// The random number, rescaled after the choice to be uniform again.
-    rest: Column<f32>,
+    /// Packed normals.
+    receiver: Column<u32>,
 }
 
 impl Default for LightChoice {
     fn default() -> Self {
-        let zeros = [0.0; BATCH];
-        Self {
-            light: [0; BATCH],
-            times: zeros,
-            total: zeros,
-            below: zeros,
-            kept: zeros,
-            before: zeros,
-            rest: zeros,
-        }
+        let (times, receiver) = ([0.0; BATCH], [receiver::ANY; BATCH]);
+        Self { choices: Choices::default(), times, receiver }
     }
 }
 
 impl LightChoice {
-    /// Chooses a light for each point by a random number, in the order of the lights, so that
-    /// stratified numbers give stratified choices. Returns `None`, without a choice, if the work is
-    /// given up.
-    pub(super) fn choose(&mut self, job: &Job<'_>, points: &Points, u: &Column<f32>) -> Option<()> {
+    /// Chooses a light for each point by a random number, such that stratified numbers give
+    /// stratified choices.
+    pub(super) fn choose(&mut self, job: &Job<'_>, points: &Points, u: &Column<f32>) {
         let frame = job.frame;
-        let expect = Expect { points, through: frame.receives_through(), alike: !frame.clever };
-        self.total = [0.0; BATCH];
-        for light in frame.lights.iter() {
-            job.goes_on()?;
-            light.with(AddUp { frame, expect, total: &mut self.total });
+        let Self { choices, times, receiver } = self;
+        let (isa, len, count) = (frame.isa, points.len(), frame.lights.len());
+        if frame.clever {
+            let through = frame.receives_through();
+            isa.run(Receivers { points, through, to: receiver });
+            let from = &points.surfaces.point;
+            frame.light_tree.choose_all(isa, len, from, receiver, u, choices);
+        } else {
+            isa.run(Alike { len, count: count as u32, u, to: choices });
         }
-        self.below = [0.0; BATCH];
-        self.kept = [0.0; BATCH];
-        self.light = [0; BATCH];
-        for (number, light) in (0..).zip(frame.lights.iter()) {
-            job.goes_on()?;
-            light.with(Pass { frame, expect, number, u, to: self });
-        }
-        let (len, count) = (points.surfaces.len, frame.lights.len() as f32);
-        frame.isa.run(Finish { len, count, u, to: self });
-        Some(())
+        isa.run(Times { frame, len, choices, to: times });
     }
 
     /// Returns the index of the light of each point.
     pub(super) fn light(&self) -> &Column<u32> {
-        &self.light
+        &self.choices.light
     }
 
-    /// Returns the weight of the light of each point, relative to a uniform choice.
+    /// Returns the weight of the light of each point, relative to a uniform choice; 0 if no light
+    /// can reach the point.
     pub(super) fn times(&self) -> &Column<f32> {
         &self.times
     }
@@ -78,115 +57,74 @@ impl LightChoice {
     /// Returns the random numbers rescaled after the choice: uniform again, and nearly independent
     /// of it.
     pub(super) fn rest(&self) -> &Column<f32> {
-        &self.rest
+        &self.choices.rest
     }
 }
 
-/// Estimates the light that points receive from a light.
-#[derive(Clone, Copy)]
-struct Expect<'a> {
+/// Packs the normals, unless light through the surfaces counts.
+struct Receivers<'a> {
     points: &'a Points,
-    /// See [`Lamp::expected`].
     through: bool,
-    /// Whether all lights have the same probability.
-    alike: bool,
+    to: &'a mut Column<u32>,
 }
 
-impl Expect<'_> {
-    #[inline(always)]
-    fn of(&self, light: &impl Lamp, i: usize) -> f32 {
-        let surfaces = &self.points.surfaces;
-        let normals = [surfaces.n_shade.get(i), surfaces.n_geo.get(i)];
-        let expected = light.expected(surfaces.point.get(i), normals, self.through);
-        if self.alike { 1.0 } else { expected }
-    }
-}
-
-struct AddUp<'a> {
-    frame: &'a FrameScene,
-    expect: Expect<'a>,
-    total: &'a mut Column<f32>,
-}
-
-impl WithLamp for AddUp<'_> {
-    type Output = ();
-
-    fn run<L: Lamp>(self, lamp: L) {
-        self.frame.isa.run(OfLamp { lamp, work: self });
-    }
-}
-
-/// Moves the choice to this light if the random number is not below the end of the previous light's
-/// interval.
-struct Pass<'a> {
-    frame: &'a FrameScene,
-    expect: Expect<'a>,
-    number: u32,
-    u: &'a Column<f32>,
-    to: &'a mut LightChoice,
-}
-
-impl WithLamp for Pass<'_> {
-    type Output = ();
-
-    fn run<L: Lamp>(self, lamp: L) {
-        self.frame.isa.run(OfLamp { lamp, work: self });
-    }
-}
-
-/// Work for a light of a known kind. The light is a copy, which cannot alias a column.
-struct OfLamp<L, W> {
-    lamp: L,
-    work: W,
-}
-
-impl<L: Lamp> Lanewise for OfLamp<L, AddUp<'_>> {
+impl Lanewise for Receivers<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { lamp, work: AddUp { expect, total, .. } } = self;
-        for i in lanes(expect.points.surfaces.len) {
-            total[i] += expect.of(&lamp, i);
+        let Self { points, through, to } = self;
+        for i in lanes(points.surfaces.len) {
+            let packed = receiver::pack(points.surfaces.n_geo.get(i));
+            to[i] = if through { receiver::ANY } else { packed };
         }
     }
 }
 
-impl<L: Lamp> Lanewise for OfLamp<L, Pass<'_>> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { lamp, work: Pass { expect, number, u, to, .. } } = self;
-        for i in lanes(expect.points.surfaces.len) {
-            let expected = expect.of(&lamp, i);
-            let passes = u[i] * to.total[i] >= to.below[i] && expected > 0.0;
-            to.light[i] = if passes { number } else { to.light[i] };
-            to.kept[i] = if passes { expected } else { to.kept[i] };
-            to.before[i] = if passes { to.below[i] } else { to.before[i] };
-            to.below[i] += expected;
-        }
-    }
-}
-
-struct Finish<'a> {
+/// Chooses among lights that all have the same probability.
+struct Alike<'a> {
     len: usize,
-    count: f32,
+    count: u32,
     u: &'a Column<f32>,
-    to: &'a mut LightChoice,
+    to: &'a mut Choices,
 }
 
-impl Lanewise for Finish<'_> {
+impl Lanewise for Alike<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { len, count, u, to } = self;
+        let all = count as f32;
         for i in lanes(len) {
-            let times = to.total[i] / (to.kept[i] * count);
-            to.times[i] = if to.kept[i] > 0.0 { times } else { 0.0 };
-            // Rounding may make it negative.
-            to.rest[i] = ((u[i] * to.total[i] - to.before[i]) / to.kept[i]).max(0.0);
+            let place = u[i] * all;
+            to.light[i] = (place as u32).min(count - 1);
+            to.chance[i] = 1.0 / all;
+            to.rest[i] = place - to.light[i] as f32;
+        }
+    }
+}
+
+/// Finds the weights.
+struct Times<'a> {
+    frame: &'a FrameScene,
+    len: usize,
+    choices: &'a mut Choices,
+    to: &'a mut Column<f32>,
+}
+
+impl Lanewise for Times<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { frame, len, choices, to } = self;
+        let count = frame.lights.len() as u32;
+        for i in lanes(len) {
+            let is_lit = choices.light[i] < count;
+            to[i] = if is_lit { 1.0 / (choices.chance[i] * count as f32) } else { 0.0 };
+            // The ray of a point that no light can reach has the weight 0.
+            choices.light[i] = choices.light[i].min(count - 1);
         }
     }
 }

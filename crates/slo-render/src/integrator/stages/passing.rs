@@ -9,6 +9,7 @@ use super::points::Points;
 use crate::frame::{FrameScene, Look};
 use crate::integrator::batch::{Batch, Labels, Past, Sent, marks};
 use crate::integrator::chosen::Chosen;
+use crate::integrator::machine::Machine;
 use crate::sampling::{Purpose, Use, next_path};
 
 /// Share of the distance by which a ray goes on behind a lamp that it does not see. A ray that hits
@@ -26,17 +27,18 @@ pub(in crate::integrator) struct Passing {
 }
 
 impl Passing {
-    /// Finds the camera rays of a batch that meet a lamp which the camera does not see.
-    pub(in crate::integrator) fn hidden_lamps(
+    /// Finds the rays of a batch, after `depth` bounces, that go on behind a lamp.
+    pub(in crate::integrator) fn lamps(
         &mut self,
         frame: &FrameScene,
         batch: &Batch,
         hits: &Hits,
+        depth: u32,
     ) {
         self.len = 0;
         for i in hits.shaded.others(batch.len()) {
             if let Look::Light(light) = Look::of_word(hits.looks[i])
-                && frame.is_hidden(light)
+                && (frame.is_passable(light) || (depth == 0 && frame.is_hidden(light)))
             {
                 let t = hits.found.hits.t[i] * (1.0 + BEHIND);
                 let from = batch.rays.origin(i) + batch.rays.direction(i) * t;
@@ -63,6 +65,11 @@ impl Passing {
             }
         }
         self.choose(frame);
+    }
+
+    /// Queues the rays as rays after `depth` bounces.
+    pub(in crate::integrator) fn queue(&self, machine: &mut Machine, depth: u32) {
+        machine.extend_path(depth, &self.sent, &self.labels, &self.past, &self.chosen);
     }
 
     fn push(&mut self, batch: &Batch, ray: usize, origin: Vec3) {

@@ -8,7 +8,7 @@ use super::hits::Hits;
 use crate::frame::{FrameScene, SurfaceScratch, Surfaces};
 use crate::integrator::batch::{Batch, Labels};
 use crate::integrator::chosen::Chosen;
-use crate::sampling::batch::SetNames;
+use crate::sampling::batch::{SetNames, SetPoints};
 use crate::sampling::{PixelSeed, Purpose};
 use crate::shading::MaterialTable;
 use crate::shading::bsdf::At;
@@ -38,6 +38,10 @@ pub(in crate::integrator) struct Points {
     pub(super) receiver: Column<u32>,
     /// 1 for points that the ray passes through, whose weight is 0; otherwise 0.
     pub(super) passes: Column<u32>,
+    /// A random number for the choice among mixed materials, and then for the choice of passing
+    /// through.
+    pub(super) surface: Column<f32>,
+    set: SetPoints,
     scratch: SurfaceScratch,
 }
 
@@ -56,6 +60,8 @@ impl Default for Points {
             shines: false,
             receiver: [receiver::ANY; BATCH],
             passes: [0; BATCH],
+            surface: [0.0; BATCH],
+            set: SetPoints::default(),
             scratch: SurfaceScratch::default(),
         }
     }
@@ -83,6 +89,23 @@ impl Points {
         frame.find_surfaces(rays, time, &hits.found, &mut self.surfaces, &mut self.scratch);
         self.take(batch, chosen);
         frame.isa.run(Seeds { seeds, to: self });
+    }
+
+    /// Chooses a material at points where several are mixed.
+    pub(in crate::integrator) fn choose_materials(&mut self, frame: &FrameScene, depth: u32) {
+        let (table, len) = (&frame.material_table, self.len());
+        self.passes[..len].fill(0);
+        if !table.has_mixes && !table.images.any_passes() {
+            return;
+        }
+        let mut set = std::mem::take(&mut self.set);
+        let names = self.names(&frame.settings, depth, Purpose::Surface, [0, 1]);
+        set.take::<2>(&frame.sampler, frame.isa, &names);
+        self.surface = set.numbers[0];
+        self.set = set;
+        if table.has_mixes {
+            frame.choose_materials(&mut self.surface, &mut self.surfaces);
+        }
     }
 
     /// Packs the normals.
@@ -128,8 +151,13 @@ impl Points {
     /// Returns the directions at point `i`.
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> At {
-        let Surfaces { n_shade, n_geo, .. } = &self.surfaces;
-        At { eye: -self.direction.get(i), n: n_shade.get(i), n_geo: n_geo.get(i) }
+        let Surfaces { n_shade, n_geo, tangent, .. } = &self.surfaces;
+        At {
+            eye: -self.direction.get(i),
+            n: n_shade.get(i),
+            n_geo: n_geo.get(i),
+            tangent: tangent.get(i),
+        }
     }
 
     /// Returns the names of the random numbers of ray `i` of `count` from every point, after

@@ -3,7 +3,6 @@
 use glam::Vec3;
 use slo_accel::math::columns::Vec3s;
 use slo_accel::{Coherence, Lanewise, NO_HIT};
-use slo_scene::ShadowMode;
 
 use crate::frame::{FrameScene, NO_MATERIAL, SurfaceScratch, Surfaces, WorldHits, WorldScratch};
 use crate::integrator::batch::{Batch, Labels, Sent};
@@ -19,7 +18,7 @@ pub(in crate::integrator) struct Visibility {
     passing: Option<Box<Passing>>,
 }
 
-/// Connections that pass through transparent objects.
+/// Connections that pass through what they hit.
 #[derive(Debug, Default)]
 struct Passing {
     found: WorldHits,
@@ -39,15 +38,12 @@ impl Visibility {
         scratch: &mut WorldScratch,
     ) {
         let expected = habit.expected();
-        let alike = match frame.settings.shadow {
-            ShadowMode::Opaque => {
-                self.passing = None;
-                self.trace_opaque(frame, expected, scratch)
-            }
-            ShadowMode::Transparent => {
-                let passing = self.passing.get_or_insert_default();
-                passing.trace(frame, &mut self.batch, expected, scratch)
-            }
+        let alike = if frame.lets_light_pass() {
+            let passing = self.passing.get_or_insert_default();
+            passing.trace(frame, &mut self.batch, expected, scratch)
+        } else {
+            self.passing = None;
+            self.trace_opaque(frame, expected, scratch)
         };
         habit.learn(expected, alike);
     }
@@ -75,8 +71,8 @@ impl Visibility {
 }
 
 impl Passing {
-    /// Removes the light of rays that hit something. Rays that hit a refractive object start again
-    /// behind it, weaker.
+    /// Removes the light of rays that hit something. Rays that hit something that lets light pass
+    /// start again behind it, weaker.
     fn trace(
         &mut self,
         frame: &FrameScene,
@@ -96,13 +92,22 @@ impl Passing {
             }
             let light = weight.get(i);
             weight.set(i, Vec3::ZERO);
-            if let Some(passed) = frame.light_passed(primitive, found.instance[i]) {
+            let instance = found.instance[i];
+            let look = frame.look_of(primitive, instance);
+            if let Some(passed) = frame.light_passed(primitive, instance) {
                 sent.weight.set(surfaces.len, light * passed);
                 surfaces.push(i, NO_MATERIAL);
+            } else if frame.may_pass(look) {
+                sent.weight.set(surfaces.len, light);
+                surfaces.push(i, look.material().unwrap_or(NO_MATERIAL));
             }
         }
         frame.find_surfaces(rays, time, found, surfaces, &mut self.scratch);
         for i in 0..surfaces.len {
+            if surfaces.material[i] != NO_MATERIAL {
+                let light = sent.weight.get(i) * frame.share_passing(surfaces, i);
+                sent.weight.set(i, light);
+            }
             let ray = surfaces.ray[i] as usize;
             let (origin, direction) = (rays.origin(ray), rays.direction(ray));
             let from = surfaces.leave(i, direction);
@@ -113,7 +118,7 @@ impl Passing {
             labels.time[i] = time[ray];
             labels.slot[i] = slot[ray];
         }
-        chosen.set(frame.isa, surfaces.len, |_| true);
+        chosen.set(frame.isa, surfaces.len, |i| sent.weight.get(i) != Vec3::ZERO);
         alike
     }
 }

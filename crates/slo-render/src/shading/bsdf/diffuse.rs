@@ -12,6 +12,22 @@ use crate::shading::lobe::pair;
 #[derive(Debug, Default)]
 pub struct Diffuse(pub Share);
 
+/// The density of directions that [`sample_cosine`] samples; 0 below the surface.
+#[inline(always)]
+pub(super) fn spread(at: &At, toward: Vec3) -> f32 {
+    let density = at.n.dot(toward).max(0.0) * FRAC_1_PI;
+    if at.n_geo.dot(toward) > 0.0 { density } else { 0.0 }
+}
+
+/// Samples a unit direction about the shading normal, in proportion to the cosine. Also returns the
+/// cosine.
+#[inline(always)]
+pub(super) fn sample_cosine(at: &At, u: [f32; 3]) -> (Vec3, f32) {
+    let local = cosine_power_lobe([u[0], u[1]], 0.5);
+    let (x, y) = pair(at.n);
+    (x * local.x + y * local.y + at.n * local.z, local.z)
+}
+
 impl Lobe for Diffuse {
     const IS_DIFFUSE: bool = true;
 
@@ -25,18 +41,15 @@ impl Lobe for Diffuse {
 
     #[inline(always)]
     fn evaluate(&self, i: usize, at: &At, toward: Vec3) -> Scattered {
-        let density = at.n.dot(toward).max(0.0) * FRAC_1_PI;
-        let density = if at.n_geo.dot(toward) > 0.0 { density } else { 0.0 };
+        let density = spread(at, toward);
         Scattered { value: self.0.weight.get(i) * density, density }
     }
 
     #[inline(always)]
     fn sample(&self, i: usize, at: &At, u: [f32; 3]) -> Sampled {
-        let local = cosine_power_lobe([u[0], u[1]], 0.5);
-        let (x, y) = pair(at.n);
-        let direction = x * local.x + y * local.y + at.n * local.z;
+        let (direction, cos) = sample_cosine(at, u);
         let is_outside = at.n_geo.dot(direction) > 0.0;
         let weight = if is_outside { self.0.weight.get(i) } else { Vec3::ZERO };
-        Sampled { direction, weight, density: local.z * FRAC_1_PI }
+        Sampled { direction, weight, density: cos * FRAC_1_PI }
     }
 }

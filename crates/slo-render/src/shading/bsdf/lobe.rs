@@ -30,7 +30,7 @@ pub trait Lobe {
     fn sample(&self, i: usize, at: &At, u: [f32; 3]) -> Sampled;
 }
 
-/// The directions of a hit. All are unit vectors.
+/// The directions of a hit. All but the tangent are unit vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct At {
     /// From the hit to where the ray came from.
@@ -39,6 +39,9 @@ pub struct At {
     pub n: Vec3,
     /// Geometric normal, on the side of `eye`.
     pub n_geo: Vec3,
+    /// Where anisotropic surfaces have their long axis: any length, not along `n`. If it is 0, an
+    /// arbitrary one is taken.
+    pub tangent: Vec3,
 }
 
 /// What a lobe makes of light from one direction.

@@ -3,19 +3,36 @@
 //! A hit may have several lobes, whose light adds up. Every lobe is sampled and weighted as an
 //! estimator of its own: a ray that follows a lobe carries the light of this lobe alone.
 
+mod bend;
+mod coat;
 mod diffuse;
+mod facets;
+mod fresnel;
+mod ggx;
+mod glass;
 mod highlight;
 mod list;
 mod lobe;
+mod metal;
 mod power;
+mod principled;
+mod rough_diffuse;
+mod specular;
+mod tables;
 
 use list::lobes;
 
+pub use coat::Coat;
 pub use diffuse::Diffuse;
+pub use glass::Glass;
 pub use highlight::Highlight;
 pub use list::{WithLobe, WithLobeMut};
 pub use lobe::{At, Lobe, Sampled, Scattered, Share};
+pub use metal::Metal;
 pub use power::Power;
+pub use principled::principled;
+pub use rough_diffuse::RoughDiffuse;
+pub use specular::Specular;
 
 lobes! {
     /// The lobes of a batch of hits.
@@ -28,5 +45,18 @@ lobes! {
         pub reflection: Power,
         /// Phong's glossy or perfect refraction.
         pub refraction: Power,
+        /// The rough diffuse base of principled materials.
+        pub rough_diffuse: RoughDiffuse,
+        /// The clear coat of principled materials.
+        pub coat: Coat,
+        /// Their metal.
+        pub metal: Metal,
+        /// Their glass.
+        pub glass: Glass,
+        /// Their gloss over the diffuse base.
+        pub specular: Specular,
     }
 }
+
+#[cfg(test)]
+mod tests;

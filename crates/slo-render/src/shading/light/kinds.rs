@@ -1,5 +1,6 @@
 //! Work that is compiled for each kind of light, and the list of kinds.
 
+use super::environment::{ImageSky, ImageView};
 use super::lamp::Lamp;
 
 /// Work for one light, compiled for each kind, so that it handles a whole column of hits without
@@ -25,10 +26,55 @@ pub trait WithLamps {
     );
 }
 
+/// A light as a frame keeps it. Most are what loops use; one that owns a table lends it.
+pub(super) trait Kept {
+    /// What loops use: numbers and references, so that a copy costs little.
+    type Lamp<'a>: Lamp
+    where
+        Self: 'a;
+
+    /// Returns the light as loops use it.
+    fn lamp(&self) -> Self::Lamp<'_>;
+
+    /// Calls `work` with lights as loops use them.
+    fn lend(lights: &[Self], work: impl FnOnce(&[Self::Lamp<'_>]))
+    where
+        Self: Sized;
+}
+
+impl<L: Lamp> Kept for L {
+    type Lamp<'a>
+        = L
+    where
+        L: 'a;
+
+    #[inline(always)]
+    fn lamp(&self) -> L {
+        *self
+    }
+
+    #[inline(always)]
+    fn lend(lights: &[L], work: impl FnOnce(&[L])) {
+        work(lights);
+    }
+}
+
+impl Kept for ImageSky {
+    type Lamp<'a> = ImageView<'a>;
+
+    fn lamp(&self) -> ImageView<'_> {
+        self.view()
+    }
+
+    fn lend(lights: &[Self], work: impl FnOnce(&[ImageView<'_>])) {
+        let views: Vec<_> = lights.iter().map(Self::view).collect();
+        work(&views);
+    }
+}
+
 /// Defines an enum of lights, and a collection of them that also has a table for each kind.
 ///
-/// The kinds have the same names as in slo-scene. Each is a type that implements [`Lamp`], with a
-/// function `new` that takes the light of the scene and the origin of render space.
+/// Each kind is a type that implements [`Kept`], as all do that implement [`Lamp`].
 macro_rules! lamps {
     (
         $(#[$of:meta])*
@@ -37,26 +83,17 @@ macro_rules! lamps {
         }
     ) => {
         $(#[$of])*
-        #[derive(Clone, Copy, Debug)]
+        #[derive(Clone, Debug)]
         pub enum $Light {
             $( $(#[$about])* $Kind($Type), )+
         }
 
         impl $Light {
-            /// Converts a light of the scene; `origin` is the origin of render space in scene
-            /// space.
-            pub fn new(light: &slo_scene::Light, origin: glam::DVec3) -> Option<Self> {
-                match &light.kind {
-                    $( slo_scene::LightKind::$Kind(light) => Some(Self::$Kind(<$Type>::new(light, origin))), )+
-                    _ => None,
-                }
-            }
-
             /// Does work for this light.
             #[inline(always)]
             pub fn with<W: WithLamp>(&self, work: W) -> W::Output {
-                match *self {
-                    $( Self::$Kind(lamp) => work.run(lamp), )+
+                match self {
+                    $( Self::$Kind(light) => work.run($crate::shading::light::kinds::Kept::lamp(light)), )+
                 }
             }
         }
@@ -81,13 +118,19 @@ macro_rules! lamps {
         impl $Lights {
             /// Calls `work` once for each kind that the frame has lights of.
             pub fn for_each_kind(&self, work: &mut impl WithLamps) {
-                $( self.for_kind(Table::$Kind as u32, &self.$table, work); )+
+                $(
+                    if !self.$table.is_empty() {
+                        <$Type as $crate::shading::light::kinds::Kept>::lend(&self.$table, |lamps| {
+                            self.for_kind(Table::$Kind as u32, lamps, work);
+                        });
+                    }
+                )+
             }
 
             fn for_kind<L: Lamp>(&self, table: u32, lamps: &[L], work: &mut impl WithLamps) {
                 if lamps.len() == self.all.len() {
                     work.run(lamps, |_| true, |light| light as usize);
-                } else if !lamps.is_empty() {
+                } else {
                     let mine = |light: u32| self.table[light as usize] == table;
                     let place =
                         |light: u32| (self.place[light as usize] as usize).min(lamps.len() - 1);
@@ -100,14 +143,14 @@ macro_rules! lamps {
             fn from_iter<I: IntoIterator<Item = $Light>>(lights: I) -> Self {
                 let mut to = Self::default();
                 for light in lights {
-                    to.all.push(light);
-                    match light {
+                    match &light {
                         $( $Light::$Kind(lamp) => {
                             to.table.push(Table::$Kind as u32);
                             to.place.push(to.$table.len() as u32);
-                            to.$table.push(lamp);
+                            to.$table.push(lamp.clone());
                         } )+
                     }
+                    to.all.push(light);
                 }
                 to
             }

@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
-/// A light of one kind, in render space. All functions are free of branches, for use on whole
-/// columns of hits.
+use super::bounds::LightBounds;
+
+/// A light of one kind, in render space. All functions but [`bounds`](Self::bounds) are free of
+/// branches, for use on whole columns of hits.
 pub trait Lamp: Copy {
     /// Whether the light has an area, so that several rays to different points of it reduce noise.
     const IS_AREA: bool;
@@ -23,7 +25,8 @@ pub trait Lamp: Copy {
     /// `way` is the vector from the hit to the point.
     fn radiance(&self, way: Vec3) -> Vec3;
 
-    /// Samples a point of the light for a hit at `from`, by a point `u` of the unit square.
+    /// Samples a point of the light for a hit at `from`, by a point `u` of the unit square; for a
+    /// distant light, a unit direction.
     fn point(&self, from: Vec3, u: [f32; 2]) -> Vec3;
 
     /// Returns the vector from a hit at `from` to the point of the light that
@@ -33,27 +36,23 @@ pub trait Lamp: Copy {
         self.point(from, u) - from
     }
 
-    /// Returns the `pdf_solid_angle`, as seen from a hit, with which [`point`](Self::point) samples
-    /// the point of the light at the end of the vector `way` from the hit; infinite for a light
-    /// without an area.
-    fn density(&self, way: Vec3) -> f32;
-
-    /// Estimates how much light the hit receives: the luminance of the light times the cosine at
-    /// its middle, plus a little, since a highlight or a lobe may receive more. Returns 0 if the
-    /// whole light lies behind the surface, unless light from behind counts (`through`). The
-    /// normals are the shading normal and the geometric normal, in this order.
-    fn expected(&self, hit: Vec3, normals: [Vec3; 2], through: bool) -> f32;
+    /// Returns the `pdf_solid_angle`, as seen from a hit at `from`, with which
+    /// [`point`](Self::point) samples the point of the light at the end of the vector `way` from
+    /// the hit. It is infinite for a light that no ray can hit, and for a hit that lies inside the
+    /// light and gets nothing of it.
+    fn density(&self, from: Vec3, way: Vec3) -> f32;
 
     /// Returns the direction of a shadow ray from `from` to a `point` of the light, not normalized,
     /// and the t at which it ends: 1, minus a margin that keeps it from hitting the light's own
-    /// surface.
+    /// surface. A ray to a distant light goes in the direction `point` without an end.
     fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32);
+
+    /// Returns where the light is, where it shines, and how much.
+    fn bounds(&self) -> LightBounds;
 }
 
-/// Estimates the light at a hit from the light's colour and the cosine at its middle.
+/// Returns how bright a colour looks: its luminance.
 #[inline(always)]
-pub(super) fn expected(color: Vec3, cos: f32, is_seen: bool) -> f32 {
-    const LEAST: f32 = 0.1;
-    let luminance = color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-    if is_seen { luminance * (LEAST + cos.max(0.0)) } else { 0.0 }
+pub(super) fn luminance(color: Vec3) -> f32 {
+    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }

@@ -2,7 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::lamp::{Lamp, expected};
+use super::bounds::LightBounds;
+use super::flat;
+use super::lamp::{Lamp, luminance};
 use super::rectangle::Rectangle;
 use slo_scene::light::{RectangleLamp as Described, RectangleLight};
 
@@ -29,8 +31,7 @@ impl Lamp for RectangleLamp {
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
-        let share = if way.dot(self.surface.normal) < 0.0 { 1.0 } else { self.back };
-        self.surface.color * share
+        self.surface.color * flat::side(way, self.surface.normal, self.back)
     }
 
     #[inline(always)]
@@ -39,17 +40,18 @@ impl Lamp for RectangleLamp {
     }
 
     #[inline(always)]
-    fn density(&self, way: Vec3) -> f32 {
-        self.surface.density(way)
-    }
-
-    #[inline(always)]
-    fn expected(&self, hit: Vec3, normals: [Vec3; 2], through: bool) -> f32 {
-        self.surface.expected(hit, normals, through) + expected(Vec3::ZERO, 0.0, false)
+    fn density(&self, from: Vec3, way: Vec3) -> f32 {
+        self.surface.density(from, way)
     }
 
     #[inline(always)]
     fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32) {
         self.surface.shadow_ray(from, point)
+    }
+
+    fn bounds(&self) -> LightBounds {
+        let Rectangle { color, normal, area, .. } = self.surface;
+        let corners = self.surface.corners();
+        LightBounds::flat(&corners, normal, self.back > 0.0, luminance(color) * area)
     }
 }

@@ -1,27 +1,46 @@
 //! Lights in render space: one file for each kind.
 
+mod bounds;
+mod cone;
+mod environment;
+mod flat;
 mod kinds;
 mod lamp;
+mod lamp_disc;
+mod lamp_point;
 mod lamp_rectangle;
+mod lamp_sphere;
+mod lamp_sun;
 mod point;
-mod rectangle;
 pub mod receiver;
+mod rectangle;
 mod techniques;
 mod tree;
+mod triangle;
 
 use std::ops::Deref;
+use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use kinds::lamps;
+use slo_scene::light::Sky;
+use slo_scene::{LightKind, Texture};
 
+pub use bounds::LightBounds;
+pub use environment::{EvenSky, ImageSky, ImageView, SkyTable};
 pub use kinds::{WithLamp, WithLamps};
 pub use lamp::Lamp;
+pub use lamp_disc::DiscLamp;
+pub use lamp_point::PointLamp;
 pub use lamp_rectangle::RectangleLamp;
+pub use lamp_sphere::SphereLamp;
+pub use lamp_sun::{ParallelLamp, SunLamp};
 pub use point::Point;
 pub use rectangle::Rectangle;
 pub use techniques::Techniques;
-pub use tree::LightTree;
+pub use tree::{Choices, Chosen, LightTree, NO_LIGHT};
+pub use triangle::Triangle;
 
 lamps! {
     /// A light.
@@ -30,8 +49,63 @@ lamps! {
         Point(Point) in points,
         /// `light_rectangle`
         Rectangle(Rectangle) in rectangles,
+        /// `lamp_point` and `lamp_spot` without a radius
+        PointLamp(PointLamp) in point_lamps,
+        /// `lamp_point` and `lamp_spot` with a radius
+        SphereLamp(SphereLamp) in sphere_lamps,
+        /// `lamp_sun` of angle 0
+        ParallelLamp(ParallelLamp) in parallel_lamps,
+        /// `lamp_sun`
+        SunLamp(SunLamp) in sun_lamps,
         /// `lamp_rectangle`
         RectangleLamp(RectangleLamp) in rectangle_lamps,
+        /// `lamp_disc`
+        DiscLamp(DiscLamp) in disc_lamps,
+        /// `environment` without an image
+        EvenSky(EvenSky) in even_skies,
+        /// `environment` with an image
+        ImageSky(ImageSky) in image_skies,
+        /// A triangle of a surface that emits light
+        Triangle(Triangle) in triangles,
+    }
+}
+
+impl Light {
+    /// Converts a light of the scene; `origin` is the origin of render space in scene space.
+    /// `before` are the lights of another frame, whose tables of `textures` are used again.
+    pub fn new(
+        light: &slo_scene::Light,
+        origin: DVec3,
+        textures: &[Arc<Texture>],
+        before: Option<&Lights>,
+    ) -> Self {
+        match &light.kind {
+            LightKind::Point(lamp) => Self::Point(Point::new(lamp, origin)),
+            LightKind::Rectangle(lamp) => Self::Rectangle(Rectangle::new(lamp, origin)),
+            LightKind::PointLamp(lamp) if lamp.radius > 0.0 => {
+                Self::SphereLamp(SphereLamp::point(lamp, origin))
+            }
+            LightKind::PointLamp(lamp) => Self::PointLamp(PointLamp::point(lamp, origin)),
+            LightKind::SpotLamp(lamp) if lamp.radius > 0.0 => {
+                Self::SphereLamp(SphereLamp::spot(lamp, origin))
+            }
+            LightKind::SpotLamp(lamp) => Self::PointLamp(PointLamp::spot(lamp, origin)),
+            LightKind::SunLamp(lamp) => ParallelLamp::new(lamp)
+                .map_or_else(|| Self::SunLamp(SunLamp::new(lamp)), Self::ParallelLamp),
+            LightKind::RectangleLamp(lamp) => Self::RectangleLamp(RectangleLamp::new(lamp, origin)),
+            LightKind::DiscLamp(lamp) => Self::DiscLamp(DiscLamp::new(lamp, origin)),
+            LightKind::Environment(lamp) => match lamp.sky {
+                Sky::Even(radiance) => {
+                    Self::EvenSky(EvenSky::new(Vec3::from(radiance) * lamp.strength))
+                }
+                Sky::Image(image) => {
+                    let texture = &textures[image.0 as usize];
+                    let skies = before.map_or(&[][..], |lights| &lights.image_skies);
+                    let same = skies.iter().find(|sky| Arc::ptr_eq(sky.texture(), texture));
+                    Self::ImageSky(ImageSky::new(texture, lamp.strength, lamp.turn_deg, same))
+                }
+            },
+        }
     }
 }
 
@@ -44,32 +118,6 @@ impl Deref for Lights {
 }
 
 impl Light {
-    /// See [`Lamp::IS_OF_THESIS`].
-    pub fn is_of_thesis(&self) -> bool {
-        struct IsOfThesis;
-        impl WithLamp for IsOfThesis {
-            type Output = bool;
-
-            fn run<L: Lamp>(self, _: L) -> bool {
-                L::IS_OF_THESIS
-            }
-        }
-        self.with(IsOfThesis)
-    }
-
-    /// See [`Lamp::IS_DISTANT`].
-    pub fn is_distant(&self) -> bool {
-        struct IsDistant;
-        impl WithLamp for IsDistant {
-            type Output = bool;
-
-            fn run<L: Lamp>(self, _: L) -> bool {
-                L::IS_DISTANT
-            }
-        }
-        self.with(IsDistant)
-    }
-
     /// See [`Lamp::IS_AREA`].
     pub fn is_area(&self) -> bool {
         struct IsArea;
@@ -97,73 +145,57 @@ impl Light {
     }
 
     /// See [`Lamp::density`].
-    pub fn density(&self, way: Vec3) -> f32 {
-        struct Density(Vec3);
+    pub fn density(&self, from: Vec3, way: Vec3) -> f32 {
+        struct Density(Vec3, Vec3);
         impl WithLamp for Density {
             type Output = f32;
 
             fn run<L: Lamp>(self, lamp: L) -> f32 {
-                lamp.density(self.0)
+                lamp.density(self.0, self.1)
             }
         }
-        self.with(Density(way))
+        self.with(Density(from, way))
+    }
+
+    /// See [`Lamp::bounds`].
+    pub fn bounds(&self) -> LightBounds {
+        struct Bounds;
+        impl WithLamp for Bounds {
+            type Output = LightBounds;
+
+            fn run<L: Lamp>(self, lamp: L) -> LightBounds {
+                lamp.bounds()
+            }
+        }
+        self.with(Bounds)
+    }
+
+    /// See [`Lamp::IS_OF_THESIS`].
+    pub fn is_of_thesis(&self) -> bool {
+        struct IsOfThesis;
+        impl WithLamp for IsOfThesis {
+            type Output = bool;
+
+            fn run<L: Lamp>(self, _: L) -> bool {
+                L::IS_OF_THESIS
+            }
+        }
+        self.with(IsOfThesis)
+    }
+
+    /// See [`Lamp::IS_DISTANT`].
+    pub fn is_distant(&self) -> bool {
+        struct IsDistant;
+        impl WithLamp for IsDistant {
+            type Output = bool;
+
+            fn run<L: Lamp>(self, _: L) -> bool {
+                L::IS_DISTANT
+            }
+        }
+        self.with(IsDistant)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::{DVec3, Vec3};
-    use slo_scene::LightKind;
-    use slo_scene::light::{PointLight, RectangleLight};
-    use slo_scene::shape;
-
-    use super::*;
-
-    /// Radiance of each light of a frame, looked up through the tables.
-    struct Colors(Vec<Option<Vec3>>);
-
-    impl WithLamps for Colors {
-        fn run<L: Lamp>(
-            &mut self,
-            lamps: &[L],
-            mine: impl Fn(u32) -> bool,
-            place: impl Fn(u32) -> usize,
-        ) {
-            for light in 0..self.0.len() as u32 {
-                let lamp = lamps[place(light)];
-                if mine(light) {
-                    let before = self.0[light as usize].replace(lamp.radiance(Vec3::X));
-                    assert_eq!(before, None, "light {light} is in two tables");
-                }
-            }
-        }
-    }
-
-    fn light(number: usize, is_point: bool) -> Light {
-        let color = [number as f32, 0.0, 0.0];
-        let vertices = [DVec3::ZERO, DVec3::X, DVec3::ONE];
-        let kind = if is_point {
-            LightKind::Point(PointLight { color, position: DVec3::ZERO })
-        } else {
-            LightKind::Rectangle(RectangleLight { color, rectangle: shape::Rectangle { vertices } })
-        };
-        let (name, key_frames, group) = ("l".into(), Vec::new(), None);
-        let (camera_visible, solid) = (true, true);
-        let light = slo_scene::Light { name, kind, key_frames, camera_visible, solid, group };
-        Light::new(&light, DVec3::ZERO).unwrap()
-    }
-
-    #[test]
-    fn every_light_is_in_the_table_of_its_kind() {
-        for kinds in ["", "p", "r", "pp", "rr", "prprr", "rpp"] {
-            let one = |(number, kind)| light(number, kind == 'p');
-            let lights: Lights = kinds.chars().enumerate().map(one).collect();
-            let mut colors = Colors(vec![None; kinds.len()]);
-            lights.for_each_kind(&mut colors);
-            for (number, color) in colors.0.into_iter().enumerate() {
-                assert_eq!(color, Some(Vec3::X * number as f32), "light {number} of {kinds}");
-                assert_eq!(lights[number].is_area(), &kinds[number..=number] == "r");
-            }
-        }
-    }
-}
+mod tests;

@@ -1,8 +1,11 @@
 //! `light_point`: a light without an area.
 
+use std::f32::consts::PI;
+
 use glam::{DVec3, Vec3};
 
-use super::lamp::{Lamp, expected};
+use super::bounds::LightBounds;
+use super::lamp::{Lamp, luminance};
 use slo_scene::light::PointLight;
 
 /// A point.
@@ -38,19 +41,17 @@ impl Lamp for Point {
     }
 
     #[inline(always)]
-    fn density(&self, _way: Vec3) -> f32 {
+    fn density(&self, _from: Vec3, _way: Vec3) -> f32 {
         f32::INFINITY
-    }
-
-    #[inline(always)]
-    fn expected(&self, hit: Vec3, [n_shade, n_geo]: [Vec3; 2], through: bool) -> f32 {
-        let way = self.position - hit;
-        let cos = way.dot(n_shade) / way.length();
-        expected(self.color, cos, through || way.dot(n_geo) > 0.0)
     }
 
     #[inline(always)]
     fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32) {
         (point - from, 1.0)
+    }
+
+    fn bounds(&self) -> LightBounds {
+        let energy = PI * luminance(self.color);
+        LightBounds { falls_off: false, ..LightBounds::all_round([self.position; 2], energy) }
     }
 }

@@ -1,8 +1,11 @@
 //! `light_rectangle`: a rectangle that emits light on both sides.
 
+use std::f32::consts::PI;
+
 use glam::{DVec3, Vec3};
 
-use super::lamp::{Lamp, expected};
+use super::bounds::LightBounds;
+use super::lamp::{Lamp, luminance};
 use slo_accel::math::rounding::gamma;
 use slo_scene::light::RectangleLight;
 
@@ -41,6 +44,12 @@ impl Rectangle {
             area: sides[0].cross(sides[1]).length() as f32,
         }
     }
+
+    /// Returns the corners.
+    pub(super) fn corners(&self) -> [Vec3; 4] {
+        let [a, b] = self.sides;
+        [Vec3::ZERO, a, b, a + b].map(|side| self.corner + side)
+    }
 }
 
 impl Lamp for Rectangle {
@@ -60,17 +69,9 @@ impl Lamp for Rectangle {
     }
 
     #[inline(always)]
-    fn density(&self, way: Vec3) -> f32 {
+    fn density(&self, _from: Vec3, way: Vec3) -> f32 {
         let square = way.length_squared();
         square * square.sqrt() / (way.dot(self.normal).abs() * self.area)
-    }
-
-    #[inline(always)]
-    fn expected(&self, hit: Vec3, [n_shade, n_geo]: [Vec3; 2], through: bool) -> f32 {
-        let middle = self.corner + (self.sides[0] + self.sides[1]) * 0.5 - hit;
-        let cos = middle.dot(n_shade) / middle.length();
-        let reach = (self.sides[0].dot(n_geo).abs() + self.sides[1].dot(n_geo).abs()) * 0.5;
-        expected(self.color, cos, through || middle.dot(n_geo) + reach > 0.0)
     }
 
     /// The sampled point differs from the rectangle by roundings of its coordinates. The
@@ -89,6 +90,13 @@ impl Lamp for Rectangle {
         let error = self.sensitivity.dot(self.magnitude + far + sheared);
         // A ray in the rectangle's plane keeps half its length.
         (direction, (1.0 - error / direction.dot(self.normal).abs()).max(0.5))
+    }
+
+    /// It shines all round, since the cosine at the light does not count.
+    fn bounds(&self) -> LightBounds {
+        let energy = PI * luminance(self.color);
+        let flat = LightBounds::flat(&self.corners(), self.normal, true, energy);
+        LightBounds { falls_off: false, ..LightBounds::all_round([flat.min, flat.max], energy) }
     }
 }
 

@@ -31,6 +31,8 @@ pub struct Constants {
     pub ior: f32,
     /// See [`Principled::alpha`].
     pub alpha: f32,
+    /// See [`Principled::normal_strength`].
+    pub normal_strength: f32,
     /// See [`Principled::specular_ior_level`].
     pub specular_ior_level: f32,
     /// See [`Principled::anisotropic`].
@@ -58,7 +60,8 @@ impl Constants {
     pub fn new(of: &Principled) -> Self {
         let distance = of.absorption_distance as f32;
         let per_unit = |left: f32| -log2(left.clamp(1e-6, 1.0)) * std::f32::consts::LN_2 / distance;
-        let absorption = of.absorption_color.map(|left| if distance > 0.0 { per_unit(left) } else { 0.0 });
+        let absorption =
+            of.absorption_color.map(|left| if distance > 0.0 { per_unit(left) } else { 0.0 });
         Self {
             emission: Vec3::from(of.emission_color.value) * of.emission_strength.value,
             absorption: absorption.into(),
@@ -72,6 +75,7 @@ impl Constants {
             diffuse_roughness: of.diffuse_roughness.value,
             ior: of.ior.value,
             alpha: of.alpha.value,
+            normal_strength: of.normal_strength.value,
             specular_ior_level: of.specular_ior_level.value,
             anisotropic: of.anisotropic.value,
             anisotropic_rotation: of.anisotropic_rotation.value,
@@ -99,6 +103,7 @@ pub struct PrincipledTable {
     diffuse_roughness: Vec<f32>,
     ior: Vec<f32>,
     alpha: Vec<f32>,
+    normal_strength: Vec<f32>,
     specular_ior_level: Vec<f32>,
     anisotropic: Vec<f32>,
     anisotropic_rotation: Vec<f32>,
@@ -136,6 +141,8 @@ pub struct Parameters {
     pub ior: Column<f32>,
     /// See [`Constants::alpha`].
     pub alpha: Column<f32>,
+    /// See [`Constants::normal_strength`].
+    pub normal_strength: Column<f32>,
     /// See [`Constants::specular_ior_level`].
     pub specular_ior_level: Column<f32>,
     /// See [`Constants::anisotropic`].
@@ -172,6 +179,7 @@ impl Default for Parameters {
             diffuse_roughness: [0.0; BATCH],
             ior: [0.0; BATCH],
             alpha: [0.0; BATCH],
+            normal_strength: [0.0; BATCH],
             specular_ior_level: [0.0; BATCH],
             anisotropic: [0.0; BATCH],
             anisotropic_rotation: [0.0; BATCH],
@@ -205,6 +213,7 @@ impl PrincipledTable {
             diffuse_roughness: number(|m| m.diffuse_roughness),
             ior: number(|m| m.ior),
             alpha: number(|m| m.alpha),
+            normal_strength: number(|m| m.normal_strength),
             specular_ior_level: number(|m| m.specular_ior_level),
             anisotropic: number(|m| m.anisotropic),
             anisotropic_rotation: number(|m| m.anisotropic_rotation),
@@ -233,6 +242,7 @@ impl PrincipledTable {
             diffuse_roughness: diffuse_roughness_to,
             ior: ior_to,
             alpha: alpha_to,
+            normal_strength: normal_strength_to,
             specular_ior_level: specular_ior_level_to,
             anisotropic: anisotropic_to,
             anisotropic_rotation: anisotropic_rotation_to,
@@ -269,6 +279,7 @@ impl PrincipledTable {
                 &self.diffuse_roughness,
                 &self.ior,
                 &self.alpha,
+                &self.normal_strength,
                 &self.specular_ior_level,
                 &self.anisotropic,
                 &self.anisotropic_rotation,
@@ -306,6 +317,7 @@ impl PrincipledTable {
                 diffuse_roughness_to,
                 ior_to,
                 alpha_to,
+                normal_strength_to,
                 specular_ior_level_to,
                 anisotropic_to,
                 anisotropic_rotation_to,

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::images::MaterialImages;
 use super::kind::Kind;
 use super::principled::{Constants, PrincipledTable};
 use super::row::Material;
@@ -40,6 +41,10 @@ pub struct MaterialTable {
     pub kinds: Vec<Kind>,
     /// Physical materials; empty if the scene has none.
     pub principled: PrincipledTable,
+    /// What depends on images, and mixes.
+    pub images: MaterialImages,
+    /// Whether any material mixes others.
+    pub has_mixes: bool,
     /// Whether any material emits light of its own.
     pub emits: bool,
     /// Whether any material absorbs light inside of its objects.
@@ -75,9 +80,11 @@ impl MaterialTable {
             reflection_lobe: all(|m| m.reflection_lobe),
             refraction_lobe: all(|m| m.refraction_lobe),
             refraction_index: all(|m| m.refraction_index),
-            kinds,
             emits: constants.iter().any(|m| m.emission != Vec3::ZERO),
             absorbs: constants.iter().any(|m| m.absorption != Vec3::ZERO),
+            has_mixes: kinds.contains(&Kind::Mix),
+            kinds,
+            images: MaterialImages::new(scene),
             principled: PrincipledTable::new(&constants),
         }
     }

@@ -4,18 +4,40 @@ use std::io::{self, Read, Seek};
 
 use exr::compression::Compression;
 use exr::meta::MetaData;
-use slo_scene::Layer;
+use exr::meta::attribute::{ChannelDescription, ChannelList, Text};
+use slo_scene::{Layer, LightGroups};
 
 use super::super::container::KEYWORD;
 use super::seal;
+use crate::film::FileLayer;
 
-/// The channels of a layer.
-pub(super) fn channel_names(layer: Layer) -> [String; 3] {
+/// The channels of the colours.
+pub(super) fn color_names() -> [Text; 3] {
+    ["R", "G", "B"].map(Text::from)
+}
+
+/// The channels of a layer. A name is bytes of UTF-8.
+pub(super) fn channel_names(layer: &FileLayer) -> [Text; 3] {
     let components = match layer {
-        Layer::Albedo => ["R", "G", "B"],
-        Layer::Normal => ["X", "Y", "Z"],
+        FileLayer::Albedo | FileLayer::Light(_) => ["R", "G", "B"],
+        FileLayer::Normal => ["X", "Y", "Z"],
     };
-    components.map(|component| format!("{}.{component}", layer.name()))
+    let name = layer.name();
+    components.map(|c| Text::from_slice_unchecked(format!("{name}.{c}").as_bytes()))
+}
+
+/// The layers of groups of lights among these channels, in the order of [`FileLayer::all`].
+pub(super) fn light_layers(channels: &ChannelList) -> Vec<FileLayer> {
+    let group = |channel: &ChannelDescription| {
+        let name = std::str::from_utf8(channel.name.bytes()).ok()?;
+        let group = name.strip_prefix(Layer::Lights.name())?.strip_prefix('.')?;
+        group.strip_suffix(".R").map(str::to_owned)
+    };
+    let names: Vec<String> = channels.list.iter().filter_map(group).collect();
+    let groups = LightGroups::new(names.iter().map(String::as_str));
+    let mut layers = FileLayer::all(&[Layer::Lights], &groups);
+    layers.retain(|layer| matches!(layer, FileLayer::Light(name) if names.contains(name)));
+    layers
 }
 
 /// The attributes of our files, in their order.

@@ -8,13 +8,11 @@ mod write;
 
 use std::io;
 
-use slo_scene::Layer;
-
 use super::claim::ReadError;
 use super::container::{Container, RecipeError, Sink, Source, Wholeness};
 use super::picture::Picture;
 use super::raster::Raster;
-use crate::film::{Image, Pixels};
+use crate::film::{FileLayer, Image, Pixels};
 
 /// The first bytes of every EXR file.
 const MAGIC: &[u8] = b"\x76\x2f\x31\x01";
@@ -31,7 +29,7 @@ impl Container for Exr {
     fn write(
         &self,
         picture: &Picture,
-        layers: &[(Layer, &dyn Pixels)],
+        layers: &[(&FileLayer, &dyn Pixels)],
         out: &mut dyn Sink,
     ) -> io::Result<()> {
         write::write(picture, layers, out)
@@ -47,7 +45,7 @@ impl Container for Exr {
         read::read(input)
     }
 
-    fn read_layers(&self, input: &mut dyn Source) -> Result<Vec<(Layer, Image)>, ReadError> {
+    fn read_layers(&self, input: &mut dyn Source) -> Result<Vec<(FileLayer, Image)>, ReadError> {
         read::read_layers(input)
     }
 

@@ -6,7 +6,7 @@ use std::io;
 use exr::block::reader::Reader;
 use exr::math::Vec2;
 use exr::meta::MetaData;
-use exr::meta::attribute::{AttributeValue, IntegerBounds};
+use exr::meta::attribute::{AttributeValue, IntegerBounds, Text};
 use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel};
 
@@ -15,27 +15,31 @@ use super::super::container::{KEYWORD, RecipeError, Source, Wholeness};
 use super::super::picture::Crop;
 use super::super::raster::{Raster, Values};
 use super::claim;
-use super::header::{channel_names, is_our_header};
+use super::header::{channel_names, color_names, is_our_header, light_layers};
 use super::seal::{self, Seal};
-use crate::film::{Area, Image, Layer};
+use crate::film::{Area, FileLayer, Image};
 
 /// The colours of a file.
 pub(super) fn read(mut input: &mut dyn Source) -> Result<Raster, ReadError> {
     if seal::look(&mut input)? == Seal::Broken {
         return Err(ReadError::bad("it is damaged: its checksum is wrong"));
     }
-    let found = read_channels(input, &["R", "G", "B"].map(str::to_owned))?;
+    let found = read_channels(input, &color_names())?;
     let Some((image, crop)) = found else {
         return Err(ReadError::bad("it has no channels R, G and B"));
     };
     Ok(Raster { image, values: Values::Linear, crop })
 }
 
-/// The layers beside the colours, in the order of [`Layer::ALL`].
-pub(super) fn read_layers(input: &mut dyn Source) -> Result<Vec<(Layer, Image)>, ReadError> {
+/// The layers beside the colours, in the order of [`FileLayer::all`].
+pub(super) fn read_layers(
+    mut input: &mut dyn Source,
+) -> Result<Vec<(FileLayer, Image)>, ReadError> {
+    let headers = MetaData::read_from_buffered(&mut input, false).map_err(reason)?.headers;
+    let lights = headers.iter().flat_map(|header| light_layers(&header.channels));
     let mut layers = Vec::new();
-    for layer in Layer::ALL {
-        let found = read_channels(input, &channel_names(layer))?;
+    for layer in [FileLayer::Albedo, FileLayer::Normal].into_iter().chain(lights) {
+        let found = read_channels(input, &channel_names(&layer))?;
         layers.extend(found.map(|(image, _)| (layer, image)));
     }
     Ok(layers)
@@ -77,7 +81,7 @@ pub(super) fn recipe(mut input: &mut dyn Source) -> Result<(String, Wholeness), 
 /// Three channels of the first layer that has them, and its place; `None` if no layer has them.
 fn read_channels(
     mut input: &mut dyn Source,
-    names: &[String; 3],
+    names: &[Text; 3],
 ) -> Result<Option<(Image, Option<Crop>)>, ReadError> {
     let file_bytes = input.seek(io::SeekFrom::End(0))?;
     input.rewind()?;
@@ -97,9 +101,9 @@ fn read_channels(
         .no_deep_data()
         .largest_resolution_level()
         .specific_channels()
-        .required(&**first)
-        .required(&**second)
-        .required(&**third)
+        .required(first.clone())
+        .required(second.clone())
+        .required(third.clone())
         .collect_pixels(
             |size, _| (size.width(), pixels.take()),
             |(width, rgb): &mut (usize, Vec<[f32; 3]>), at, (x, y, z): (f32, f32, f32)| {
@@ -124,8 +128,8 @@ fn read_channels(
 }
 
 /// Whether a layer has channels of these names.
-fn has_channels(header: &Header, names: &[String; 3]) -> bool {
-    let has = |name: &String| header.channels.list.iter().any(|channel| channel.name.eq(name));
+fn has_channels(header: &Header, names: &[Text; 3]) -> bool {
+    let has = |name: &Text| header.channels.list.iter().any(|channel| channel.name == *name);
     names.iter().all(has)
 }
 

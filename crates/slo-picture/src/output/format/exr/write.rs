@@ -14,14 +14,14 @@ use exr::prelude::WritableImage;
 use super::super::container::{KEYWORD, Sink};
 use super::super::picture::{Crop, Picture};
 use super::super::quantise::finite;
-use super::header::channel_names;
+use super::header::{channel_names, color_names};
 use super::seal;
-use crate::film::{Area, Layer, Pixels};
+use crate::film::{Area, FileLayer, Pixels};
 
 /// Writes `picture`, and `layers` of the same size.
 pub(super) fn write(
     picture: &Picture,
-    layers: &[(Layer, &dyn Pixels)],
+    layers: &[(&FileLayer, &dyn Pixels)],
     mut out: &mut dyn Sink,
 ) -> io::Result<()> {
     write_unsealed(picture, layers, &mut out)?;
@@ -30,7 +30,7 @@ pub(super) fn write(
 
 fn write_unsealed(
     picture: &Picture,
-    layers: &[(Layer, &dyn Pixels)],
+    layers: &[(&FileLayer, &dyn Pixels)],
     out: impl Write + Seek,
 ) -> io::Result<()> {
     let image = picture.image;
@@ -46,15 +46,15 @@ fn write_unsealed(
         let colors = with_header(picture, SpecificChannels::rgb(pixel))?;
         return said(colors.write().non_parallel().to_unbuffered(out));
     }
-    let colors = ["R", "G", "B"].map(str::to_owned);
-    let images = layers.iter().map(|(layer, image)| (channel_names(*layer), *image));
+    let colors = color_names();
+    let images = layers.iter().map(|(layer, image)| (channel_names(layer), *image));
     let channels = std::iter::once((colors, image)).chain(images).flat_map(|(names, image)| {
         names.into_iter().enumerate().map(move |(c, name)| {
             let mut values = Vec::with_capacity(width as usize * height as usize);
             for y in 0..height {
                 values.extend((0..width).map(|x| finite(image.at(x, y)[c])));
             }
-            AnyChannel::new(&*name, FlatSamples::F32(values))
+            AnyChannel::new(name, FlatSamples::F32(values))
         })
     });
     let all = with_header(picture, AnyChannels::sort(channels.collect()))?;

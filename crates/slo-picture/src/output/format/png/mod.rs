@@ -6,13 +6,11 @@ mod write;
 
 use std::io;
 
-use slo_scene::Layer;
-
 use super::claim::ReadError;
 use super::container::{Container, RecipeError, Sink, Source, Wholeness};
 use super::picture::Picture;
 use super::raster::Raster;
-use crate::film::{Image, Pixels};
+use crate::film::{FileLayer, Image, Pixels};
 pub(super) use write::Depth;
 
 /// PNG files; those that are written have values of this depth.
@@ -27,7 +25,7 @@ impl Container for Png {
     fn write(
         &self,
         picture: &Picture,
-        _layers: &[(Layer, &dyn Pixels)],
+        _layers: &[(&FileLayer, &dyn Pixels)],
         out: &mut dyn Sink,
     ) -> io::Result<()> {
         write::write(picture, self.0, out)
@@ -42,7 +40,7 @@ impl Container for Png {
         read::read(input)
     }
 
-    fn read_layers(&self, _input: &mut dyn Source) -> Result<Vec<(Layer, Image)>, ReadError> {
+    fn read_layers(&self, _input: &mut dyn Source) -> Result<Vec<(FileLayer, Image)>, ReadError> {
         Ok(Vec::new())
     }
 

@@ -1,0 +1,92 @@
+//! What all lobes that microfacets reflect have in common.
+
+use glam::Vec3;
+use slo_accel::math::columns::{BATCH, Column, Vec3s};
+
+use super::ggx::{Frame, Seen};
+use super::lobe::{At, Sampled, Scattered, Share};
+use crate::shading::lobe::reflect;
+
+/// Microfacets of the hits of a batch.
+#[derive(Debug)]
+pub(super) struct Facets {
+    /// Weights include what light that is reflected several times adds.
+    pub(super) share: Share,
+    /// Unit normals whose mirror directions lie above the surface.
+    pub(super) normal: Vec3s,
+    /// Unit tangents.
+    pub(super) x: Vec3s,
+    /// Widths along and across the tangent; 0 for perfect lobes.
+    pub(super) alpha: [Column<f32>; 2],
+}
+
+impl Default for Facets {
+    fn default() -> Self {
+        Self {
+            share: Share::default(),
+            normal: Vec3s::default(),
+            x: Vec3s::default(),
+            alpha: [[0.0; BATCH]; 2],
+        }
+    }
+}
+
+impl Facets {
+    /// The frame of hit `i`, its view from the eye, and whether the lobe is perfect.
+    #[inline(always)]
+    fn seen(&self, i: usize, at: &At) -> (Frame, Seen, bool) {
+        let frame = Frame::of(self.x.get(i), self.normal.get(i));
+        let alpha = [self.alpha[0][i], self.alpha[1][i]];
+        let is_perfect = alpha[0] == 0.0;
+        // The numbers of a perfect lobe are not used, but should be finite.
+        let alpha = if is_perfect { [1.0; 2] } else { alpha };
+        (frame, Seen::new(frame.to_local(at.eye), alpha), is_perfect)
+    }
+
+    /// See [`Lobe::evaluate`](super::Lobe::evaluate). `fresnel` is the share of light that a
+    /// microfacet reflects, by the cosine to its normal.
+    #[inline(always)]
+    pub(super) fn evaluate(
+        &self,
+        i: usize,
+        at: &At,
+        toward: Vec3,
+        fresnel: impl Fn(f32) -> Vec3,
+    ) -> Scattered {
+        let (frame, seen, is_perfect) = self.seen(i, at);
+        let light = frame.to_local(toward);
+        let sum = seen.eye + light;
+        let h = sum * (1.0 / sum.length().max(f32::MIN_POSITIVE));
+        let density = 0.25 * seen.density(h);
+        let is_lit = (light.z > 0.0) & (at.n_geo.dot(toward) > 0.0) & !is_perfect;
+        let density = if is_lit { density } else { 0.0 };
+        let reflected = fresnel(seen.eye.dot(h).clamp(0.0, 1.0)) * seen.passed(light, light.z);
+        Scattered { value: self.share.weight.get(i) * reflected * density, density }
+    }
+
+    /// See [`Lobe::sample`](super::Lobe::sample), and [`evaluate`](Self::evaluate).
+    #[inline(always)]
+    pub(super) fn sample(
+        &self,
+        i: usize,
+        at: &At,
+        u: [f32; 3],
+        fresnel: impl Fn(f32) -> Vec3,
+    ) -> Sampled {
+        let (frame, seen, is_perfect) = self.seen(i, at);
+        let h = seen.sample([u[0], u[1]]);
+        let h = if is_perfect { Vec3::Z } else { h };
+        let light = reflect(-seen.eye, h);
+        let direction = frame.to_world(light);
+        let direction = direction * (1.0 / direction.length().max(f32::MIN_POSITIVE));
+        let is_lit = (light.z > 0.0) & (at.n_geo.dot(direction) > 0.0);
+        let passed = if is_perfect { 1.0 } else { seen.passed(light, light.z) };
+        let reflected = fresnel(seen.eye.dot(h).clamp(0.0, 1.0)) * passed;
+        let weight = self.share.weight.get(i) * reflected;
+        Sampled {
+            direction,
+            weight: if is_lit { weight } else { Vec3::ZERO },
+            density: if is_perfect { 0.0 } else { 0.25 * seen.density(h) },
+        }
+    }
+}

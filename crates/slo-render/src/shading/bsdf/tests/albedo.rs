@@ -1,0 +1,123 @@
+//! Albedos of whole materials.
+
+use super::hits::{Hits, color, direction, material};
+use crate::shading::material::principled::Parameters;
+use slo_accel::math::columns::BATCH;
+
+const DEGREES: [f64; 3] = [0.0, 60.0, 80.0];
+
+fn albedos(parameters: &Parameters, eta: f64) -> [f64; 3] {
+    let hits = Hits::new(parameters, &DEGREES.map(|d| direction(d, 0.1)), true);
+    [0, 1, 2].map(|i| hits.albedo(i, eta, 100_000).x)
+}
+
+/// What Blender 5.0.1 returned, from 0, 60 and 80 degrees.
+#[test]
+fn materials_return_what_blender_does() {
+    let gray = |p: &mut Parameters, x: f32| color(&mut p.base_color, [x; 3]);
+    let roughness = |p: &mut Parameters, x: f32| p.roughness = [x; BATCH];
+    let cases: [(&str, Box<Parameters>, [f64; 3]); 16] = [
+        ("defaults", material(|_| ()), [0.8074, 0.8124, 0.8221]),
+        ("white", material(|p| gray(p, 1.0)), [0.9999, 0.9986, 0.9914]),
+        ("black", material(|p| gray(p, 0.0)), [0.0373, 0.0678, 0.1448]),
+        (
+            "black, smooth",
+            material(|p| {
+                gray(p, 0.0);
+                roughness(p, 0.0);
+            }),
+            [0.0400, 0.0892, 0.3877],
+        ),
+        (
+            "black, rough",
+            material(|p| {
+                gray(p, 0.0);
+                roughness(p, 1.0);
+            }),
+            [0.0138, 0.0245, 0.0477],
+        ),
+        (
+            "black, level 1",
+            material(|p| {
+                gray(p, 0.0);
+                p.specular_ior_level = [1.0; BATCH];
+            }),
+            [0.0746, 0.1055, 0.1809],
+        ),
+        ("metal", material(|p| p.metallic = [1.0; BATCH]), [0.7861, 0.7810, 0.7999]),
+        (
+            "metal, rough",
+            material(|p| {
+                p.metallic = [1.0; BATCH];
+                roughness(p, 1.0);
+            }),
+            [0.5976, 0.6405, 0.7069],
+        ),
+        (
+            "white metal, rough",
+            material(|p| {
+                gray(p, 1.0);
+                p.metallic = [1.0; BATCH];
+                roughness(p, 1.0);
+            }),
+            [1.0000, 0.9998, 0.9992],
+        ),
+        (
+            "rough diffuse",
+            material(|p| {
+                p.diffuse_roughness = [1.0; BATCH];
+                p.ior = [1.0; BATCH];
+            }),
+            [0.7312, 0.7586, 0.7860],
+        ),
+        (
+            "coat",
+            material(|p| {
+                gray(p, 0.0);
+                p.ior = [1.0; BATCH];
+                p.coat = [1.0; BATCH];
+            }),
+            [0.0400, 0.0892, 0.3877],
+        ),
+        (
+            "sheen",
+            material(|p| {
+                gray(p, 0.0);
+                p.ior = [1.0; BATCH];
+                p.sheen = [1.0; BATCH];
+            }),
+            [0.0186, 0.1539, 0.4579],
+        ),
+        (
+            "sheen on white",
+            material(|p| {
+                gray(p, 1.0);
+                p.ior = [1.0; BATCH];
+                p.sheen = [1.0; BATCH];
+            }),
+            [1.0; 3],
+        ),
+        ("glass", material(|p| p.transmission = [1.0; BATCH]), [0.8969, 0.8983, 0.9020]),
+        (
+            "white glass, rough",
+            material(|p| {
+                gray(p, 1.0);
+                p.transmission = [1.0; BATCH];
+                roughness(p, 1.0);
+            }),
+            [1.0002, 1.0000, 0.9969],
+        ),
+        ("Lambert", material(|p| p.specular_ior_level = [0.0; BATCH]), [0.8; 3]),
+    ];
+    let mut wrong = Vec::new();
+    for (name, parameters, expected) in cases {
+        let found = albedos(&parameters, 1.5);
+        println!("{name:20} {found:.4?} {expected:.4?}");
+        for (found, expected) in found.into_iter().zip(expected) {
+            if (found - expected).abs() > (0.005 * expected).max(0.002) {
+                wrong.push(format!("{name}: {found:.4} is not {expected:.4}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

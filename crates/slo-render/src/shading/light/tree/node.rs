@@ -1,0 +1,186 @@
+//! Nodes of the tree: what 16 children may bring to a hit.
+
+use glam::Vec3;
+
+use super::super::bounds::LightBounds;
+use super::super::receiver;
+
+/// Children of a node.
+pub(super) const WIDTH: usize = 16;
+
+/// Bit of [`Node::child`] that says that the child is a light.
+const IS_LIGHT: u32 = 1 << 31;
+
+/// Share of its light that a child counts for at least if it is above the horizon: highlights and
+/// lobes may receive more than a diffuse surface.
+const LEAST: f32 = 0.1;
+
+/// Room for the rounding errors of cosines that come from sines.
+const SLACK: f32 = 1e-3;
+
+/// Largest part of a child; sums of 16 remain finite.
+const MOST: f32 = 1e36;
+
+/// 16 children in columns.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Node {
+    center: [[f32; WIDTH]; 3],
+    /// Half of the edges of the box.
+    half: [[f32; WIDTH]; 3],
+    /// Half of the diagonal of the box.
+    radius: [f32; WIDTH],
+    axis: [[f32; WIDTH]; 3],
+    /// Cosine and sine of the spread of the directions.
+    spread: [[f32; WIDTH]; 2],
+    /// Least cosine, beyond the spread, at which the child shines.
+    least: [f32; WIDTH],
+    /// 1 if the child shines along both ends of its axis, otherwise 0.
+    two_sided: [f32; WIDTH],
+    energy: [f32; WIDTH],
+    /// 0 if the child is infinitely far away, otherwise 1.
+    near: [f32; WIDTH],
+    /// 1 if the child's light falls off, otherwise 0.
+    falls_off: [f32; WIDTH],
+    child: [u32; WIDTH],
+}
+
+impl Node {
+    /// A node whose children bring nothing.
+    pub(super) fn empty() -> Self {
+        let zeros = [0.0; WIDTH];
+        Self {
+            center: [zeros; 3],
+            half: [zeros; 3],
+            radius: zeros,
+            axis: [zeros; 3],
+            spread: [zeros; 2],
+            least: zeros,
+            two_sided: zeros,
+            energy: zeros,
+            near: zeros,
+            falls_off: zeros,
+            child: [IS_LIGHT; WIDTH],
+        }
+    }
+
+    /// Sets the bounds of a child.
+    pub(super) fn set(&mut self, k: usize, lights: &LightBounds) {
+        let center = (lights.min + lights.max) * 0.5;
+        // The middle is rounded.
+        let half = (lights.max - center).max(center - lights.min);
+        let (sin, cos) = libm::sincosf(lights.spread);
+        for i in 0..3 {
+            self.center[i][k] = center[i];
+            self.half[i][k] = half[i];
+            self.axis[i][k] = lights.axis[i];
+        }
+        self.radius[k] = half.length();
+        self.spread[0][k] = cos;
+        self.spread[1][k] = sin.max(0.0);
+        self.least[k] = if lights.is_flat { 0.0 } else { 1.0 };
+        self.two_sided[k] = if lights.two_sided { 1.0 } else { 0.0 };
+        self.energy[k] = if lights.energy.is_finite() { lights.energy.max(0.0) } else { MOST };
+        self.near[k] = if lights.is_distant { 0.0 } else { 1.0 };
+        self.falls_off[k] = if lights.falls_off { 1.0 } else { 0.0 };
+    }
+
+    /// Makes a child a light.
+    pub(super) fn set_light(&mut self, k: usize, light: u32) {
+        self.child[k] = light | IS_LIGHT;
+    }
+
+    /// Makes a child a node.
+    pub(super) fn set_node(&mut self, k: usize, node: u32) {
+        self.child[k] = node;
+    }
+
+    /// Returns the number of the light that a child is; `None` if it is a node.
+    #[inline(always)]
+    pub(super) fn light(&self, k: usize) -> Option<u32> {
+        let child = self.child[k];
+        (child & IS_LIGHT != 0).then_some(child & !IS_LIGHT)
+    }
+
+    /// Returns the number of the node that a child is.
+    #[inline(always)]
+    pub(super) fn child(&self, k: usize) -> u32 {
+        self.child[k]
+    }
+
+    /// Estimates what each child brings to a hit, and returns the estimates and their sum. If
+    /// nothing may reach the hit, a root returns `None`, and another node returns the energies, so
+    /// that chances always sum to 1.
+    #[inline(always)]
+    pub(super) fn parts(
+        &self,
+        from: Vec3,
+        normal: Vec3,
+        is_root: bool,
+    ) -> Option<([f32; WIDTH], f32)> {
+        let mut parts = [0.0; WIDTH];
+        for (k, part) in parts.iter_mut().enumerate() {
+            *part = self.estimate(k, from, normal);
+        }
+        let mut total = 0.0;
+        for part in &parts {
+            total += part;
+        }
+        if total > 0.0 {
+            return Some((parts, total));
+        }
+        let mut sum = 0.0;
+        for part in &self.energy {
+            sum += part;
+        }
+        (!is_root && sum > 0.0).then_some((self.energy, sum))
+    }
+
+    /// Estimates the irradiance that a child brings to a hit, by bounds of its cosines: 0 only if
+    /// the child is dark there.
+    #[inline(always)]
+    fn estimate(&self, k: usize, from: Vec3, normal: Vec3) -> f32 {
+        let vector =
+            |columns: &[[f32; WIDTH]; 3]| Vec3::new(columns[0][k], columns[1][k], columns[2][k]);
+        let (center, half, axis) = (vector(&self.center), vector(&self.half), vector(&self.axis));
+        let here = from * self.near[k];
+        let way = center - here;
+        let square = way.length_squared().max(f32::MIN_POSITIVE);
+        let distance = square.sqrt();
+        let toward = way * (1.0 / distance);
+        let radius = self.radius[k];
+        let is_inside = radius >= distance;
+        // The angle that a ball about the box subtends.
+        let sin = (radius / distance).min(1.0);
+        let ball = [(1.0 - sin * sin).sqrt(), sin];
+
+        let at_surface = closer(toward.dot(normal), ball)[0];
+        let at_surface = if is_inside { 1.0 } else { at_surface };
+        let height = way.dot(normal) + half.dot(normal.abs());
+        let rounding = 1e-6 * (center.abs().max_element() + here.abs().max_element());
+        let is_above = height + 2.0 * receiver::ERROR * (distance + radius) + rounding >= 0.0;
+        let received = if is_above { LEAST + at_surface.max(0.0) } else { 0.0 };
+
+        let cos = -toward.dot(axis);
+        let cos = if self.two_sided[k] > 0.0 { cos.abs() } else { cos };
+        let at_light = closer(cos, [self.spread[0][k], self.spread[1][k]]);
+        let at_light = closer(at_light[0], ball)[0];
+        let at_light = if is_inside { 1.0 } else { at_light };
+        let is_lit = at_light + SLACK >= self.least[k];
+        let sent = if is_lit { at_light.max(SLACK) } else { 0.0 };
+
+        let falloff = 1.0 / square.max(radius * radius);
+        let falloff = if self.falls_off[k] > 0.0 { falloff } else { 1.0 };
+        (self.energy[k] * received * sent * falloff).min(MOST)
+    }
+}
+
+/// Returns the cosine and the sine of an angle, given by its cosine, minus another, given by its
+/// cosine and its sine; 0 if the other is larger.
+#[inline(always)]
+fn closer(cos: f32, [other_cos, other_sin]: [f32; 2]) -> [f32; 2] {
+    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    let is_within = cos >= other_cos;
+    let less = [cos * other_cos + sin * other_sin, sin * other_cos - cos * other_sin];
+    if is_within { [1.0, 0.0] } else { less }
+}
