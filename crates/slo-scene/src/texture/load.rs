@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(load(Grayscale, Eight, &[7; 16]), (false, false, 255, 16));
         assert_eq!(load(Indexed, Eight, &[1; 16]), (true, false, 255, 48));
         let holed = [vec![1; 2], vec![0; 1], vec![1; 13]].concat();
-        assert_eq!(load(Indexed, Eight, &holed).1, false);
+        assert!(!load(Indexed, Eight, &holed).1);
         let holed = [vec![0; 1], vec![1; 1], vec![0; 1], vec![1; 13]].concat();
         assert_eq!(load(Indexed, Eight, &holed), (true, true, 0, 64));
     }
