@@ -70,7 +70,8 @@ fn lamp(frame: &FrameScene, number: u32, batch: &Batch, hits: &Hits, i: usize, d
     let along = batch.rays.direction(i) * hits.found.hits.t[i];
     let from = if depth == 0 { batch.rays.origin(i) } else { batch.past.from.get(i) };
     let way = batch.rays.origin(i) + along - from;
-    frame.lights[number as usize].radiance(way) * share(frame, number, way, batch, i, depth)
+    let radiance = frame.lights.radiance(number, batch.labels.time[i], way);
+    radiance * share(frame, number, way, batch, i, depth)
 }
 
 /// Returns the light of skies.
@@ -78,7 +79,7 @@ fn sky(frame: &FrameScene, skies: &[u32], batch: &Batch, i: usize, depth: u32) -
     let direction = batch.rays.direction(i);
     let mut light = Vec3::ZERO;
     for &number in skies {
-        let radiance = frame.lights[number as usize].radiance(direction);
+        let radiance = frame.lights.radiance(number, batch.labels.time[i], direction);
         if radiance != Vec3::ZERO {
             light += radiance * share(frame, number, direction, batch, i, depth);
         }
@@ -114,9 +115,7 @@ pub(super) fn share(
             frame.light_tree.chance(number, batch.past.from.get(i), batch.past.normal[i])
         }
     };
-    frame.techniques.hit(
-        is_diffuse,
-        density,
-        rays * chance * light.density(batch.past.from.get(i), way),
-    )
+    let (from, time) = (batch.past.from.get(i), batch.labels.time[i]);
+    let by_light = rays * chance * frame.lights.density(number, time, from, way);
+    frame.techniques.hit(is_diffuse, density, by_light)
 }

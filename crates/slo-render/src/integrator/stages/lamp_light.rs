@@ -14,7 +14,7 @@ use crate::integrator::work::Job;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{Lobe, WithLobe};
-use crate::shading::light::Choices;
+use crate::shading::light::{Choices, Moving};
 use crate::shading::{Lamp, WithLamp, WithLamps};
 
 use super::direct_light::Question;
@@ -85,7 +85,7 @@ impl LampLight {
             self.set.take::<2>(&frame.sampler, frame.isa, &names);
             self.tries[..].fill(place[1] as f32);
             self.light[..].fill(number);
-            frame.lights[number as usize].with(AskOne { frame, points, to: self });
+            frame.lights[number as usize].with(AskOne { frame, points, number, to: self });
         } else {
             self.set.take::<3>(&frame.sampler, frame.isa, &names);
             self.choose(frame, points, place[1] as f32);
@@ -133,6 +133,8 @@ impl LampLight {
 struct AskOne<'a> {
     frame: &'a FrameScene,
     points: &'a Points,
+    /// Index of the light.
+    number: u32,
     to: &'a mut LampLight,
 }
 
@@ -140,8 +142,14 @@ impl WithLamp for AskOne<'_> {
     type Output = ();
 
     fn run<L: Lamp>(self, lamp: L) {
-        let Self { frame, points, to } = self;
-        frame.isa.run(Ask { points, choose: |_: u32| (lamp, true), to });
+        let Self { frame, points, number, to } = self;
+        if frame.lights.move_about() {
+            let pose = |i: usize| frame.lights.pose(number, points.labels.time[i]);
+            let choose = |_: u32, i: usize| (Moving { lamp, pose: pose(i) }, true);
+            frame.isa.run(Ask { points, choose, to });
+        } else {
+            frame.isa.run(Ask { points, choose: |_: u32, _: usize| (lamp, true), to });
+        }
     }
 }
 
@@ -159,24 +167,35 @@ impl WithLamps for AskChosen<'_> {
         mine: impl Fn(u32) -> bool,
         place: impl Fn(u32) -> usize,
     ) {
-        let last = self.frame.lights.len() as u32 - 1;
+        let (frame, points) = (self.frame, self.points);
+        let last = frame.lights.len() as u32 - 1;
         let choose = |light: u32| {
             let known = light.min(last);
             (lamps[place(known)], mine(known) & (light <= last))
         };
-        self.frame.isa.run(Ask { points: self.points, choose, to: self.to });
+        if frame.lights.move_about() {
+            let pose = |light: u32, i: usize| frame.lights.pose(light, points.labels.time[i]);
+            let choose = |light: u32, i: usize| {
+                let (lamp, is_asked) = choose(light);
+                (Moving { lamp, pose: pose(light, i) }, is_asked)
+            };
+            frame.isa.run(Ask { points, choose, to: self.to });
+        } else {
+            let choose = |light: u32, _: usize| choose(light);
+            frame.isa.run(Ask { points, choose, to: self.to });
+        }
     }
 }
 
-/// Creates a ray from every point to a light. `choose(light)` returns the light with an index, and
-/// whether to ask it. If not, the point keeps the ray that it has.
+/// Creates a ray from every point to a light. `choose(light, i)` returns the light with an index
+/// as point `i` sees it, and whether to ask it. If not, the point keeps the ray that it has.
 struct Ask<'a, C> {
     points: &'a Points,
     choose: C,
     to: &'a mut LampLight,
 }
 
-impl<L: Lamp, C: Fn(u32) -> (L, bool)> Lanewise for Ask<'_, C> {
+impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
     type Output = ();
 
     #[inline(always)]
@@ -184,7 +203,7 @@ impl<L: Lamp, C: Fn(u32) -> (L, bool)> Lanewise for Ask<'_, C> {
         let Self { points, choose, to } = self;
         let surfaces = &points.surfaces;
         for i in lanes(surfaces.len) {
-            let (lamp, is_asked) = choose(to.light[i]);
+            let (lamp, is_asked) = choose(to.light[i], i);
             let hit = surfaces.point.get(i);
             let way = lamp.way(hit, [to.set.numbers[0][i], to.set.numbers[1][i]]);
             let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };
