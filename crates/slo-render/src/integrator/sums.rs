@@ -33,9 +33,11 @@ impl Sums {
         let block = self.sums.len() / (groups + 1);
         // First the copies within each block.
         for group in 0..=groups {
-            for i in len..block {
-                let more = self.sums[group * block + i];
-                add(&mut self.sums[group * block + i % len], more);
+            for copy in (len..block).step_by(len.max(1)) {
+                for i in 0..len {
+                    let more = self.sums[group * block + copy + i];
+                    add(&mut self.sums[group * block + i], more);
+                }
             }
         }
         for group in 1..=groups {

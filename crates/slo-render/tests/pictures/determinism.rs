@@ -141,7 +141,7 @@ const PHYSICAL: &str = "
 
 #[test]
 fn one_file_in_all_light() {
-    let mut scene = everything_with(PHYSICAL, "integrator PATH recursion 4");
+    let mut scene = everything_with(PHYSICAL, "integrator PATH");
     assert_one_file(&scene);
     scene.settings.light_sampling = Some(LightSampling::All);
     scene.camera.film.layers = vec![Layer::Lights];

@@ -240,7 +240,7 @@ fn odd_collections_of_lights_make_trees() {
     let chances: f64 =
         (0..20_000).map(|i| f64::from(wild.chance(i, Vec3::ZERO, receiver::ANY))).sum();
     assert!((chances - 1.0).abs() < 1e-4, "{chances}");
-    let dark = LightTree::new(&[LightBounds { energy: 0.0, ..same }]);
+    let dark = LightTree::new(&[LightBounds { energy: 0.0, ..same }; 2]);
     assert_eq!(dark.choose(Vec3::ZERO, receiver::ANY, 0.5).light, NO_LIGHT);
 }
 
