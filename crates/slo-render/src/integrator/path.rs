@@ -115,7 +115,10 @@ impl Path {
         if is_last {
             return Some(());
         }
-        features.add(frame, batch, hits, points);
+        if features.are_wanted() {
+            bsdfs.find_own(frame, points);
+            features.add(frame, batch, hits, points, |i| bsdfs.own(i));
+        }
         self.ask_lamps(machine, job, depth)?;
         self.follow(machine, job, depth)
     }
