@@ -146,7 +146,7 @@ fn deviation(counts: &[f64], expected: &[f64]) -> f64 {
 #[test]
 fn samples_have_their_density() {
     const SAMPLES: u32 = 50_000;
-    const FINE: usize = 12;
+    const FINE: usize = 20;
     // Of about 45 tests, the worst exceeds this by chance in one of a hundred runs.
     const LIMIT: f64 = 3.5;
     let mut tests = 0;
