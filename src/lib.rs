@@ -43,8 +43,8 @@ pub mod description {
     pub use glam;
     pub use slo_scene::animation::View;
     pub use slo_scene::settings::{
-        Accelerator, Contrast, Encoding, Film, Generator, Layer, LightSampling, Look, OutputFormat,
-        Settings, ShadowMode, ToneMap,
+        Accelerator, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator, Layer,
+        LightSampling, Look, OutputFormat, Settings, ShadowMode, ToneMap, Wrap,
     };
     pub use slo_scene::{
         CamSegment, Camera, KeyFrame, Light, LightKind, Material, MaterialId, MaterialKind, Mesh,

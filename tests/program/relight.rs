@@ -1,17 +1,20 @@
 //! `--layers lights` and `relight`.
 
+use std::path::Path;
+
 use slo_picture::film::{FileLayer, Image};
-use slo_picture::output::{Picture, Raster, read_recipe};
+use slo_picture::output::{Picture, Raster, read_layers, read_recipe};
 use slo_scene::{Look, OutputFormat};
 
 use super::{Folder, SCENE};
 
 /// A ball under three lamps, of the groups `key`, `rim` and none.
 fn folder() -> Folder {
-    let lamps = "light_point key { color { .8 .4 .2 } position { 2 -3 4 } light_group key }
-         light_point rim { color { .1 .2 .9 } position { -3 2 1 } light_group rim }
+    let lamps = "lamp_point key { power { 200 100 50 } position { 2 -3 4 } light_group key }
+         lamp_point rim { power { 50 60 200 } position { -3 -4 1 } light_group rim }
          light_point lamp";
     let text = SCENE.replace("width 16 height 9", "width 40 height 36");
+    let text = text.replace("imageSamples 2", "integrator PATH imageSamples 2");
     Folder::with_scene(&text.replace("light_point lamp", lamps))
 }
 
@@ -19,6 +22,26 @@ fn folder() -> Folder {
 fn channels(bytes: &[u8]) -> Vec<String> {
     let meta = exr::meta::MetaData::read_from_buffered(bytes, false).unwrap();
     meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string()).collect()
+}
+
+/// Checks that every group has light, and that the groups add up to the picture.
+fn check_sums(path: &Path) {
+    let image = Raster::read(path).unwrap().image;
+    let layers = read_layers(path).unwrap();
+    assert_eq!(layers.len(), 3);
+    let mut sum = vec![[0.0; 3]; image.rgb.len()];
+    for (layer, light) in &layers {
+        let has_light = light.rgb.iter().any(|rgb| rgb.iter().all(|c| *c > 0.01));
+        assert!(has_light, "{layer:?} is dark");
+        for (sum, light) in sum.iter_mut().zip(&light.rgb) {
+            (0..3).for_each(|c| sum[c] += f64::from(light[c]));
+        }
+    }
+    for (sum, whole) in sum.iter().zip(&image.rgb) {
+        for c in 0..3 {
+            assert!((sum[c] - f64::from(whole[c])).abs() < 1e-6, "{sum:?} {whole:?}");
+        }
+    }
 }
 
 #[test]
@@ -31,6 +54,7 @@ fn files_have_a_layer_for_each_group() {
     let groups: Vec<&str> =
         names.iter().filter_map(|name| name.strip_prefix("lights.")?.strip_suffix(".G")).collect();
     assert_eq!((groups, names.len()), (vec!["key", "rest", "rim"], 12));
+    check_sums(&folder.path().join("ball_00000.exr"));
     assert!(folder.printed("--recipe ball_00000.exr").contains("\"layers\": [\"lights\"]"));
     let verified = folder.printed("verify ball_00000.exr -s scene.txt --tiles 99");
     assert_eq!(verified, "same\tball_00000.exr\t4 tiles\n");

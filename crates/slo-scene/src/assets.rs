@@ -85,6 +85,11 @@ impl<'f> Assets<'f> {
         whole
     }
 
+    /// Leaves the meshes to the objects that show them.
+    pub(crate) fn release_meshes(&mut self) {
+        self.meshes.clear();
+    }
+
     fn sum(
         &self,
         paths: &[Word<'_>],

@@ -15,7 +15,7 @@ pub(crate) const LOOKED_AT: usize = 1024;
 const UNPACK: &str = "unpack it first";
 const AS_TEXT: &str = "save it as UTF-8";
 const AS_MESH: &str = "export it as .obj or .ply";
-const AS_IMAGE: &str = "save it as PNG or JPEG";
+const AS_IMAGE: &str = "save it as PNG, JPEG or EXR";
 
 const AS_WHAT_IT_IS: &str = "textures are images, meshes are .slo, .obj or .ply files";
 
@@ -48,9 +48,9 @@ const MAGIC: [(&[u8], &str, &str); 59] = [
     (b"MM\0*", "a TIFF image", AS_IMAGE),
     (b"II+\0", "a TIFF image", AS_IMAGE),
     (b"MM\0+", "a TIFF image", AS_IMAGE),
-    (b"#?RADIANCE", "a Radiance HDR image", AS_IMAGE),
-    (b"#?RGBE", "a Radiance HDR image", AS_IMAGE),
-    (b"\x76\x2f\x31\x01", "an OpenEXR image", AS_IMAGE),
+    (b"#?RADIANCE", "a Radiance HDR image", AS_WHAT_IT_IS),
+    (b"#?RGBE", "a Radiance HDR image", AS_WHAT_IT_IS),
+    (b"\x76\x2f\x31\x01", "an OpenEXR image", AS_WHAT_IT_IS),
     (b"8BPS", "a Photoshop document", AS_IMAGE),
     (b"DDS ", "a DDS image", AS_IMAGE),
     (b"\xabKTX ", "a KTX texture", AS_IMAGE),

@@ -24,6 +24,11 @@ pub(crate) fn closest<'c>(
         .map(|(_, candidate)| candidate)
 }
 
+/// Whether two words differ in capitals, underscores and punctuation only.
+pub(crate) fn is_same(word: &str, other: &str) -> bool {
+    simplified(word) == simplified(other)
+}
+
 /// Edits from one to the other, unless lengths alone rule them out.
 fn distance(a: &str, b: &str, allowed: usize) -> usize {
     let difference = a.chars().count().abs_diff(b.chars().count());

@@ -95,6 +95,11 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
     def _render_frame(self, depsgraph):
         found = program.find(preferences.preferred_path())
         scene = depsgraph.scene
+        if scene.slo_rt.integrator == "PATH" and not found.can("--integrator"):
+            raise RenderFailed(
+                f"{found.path} ({found.version}) does not know the integrator Path. {program.WHAT_TO_DO} "
+                "Or choose the integrator Distributed in the render settings."
+            )
         frame = scene.frame_current
         folder = work_folder(scene.name, depsgraph.view_layer.name)
         self.update_stats("slo-rt", f"Writing frame {frame}")
@@ -310,7 +315,7 @@ def remove_stale_files(scene_path):
         text = file.read()
     folder = os.path.splitext(scene_path)[0]
     for name in os.listdir(folder):
-        if name.endswith((".slo", ".png")) and name not in text:
+        if name.endswith((".slo", ".png", ".exr", ".hdr")) and name not in text:
             os.remove(os.path.join(folder, name))
 
 

@@ -5,6 +5,7 @@ import bpy
 
 from . import engine, preferences
 from .convert.material import finish
+from .convert.physical import surface_of
 from .exports import ENGINE
 from .report import Report
 
@@ -42,6 +43,7 @@ class SLO_RT_PT_sampling(_RenderPanel, bpy.types.Panel):
         layout, values = self.layout, context.scene.slo_rt
         layout.use_property_split = True
         preferences.draw_program(layout)
+        layout.prop(values, "integrator")
         layout.prop(values, "samples")
         column = layout.column(align=True)
         column.prop(values, "noise")
@@ -62,6 +64,9 @@ class SLO_RT_PT_light_paths(_RenderPanel, bpy.types.Panel):
     def draw(self, context):
         layout, values = self.layout, context.scene.slo_rt
         layout.use_property_split = True
+        if values.integrator == "PATH":
+            self._draw_path(layout, context.scene)
+            return
         layout.prop(values, "recursion")
         column = layout.column(align=True)
         column.prop(values, "shadow_samples", text="Samples: Shadow")
@@ -70,6 +75,17 @@ class SLO_RT_PT_light_paths(_RenderPanel, bpy.types.Panel):
         layout.prop(values, "light_sampling")
         layout.prop(values, "shadow")
         layout.prop(values, "world_light")
+
+    @staticmethod
+    def _draw_path(layout, scene):
+        values = scene.slo_rt
+        if hasattr(scene, "cycles"):
+            layout.prop(values, "use_cycles_bounces")
+        if values.use_cycles_bounces and hasattr(scene, "cycles"):
+            layout.prop(scene.cycles, "max_bounces", text="Bounces")
+        else:
+            layout.prop(values, "bounces")
+        layout.prop(values, "light_sampling")
 
 
 class SLO_RT_PT_motion_blur(_RenderPanel, bpy.types.Panel):
@@ -139,7 +155,10 @@ class SLO_RT_PT_material(_Panel, bpy.types.Panel):
         layout.use_property_split = True
         layout.prop(values, "use_own")
         if not values.use_own:
-            self._draw_converted(layout, material)
+            if context.scene.slo_rt.integrator == "PATH":
+                self._draw_notes(layout, material)
+            else:
+                self._draw_converted(layout, material)
             return
         layout.prop(values, "ambient")
         layout.prop(values, "diffuse")
@@ -169,6 +188,16 @@ class SLO_RT_PT_material(_Panel, bpy.types.Panel):
         for note in report.lines():
             column.label(text=note.partition(": ")[2], icon="INFO")
 
+    @staticmethod
+    def _draw_notes(layout, material):
+        report = Report()
+        surface_of(material, report)
+        column = layout.column(align=True)
+        if not len(report):
+            column.label(text="Carried over completely", icon="CHECKMARK")
+        for note in report.lines():
+            column.label(text=note.partition(": ")[2], icon="INFO")
+
 
 class SLO_RT_PT_light(_Panel, bpy.types.Panel):
     """How the light is carried over"""
@@ -183,6 +212,9 @@ class SLO_RT_PT_light(_Panel, bpy.types.Panel):
     def draw(self, context):
         layout, light = self.layout, context.light
         layout.use_property_split = True
+        if context.scene.slo_rt.integrator == "PATH":
+            layout.prop(light.slo_rt, "brightness")
+            return
         if light.type not in {"POINT", "AREA", "SUN"}:
             layout.label(text=f"slo-rt has no {light.type.lower()} lights", icon="ERROR")
             return

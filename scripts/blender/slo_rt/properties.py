@@ -47,6 +47,20 @@ def _color(name, description, default):
 class RenderSettings(bpy.types.PropertyGroup):
     """Settings of a scene (`scene.slo_rt`)."""
 
+    integrator: EnumProperty(
+        name="Integrator",
+        description="Which light is found",
+        items=[
+            ("PATH", "Path", "All light, as in Cycles: also from surface to surface"),
+            (
+                "DISTRIBUTED",
+                "Distributed",
+                "Lights, mirrors and glass with Phong materials, as in the thesis: no light from "
+                "surface to surface",
+            ),
+        ],
+        default="PATH",
+    )
     samples: _samples(
         "Samples", "Camera samples per pixel: pixel, shutter and lens all at once", 64, 4096
     )
@@ -74,6 +88,19 @@ class RenderSettings(bpy.types.PropertyGroup):
         max=1000,
         soft_max=32,
     )
+    use_cycles_bounces: BoolProperty(
+        name="Bounces of Cycles",
+        description="As many bounces as Cycles' Max Bounces (Total)",
+        default=True,
+    )
+    bounces: IntProperty(
+        name="Bounces",
+        description="Bounces of light after the first hit",
+        default=12,
+        min=0,
+        max=1000,
+        soft_max=64,
+    )
     shadow_samples: _samples("Shadow", "Shadow rays per area light at the first hit")
     reflection_samples: _samples("Reflection", "Rays for each rough reflection at the first hit")
     refraction_samples: _samples("Refraction", "Rays for each rough refraction at the first hit")
@@ -91,10 +118,11 @@ class RenderSettings(bpy.types.PropertyGroup):
         name="Lights",
         description="Which lights a hit asks",
         items=[
+            ("AUTO", "Automatic", "One with the integrator Path, all with Distributed"),
             ("SAMPLE_ALL_AT_TIME", "All", "Every light at every hit"),
             ("SAMPLE_ONE_AT_TIME", "One", "One light at random: quicker with many lights, noisier"),
         ],
-        default="SAMPLE_ALL_AT_TIME",
+        default="AUTO",
     )
     accelerator: EnumProperty(
         name="Accelerator",

@@ -104,6 +104,8 @@ fn wrong_values_are_refused() {
         "--accelerator tree",
         "--integrator photon_map",
         "--color blue",
+        "--exposure 33",
+        "--tone-map filmic",
         "--layers depth",
         "--layers albedo,",
         "--layers",
@@ -164,6 +166,8 @@ fn names_may_be_in_capitals() {
         "--order Reverse",
         "--part 1/2 --part-by Samples",
         "--layers Albedo,NORMAL",
+        "--tone-map AGX",
+        "--encoding Srgb",
         "--progress Plain",
         "--color NEVER",
     ] {
@@ -179,6 +183,7 @@ fn options_with_values() -> Vec<(Vec<&'static str>, String)> {
         "sheet" => vec!["sheet", "a.png"],
         "verify" => vec!["verify", "a.png"],
         "denoise" => vec!["denoise", "a.png"],
+        "relight" => vec!["relight", "a.exr"],
         "merge" => vec!["merge", "a.part"],
         other => panic!("a command without a test: {other}"),
     };

@@ -200,7 +200,8 @@ mod tests {
         assert_eq!(hidden, ["outdit"]);
         for command in commands {
             for name in ["output", "outdi", "outdat", "outdits", "outdti", "oudit", "outdirs"] {
-                if command.starts_with("sheet") && name == "output" {
+                let has_output = ["sheet", "relight"].iter().any(|with| command.starts_with(with));
+                if has_output && name == "output" {
                     continue;
                 }
                 let told = told(&format!("{command}--{name} x"));

@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3, Vec3, swizzles::Vec3Swizzles as _};
 use crate::math::Bounds;
 use crate::math::rounding::{round_down, round_up};
 
-/// A closed curved surface. It is not tessellated, and tested in f64.
+/// A curved surface. It is not tessellated, and tested in f64. All but the disc are closed.
 ///
 /// Cylinders and cones whose axis has no length are never hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +32,15 @@ pub enum Curved {
         /// More than 0.
         radius: f32,
     },
+    /// A disc.
+    Disc {
+        /// Centre.
+        center: Vec3,
+        /// Unit normal.
+        normal: Vec3,
+        /// More than 0.
+        radius: f32,
+    },
     /// A cone on a disc.
     Cone {
         /// Centre of the disc.
@@ -48,7 +57,7 @@ pub enum Curved {
 pub enum Part {
     /// The curved side, all of a sphere: 0.
     Side = 0,
-    /// The disc at `base`: 1.
+    /// The disc at `base`, and a disc that is all of the surface: 1.
     Base = 1,
     /// The disc at `top`: 2.
     Top = 2,
@@ -120,6 +129,9 @@ impl Curved {
             Self::Cylinder { base, top, radius } => {
                 cylinder(line, base, top, radius, &mut nearest);
             }
+            Self::Disc { center, normal, radius } => {
+                disc(line, center, normal, radius, &mut nearest);
+            }
             Self::Cone { base, apex, radius } => cone(line, base, apex, radius, &mut nearest),
         }
         nearest.hit
@@ -131,6 +143,7 @@ impl Curved {
         let point = point.as_dvec3();
         let normal = match (*self, part) {
             (Self::Sphere { center, .. }, _) => point - center.as_dvec3(),
+            (Self::Disc { normal, .. }, _) => normal.as_dvec3(),
             (Self::Cylinder { base, top, .. }, Part::Base)
             | (Self::Cone { base, apex: top, .. }, Part::Base) => (base - top).as_dvec3(),
             (Self::Cylinder { base, top, .. }, Part::Top) => (top - base).as_dvec3(),
@@ -154,6 +167,9 @@ impl Curved {
         match (*self, part) {
             (Self::Sphere { center, radius }, _) => {
                 (point - center.as_dvec3()).length() - f64::from(radius)
+            }
+            (Self::Disc { center, normal, .. }, _) => {
+                (point - center.as_dvec3()).dot(normal.as_dvec3().normalize_or_zero())
             }
             (Self::Cylinder { base, top, .. }, Part::Base)
             | (Self::Cone { base, apex: top, .. }, Part::Base) => {
@@ -188,6 +204,11 @@ impl Curved {
                 let reach = disc_reach(base, top, radius);
                 let (base, top) = (base.as_dvec3(), top.as_dvec3());
                 outward(base.min(top) - reach, base.max(top) + reach)
+            }
+            Self::Disc { center, normal, radius } => {
+                let reach = disc_reach(Vec3::ZERO, normal, radius);
+                let center = center.as_dvec3();
+                outward(center - reach, center + reach)
             }
             Self::Cone { base, apex, radius } => {
                 let reach = disc_reach(base, apex, radius);
@@ -226,6 +247,15 @@ fn cylinder(line: Line, base: Vec3, top: Vec3, radius: f32, nearest: &mut Neares
         if (across + t * drift).length_squared() <= square {
             nearest.offer(t0 + t, part);
         }
+    }
+}
+
+fn disc(line: Line, center: Vec3, normal: Vec3, radius: f32, nearest: &mut Nearest) {
+    let (axis, _) = axis_of(Vec3::ZERO, normal);
+    let (line, t0) = line.near(center.as_dvec3());
+    let t = -line.origin.dot(axis) / line.direction.dot(axis);
+    if line.at(t).length_squared() <= f64::from(radius) * f64::from(radius) {
+        nearest.offer(t0 + t, Part::Base);
     }
 }
 
@@ -340,8 +370,29 @@ mod tests {
     }
 
     #[test]
+    fn a_disc_is_hit_from_both_sides() {
+        let disc = Curved::Disc { center: Vec3::X, normal: Vec3::Z, radius: 0.5 };
+        let cases = [
+            (Vec3::new(1.4, 0.0, 3.0), Vec3::NEG_Z, Some((3.0, Part::Base))),
+            (Vec3::new(1.0, 0.4, -2.0), Vec3::Z, Some((2.0, Part::Base))),
+            (Vec3::new(1.4, 0.4, 3.0), Vec3::NEG_Z, None),
+            (Vec3::new(0.0, 0.0, 0.0), Vec3::X, None),
+            (Vec3::new(1.0, 0.0, 3.0), Vec3::Z, None),
+        ];
+        for (origin, direction, expected) in cases {
+            assert_eq!(disc.intersect(origin, direction, INF), expected, "{origin}");
+        }
+        let bounds = disc.bounds();
+        assert!((bounds.min - Vec3::new(0.5, -0.5, 0.0)).abs().max_element() < 1e-6);
+        assert!((bounds.max - Vec3::new(1.5, 0.5, 0.0)).abs().max_element() < 1e-6);
+        assert_eq!(disc.normal_at(Vec3::X, Part::Base), Vec3::Z);
+        assert_eq!(disc.signed_distance(DVec3::new(1.0, 0.2, 2.0), Part::Base), 2.0);
+    }
+
+    #[test]
     fn axis_of_no_length_is_not_hit() {
         for flat in [
+            Curved::Disc { center: Vec3::X, normal: Vec3::ZERO, radius: 1.0 },
             Curved::Cylinder { base: Vec3::X, top: Vec3::X, radius: 1.0 },
             Curved::Cone { base: Vec3::X, apex: Vec3::X, radius: 1.0 },
         ] {
@@ -367,8 +418,9 @@ mod tests {
         let mut point = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
         for i in 0..30_000 {
             let (base, top, radius) = (point(), point(), point().x.abs() + 0.01);
-            let shape = match i % 3 {
+            let shape = match i % 4 {
                 0 => Curved::Sphere { center: base, radius },
+                3 => Curved::Disc { center: base, normal: top.normalize(), radius },
                 1 => Curved::Cylinder { base, top, radius },
                 _ => Curved::Cone { base, apex: top, radius },
             };
@@ -385,7 +437,11 @@ mod tests {
             }
             let normal = shape.normal_at(hit, part);
             assert!((normal.length() - 1.0).abs() < 1e-6);
-            assert!(normal.dot(direction) <= 1e-2 * direction.length(), "{shape:?} {part:?}");
+            let is_closed = !matches!(shape, Curved::Disc { .. });
+            assert!(
+                !is_closed || normal.dot(direction) <= 1e-2 * direction.length(),
+                "{shape:?} {part:?}"
+            );
         }
     }
 

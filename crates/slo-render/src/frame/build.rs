@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::emitters::add_emitters;
+use super::emitters::{add_emitters, light_groups};
 use super::looks::{Look, Looks};
 use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::{FrameObject, FrameScene};
-use super::shapes::{Geometry, geometry};
+use super::shapes::{Geometry, geometry, lamp_geometry};
 use super::world::{Instance, World};
 use crate::camera::{Camera, DegenerateView};
 use crate::sampling::Sampler;
-use crate::shading::light::{LightTree, Techniques};
+use crate::shading::light::{LightTree, Pose, Techniques};
 use crate::shading::material::Kind;
 use crate::shading::{Light, Lights, Material, MaterialTable};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
@@ -113,18 +113,18 @@ impl FrameScene {
             parts.add(object, scene, &seen, isa)?;
         }
         let lights_before = before.as_ref().map(|before| &before.lights);
-        let (mut lights, mut hidden, mut passable) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut lights, mut poses) = (Vec::new(), Vec::new());
+        let (mut hidden, mut passable) = (Vec::new(), Vec::new());
         for light in &scene.lights {
-            let ready = Light::new(light, origin, &scene.textures, lights_before);
-            if let Some(surface) = light.kind.surface() {
-                let look = Look::Light(lights.len() as u32);
-                parts.add_still(look, geometry(&surface), &DRigid::IDENTITY, &seen);
-            }
+            let look = Look::Light(lights.len() as u32);
+            let (ready, path) = parts.add_light(light, look, scene, &seen, isa, lights_before)?;
             lights.push(ready);
+            poses.push(path);
             hidden.push(!light.camera_visible);
             passable.push(!light.solid);
         }
         add_emitters(scene, &mut parts, &mut lights);
+        let light_groups = light_groups(scene, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
                 flags.clear();
@@ -148,12 +148,13 @@ impl FrameScene {
             world: World::new(still, parts.instances, isa),
             material_table: MaterialTable::new(&scene.materials, &materials),
             materials,
-            light_tree: LightTree::new(&lights.iter().map(Light::bounds).collect::<Vec<_>>()),
+            light_tree: light_tree(&lights, &poses),
             skies: skies(&lights),
             hidden,
             passable,
+            light_groups,
             techniques: Techniques::default(),
-            lights: lights.into_iter().collect(),
+            lights: lights.into_iter().collect::<Lights>().with_poses(poses),
             is_physical: is_physical(scene),
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
             settings: scene.settings.clone(),
@@ -168,9 +169,20 @@ impl FrameScene {
     }
 }
 
-/// Returns the indices of lights that are infinitely far away.
+/// Returns the indices of lights that are infinitely far away and seen by rays that hit nothing.
 fn skies(lights: &[Light]) -> Vec<u32> {
-    (0..).zip(lights).filter(|(_, light)| light.is_distant()).map(|(number, _)| number).collect()
+    let is_sky = |light: &Light| light.is_distant() && !light.is_delta();
+    (0..).zip(lights).filter(|(_, light)| is_sky(light)).map(|(number, _)| number).collect()
+}
+
+/// Builds the tree that chooses among lights, wherever they are during the shutter.
+fn light_tree(lights: &[Light], poses: &[Vec<Pose>]) -> LightTree {
+    let none = Vec::new();
+    let bounds = lights.iter().enumerate().map(|(number, light)| {
+        let poses = poses.get(number).unwrap_or(&none).iter();
+        light.bounds().in_poses(poses.map(|pose| (pose.rotation, pose.translation)))
+    });
+    LightTree::new(&bounds.collect::<Vec<_>>())
 }
 
 /// Whether a scene says anything that the thesis's integrator does not know.
@@ -250,8 +262,69 @@ impl Parts {
             self.add_still(look, geometry, &place, seen);
             return Ok(());
         }
+        self.add_moving(look, geometry, &path, scene, seen, isa);
+        Ok(())
+    }
+
+    /// Adds a light, and its surface if rays can hit it. Returns it, and its poses: none if its
+    /// space is render space.
+    fn add_light(
+        &mut self,
+        light: &slo_scene::Light,
+        look: Look,
+        scene: &SceneDescription,
+        seen: &Seen<'_>,
+        isa: Isa,
+        before: Option<&Lights>,
+    ) -> Result<(Light, Vec<Pose>), FrameError> {
+        let ready = |origin: DVec3| Light::new(light, origin, &scene.textures, before);
+        let surface = lamp_geometry(&light.kind);
+        if light.key_frames.is_empty() {
+            if let Some(surface) = surface {
+                self.add_still(look, surface, &DRigid::IDENTITY, seen);
+            }
+            return Ok((ready(seen.origin), Vec::new()));
+        }
+        let path = KeyFrames::new(&light.key_frames)
+            .map_err(|reason| FrameError::Path { object: light.name.clone(), reason })?;
+        let about_zero = ready(DVec3::ZERO);
+        let bounds = about_zero.bounds();
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let center = if bounds.is_distant { DVec3::ZERO } else { (min + max) * 0.5 };
+        let pose = |pose: &DRigid| {
+            let pose = DRigid { rotation: pose.rotation, translation: pose.point(center) };
+            let Rigid { rotation, translation } = Rigid::relative(&pose, seen.origin);
+            Pose { rotation, translation }
+        };
+        let poses = if !path.moves(seen.shutter.scene_interval()) {
+            let place = path.pose(seen.shutter.scene_time(0.0));
+            if let Some(surface) = surface {
+                self.add_still(look, surface, &place, seen);
+            }
+            vec![place]
+        } else if let Some(surface) = surface {
+            self.add_moving(look, surface, &path, scene, seen, isa)
+        } else {
+            let about = ObjectBox { min, max };
+            let motion = SampledMotion::new(&path, seen.shutter, &about, seen.camera, seen.per_ms);
+            motion.poses().to_vec()
+        };
+        let ready = if bounds.is_distant { about_zero } else { ready(center) };
+        Ok((ready, poses.iter().map(pose).collect()))
+    }
+
+    /// Adds something that moves during the shutter. Returns its poses.
+    fn add_moving(
+        &mut self,
+        look: Look,
+        geometry: Geometry,
+        path: &KeyFrames,
+        scene: &SceneDescription,
+        seen: &Seen<'_>,
+        isa: Isa,
+    ) -> Vec<DRigid> {
         let bounds = object_box(&geometry);
-        let motion = SampledMotion::new(&path, seen.shutter, &bounds, seen.camera, seen.per_ms);
+        let motion = SampledMotion::new(path, seen.shutter, &bounds, seen.camera, seen.per_ms);
         let center = (bounds.min + bounds.max) * 0.5;
         let number = self.objects.len() as u32;
         let there = self.before.iter().find(|(object, _)| *object == number);
@@ -278,8 +351,9 @@ impl Parts {
             place: Rigid::IDENTITY,
             first_triangle: 0,
             first_light: None,
+            light_group: 0,
         });
-        Ok(())
+        motion.poses().to_vec()
     }
 
     fn add_still(&mut self, look: Look, geometry: Geometry, place: &DRigid, seen: &Seen<'_>) {
@@ -298,6 +372,7 @@ impl Parts {
             place,
             first_triangle,
             first_light: None,
+            light_group: 0,
             normals,
         });
     }

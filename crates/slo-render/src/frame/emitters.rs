@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::build::Parts;
+use super::shapes::Geometry;
 use crate::shading::Light;
 use crate::shading::light::Triangle;
 use slo_scene::material::Principled;
@@ -38,4 +39,21 @@ pub(super) fn add_emitters(scene: &SceneDescription, parts: &mut Parts, lights: 
         lights.extend(triangles.iter().map(light));
         parts.objects[number].first_light = Some(first_light);
     }
+}
+
+/// Finds the groups of all objects, and returns those of all lights, as numbers: 0 for the light
+/// without a group, and one more than the place among the names of the scene's groups for others.
+pub(super) fn light_groups(scene: &SceneDescription, parts: &mut Parts, lights: usize) -> Vec<u32> {
+    let groups = scene.light_groups();
+    let number = |name: Option<&str>| groups.index(name).map_or(0, |index| index as u32 + 1);
+    let mut all: Vec<u32> =
+        scene.lights.iter().map(|light| number(light.group.as_deref())).collect();
+    all.resize(lights, 0);
+    for (object, to) in scene.objects.iter().zip(&mut parts.objects) {
+        to.light_group = number(object.light_group.as_deref());
+        if let (Some(first), Geometry::Mesh(mesh, _)) = (to.first_light, &to.geometry) {
+            all[first as usize..][..mesh.faces.len()].fill(to.light_group);
+        }
+    }
+    all
 }

@@ -35,6 +35,8 @@ pub struct FrameScene {
     pub(crate) hidden: Vec<bool>,
     /// For each light, whether all rays pass through it; empty if none does.
     pub(crate) passable: Vec<bool>,
+    /// For each light, the number of its group; 0: none.
+    pub(crate) light_groups: Vec<u32>,
     /// Indices of the lights that are infinitely far away.
     pub(crate) skies: Vec<u32>,
     /// How the light of lamps is shared between techniques, for physical shading.
@@ -67,6 +69,8 @@ pub(super) struct FrameObject {
     /// Index of the light that its first triangle is, if the material emits light toward which rays
     /// are sent.
     pub(super) first_light: Option<u32>,
+    /// Number of the group of the light that it emits; 0: none.
+    pub(super) light_group: u32,
     /// Unit normals of the vertices: in render space if the object is still, in object space if it
     /// moves. Empty if the object is not smooth.
     pub(super) normals: Vec<Vec3>,
@@ -79,6 +83,13 @@ impl FrameScene {
     #[must_use]
     pub fn plain(self) -> Self {
         Self { clever: false, ..self }
+    }
+
+    /// Returns the same frame with another way to share the light of lamps between rays to them and
+    /// rays that follow lobes, for physical shading. The expected picture is the same.
+    #[must_use]
+    pub fn with_techniques(self, techniques: Techniques) -> Self {
+        Self { techniques, ..self }
     }
 
     /// Whether the light that glossy lobes receive from lamps is also sampled by rays to the lamps.
@@ -98,6 +109,17 @@ impl FrameScene {
     /// Whether camera rays pass through a light.
     pub(crate) fn is_hidden(&self, light: u32) -> bool {
         self.hidden.get(light as usize).is_some_and(|hidden| *hidden)
+    }
+
+    /// Returns the number of the group of a light; 0 if it has none.
+    pub(crate) fn group_of(&self, light: u32) -> u32 {
+        self.light_groups.get(light as usize).copied().unwrap_or(0)
+    }
+
+    /// Returns the number of the group of the object that a ray hit; 0 if it has none.
+    pub(crate) fn group_of_object(&self, found: &WorldHits, ray: usize) -> u32 {
+        let (primitive, instance) = (found.hits.primitive[ray], found.instance[ray]);
+        self.objects[self.object_of(primitive, instance) as usize].light_group
     }
 
     /// Whether rays pass through a light.

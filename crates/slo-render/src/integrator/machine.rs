@@ -92,10 +92,14 @@ impl Machine {
         finished
     }
 
-    /// Adds up the sums of all copies for each of `len` entries, and returns them with the counts.
-    pub(super) fn finish(&mut self, len: usize) -> (&[SampleSum], Statistics) {
-        self.sums.fold(len);
-        (self.sums.get(), self.counts)
+    /// Adds up the sums of each of `len` entries; see [`Sums::fold`]. Returns them with the counts.
+    pub(super) fn finish(
+        &mut self,
+        len: usize,
+        groups: usize,
+    ) -> (&[SampleSum], &[SampleSum], Statistics) {
+        let (sums, of_groups) = self.sums.fold(len, groups);
+        (sums, of_groups, self.counts)
     }
 
     fn run_all(&mut self, integrator: &mut impl Integrator, job: &Job<'_>) -> Option<()> {

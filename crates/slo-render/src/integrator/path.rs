@@ -12,7 +12,7 @@ use slo_picture::film::Features;
 use super::batch::Batch;
 use super::branching::{continuations, most_camera_rays};
 use super::machine::{Connection, Integrator, Machine};
-use super::stages::arrived::Arrived;
+use super::stages::arrived::{Arrived, arrived_parts};
 use super::stages::bsdfs::Bsdfs;
 use super::stages::camera_rays::CameraRays;
 use super::stages::continuation::Continuation;
@@ -43,15 +43,20 @@ pub(super) struct Path {
     lamp_light: Box<LampLight>,
     visibility: Box<Visibility>,
     continuation: Box<Continuation>,
+    /// Distance between the slots of two groups of lights; 0 if groups are not told apart.
+    stride: u32,
     /// Working memory of ray queries, used by one stage at a time.
     scratch: WorldScratch,
 }
 
 impl Path {
-    /// Begins new work. Features are collected for `features` slots.
-    pub(super) fn restart(&mut self, features: usize) {
+    /// Begins new work. Features are collected for `features` slots. If the light of groups of lights
+    /// is collected, the slots of each group follow those of the one before at a distance of
+    /// `stride`; otherwise it is 0.
+    pub(super) fn restart(&mut self, features: usize, stride: usize) {
         self.camera_rays.restart();
         self.features.reset(features);
+        self.stride = stride as u32;
     }
 
     /// Returns the surface features of each slot.
@@ -64,15 +69,27 @@ impl Path {
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
         let Self {
-            batch, hits, arrived, points, emission, features, bsdfs, passing, scratch, ..
+            batch,
+            hits,
+            arrived,
+            points,
+            emission,
+            features,
+            bsdfs,
+            passing,
+            stride,
+            scratch,
+            ..
         } = self;
         hits.trace(frame, batch, machine.habit(depth), scratch);
         if frame.has_passable_lamps(depth) {
             passing.lamps(frame, batch, hits, depth);
             passing.queue(machine, depth);
         }
-        arrived.find(frame, batch, hits, depth);
-        machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
+        for part in 0..arrived_parts(frame, *stride) {
+            arrived.find(frame, batch, hits, depth, (*stride, part));
+            machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
+        }
         let is_last = depth > frame.settings.recursion();
         if is_last && !frame.material_table.emits {
             return Some(());
@@ -90,13 +107,18 @@ impl Path {
             bsdfs.absorb(batch, points);
         }
         bsdfs.find(frame, points);
+        bsdfs.open_receivers(points);
         if frame.material_table.emits && emission.find(frame, batch, hits, points, bsdfs, depth) {
-            machine.add(frame.isa, &emission.light, &points.labels.slot, points.len());
+            emission.name(frame, hits, points, *stride);
+            machine.add(frame.isa, &emission.light, &emission.slot, points.len());
         }
         if is_last {
             return Some(());
         }
-        features.add(frame, batch, hits, points);
+        if features.are_wanted() {
+            bsdfs.find_own(frame, points);
+            features.add(frame, batch, hits, points, |i| bsdfs.own(i));
+        }
         self.ask_lamps(machine, job, depth)?;
         self.follow(machine, job, depth)
     }
@@ -105,9 +127,10 @@ impl Path {
     fn ask_lamps(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let kind = Connection::at(depth);
         for question in questions(job.frame, depth) {
-            let Self { points, bsdfs, lamp_light, .. } = self;
+            let Self { points, bsdfs, lamp_light, stride, .. } = self;
             lamp_light.ask(job, points, bsdfs, question, depth);
-            machine.connect(kind, &lamp_light.sent, &points.labels, &lamp_light.chosen);
+            lamp_light.name(job.frame, points, *stride);
+            machine.connect(kind, &lamp_light.sent, &lamp_light.labels, &lamp_light.chosen);
             machine.relieve(self, job, kind);
             job.goes_on()?;
         }

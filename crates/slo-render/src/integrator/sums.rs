@@ -26,18 +26,29 @@ impl Sums {
         self.sums.resize(len, SampleSum::default());
     }
 
-    pub(super) fn get(&self) -> &[SampleSum] {
-        &self.sums
-    }
-
-    /// Adds each sum from `len` onwards to one of the first `len` sums, and keeps only these.
-    pub(super) fn fold(&mut self, len: usize) {
-        let len = len.min(self.sums.len());
-        let (first, rest) = self.sums.split_at_mut(len);
-        for (to, more) in first.iter_mut().zip(rest) {
-            to.iter_mut().zip(more).for_each(|(to, more)| *to += *more);
+    /// Adds up the sums of each of `len` entries. The sums consist of `groups + 1` blocks of equal
+    /// length, one for each group of lights, and a block consists of copies of the sums of all
+    /// entries. Returns the sums of all light, and those of each group but the first.
+    pub(super) fn fold(&mut self, len: usize, groups: usize) -> (&[SampleSum], &[SampleSum]) {
+        let block = self.sums.len() / (groups + 1);
+        // First the copies within each block.
+        for group in 0..=groups {
+            for copy in (len..block).step_by(len.max(1)) {
+                for i in 0..len {
+                    let more = self.sums[group * block + copy + i];
+                    add(&mut self.sums[group * block + i], more);
+                }
+            }
         }
-        self.sums.truncate(len);
+        for group in 1..=groups {
+            for i in 0..len {
+                let more = self.sums[group * block + i];
+                add(&mut self.sums[i], more);
+                self.sums[group * len + i] = more;
+            }
+        }
+        self.sums.truncate((groups + 1) * len);
+        self.sums.split_at(len.min(self.sums.len()))
     }
 
     /// Adds the first `len` radiances, each to its slot. Returns how many numbers were left out
@@ -65,6 +76,10 @@ impl Sums {
         put(sums, at, sum);
         refused
     }
+}
+
+fn add(to: &mut SampleSum, more: SampleSum) {
+    to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
 }
 
 #[inline(always)]

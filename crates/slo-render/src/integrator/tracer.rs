@@ -28,10 +28,12 @@ impl Tracer {
     ) -> Option<Traced<'_>> {
         let job = Job { frame, work, gives_up };
         let Self { machine, distributed, path } = self;
-        machine.begin(&job, if beside.features { 2 } else { 1 });
+        let copies = if beside.features { 2 } else { 1 };
+        let groups = if frame.is_physical { beside.light_groups } else { 0 };
+        machine.begin(&job, copies * (groups + 1));
         let feature_slots = if beside.features { work.len() } else { 0 };
         let features: &[Features] = if frame.is_physical {
-            path.restart(feature_slots);
+            path.restart(feature_slots, if groups > 0 { copies * work.len() } else { 0 });
             machine.run(path, &job)?;
             path.features()
         } else {
@@ -39,8 +41,8 @@ impl Tracer {
             machine.run(distributed, &job)?;
             distributed.features()
         };
-        let (sums, statistics) = machine.finish(work.len());
-        Some(Traced { sums, features, groups: &[], statistics })
+        let (sums, groups, statistics) = machine.finish(work.len(), groups);
+        Some(Traced { sums, features, groups, statistics })
     }
 }
 
@@ -109,7 +111,7 @@ mod tests {
             };
             assert!(tracer.trace(&frame, &work(), Beside::default(), &gives_up).is_none());
             assert_eq!(asked.get(), 10, "{settings}");
-            assert!(tracer.machine.finish(0).1.shadow_rays < 20 * BATCH as u64, "{settings}");
+            assert!(tracer.machine.finish(0, 0).2.shadow_rays < 20 * BATCH as u64, "{settings}");
             assert_eq!(tracer.machine.rooms(), (vec![], vec![0, 0]));
             // The same memory serves further work.
             let traced = tracer.trace(&frame, &work()[..64], Beside::default(), &|| false).unwrap();

@@ -47,7 +47,8 @@ fn sample_stored(texture: &Texture, curve: Curve, u: f32, v: f32) -> [f32; 3] {
     at.interpolate(texture, |x, y| texture.decoded(x, y, curve))
 }
 
-/// Returns the colour that an equirectangular image shows in a direction of any length, with z up.
+/// Returns the colour that an equirectangular image shows in a direction, with z up. Its length may be
+/// from 1e-15 to 1e15.
 ///
 /// The middle of the image lies toward +x, its left half toward +y. Columns wrap; beyond the
 /// centres of the first and last row, colours are those of the row. The texture's [`Wrap`] has no
@@ -185,18 +186,13 @@ mod tests {
     fn what_lies_beyond_the_edges() {
         let row = image(&[[0, 100, 200, 40]]);
         let cases = [
-            (Wrap::Repeat, [20.0, 0.0, 20.0, 50.0, 100.0, 0.0]),
-            (Wrap::Clamp, [0.0, 40.0, 40.0, 0.0, 0.0, 40.0]),
-            (Wrap::Mirror, [0.0, 40.0, 40.0, 50.0, 100.0, 40.0]),
+            (Wrap::Repeat, [(0.0, 20.0), (1.125, 0.0), (-0.75, 50.0), (-0.625, 100.0)]),
+            (Wrap::Clamp, [(0.0, 0.0), (1.125, 40.0), (-0.75, 0.0), (5.125, 40.0)]),
+            (Wrap::Mirror, [(0.0, 0.0), (1.125, 40.0), (-0.25, 50.0), (2.375, 100.0)]),
         ];
         for (wrap, expected) in cases {
             let row = row.clone().with_wrap(wrap);
-            let at = match wrap {
-                Wrap::Repeat => [0.0, 1.125, 1.0, -0.75, -0.625, 5.125],
-                Wrap::Clamp => [0.0, 1.125, 1.0, -0.75, -0.625, 5.125],
-                Wrap::Mirror => [0.0, 1.125, 1.0, -0.25, -0.375, 5.125],
-            };
-            for (u, expected) in at.into_iter().zip(expected) {
+            for (u, expected) in expected {
                 let found = along(&row, u);
                 assert!((found - expected).abs() < 1e-3, "{wrap} {u}: {found}, not {expected}");
             }
@@ -279,6 +275,20 @@ mod tests {
         let grey = Texture::from_rgba8(1, 1, vec![128; 4]).unwrap();
         let [r, .., a] = sample(&grey, Curve::Srgb, 0.3, 0.3);
         assert!((r - 0.215_861).abs() < 1e-5 && a == 128.0 / 255.0, "{r} {a}");
+    }
+
+    #[test]
+    fn colours_that_are_multiplied_by_alpha_are_divided_by_it() {
+        // Half a pixel of (0.8, 0.4, 0) beside a clear one.
+        let pixels = vec![0.4, 0.2, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0];
+        let texture = Texture::from_rgba_f32(2, 1, pixels).unwrap();
+        assert_eq!(sample(&texture, Curve::Raw, 0.25, 0.5), [0.8, 0.4, 0.0, 0.5]);
+        assert_eq!(sample(&texture, Curve::Raw, 0.5, 0.5), [0.8, 0.4, 0.0, 0.25]);
+        assert_eq!(sample(&texture, Curve::Raw, 0.75, 0.5), [0.0; 4]);
+        assert_eq!(sample_bilinear(&texture, 0.25, 0.5), [0.4, 0.2, 0.0]);
+        assert_eq!(sample_equirect(&texture, Curve::Raw, [0.0, 1.0, 0.0]), [0.4, 0.2, 0.0]);
+        assert!(Texture::from_rgba_f32(1, 1, vec![0.0, 0.0, 0.0, 1.5]).is_none());
+        assert!(Texture::from_rgb_f32(1, 1, vec![0.0, -1.0, 0.0]).is_none());
     }
 
     #[test]

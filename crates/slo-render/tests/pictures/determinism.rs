@@ -6,7 +6,9 @@ use slo_accel::Isa;
 use slo_picture::film::{FileLayer, Film};
 use slo_picture::output::{Picture, Recipe};
 use slo_render::frame::FrameScene;
-use slo_scene::{Accelerator, Layer, OutputFormat, SceneDescription, Settings};
+use slo_scene::{
+    Accelerator, Integrator, Layer, LightSampling, OutputFormat, SceneDescription, Settings,
+};
 
 use crate::support::{Shot, describe, expose, material};
 
@@ -41,6 +43,11 @@ const SHAPES: &str = "
 /// A scene with everything in it: lens, motion of camera and objects, all shapes, images, area and
 /// point lights, glass, brushed metal.
 fn everything() -> SceneDescription {
+    let settings = "softShadowSamples 2 diffuseReflectionSamples 2 background { .1 .2 .3 }";
+    everything_with("", settings)
+}
+
+fn everything_with(more: &str, settings: &str) -> SceneDescription {
     let elements = [
         material("matt", "ambient { .1 .1 .1 } diffuse { .5 .4 .3 }"),
         material("mirror", "diffuse { .2 .2 .2 } reflectance .5"),
@@ -50,6 +57,7 @@ fn everything() -> SceneDescription {
             "refraction .8 reflectance .2 refraction_index 1.5 diffuse_refraction .1",
         ),
         SHAPES.to_owned(),
+        more.to_owned(),
     ];
     let shot = Shot {
         from: vec![[0.0, -8.0, 1.5], [0.5, -8.0, 2.0]],
@@ -57,7 +65,7 @@ fn everything() -> SceneDescription {
         dof: 8.0,
         blur: 1.0,
         samples: 3,
-        settings: "softShadowSamples 2 diffuseReflectionSamples 2 background { .1 .2 .3 }".into(),
+        settings: settings.to_owned(),
         ..Shot::default()
     };
     let mut scene = describe(&shot.of(&elements.concat()));
@@ -74,7 +82,8 @@ fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
         let (image, look) = (&film.image(), scene.camera.film.look(&scene.settings));
         let recipe = &Recipe { scene: &scene, frame: 0 }.to_json();
         let mut file = Cursor::new(Vec::new());
-        let layers = film.layers_of(film.area(), &scene.camera.film.layers);
+        let layers = FileLayer::all(&scene.camera.film.layers, &scene.light_groups());
+        let layers = film.layers_of(film.area(), layers);
         let picture = Picture { image, format, look, recipe, crop: None };
         picture.write_with(&mut file, &layers).unwrap();
         file.into_inner()
@@ -108,6 +117,38 @@ fn assert_one_file(scene: &SceneDescription) {
 #[test]
 fn one_file_with_a_fixed_number_of_samples() {
     assert_one_file(&everything());
+}
+
+/// The same things in all light: lamps of every kind, a sky, physical materials, mixes, alpha.
+const PHYSICAL: &str = "
+    material_principled clay { base_color { .7 .5 .4 } diffuse_roughness .5 sheen .5 }
+    material_principled gold { base_color { 1 .8 .4 } metallic 1 roughness .3 anisotropic .5 }
+    material_principled pane { base_color { .9 1 1 } transmission 1 roughness .2 coat .5 }
+    material_principled veil { alpha .5 emission_color { .2 .4 1 } emission_strength 1 }
+    material_mix half { first clay second gold factor .4 }
+    environment sky { radiance { .3 .4 .5 } light_group sky }
+    lamp_point bulb { power { 30 30 20 } position { -2 -3 3 } radius .2 light_group key }
+    lamp_spot beam { power { 90 60 60 } position { 2 -4 4 } target { 0 0 0 } angle_deg 40 blend .3 }
+    lamp_sun sun { irradiance { 1 1 .9 } direction { 1 2 -3 } }
+    lamp_rectangle soft { radiance { 4 4 5 } vertex0 { 2 -3 3 } vertex1 { 2 -1 3 } vertex2 { 3 -1 3 } }
+    lamp_disc dish { radiance { 3 2 2 } center { -3 2 3 } normal { 1 -1 -1 } radius .5 solid 0 }
+    sphere nugget { material gold center { .3 -2 -.5 } radius .5 }
+    sphere bead { material pane center { -.4 -2.5 -.6 } radius .4 }
+    box pot { material half vertex0 { 2 -2 -1 } vertex1 { 3 -2 -1 } vertex2 { 3 -1 -1 } height .6 }
+    rectangle flag { material veil vertex0 { -2 -2 0 } vertex1 { -1 -2 0 } vertex2 { -1 -2 1 } }
+    triangle plate { material clay vertex0 { -4 -3 -1 } vertex1 { 4 -3 -1 } vertex2 { 0 -4 0 } }
+";
+
+#[test]
+fn one_file_in_all_light() {
+    let mut scene = everything_with(PHYSICAL, "integrator PATH");
+    assert_one_file(&scene);
+    scene.settings.light_sampling = Some(LightSampling::All);
+    scene.camera.film.layers = vec![Layer::Lights];
+    assert_one_file(&scene);
+    // DISTRIBUTED with physical lamps and materials.
+    scene.settings.integrator = Integrator::Distributed;
+    assert_one_file(&scene);
 }
 
 #[test]

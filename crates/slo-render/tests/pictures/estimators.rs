@@ -3,6 +3,7 @@
 
 use slo_accel::Isa;
 use slo_render::frame::FrameScene;
+use slo_render::shading::light::Techniques;
 
 use crate::support::{describe, expose_frame, material};
 
@@ -58,11 +59,11 @@ fn dark_scene(settings: &str, seed: u32) -> String {
     )
 }
 
-/// Means of the left and the right half of a picture, for each channel.
-fn halves(scene: &str, plain: bool) -> [f64; 6] {
+/// Means of the left and the right half of a picture, for each channel. `with` changes the frame.
+fn halves(scene: &str, with: impl Fn(FrameScene) -> FrameScene) -> [f64; 6] {
     let description = describe(scene);
     let frame = FrameScene::build(&description, 0, Isa::best()).expect("the frame can be built");
-    let frame = if plain { frame.plain() } else { frame };
+    let frame = with(frame);
     let image = expose_frame(&description, &frame).image();
     let mut sums = [0.0; 6];
     for (i, pixel) in image.rgb.iter().enumerate() {
@@ -85,7 +86,8 @@ fn moments(values: &[f64]) -> (f64, f64) {
 fn compare(scene: impl Fn(u32) -> String, bias: f64) -> [(f64, f64); 6] {
     let take = |plain| -> Vec<[f64; 6]> {
         let first = if plain { 0 } else { SEEDS };
-        (first..first + SEEDS).map(|seed| halves(&scene(seed), plain)).collect()
+        let with = |frame: FrameScene| if plain { frame.plain() } else { frame };
+        (first..first + SEEDS).map(|seed| halves(&scene(seed), with)).collect()
     };
     let (plain, clever) = (take(true), take(false));
     std::array::from_fn(|k| {
@@ -152,4 +154,48 @@ fn weak_rays_to_lights_bring_as_much_at_a_chance() {
 fn a_bias_of_two_per_cent_is_found_out() {
     let compared = compare(|seed| scene("", seed), 1.02);
     assert!(compared.iter().any(|(apart, _)| *apart > APART), "{compared:?}");
+}
+
+/// A room with metal, gloss and glass, lit by a lamp of every kind that rays can hit, and a glowing
+/// box. The lamps are large, so that every technique finds them.
+fn physical_scene(seed: u32) -> String {
+    format!(
+        "{}
+         material_principled wall {{ base_color {{ .7 .6 .5 }} }}
+         material_principled metal {{ base_color {{ .9 .7 .4 }} metallic 1 roughness .35 }}
+         material_principled glass {{ base_color {{ .9 1 1 }} transmission 1 roughness .4 }}
+         material_principled coated {{ base_color {{ .2 .3 .6 }} coat 1 coat_roughness .3 roughness .6 }}
+         material_principled glow {{ base_color {{ .2 .2 .2 }} emission_color {{ 1 .6 .3 }} emission_strength 2 }}
+         plane floor {{ material wall normal {{ 0 0 1 }} position {{ 0 0 -.5 }} }}
+         sphere m {{ material metal center {{ -2 0 .5 }} radius 1 }}
+         sphere g {{ material glass center {{ 0 0 .5 }} radius 1 }}
+         sphere c {{ material coated center {{ 2 0 .5 }} radius 1 }}
+         box lit {{ material glow vertex0 {{ -1 3 0 }} vertex1 {{ 1 3 0 }} vertex2 {{ 1 4 0 }} height 1 }}
+         lamp_rectangle r {{ radiance {{ 3 3 3 }} vertex0 {{ -3 -2 4 }} vertex1 {{ -3 2 4 }} vertex2 {{ -1 2 4 }} }}
+         lamp_point b {{ power {{ 60 50 40 }} position {{ 3 2 3 }} radius 1 }}
+         lamp_disc d {{ radiance {{ 2 2 4 }} center {{ 3 -3 3 }} normal {{ -1 1 -1 }} radius 1 }}
+         lamp_sun s {{ irradiance {{ .5 .5 .4 }} direction {{ 1 1 -2 }} angle_deg 40 }}
+         environment e {{ radiance {{ .1 .15 .2 }} }}",
+        seen("integrator PATH", seed)
+    )
+}
+
+#[test]
+fn every_technique_finds_the_same_light_of_lamps() {
+    let take = |techniques| -> Vec<[f64; 6]> {
+        let first = SEEDS * techniques as u32;
+        let with = |frame: FrameScene| frame.with_techniques(techniques);
+        (first..first + SEEDS).map(|seed| halves(&physical_scene(seed), with)).collect()
+    };
+    let of = |all: &[[f64; 6]], k: usize| moments(&all.iter().map(|s| s[k]).collect::<Vec<_>>());
+    let combined = take(Techniques::Combined);
+    for techniques in [Techniques::Asked, Techniques::Hit, Techniques::Separate] {
+        let alone = take(techniques);
+        for k in 0..6 {
+            let ((a, va), (b, vb)) = (of(&combined, k), of(&alone, k));
+            let apart = (a - b).abs() / (va + vb).sqrt();
+            assert!(apart < APART, "{techniques:?}, {k}: {a} and {b}, {apart} deviations");
+            assert!(va < 1.1 * vb, "{techniques:?}, {k}: variance {va} and {vb}");
+        }
+    }
 }

@@ -212,6 +212,18 @@ impl Picture {
     }
 }
 
+impl Picture {
+    /// Checks the mean of the whole picture, to a relative tolerance.
+    #[track_caller]
+    pub(crate) fn assert_mean(&self, color: [f64; 3], tolerance: f64) {
+        let count = self.0.rgb.len() as f64;
+        let mean = [0, 1, 2]
+            .map(|c| self.0.rgb.iter().map(|pixel| f64::from(pixel[c])).sum::<f64>() / count);
+        let near = |c: usize| (mean[c] - color[c]).abs() <= tolerance * color[c];
+        assert!((0..3).all(near), "the mean is {mean:?}, expected {color:?}");
+    }
+}
+
 /// Mean of `f` over the pixel in column `x` of row `y`, sampled at 8 x 8 points. `f` takes film
 /// coordinates from -1 to 1, y upward.
 pub(crate) fn over_pixel(x: usize, y: usize, f: impl Fn(f64, f64) -> f64) -> f64 {

@@ -107,7 +107,9 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
     pub(crate) fn open(&mut self, field: Field<'t, 'a>) -> Option<Fields<'t, 'a, '_>> {
         let nameless = Word { text: "", span: field.keyword.span };
         let (schema, name, block) = match (field.attribute.kind, field.value) {
-            (Kind::Block(schema), Value::Block(block)) => (schema, nameless, block),
+            (Kind::Block(schema) | Kind::WordOrBlock(_, schema), Value::Block(block)) => {
+                (schema, nameless, block)
+            }
             (Kind::Element(schema), Value::Element(name, block)) => (schema, name, block),
             _ => return None,
         };
@@ -219,11 +221,14 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
 
     fn unknown(&mut self, item: &Item<'a>) {
         let (word, schema) = (item.keyword, self.element.schema);
-        let elsewhere = attribute_meant(word.text, schema);
+        let called = schema.called(word.text).or_else(|| attribute_meant(word.text, schema));
         let near = || closest(word.text, schema.attributes().map(|a| a.name));
-        let attribute = elsewhere.or_else(|| near().and_then(|name| schema.attribute(name)));
-        let diagnostic = if let Some(attribute) = attribute {
-            let usage = || elsewhere.map(|attribute| format!("write {}", attribute.usage()));
+        let attribute = called.or_else(|| near().and_then(|name| schema.attribute(name)));
+        let diagnostic = if let Some(help) = schema.absent(word.text) {
+            let message = format!("`{}` does not take `{}` yet", schema.keyword, word.text);
+            Diagnostic::error(message).at(word.span, "").help(help)
+        } else if let Some(attribute) = attribute {
+            let usage = || called.map(|attribute| format!("write {}", attribute.usage()));
             let help = invisible(word.text).or_else(usage);
             // A misspelt attribute is not missing.
             self.found.push(Field { attribute, keyword: word, value: Value::Broken });
@@ -284,8 +289,14 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
                 self.diagnostics.push(error.help(format!("write {}", attribute.usage())));
                 Value::Broken
             }
-            (Kind::Number | Kind::Choice | Kind::Word(_), Form::Value(word)) => Value::Word(*word),
+            (
+                Kind::Number | Kind::Choice | Kind::Word(_) | Kind::WordOrBlock(..),
+                Form::Value(word),
+            ) => Value::Word(*word),
             (Kind::Vector(_) | Kind::Block(_), Form::Block(block)) => Value::Block(block),
+            (Kind::WordOrBlock(..), Form::Block(block)) if !holds_numbers(block) => {
+                Value::Block(block)
+            }
             (Kind::Element(_), Form::Element(name, block)) => Value::Element(*name, block),
             (Kind::Element(_), Form::Block(block)) => {
                 self.diagnostics.push(nameless(item.keyword));
@@ -334,6 +345,11 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             Kind::Vector(_) => "three numbers in braces",
             Kind::Block(_) => "a block in braces",
             Kind::Element(_) => "a name and a block in braces",
+            Kind::WordOrBlock(..) if matches!(form, Form::Element(..)) => {
+                "a name or a block, not both"
+            }
+            Kind::WordOrBlock(..) => "a name, or a block of attributes",
+            Kind::Absent(_) => "nothing",
         };
         let help = rewritten(attribute.kind, keyword, form, numbers)
             .unwrap_or_else(|| format!("write {}", attribute.usage()));
@@ -368,6 +384,11 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
     }
 }
 
+/// Whether a block begins with a number, as vectors do.
+fn holds_numbers(block: &Block<'_>) -> bool {
+    matches!(block.entries.first(), Some(Entry::Number(_)))
+}
+
 /// The error about an element without a name.
 pub(crate) fn nameless(keyword: Word<'_>) -> Diagnostic {
     Diagnostic::error(format!("this `{}` has no name", keyword.text))
@@ -386,6 +407,10 @@ fn rewritten(
     match (kind, form, numbers) {
         (Kind::Vector(_), Form::Value(x), [y, z]) => {
             Some(format!("write `{keyword} {{ {} {} {} }}`", x.text, y.word.text, z.word.text))
+        }
+        (Kind::WordOrBlock(_, schema), Form::Element(name, _), _) => {
+            let first = schema.attributes().next()?.name;
+            Some(format!("write `{keyword} {{ {first} {} ... }}`", name.text))
         }
         (_, Form::Block(block), _) => match block.entries.as_slice() {
             [Entry::Number(Number { word, .. })]

@@ -21,7 +21,8 @@ impl Language {
 
     fn add_inner(&mut self, schema: &'static Schema) {
         for attribute in schema.attributes() {
-            if let Kind::Block(inner) | Kind::Element(inner) = attribute.kind
+            if let Kind::Block(inner) | Kind::Element(inner) | Kind::WordOrBlock(_, inner) =
+                attribute.kind
                 && !self.inner.iter().any(|known| known.keyword == inner.keyword)
             {
                 self.inner.push(inner);
@@ -62,7 +63,9 @@ impl Grammar for Language {
             Kind::Block(_) => Follows::Block,
             Kind::Vector(_) => Follows::Vector,
             Kind::Word(_) => Follows::Name,
+            Kind::WordOrBlock(..) => Follows::NameOrBlock,
             Kind::Number | Kind::Choice => Follows::Value,
+            Kind::Absent(_) => return None,
         })
     }
 }

@@ -126,6 +126,13 @@ impl<'a> References<'a> {
             let label = format!("this is the name of a {}", other.name());
             return Diagnostic::error(message).at(word.span, label);
         }
+        if referred == Referred::Texture && is_file(word.text) {
+            let help = format!(
+                "write `texture NAME {{ filename {} }}`, and its name here",
+                written(word.text)
+            );
+            return Diagnostic::error(message).at(word.span, "this is a file").help(help);
+        }
         if let Some(near) = names.closest(word.text) {
             let error = Diagnostic::error(format!("{message}, did you mean `{}`?", written(near)));
             return Diagnostic { help: invisible(word.text), ..error.at(word.span, "") };
@@ -143,4 +150,11 @@ impl<'a> References<'a> {
     pub(crate) fn warn_unused(&self, diagnostics: &mut Diagnostics) {
         self.names.iter().for_each(|names| names.warn_unused(diagnostics));
     }
+}
+
+/// Whether a word is the path of an image.
+fn is_file(word: &str) -> bool {
+    const EXTENSIONS: [&str; 5] = ["png", "jpg", "jpeg", "exr", "hdr"];
+    let extension = word.rsplit_once('.').map_or("", |(_, extension)| extension);
+    EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known))
 }

@@ -1,5 +1,6 @@
 //! What an element takes: its attributes.
 
+use crate::names::is_same;
 use crate::settings::{Entry, Form};
 
 /// An element or inner block: its keyword and what may stand in it.
@@ -24,7 +25,25 @@ impl Schema {
 
     /// All attributes, in the order of messages.
     pub(crate) fn attributes(&self) -> impl Iterator<Item = &'static Attribute> + use<> {
+        self.words().filter(|attribute| !matches!(attribute.kind, Kind::Absent(_)))
+    }
+
+    /// All words that mean something here, even if they can't be used.
+    fn words(&self) -> impl Iterator<Item = &'static Attribute> + use<> {
         self.own.iter().chain(self.common)
+    }
+
+    /// What to say about a word that the element does not take yet.
+    pub(crate) fn absent(&self, name: &str) -> Option<&'static str> {
+        self.words().find_map(|word| match word.kind {
+            Kind::Absent(help) if is_same(word.name, name) || word.is_called(name) => Some(help),
+            _ => None,
+        })
+    }
+
+    /// The attribute that other programs and formats call so.
+    pub(crate) fn called(&self, name: &str) -> Option<&'static Attribute> {
+        self.attributes().find(|attribute| attribute.is_called(name))
     }
 
     /// The attribute of a name.
@@ -40,6 +59,8 @@ pub(crate) struct Attribute {
     pub(crate) kind: Kind,
     pub(crate) required: bool,
     pub(crate) repeated: bool,
+    /// What other programs and formats call it.
+    pub(crate) elsewhere: &'static [&'static str],
 }
 
 /// What an attribute takes.
@@ -57,11 +78,15 @@ pub(crate) enum Kind {
     Block(&'static Schema),
     /// A name, and attributes in braces.
     Element(&'static Schema),
+    /// A word of the user's own, or attributes in braces; with how to call the word.
+    WordOrBlock(&'static str, &'static Schema),
+    /// Nothing: the language does not have it yet. With what to say to whoever writes it.
+    Absent(&'static str),
 }
 
 impl Attribute {
-    const fn new(name: &'static str, kind: Kind) -> Self {
-        Self { name, kind, required: false, repeated: false }
+    pub(crate) const fn new(name: &'static str, kind: Kind) -> Self {
+        Self { name, kind, required: false, repeated: false, elsewhere: &[] }
     }
 
     pub(crate) const fn required(self) -> Self {
@@ -70,6 +95,15 @@ impl Attribute {
 
     pub(crate) const fn repeated(self) -> Self {
         Self { repeated: true, ..self }
+    }
+
+    pub(crate) const fn elsewhere(self, names: &'static [&'static str]) -> Self {
+        Self { elsewhere: names, ..self }
+    }
+
+    /// Whether other programs and formats call it so.
+    fn is_called(&self, name: &str) -> bool {
+        self.elsewhere.iter().any(|other| is_same(other, name))
     }
 
     /// How to write it.
@@ -82,6 +116,8 @@ impl Attribute {
             Kind::Vector(what) => format!("`{name} {{ {what} }}`"),
             Kind::Block(_) => format!("`{name} {{ ... }}`"),
             Kind::Element(_) => format!("`{name} NAME {{ ... }}`"),
+            Kind::WordOrBlock(what, _) => format!("`{name} {what}` or `{name} {{ ... }}`"),
+            Kind::Absent(_) => String::new(),
         }
     }
 }
@@ -109,6 +145,16 @@ pub(crate) const fn word(name: &'static str, what: &'static str) -> Attribute {
 /// One of several words.
 pub(crate) const fn choice(name: &'static str) -> Attribute {
     Attribute::new(name, Kind::Choice)
+}
+
+/// A word of the user's own or a block, called by the keyword of the block's schema.
+pub(crate) const fn word_or_block(what: &'static str, schema: &'static Schema) -> Attribute {
+    Attribute::new(schema.keyword, Kind::WordOrBlock(what, schema))
+}
+
+/// A word that the element does not take yet; with what to say about it.
+pub(crate) const fn absent(name: &'static str, help: &'static str) -> Attribute {
+    Attribute::new(name, Kind::Absent(help))
 }
 
 /// A block, called by the keyword of its schema.

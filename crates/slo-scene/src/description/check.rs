@@ -1,8 +1,8 @@
 //! Whether a scene that was built in memory holds together.
 
-use super::{Object, SceneDescription};
+use super::{MaterialId, Object, SceneDescription};
 use crate::light::{Environment, Light, LightKind, Sky};
-use crate::material::Material;
+use crate::material::{MOST_MIXES, Material, Tangle, inside_out};
 
 impl SceneDescription {
     /// Checks that every reference and index leads somewhere, and that there is a camera to look
@@ -24,6 +24,7 @@ impl SceneDescription {
         }
         self.lights.iter().try_for_each(|light| self.check_light(light))?;
         self.materials.iter().try_for_each(|material| self.check_material(material))?;
+        inside_out(&self.materials).map_err(|tangle| self.tangled(&tangle))?;
         self.objects.iter().try_for_each(|object| self.check_object(object))
     }
 
@@ -38,11 +39,27 @@ impl SceneDescription {
     }
 
     fn check_material(&self, material: &Material) -> Result<(), String> {
-        match material.kind.image() {
-            Some(texture) if texture.0 as usize >= self.textures.len() => {
-                Err(format!("material `{}` refers to a texture that is missing", material.name))
+        let name = &material.name;
+        let mut has_images = true;
+        material.kind.for_images(&mut |id| has_images &= (id.0 as usize) < self.textures.len());
+        if !has_images {
+            return Err(format!("material `{name}` refers to a texture that is missing"));
+        }
+        let mut parts = material.kind.parts().into_iter().flatten();
+        if parts.any(|part| part.0 as usize >= self.materials.len()) {
+            return Err(format!("material `{name}` mixes a material that is missing"));
+        }
+        Ok(())
+    }
+
+    /// What is wrong with materials that contain others.
+    fn tangled(&self, tangle: &Tangle) -> String {
+        let name = |id: MaterialId| &self.materials[id.0 as usize].name;
+        match tangle {
+            Tangle::Circle(circle) => format!("material `{}` contains itself", name(circle[0])),
+            Tangle::TooDeep(id) => {
+                format!("more than {MOST_MIXES} mixes are nested in material `{}`", name(*id))
             }
-            _ => Ok(()),
         }
     }
 

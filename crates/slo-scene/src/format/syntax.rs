@@ -95,13 +95,20 @@ pub enum Follows {
     Vector,
     /// A word of the user's own, which may be any.
     Name,
+    /// A word of the user's own, or a block.
+    NameOrBlock,
     /// A number, or one of several words.
     Value,
 }
 
 impl Follows {
-    /// Whether there is a brace at once.
+    /// Whether a brace may follow at once.
     pub fn is_block(self) -> bool {
-        matches!(self, Self::Block | Self::Vector)
+        matches!(self, Self::Block | Self::Vector | Self::NameOrBlock)
+    }
+
+    /// Whether a word of the user's own may follow at once, which is not the name of a block.
+    pub fn is_name(self) -> bool {
+        matches!(self, Self::Name | Self::NameOrBlock)
     }
 }

@@ -3,15 +3,26 @@
 use super::palette::Palette;
 use super::texture::TextureId;
 use crate::attributes::Fields;
+use crate::description::MaterialId;
 use crate::kinds::Keyword;
 
-/// A material of some kind.
+/// A material of some kind, without what it contains.
 pub(super) trait Look {
     /// Whether a surface can be seen without light on it.
     fn glows(&self) -> bool;
 
-    /// The image that it shows, if any.
-    fn image(&self) -> Option<TextureId>;
+    /// Hands each image that the material shows to `put`; one may come several times.
+    fn for_images(&self, put: &mut dyn FnMut(TextureId));
+
+    /// Whether an image bends its normals, for which meshes need tangents.
+    fn bends_normals(&self) -> bool {
+        false
+    }
+
+    /// The materials that it mixes.
+    fn parts(&self) -> Option<[MaterialId; 2]> {
+        None
+    }
 }
 
 /// A kind of material that has elements of the language.

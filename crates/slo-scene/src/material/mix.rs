@@ -2,10 +2,11 @@
 
 use super::look::{Look, WrittenMaterial};
 use super::palette::Palette;
-use super::principled::Varying;
 use super::texture::TextureId;
-use crate::attributes::schema::{number, word};
-use crate::attributes::{Bound, Fields, Referred};
+use super::varying::{Quantity, Varying, read_varying};
+use super::written_image::IMAGE;
+use crate::attributes::schema::{Schema, number, word, word_or_block};
+use crate::attributes::{Bound, Fields};
 use crate::description::MaterialId;
 use crate::kinds::Keyword;
 
@@ -20,23 +21,31 @@ pub struct Mix {
     pub factor: Varying<f32>,
 }
 
+/// The factor of a mix that names none.
+const HALF: f32 = 0.5;
+
 impl WrittenMaterial for Mix {
     const KEYWORDS: &'static [Keyword] = &[Keyword {
         keyword: "material_mix",
         attributes: &[
-            word("first", "NAME").required(),
-            word("second", "NAME").required(),
-            number("factor"),
+            word("first", "NAME").required().elsewhere(&["material1", "a", "base"]),
+            word("second", "NAME").required().elsewhere(&["material2", "b", "top"]),
+            number("factor").elsewhere(&["amount", "weight", "fac", "mix"]),
+            word_or_block("NAME", &Schema::new("factor_texture", IMAGE)).elsewhere(&[
+                "amount_texture",
+                "weight_texture",
+                "mask",
+            ]),
         ],
     }];
 
     fn read<'a>(fields: &mut Fields<'_, 'a, '_>, palette: &mut Palette<'_, 'a>) -> Option<Self> {
-        let (first, second) = (fields.word("first"), fields.word("second"));
-        let factor = fields.number_f32("factor", Bound::NotNegative).unwrap_or(0.5);
-        let mut find = |name| palette.references.find(Referred::Material, name);
-        let first = first.and_then(&mut find).map(|index| MaterialId(index as u32));
-        let second = second.and_then(&mut find).map(|index| MaterialId(index as u32));
-        Some(Self { first: first?, second: second?, factor: Varying::constant(factor) })
+        let names = ["factor", "factor_texture"];
+        let range = (HALF, Bound::Share);
+        let factor = read_varying(fields, palette, names, range, <f32 as Quantity>::PURPOSE);
+        let parts = ["first", "second"].map(|name| fields.word(name));
+        let [first, second] = parts.map(|name| name.and_then(|name| palette.material(name)));
+        Some(Self { first: first?, second: second?, factor })
     }
 }
 
@@ -45,7 +54,11 @@ impl Look for Mix {
         false
     }
 
-    fn image(&self) -> Option<TextureId> {
-        self.factor.image.map(|image| image.texture)
+    fn for_images(&self, put: &mut dyn FnMut(TextureId)) {
+        self.factor.texture().into_iter().for_each(put);
+    }
+
+    fn parts(&self) -> Option<[MaterialId; 2]> {
+        Some([self.first, self.second])
     }
 }

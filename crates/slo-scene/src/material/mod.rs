@@ -1,6 +1,8 @@
 //! Materials: one file for each kind, with its data, its elements of the language, and how they are
 //! read.
 
+mod contained;
+mod inputs;
 mod look;
 mod mix;
 mod palette;
@@ -8,17 +10,23 @@ mod phong;
 mod phong_info;
 mod principled;
 mod texture;
+mod varying;
+mod written_image;
 
 use crate::attributes::Fields;
+use crate::description::MaterialId;
 use crate::kinds::kinds;
 use look::{Look, WrittenMaterial};
 
+pub use contained::{MOST_MIXES, Tangle, inside_out};
 pub use mix::Mix;
 pub use phong::Phong;
 pub use phong_info::PhongInfo;
-pub use principled::{Principled, Varying};
+pub use principled::Principled;
 pub use texture::{Channel, ImageUse, TextureId, TextureUse};
+pub use varying::Varying;
 
+pub(crate) use contained::{Whole, check_contained, wholes};
 pub(crate) use palette::Palette;
 pub(crate) use phong_info::{PHONG_INFO, phong_info};
 
@@ -37,6 +45,7 @@ pub struct Material {
 
 kinds! {
     /// What a material does to light.
+    #[allow(clippy::large_enum_variant, reason = "a scene has few materials")]
     pub enum MaterialKind: dyn Look, read by ReadMaterial {
         /// `material_phong`, `material_texture`
         Phong(Phong),
@@ -48,13 +57,23 @@ kinds! {
 }
 
 impl MaterialKind {
-    /// Whether a surface can be seen without light on it.
+    /// Whether a surface can be seen without light on it, apart from what it contains.
     pub(crate) fn glows(&self) -> bool {
         self.common().glows()
     }
 
-    /// The image that it shows, if any.
-    pub(crate) fn image(&self) -> Option<TextureId> {
-        self.common().image()
+    /// Whether an image bends its normals, apart from what it contains.
+    pub(crate) fn bends_normals(&self) -> bool {
+        self.common().bends_normals()
+    }
+
+    /// Hands each image that the material uses itself to `put`; one may come several times.
+    pub fn for_images(&self, put: &mut dyn FnMut(TextureId)) {
+        self.common().for_images(put);
+    }
+
+    /// The materials that it mixes.
+    pub fn parts(&self) -> Option<[MaterialId; 2]> {
+        self.common().parts()
     }
 }

@@ -47,7 +47,7 @@ impl Look for Phong {
         self.info.ambient != [0.0; 3]
     }
 
-    fn image(&self) -> Option<TextureId> {
-        self.texture.map(|of| of.texture)
+    fn for_images(&self, put: &mut dyn FnMut(TextureId)) {
+        self.texture.iter().for_each(|of| put(of.texture));
     }
 }

@@ -1,111 +1,142 @@
 //! `material_principled`: metal, dielectrics, coats, sheen, glass and glowing surfaces.
 
+use super::inputs::{inputs, warn_idle};
 use super::look::{Look, WrittenMaterial};
 use super::palette::Palette;
 use super::texture::{ImageUse, TextureId};
-use crate::attributes::schema::{color, number};
+use super::varying::{ColorOf, Quantity, Varying, read_varying};
+use super::written_image::{IMAGE, NORMALS, Purpose, read_image};
+use crate::attributes::schema::{Attribute, Schema, absent, color, number, word_or_block};
 use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
 
-/// A value that may vary over a surface: a constant, multiplied by an image if there is one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Varying<T> {
-    /// The constant.
-    pub value: T,
-    /// The image.
-    pub image: Option<ImageUse>,
-}
-
-impl<T> Varying<T> {
-    /// The same value everywhere.
-    pub const fn constant(value: T) -> Self {
-        Self { value, image: None }
+inputs! {
+    /// A physical surface. Names and meaning follow Blender's Principled BSDF.
+    pub struct Principled {
+        /// Albedo of the diffuse part, reflectance of the metal, tint of transmitted light.
+        base_color: [f32; 3] = [0.8; 3], in ColorOf::Surface,
+            also ["color", "albedo", "diffuse", "diffuse_color", "base_color_factor"];
+        /// Share of metal.
+        metallic: f32 = 0.0, in Bound::Share,
+            also ["metalness", "metal", "metallic_factor", "base_metalness"];
+        /// Roughness of the reflection; 0 is a perfect mirror. GGX's alpha is its square.
+        roughness: f32 = 0.5, in Bound::Share, also ["roughness_factor", "specular_roughness"];
+        /// Roughness of the diffuse part; 0 is Lambert.
+        diffuse_roughness: f32 = 0.0, in Bound::Share, also ["base_diffuse_roughness"];
+        /// Index of refraction inside.
+        ior: f32 = 1.5, in Bound::AtLeastOne,
+            also ["eta", "int_ior", "specular_ior", "refraction_index"];
+        /// Share of the surface that is there; the rest lets light through unbent.
+        alpha: f32 = 1.0, in Bound::Share, as Purpose::Alpha,
+            also ["opacity", "geometry_opacity"];
+        /// How far `normal_texture` bends the normals.
+        normal_strength: f32 = 1.0, in Bound::NotNegative, also ["normal_scale", "bump_strength"];
+        /// Scales the reflectance at normal incidence by twice its value.
+        specular_ior_level: f32 = 0.5, in Bound::Share,
+            also ["specular", "specular_weight", "specular_factor"];
+        /// Tint of the dielectric's reflection, and of the metal's at grazing angles.
+        specular_tint: [f32; 3] = [1.0; 3], in ColorOf::Surface,
+            also ["specular_color", "spec_tint", "specular_color_factor"];
+        /// How much longer reflections are along the surface's tangent.
+        anisotropic: f32 = 0.0, in Bound::Share, needs roughness,
+            also ["anisotropy", "anisotropy_strength", "specular_roughness_anisotropy"];
+        /// Turns the tangent about the normal; 1 is a full turn.
+        anisotropic_rotation: f32 = 0.0, in Bound::Share, needs anisotropic,
+            also ["anisotropy_rotation"];
+        /// Share of the dielectric that light passes through.
+        transmission: f32 = 0.0, in Bound::Share,
+            also ["transmission_weight", "transmission_factor", "spec_trans", "refraction"];
+        /// Share of the surface that is coated.
+        coat: f32 = 0.0, in Bound::Share,
+            also ["clearcoat", "coat_weight", "clearcoat_factor"];
+        /// Roughness of the coat.
+        coat_roughness: f32 = 0.03, in Bound::Share, needs coat,
+            also ["clearcoat_roughness", "clearcoat_roughness_factor"];
+        /// Index of refraction of the coat.
+        coat_ior: f32 = 1.5, in Bound::AtLeastOne, needs coat, also ["clearcoat_ior"];
+        /// What the coat leaves of the light from below.
+        coat_tint: [f32; 3] = [1.0; 3], in ColorOf::Surface, needs coat,
+            also ["coat_color", "clearcoat_tint"];
+        /// Share of the surface that is covered by fibres.
+        sheen: f32 = 0.0, in Bound::Share, also ["sheen_weight", "fuzz", "fuzz_weight"];
+        /// Roughness of the fibres.
+        sheen_roughness: f32 = 0.5, in Bound::Share, needs sheen,
+            also ["fuzz_roughness", "sheen_roughness_factor"];
+        /// Colour of the fibres.
+        sheen_tint: [f32; 3] = [1.0; 3], in ColorOf::Surface, needs sheen,
+            also ["sheen_color", "fuzz_color", "sheen_color_factor"];
+        /// Colour of the light that both sides emit.
+        emission_color: [f32; 3] = [1.0; 3], in ColorOf::Light, needs emission_strength,
+            also ["emission", "emissive", "emissive_color", "emissive_factor"];
+        /// Multiplies `emission_color`: radiance, W/(m² sr).
+        emission_strength: f32 = 0.0, in Bound::NotNegative, needs emission_color,
+            also ["emissive_strength", "emissive_intensity", "emission_luminance"];
+    } with {
+        /// Normals in tangent space, as an image.
+        normal: Option<ImageUse> = None,
+        /// What is left of light after `absorption_distance` inside the object.
+        absorption_color: [f32; 3] = [1.0; 3],
+        /// Scene units; 0: nothing is absorbed.
+        absorption_distance: f64 = 0.0,
+        /// Whether the object is a pane without thickness, which light passes through unbent.
+        thin: bool = false,
     }
 }
 
-/// A physical surface. Names and meaning follow Blender's Principled BSDF.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Principled {
-    /// Albedo of the diffuse part, reflectance of the metal, tint of what is transmitted.
-    pub base_color: Varying<[f32; 3]>,
-    /// Share of metal, from 0 to 1.
-    pub metallic: Varying<f32>,
-    /// Square root of the alpha of GGX, from 0 to 1; 0 is perfect.
-    pub roughness: Varying<f32>,
-    /// Roughness of the diffuse part, from 0 (Lambert) to 1.
-    pub diffuse_roughness: Varying<f32>,
-    /// Index of refraction; more than 0.
-    pub ior: Varying<f32>,
-    /// Share of light that meets the surface, from 0 to 1; the rest passes through unbent.
-    pub alpha: Varying<f32>,
-    /// How far the image of normals bends them.
-    pub normal_strength: Varying<f32>,
-    /// Half the factor of the reflectance at normal incidence that `ior` gives.
-    pub specular_ior_level: Varying<f32>,
-    /// Tints the reflection of the dielectric, and that of the metal at grazing angles.
-    pub specular_tint: Varying<[f32; 3]>,
-    /// From 0 to 1.
-    pub anisotropic: Varying<f32>,
-    /// Turns about the normal.
-    pub anisotropic_rotation: Varying<f32>,
-    /// Share of the dielectric that light passes through, from 0 to 1.
-    pub transmission: Varying<f32>,
-    /// Share of the surface that is coated, from 0 to 1.
-    pub coat: Varying<f32>,
-    /// As `roughness`.
-    pub coat_roughness: Varying<f32>,
-    /// Index of refraction of the coat; 1 or more.
-    pub coat_ior: Varying<f32>,
-    /// What the coat absorbs of the light from below.
-    pub coat_tint: Varying<[f32; 3]>,
-    /// Share of the surface that is covered by fibres, from 0 to 1.
-    pub sheen: Varying<f32>,
-    /// Roughness of the fibres, from 0 to 1.
-    pub sheen_roughness: Varying<f32>,
-    /// Colour of the fibres.
-    pub sheen_tint: Varying<[f32; 3]>,
-    /// Colour of the light that both sides emit.
-    pub emission_color: Varying<[f32; 3]>,
-    /// Multiplies `emission_color`: radiance, W/(m² sr).
-    pub emission_strength: Varying<f32>,
-    /// Normals in tangent space, as an image.
-    pub normal: Option<ImageUse>,
-    /// What is left of light after `absorption_distance` inside the object.
-    pub absorption_color: [f32; 3],
-    /// Scene units; 0: nothing is absorbed.
-    pub absorption_distance: f64,
-    /// Whether the object is a pane without thickness, which light passes through unbent.
-    pub thin: bool,
-}
+/// What to say about `subsurface`.
+const NO_SUBSURFACE: &str =
+    "light that scatters below the surface is not computed: use `base_color`, or `transmission`";
 
-impl Default for Principled {
-    fn default() -> Self {
-        Self {
-            base_color: Varying::constant([0.8; 3]),
-            metallic: Varying::constant(0.0),
-            roughness: Varying::constant(0.5),
-            diffuse_roughness: Varying::constant(0.0),
-            ior: Varying::constant(1.5),
-            alpha: Varying::constant(1.0),
-            normal_strength: Varying::constant(1.0),
-            specular_ior_level: Varying::constant(0.5),
-            specular_tint: Varying::constant([1.0; 3]),
-            anisotropic: Varying::constant(0.0),
-            anisotropic_rotation: Varying::constant(0.0),
-            transmission: Varying::constant(0.0),
-            coat: Varying::constant(0.0),
-            coat_roughness: Varying::constant(0.03),
-            coat_ior: Varying::constant(1.5),
-            coat_tint: Varying::constant([1.0; 3]),
-            sheen: Varying::constant(0.0),
-            sheen_roughness: Varying::constant(0.5),
-            sheen_tint: Varying::constant([1.0; 3]),
-            emission_color: Varying::constant([1.0; 3]),
-            emission_strength: Varying::constant(0.0),
-            normal: None,
-            absorption_color: [1.0; 3],
-            absorption_distance: 0.0,
-            thin: false,
+/// What to say about `thin_film`.
+const NO_THIN_FILM: &str = "thin films are not computed: `specular_tint` colours the reflection";
+
+impl Principled {
+    /// The attributes beside the inputs.
+    const OTHERS: &'static [Attribute] = &[
+        word_or_block("NAME", &Schema::new("normal_texture", NORMALS)).elsewhere(&[
+            "normal",
+            "normal_map",
+            "bump",
+            "bump_texture",
+            "bump_map",
+        ]),
+        color("absorption_color").elsewhere(&["attenuation_color", "transmission_color"]),
+        number("absorption_distance").elsewhere(&["attenuation_distance", "transmission_depth"]),
+        number("thin").elsewhere(&["thin_walled", "thin_wall", "geometry_thin_walled"]),
+        absent("subsurface", NO_SUBSURFACE).elsewhere(&[
+            "subsurface_weight",
+            "subsurface_color",
+            "subsurface_radius",
+            "subsurface_scale",
+            "subsurface_ior",
+            "subsurface_anisotropy",
+        ]),
+        absent("thin_film", NO_THIN_FILM).elsewhere(&[
+            "thin_film_weight",
+            "thin_film_thickness",
+            "thin_film_ior",
+            "iridescence",
+        ]),
+    ];
+
+    /// Warns of values that have no effect.
+    fn check(&self, fields: &mut Fields<'_, '_, '_>) {
+        self.check_inputs(fields);
+        if self.normal.is_none() && self.normal_strength != Varying::constant(1.0) {
+            warn_idle(fields, "normal_strength", "normal_texture");
+        }
+        let transmits = self.transmission.value > 0.0;
+        let [is_colored, is_deep] =
+            [self.absorption_color != [1.0; 3], self.absorption_distance > 0.0];
+        if self.thin && !transmits {
+            warn_idle(fields, "thin", "transmission");
+        }
+        match (is_colored, is_deep) {
+            (true, _) if !transmits => warn_idle(fields, "absorption_color", "transmission"),
+            (_, true) if !transmits => warn_idle(fields, "absorption_distance", "transmission"),
+            (true, false) => warn_idle(fields, "absorption_color", "absorption_distance"),
+            (false, true) => warn_idle(fields, "absorption_distance", "absorption_color"),
+            _ => {}
         }
     }
 }
@@ -113,69 +144,35 @@ impl Default for Principled {
 impl WrittenMaterial for Principled {
     const KEYWORDS: &'static [Keyword] = &[Keyword {
         keyword: "material_principled",
-        attributes: &[
-            color("base_color"),
-            number("metallic"),
-            number("roughness"),
-            number("diffuse_roughness"),
-            number("ior"),
-            number("alpha"),
-            number("normal_strength"),
-            number("specular_ior_level"),
-            color("specular_tint"),
-            number("anisotropic"),
-            number("anisotropic_rotation"),
-            number("transmission"),
-            number("coat"),
-            number("coat_roughness"),
-            number("coat_ior"),
-            color("coat_tint"),
-            number("sheen"),
-            number("sheen_roughness"),
-            color("sheen_tint"),
-            color("emission_color"),
-            number("emission_strength"),
-            color("absorption_color"),
-            number("absorption_distance"),
-            number("thin"),
-        ],
+        attributes: &concatenated::<{ Self::INPUTS.len() + Self::OTHERS.len() }>(
+            Self::INPUTS,
+            Self::OTHERS,
+        ),
     }];
 
-    fn read<'a>(fields: &mut Fields<'_, 'a, '_>, _: &mut Palette<'_, 'a>) -> Option<Self> {
+    fn read<'a>(fields: &mut Fields<'_, 'a, '_>, palette: &mut Palette<'_, 'a>) -> Option<Self> {
         let mut to = Self::default();
-        let mut number = |name, to: &mut Varying<f32>| {
-            to.value = fields.number_f32(name, Bound::NotNegative).unwrap_or(to.value);
-        };
-        number("metallic", &mut to.metallic);
-        number("roughness", &mut to.roughness);
-        number("diffuse_roughness", &mut to.diffuse_roughness);
-        number("ior", &mut to.ior);
-        number("alpha", &mut to.alpha);
-        number("normal_strength", &mut to.normal_strength);
-        number("specular_ior_level", &mut to.specular_ior_level);
-        number("anisotropic", &mut to.anisotropic);
-        number("anisotropic_rotation", &mut to.anisotropic_rotation);
-        number("transmission", &mut to.transmission);
-        number("coat", &mut to.coat);
-        number("coat_roughness", &mut to.coat_roughness);
-        number("coat_ior", &mut to.coat_ior);
-        number("sheen", &mut to.sheen);
-        number("sheen_roughness", &mut to.sheen_roughness);
-        number("emission_strength", &mut to.emission_strength);
-        let mut color = |name, to: &mut Varying<[f32; 3]>| {
-            to.value = fields.color(name).unwrap_or(to.value);
-        };
-        color("base_color", &mut to.base_color);
-        color("specular_tint", &mut to.specular_tint);
-        color("coat_tint", &mut to.coat_tint);
-        color("sheen_tint", &mut to.sheen_tint);
-        color("emission_color", &mut to.emission_color);
-        to.absorption_color = fields.color("absorption_color").unwrap_or(to.absorption_color);
+        to.read_inputs(fields, palette);
+        to.normal = read_image(fields, palette, "normal_texture", Purpose::Normals);
+        let color = <[f32; 3]>::read(fields, "absorption_color", ColorOf::Surface);
+        to.absorption_color = color.unwrap_or(to.absorption_color);
         let distance = fields.length("absorption_distance", Bound::NotNegative);
         to.absorption_distance = distance.map_or(0.0, |found| found.value);
         to.thin = fields.count("thin", 0, 1).is_some_and(|flag| flag.value == 1);
+        to.check(fields);
         Some(to)
     }
+}
+
+/// Two lists in one.
+const fn concatenated<const N: usize>(a: &[Attribute], b: &[Attribute]) -> [Attribute; N] {
+    let mut all = [a[0]; N];
+    let mut i = 0;
+    while i < N {
+        all[i] = if i < a.len() { a[i] } else { b[i - a.len()] };
+        i += 1;
+    }
+    all
 }
 
 impl Look for Principled {
@@ -183,7 +180,27 @@ impl Look for Principled {
         self.emission_strength.value > 0.0 && self.emission_color.value != [0.0; 3]
     }
 
-    fn image(&self) -> Option<TextureId> {
-        self.base_color.image.map(|image| image.texture)
+    fn for_images(&self, put: &mut dyn FnMut(TextureId)) {
+        self.for_input_images(put);
+        self.normal.iter().for_each(|normal| put(normal.texture));
+    }
+
+    fn bends_normals(&self) -> bool {
+        self.normal.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_documentation_lists_all_inputs() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene-format.md");
+        let page = std::fs::read_to_string(path).expect("the repository has the page");
+        let rows = Principled::documentation();
+        assert_eq!(rows.len() * 2, Principled::INPUTS.len());
+        let missing: Vec<_> = rows.iter().filter(|row| !page.contains(*row)).collect();
+        assert!(missing.is_empty(), "docs/scene-format.md lacks {missing:#?}");
     }
 }

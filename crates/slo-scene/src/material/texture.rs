@@ -1,6 +1,6 @@
 //! Images as materials use them.
 
-use crate::settings::Encoding;
+use crate::settings::Curve;
 
 /// Index into the textures of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -20,10 +20,10 @@ pub struct TextureUse {
 pub struct ImageUse {
     /// The image.
     pub texture: TextureId,
-    /// What of a texel counts.
+    /// What of a texel counts. A colour of one channel is grey.
     pub channel: Channel,
     /// The curve that is removed from red, green and blue before interpolation; never from alpha.
-    pub encoding: Encoding,
+    pub encoding: Curve,
     /// Texture coordinates are scaled, then turned, then moved: `scale_U`, `scale_V`.
     pub scale: [f32; 2],
     /// `turn_deg`, counter-clockwise, degrees.
@@ -47,4 +47,20 @@ pub enum Channel {
     Blue,
     /// One channel; 1 if the image has none.
     Alpha,
+}
+
+impl Channel {
+    /// The words of the language.
+    pub(super) const WORDS: [&'static str; 4] = ["R", "G", "B", "A"];
+
+    /// The channel of a word.
+    pub(super) fn by_name(word: &str) -> Option<Self> {
+        match word {
+            "R" => Some(Self::Red),
+            "G" => Some(Self::Green),
+            "B" => Some(Self::Blue),
+            "A" => Some(Self::Alpha),
+            _ => None,
+        }
+    }
 }

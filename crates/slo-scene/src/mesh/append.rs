@@ -8,7 +8,7 @@ impl Mesh {
     /// Adds the triangles of another mesh, with vertices, normals and uvs of their own.
     ///
     /// If only one of the two has uvs, all corners of the other get uv (0, 0); if only one
-    /// has normals, the normals of the other are computed.
+    /// has normals, the normals of the other are computed. The sum has no tangents.
     ///
     /// # Errors
     /// The sum has more vertices, uvs or triangles than 32-bit indices can count; `self` is then
@@ -31,6 +31,7 @@ impl Mesh {
         }
         let first_vertex = self.positions.len() as u32;
         let first_uv = self.uvs.len() as u32;
+        self.tangents = Vec::new();
         self.positions.append(&mut other.positions);
         self.normals.append(&mut other.normals);
         self.uvs.append(&mut other.uvs);

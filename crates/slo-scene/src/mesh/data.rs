@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::tangent::Tangent;
+
 /// Triangles with shared vertices.
 ///
 /// `positions` are in the file's units times `Scaling`.
@@ -17,6 +19,9 @@ pub struct Mesh {
     pub uvs: Vec<[f32; 2]>,
     /// Indices into `uvs`, one triple per face; empty if `uvs` is.
     pub face_uvs: Vec<[u32; 3]>,
+    /// One triple per face: along which direction u grows at its corners; empty unless an image bends
+    /// the normals of the mesh ([`add_tangents`](Self::add_tangents)).
+    pub tangents: Vec<[Tangent; 3]>,
 }
 
 impl Mesh {
@@ -31,6 +36,7 @@ impl Mesh {
             && (has_normals || (self.normals.is_empty() && !smooth))
             && below(&self.face_uvs, self.uvs.len())
             && (self.face_uvs.is_empty() || self.face_uvs.len() == self.faces.len())
+            && (self.tangents.is_empty() || self.tangents.len() == self.faces.len())
     }
 }
 

@@ -11,8 +11,11 @@ mod obj;
 mod ply;
 mod polygons;
 pub mod slo;
+mod tangent;
+mod tangents;
 mod warnings;
 
 pub use data::{LoadedMesh, Mesh};
 pub use load::load;
 pub(crate) use load::{BYTE_ORDER_MARK, kind};
+pub use tangent::Tangent;

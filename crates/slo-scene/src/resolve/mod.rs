@@ -9,6 +9,7 @@ mod oddities;
 mod overlaps;
 mod resolver;
 mod settings;
+mod tangents;
 mod texture;
 
 pub(crate) use resolver::resolve;

@@ -1,10 +1,12 @@
 //! Syntax tree -> scene, element by element.
 
+use std::sync::Arc;
+
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
 use super::oddities::Emission;
 use super::texture::{Image, texture, warn_of_alpha};
-use super::{camera, key_frames, lights, oddities, overlaps, settings};
+use super::{camera, key_frames, lights, oddities, overlaps, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
@@ -12,9 +14,12 @@ use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 use crate::files::{ContentHash, Files};
 use crate::format::parse;
 use crate::light::Light;
-use crate::material::{Material, Palette, PhongInfo, ReadMaterial, phong_info};
+use crate::material::{
+    Material, Palette, PhongInfo, ReadMaterial, Whole, check_contained, phong_info, wholes,
+};
 use crate::settings::{Integrator, Settings};
 use crate::shape::ReadShape;
+use crate::texture::Texture;
 
 /// The scene of a text that is a source of `diagnostics`; its content means nothing if there are
 /// errors.
@@ -82,16 +87,17 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let lights = self.lights(camera.as_ref());
         lights::check_sky(&lights, background, self.diagnostics);
         let phong_infos = self.phong_infos(settings.integrator);
-        let textures = self.textures();
-        let materials = self.materials(&phong_infos);
-        warn_of_alpha(&textures, &materials, self.diagnostics);
-        let objects = self.objects(camera.as_ref(), &materials);
+        let images = self.textures();
+        let textures: Vec<_> = images.iter().map(|image| image.texture.clone()).collect();
+        let materials = self.materials(&phong_infos, &textures);
+        warn_of_alpha(&images, &materials, self.diagnostics);
+        let objects = self.objects(camera.as_ref(), &wholes(&materials));
         let scene = SceneDescription {
             settings,
             camera: camera?,
             lights: lights.iter().map(|(light, _)| light.clone()).collect(),
             materials,
-            textures: textures.into_iter().map(|image| image.texture).collect::<Option<_>>()?,
+            textures: textures.into_iter().collect::<Option<_>>()?,
             objects: objects.iter().map(|(object, _)| object.clone()).collect(),
             content_hash: self.assets.hash.finish(),
         };
@@ -144,7 +150,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         });
         let light = |(read, element)| {
             let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
-            let mut palette = Palette { references: &mut self.references, phong_infos: &[] };
+            let references = &mut self.references;
+            let mut palette = Palette { references, phong_infos: &[], textures: &[] };
             lights::light(read, &mut fields, &mut palette, camera)
         };
         elements.into_iter().filter_map(light).collect()
@@ -174,13 +181,23 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         elements.into_iter().map(image).collect()
     }
 
-    fn materials(&mut self, phong_infos: &[PhongInfo]) -> Vec<Material> {
+    fn materials(
+        &mut self,
+        phong_infos: &[PhongInfo],
+        textures: &[Option<Arc<Texture>>],
+    ) -> Vec<Material> {
         let elements = self.scene.of(|role| match role {
             Role::Material(read) => Some(read),
             _ => None,
         });
-        let material = |(read, element)| self.material(read, element, phong_infos);
-        elements.into_iter().filter_map(material).collect()
+        let heads: Vec<_> = elements.iter().map(|(_, element)| element.head()).collect();
+        let mut material = |(read, element)| self.material(read, element, phong_infos, textures);
+        let materials: Vec<_> = elements.into_iter().filter_map(&mut material).collect();
+        // If one is missing, references lead to others.
+        if materials.len() == heads.len() {
+            check_contained(&materials, &heads, self.diagnostics);
+        }
+        materials
     }
 
     fn material(
@@ -188,20 +205,24 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         read: ReadMaterial,
         element: Element<'t, 'a>,
         phong_infos: &[PhongInfo],
+        textures: &[Option<Arc<Texture>>],
     ) -> Option<Material> {
         let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
-        let mut palette = Palette { references: &mut self.references, phong_infos };
+        let mut palette = Palette { references: &mut self.references, phong_infos, textures };
         let kind = read(&mut fields, &mut palette)?;
         Some(Material { name: element.name.text.to_owned(), kind })
     }
 
     /// Objects, with the places that they are defined at.
-    fn objects(&mut self, camera: Option<&Camera>, materials: &[Material]) -> Vec<(Object, Span)> {
+    fn objects(&mut self, camera: Option<&Camera>, materials: &[Whole]) -> Vec<(Object, Span)> {
         let elements = self.scene.objects();
         let object = |(read, element): (ReadShape, Element<'t, 'a>)| {
             Some((self.object(read, element, camera, materials)?, element.head()))
         };
-        elements.into_iter().filter_map(object).collect()
+        let mut objects = elements.into_iter().filter_map(object).collect::<Vec<_>>();
+        self.assets.release_meshes();
+        tangents::add_tangents(&mut objects, materials);
+        objects
     }
 
     fn object(
@@ -209,7 +230,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         read: ReadShape,
         element: Element<'t, 'a>,
         camera: Option<&Camera>,
-        materials: &[Material],
+        materials: &[Whole],
     ) -> Option<Object> {
         let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
         let material = fields.word("material");
@@ -226,8 +247,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         if let Some(material) = material {
             self.emission.extend(oddities::emission(&fields, material));
         }
-        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.kind.image().is_some())
-        {
+        if material.and_then(|index| materials.get(index)).is_some_and(|m| m.has_images) {
             self.assets.warn_without_uvs(&files, self.diagnostics);
         }
         Some(Object {

@@ -80,6 +80,10 @@ pub enum Bound {
     Error,
     /// Doublings of light, or halvings, that a screen may need.
     Stops,
+    /// From 0 to 1.
+    Share,
+    /// 1 or more.
+    AtLeastOne,
 }
 
 impl Bound {
@@ -92,6 +96,8 @@ impl Bound {
             Self::NotZero => (value != 0.0, "must not be 0"),
             Self::Error => (value > 0.0 && value <= 1.0, "must be more than 0 and at most 1"),
             Self::Stops => (value.abs() <= 32.0, "must be from -32 to 32"),
+            Self::Share => ((0.0..=1.0).contains(&value), "must be from 0 to 1"),
+            Self::AtLeastOne => (value >= 1.0, "must be 1 or more"),
         };
         (!is_kept).then_some(rule)
     }

@@ -50,3 +50,28 @@ pub(super) fn texture(
     let texture = texture.ok_or_else(|| FileError::whole_file("the image has no pixels"))?;
     Ok(LoadedTexture { texture, warnings })
 }
+
+/// Drops alpha if it is `opaque` everywhere; otherwise it is `alpha`.
+pub(super) fn without_opaque_alpha<C: Copy + PartialEq>(
+    layout: Layout,
+    mut values: Vec<C>,
+    opaque: C,
+    alpha: Alpha,
+) -> (Layout, Vec<C>, Alpha) {
+    let channels = layout.channels();
+    let without = match layout {
+        Layout::Grey | Layout::Rgb => return (layout, values, Alpha::None),
+        Layout::GreyAlpha => Layout::Grey,
+        Layout::Rgba => Layout::Rgb,
+    };
+    if values.chunks_exact(channels).any(|pixel| pixel[channels - 1] != opaque) {
+        return (layout, values, alpha);
+    }
+    let (pixels, kept) = (values.len() / channels, without.channels());
+    for pixel in 0..pixels {
+        values.copy_within(channels * pixel..channels * pixel + kept, kept * pixel);
+    }
+    values.truncate(kept * pixels);
+    values.shrink_to_fit();
+    (without, values, Alpha::Opaque)
+}

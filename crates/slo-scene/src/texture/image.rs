@@ -55,9 +55,16 @@ impl Texture {
     /// As [`from_rgb8`](Self::from_rgb8), of floats; also `None` if one of them is negative or not
     /// finite.
     pub fn from_rgb_f32(width: u32, height: u32, channels: Vec<f32>) -> Option<Self> {
-        let is_usable = channels.iter().all(|value| value.is_finite() && *value >= 0.0);
-        let samples = is_usable.then_some(Samples::Float(channels))?;
-        Self::new(width, height, Layout::Rgb, samples, Alpha::None)
+        Self::new(width, height, Layout::Rgb, floats(channels)?, Alpha::None)
+    }
+
+    /// As [`from_rgb_f32`](Self::from_rgb_f32), with alpha, which colours are multiplied by, as in
+    /// EXR files; also `None` if alpha exceeds 1.
+    pub fn from_rgba_f32(width: u32, height: u32, channels: Vec<f32>) -> Option<Self> {
+        if channels.iter().skip(3).step_by(4).any(|alpha| *alpha > 1.0) {
+            return None;
+        }
+        Self::new(width, height, Layout::Rgba, floats(channels)?, Alpha::Premultiplied)
     }
 
     /// An image that repeats and is interpolated.
@@ -200,4 +207,10 @@ impl Texture {
         let y = y.min(self.height - 1) as usize;
         y * self.width as usize + x
     }
+}
+
+/// The values, unless one of them is negative or not finite.
+fn floats(values: Vec<f32>) -> Option<Samples> {
+    let is_usable = values.iter().all(|value| value.is_finite() && *value >= 0.0);
+    is_usable.then_some(Samples::Float(values))
 }

@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use super::decoded::LoadedTexture;
-use super::{jpeg, png};
+use super::{exr, hdr, jpeg, png};
 use crate::file_kinds::{self, Kind};
 use crate::format::FileError;
 use crate::mesh;
@@ -11,18 +11,21 @@ use crate::mesh;
 /// Bytes that an image file may have.
 const MAX_FILE_BYTES: u64 = 1 << 31;
 
-/// Reads a PNG or JPEG image; its first bytes say which it is, whatever `path_name` ends in.
+/// Reads a PNG, JPEG, OpenEXR or Radiance HDR image; its first bytes say which it is, whatever
+/// `path_name` ends in.
 ///
-/// Grey becomes RGB, palettes are looked up, alpha is dropped, and 16 bits are kept.
+/// Values keep the precision of the file, and palettes are looked up.
 ///
 /// # Errors
-/// The file can't be read, is neither PNG nor JPEG, is damaged, or has more than 2^28 texels.
+/// The file can't be read, is of none of these formats, is damaged, or has more than 2^28 texels.
 pub fn load(path_name: &str, reader: &mut dyn Read) -> Result<LoadedTexture, FileError> {
     let bytes = read_image_file(reader)?;
     match &bytes[..] {
         [] => Err(FileError::whole_file("the image file is empty")),
         [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => png::load(&bytes),
         [0xff, 0xd8, 0xff, ..] => jpeg::load(&bytes),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::load(&bytes),
+        [b'#', b'?', ..] => hdr::load(&bytes),
         _ => Err(other_kind(path_name, &bytes)),
     }
 }
@@ -40,9 +43,9 @@ fn read_image_file(reader: &mut dyn Read) -> Result<Vec<u8>, FileError> {
     Ok(bytes)
 }
 
-/// What to say about a file that starts like neither format.
+/// What to say about a file that starts like none of the formats.
 fn other_kind(path_name: &str, bytes: &[u8]) -> FileError {
-    const HELP: &str = "textures are PNG or JPEG files";
+    const HELP: &str = "textures are PNG, JPEG, EXR or HDR files";
     let (name, help) = if let Some(Kind { name, help }) = file_kinds::kind(bytes) {
         (name.to_owned(), help)
     } else if let Some(kind) = mesh::kind(&bytes[..bytes.len().min(file_kinds::LOOKED_AT)]) {
@@ -138,7 +141,7 @@ mod tests {
                 let len = 16 * (channels - 1) * bytes;
                 assert_eq!(load(color, depth, &opaque), (true, false, 255, len));
                 let mut clear = opaque.clone();
-                clear[3 * channels * bytes - bytes] = 51;
+                clear[3 * channels * bytes - bytes..3 * channels * bytes].fill(51);
                 let len = 16 * channels * bytes;
                 assert_eq!(load(color, depth, &clear), (true, true, 51, len));
             }
@@ -147,7 +150,7 @@ mod tests {
         assert_eq!(load(Grayscale, Eight, &[7; 16]), (false, false, 255, 16));
         assert_eq!(load(Indexed, Eight, &[1; 16]), (true, false, 255, 48));
         let holed = [vec![1; 2], vec![0; 1], vec![1; 13]].concat();
-        assert_eq!(load(Indexed, Eight, &holed).1, false);
+        assert!(!load(Indexed, Eight, &holed).1);
         let holed = [vec![0; 1], vec![1; 1], vec![0; 1], vec![1; 13]].concat();
         assert_eq!(load(Indexed, Eight, &holed), (true, true, 0, 64));
     }

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Transformations};
 
-use super::decoded::{LoadedTexture, check_size, damaged, texture};
+use super::decoded::{LoadedTexture, check_size, damaged, texture, without_opaque_alpha};
 use super::image::Alpha;
 use super::texels::{Layout, Samples};
 use crate::format::FileError;
@@ -48,39 +48,17 @@ pub(super) fn load(bytes: &[u8]) -> Result<LoadedTexture, FileError> {
     let (layout, samples, alpha) = match depth {
         BitDepth::Sixteen => {
             let values = pixels.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]]));
-            let (layout, values, alpha) = without_opaque_alpha(layout, values.collect(), u16::MAX);
+            let (layout, values, alpha) =
+                without_opaque_alpha(layout, values.collect(), u16::MAX, Alpha::Straight);
             (layout, Samples::Bits16(values), alpha)
         }
         _ => {
-            let (layout, values, alpha) = without_opaque_alpha(layout, pixels, u8::MAX);
+            let (layout, values, alpha) =
+                without_opaque_alpha(layout, pixels, u8::MAX, Alpha::Straight);
             (layout, Samples::Bits8(values), alpha)
         }
     };
     texture(width, height, layout, samples, alpha, Vec::new())
-}
-
-/// Drops alpha if it is `opaque` everywhere.
-fn without_opaque_alpha<C: Copy + PartialEq>(
-    layout: Layout,
-    mut values: Vec<C>,
-    opaque: C,
-) -> (Layout, Vec<C>, Alpha) {
-    let channels = layout.channels();
-    let without = match layout {
-        Layout::Grey | Layout::Rgb => return (layout, values, Alpha::None),
-        Layout::GreyAlpha => Layout::Grey,
-        Layout::Rgba => Layout::Rgb,
-    };
-    if values.chunks_exact(channels).any(|pixel| pixel[channels - 1] != opaque) {
-        return (layout, values, Alpha::Straight);
-    }
-    let (pixels, kept) = (values.len() / channels, without.channels());
-    for pixel in 0..pixels {
-        values.copy_within(channels * pixel..channels * pixel + kept, kept * pixel);
-    }
-    values.truncate(kept * pixels);
-    values.shrink_to_fit();
-    (without, values, Alpha::Opaque)
 }
 
 /// What the decoder says, without what follows.

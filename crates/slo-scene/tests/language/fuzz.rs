@@ -4,7 +4,8 @@ use rand::rngs::StdRng;
 use rand::{Rng, RngExt, SeedableRng};
 use slo_scene::{Files, Loaded, load};
 
-const SCENES: [&str; 4] = [
+const SCENES: [&str; 5] = [
+    include_str!("../scenes/materials.txt"),
     include_str!("../scenes/meshes.txt"),
     include_str!("../scenes/everything.txt"),
     include_str!("../scenes/minimal.txt"),

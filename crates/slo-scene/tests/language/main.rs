@@ -3,5 +3,6 @@
 mod documentation;
 mod fuzz;
 mod lamps;
+mod materials;
 mod messages;
 mod mistakes;

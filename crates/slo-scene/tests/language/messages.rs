@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use slo_scene::{Files, Loaded, Mesh, SceneDescription, Shape, load};
+use slo_scene::{Curve, Files, Filter, Loaded, Mesh, SceneDescription, Shape, Wrap, load};
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes")
 }
 
 /// Loads a file of `tests/scenes`, from where no path may lead out.
-fn load_fixture(name: &str) -> Loaded {
+pub(crate) fn load_fixture(name: &str) -> Loaded {
     let path = fixtures().join(name);
     let text = std::fs::read(&path).expect("the fixture exists");
     let folder = path.parent().expect("it lies in a folder");
@@ -42,7 +42,7 @@ fn everything() {
     insta::assert_snapshot!("everything", format!("{scene:#?}"));
 }
 
-fn mesh<'s>(scene: &'s SceneDescription, object: &str) -> &'s Arc<Mesh> {
+pub(crate) fn mesh<'s>(scene: &'s SceneDescription, object: &str) -> &'s Arc<Mesh> {
     match &scene.objects.iter().find(|o| o.name == object).expect("it is there").shape {
         Shape::Mesh(surface) => &surface.mesh,
         other => panic!("{other:?} is no mesh"),
@@ -90,6 +90,61 @@ fn a_mesh_without_uvs_under_a_texture_gets_a_warning() {
     assert_eq!(report("textured", &["with.obj", "without.obj"]).matches(warning).count(), 1);
     assert_eq!(report("plain", &["without.obj"]), "");
     assert_eq!(report("textured", &["with.obj"]), "");
+}
+
+/// A scene with a texture of a grey pixel and a clear one, seen on a sphere.
+fn with_texture(attributes: &str) -> Loaded {
+    // 2 x 1 pixels: 128 with alpha 255, 128 with alpha 0.
+    const CLEAR: &[u8] = include_bytes!("../scenes/files/clear.png");
+    let text = format!(
+        "{}\nphong_info p {{ }} texture t {{ filename clear.png {attributes} }}\n\
+         texture twin {{ filename clear.png }}\n\
+         material_texture m {{ phong_info p texture t }}\n\
+         material_texture again {{ phong_info p texture twin }}\n\
+         sphere a {{ center {{ 0 0 0 }} radius 1 material m }}\n\
+         sphere b {{ center {{ 5 0 0 }} radius 1 material again }}\n",
+        include_str!("../scenes/minimal.txt")
+    );
+    load("scene.txt", &text, &Files::built_in("", &[("clear.png", CLEAR)]))
+}
+
+#[test]
+fn how_a_texture_is_looked_up() {
+    let loaded = with_texture("wrap MIRROR filter NEAREST encoding SRGB");
+    let report = loaded.diagnostics.render(false);
+    let textures = loaded.scene.expect(&report).textures;
+    let [texture, plain] = &textures[..] else { panic!("two are written") };
+    assert_eq!((texture.wrap(), texture.filter()), (Wrap::Mirror, Filter::Nearest));
+    assert_eq!((texture.color_curve(), texture.data_curve()), (Curve::Srgb, Curve::Srgb));
+    assert_eq!((plain.wrap(), plain.filter()), (Wrap::Repeat, Filter::Linear));
+    assert_eq!((plain.color_curve(), plain.data_curve()), (Curve::Srgb, Curve::Raw));
+    assert_eq!(plain.texel_rgba(1, 0)[3], 0.0);
+    for (wrong, said) in [
+        ("wrap mirror", "unknown wrap `mirror`, did you mean `MIRROR`?"),
+        ("filter CUBIC", "unknown filter `CUBIC`"),
+        ("encoding LINEAR", "unknown encoding `LINEAR`"),
+        ("encoding SRGB encoding RAW", "`encoding` is given twice in texture `t`"),
+        ("tile REPEAT", "unknown attribute `tile` in `texture`"),
+    ] {
+        let loaded = with_texture(wrong);
+        let report = loaded.diagnostics.render(false);
+        assert!(report.contains(said), "{report}");
+    }
+}
+
+#[test]
+fn alpha_that_no_material_shows_is_warned_of_once() {
+    let loaded = with_texture("");
+    assert!(!loaded.diagnostics.has_errors());
+    insta::assert_snapshot!(loaded.diagnostics.render(false), @r"
+    warning: texture `clear.png`: it has transparent pixels, but alpha is not used: they show their colour
+      --> scene.txt:15:39
+       |
+    15 | phong_info p { } texture t { filename clear.png  }
+       |                                       ^^^^^^^^^
+
+    warning: 1 warning
+    ");
 }
 
 #[test]

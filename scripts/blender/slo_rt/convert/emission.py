@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads the light of the shaders of worlds and lights: one colour."""
 
-from .nodes import constant, follow, luma
+from .nodes import follow, luma
 
 BLACK = (0.0, 0.0, 0.0)
 _SHINING = {"BACKGROUND", "EMISSION"}
@@ -21,7 +21,7 @@ def emitted(feed, reader):
     if node.type == "ADD_SHADER":
         return _sum((1.0, emitted(follow(i), reader)) for i in shaders)
     if node.type == "MIX_SHADER":
-        factor = constant(follow(feed.input("Fac")))
+        factor = reader.constant(follow(feed.input("Fac")))
         if factor is not None:
             factor = min(max(luma(factor) if isinstance(factor, tuple) else factor, 0.0), 1.0)
             parts = [(w, i) for w, i in zip((1.0 - factor, factor), shaders) if w > 0.0]

@@ -113,13 +113,14 @@ TABLES = {
     "Light": _table(
         read="""
         type use_temperature color temperature use_shadow exposure normalize node_tree use_nodes
-        energy shadow_soft_size angle shape size size_y spread slo_rt cycles
+        energy shadow_soft_size angle shape size size_y spread spot_blend spot_size
+        use_soft_falloff slo_rt cycles
         """,
         idle="""
         volume_factor cutoff_distance shadow_buffer_clip_start shadow_filter_radius
         shadow_maximum_resolution use_shadow_jitter shadow_jitter_overblur use_absolute_resolution
-        use_soft_falloff shadow_cascade_max_distance shadow_cascade_count shadow_cascade_exponent
-        shadow_cascade_fade use_square spot_blend spot_size show_cone
+        shadow_cascade_max_distance shadow_cascade_count shadow_cascade_exponent
+        shadow_cascade_fade use_square show_cone
         """,
         diffuse_factor=(1.0, _EEVEE.format("diffuse")),
         specular_factor=(1.0, _EEVEE.format("specular")),
@@ -133,9 +134,9 @@ TABLES = {
         is_caustics_light=(False, _CAUSTICS),
     ),
     "World": _table(
-        read="color node_tree use_nodes cycles_visibility cycles",
+        read="color node_tree use_nodes cycles_visibility cycles lightgroup",
         idle="""
-        light_settings mist_settings lightgroup use_eevee_finite_volume probe_resolution
+        light_settings mist_settings use_eevee_finite_volume probe_resolution
         sun_threshold sun_angle use_sun_shadow sun_shadow_maximum_resolution
         sun_shadow_filter_radius use_sun_shadow_jitter sun_shadow_jitter_overblur
         """,
@@ -162,12 +163,12 @@ TABLES = {
         """,
         use_backface_culling=(False, "both sides are seen, whatever Backface Culling says"),
         use_backface_culling_shadow=(False, "both sides throw shadows, whatever Backface Culling says"),
-        use_transparent_shadow=(True, "shadows of transparent surfaces are as Shadows of glass says"),
+        use_transparent_shadow=(True, "Transparent Shadows that are switched off are not carried"),
     ),
     "CyclesMaterialSettings": _table(
-        read="name",
+        read="name emission_sampling",
         idle="""
-        emission_sampling use_bump_map_correction volume_sampling volume_interpolation
+        use_bump_map_correction volume_sampling volume_interpolation
         volume_step_rate homogeneous_volume
         """,
     ),
@@ -182,7 +183,8 @@ TABLES = {
         hide_render show_instancer_for_render visible_camera visible_diffuse visible_glossy
         visible_transmission visible_shadow is_holdout is_shadow_catcher instance_type
         use_instance_vertices_rotation use_instance_faces_scale instance_faces_scale
-        instance_collection pose light_linking cycles active_shape_key show_only_shape_key
+        instance_collection pose light_linking lightgroup cycles active_shape_key
+        show_only_shape_key
         """,
         idle="""
         use_camera_lock_parent active_material_index lock_location lock_rotation lock_rotation_w
@@ -194,7 +196,7 @@ TABLES = {
         visible_volume_scatter display_type show_bounds display_bounds_type show_name show_axis
         show_texture_space show_wire show_all_edges use_grease_pencil_lights show_transparent
         show_in_front use_shape_key_edit_mode active_shape_key_index display lineart
-        use_mesh_mirror_x use_mesh_mirror_y use_mesh_mirror_z lightgroup
+        use_mesh_mirror_x use_mesh_mirror_y use_mesh_mirror_z
         shadow_terminator_normal_offset shadow_terminator_geometry_offset
         shadow_terminator_shading_offset animation_visualization motion_path selection_sets
         active_selection_set

@@ -37,9 +37,7 @@ def elements_of_light(name, light, matrix, surroundings, report):
     power, color = compat.light_strength(light)
     power *= light.slo_rt.brightness
     reader = Reader(subject, report)
-    color = reader.light(
-        tuple(c * n * power for c, n in zip(color, _light_of_nodes(light, reader)))
-    )
+    color = reader.light(tuple(c * n * power for c, n in zip(color, light_of_nodes(light, reader))))
     if getattr(getattr(light, "cycles", None), "is_portal", False) and light.type == "AREA":
         report.note(subject, "portals are not carried: they give no light of their own")
         return []
@@ -85,7 +83,7 @@ def _rectangle(name, light, color, brightness, matrix, subject, report):
     return Element("light_rectangle", name, body)
 
 
-def _light_of_nodes(light, reader):
+def light_of_nodes(light, reader):
     """Returns the factor by which the nodes of a light multiply its own light: three numbers."""
     tree = compat.node_tree(light)
     if tree is None:

@@ -5,6 +5,7 @@ import bpy
 
 from .flags import note_flags
 from .physics import note_unbaked
+from .settings import is_carried
 
 # Kinds of rays from which Blender can hide an object.
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
@@ -113,22 +114,24 @@ def note_scene(scene, report):
         report.note("scene", f"its colours, {space}, are taken for linear Rec.709")
 
 
-def note_export(scene, layer, report):
+def note_export(scene, layer, report, has_film):
     """Notes what Blender does to a rendered picture or sequence, but nobody does to the pictures of an
-    exported scene."""
+    exported scene. `has_film`: the film carries some view settings."""
     view = scene.view_settings
     odd = [
         f"{name.removeprefix('use_').replace('_', ' ')} {value}"
         for name, plain in _PLAIN_VIEW.items()
         for value in [getattr(view, name, plain)]
-        if value != plain
+        if value != plain and not (has_film and is_carried(name, value))
     ]
     device = scene.display_settings.display_device
     odd += [f"display {device}"] if device != "sRGB" else []
     if odd:
         report.note(
             "scene",
-            f"colours are plain sRGB here, and changed by {', '.join(odd)} in Blender; "
+            f"colours are changed by {', '.join(odd)} in Blender, not here"
+            if has_film
+            else f"colours are plain sRGB here, and changed by {', '.join(odd)} in Blender; "
             "View Transform Standard, without more, shows what slo-rt writes",
         )
     if scene.frame_step != 1:

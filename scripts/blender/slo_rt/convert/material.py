@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from .. import compat
 from ..format.phong import BLACK, Phong, Surface, blend, mean, phong_of_surface
 from .flags import note_flags
-from .nodes import Feed, Reader, constant, follow, output_node
+from .nodes import Feed, Reader, constant, follow, nearest, output_node
 from .texture import Texture, read_texture
 
 _TRANSPARENT = "BSDF_TRANSPARENT"
@@ -257,7 +257,7 @@ class _MaterialReader(Reader):
         feed = follow(input_)
         image = None
         if feed.node is not None and constant(feed) is None:
-            image = _nearest_image(feed)
+            image = nearest(feed, "TEX_IMAGE")
         if image is None:
             return self.light(self.color(input_)), None
         if image.node != feed.node:
@@ -271,21 +271,6 @@ def _something(first, second):
         if feed.node is not None and feed.node.type != _TRANSPARENT:
             return feed
     return first if first.node is not None else second
-
-
-def _nearest_image(feed):
-    """Returns the `Feed` of the nearest image texture with an image at or behind `feed`, or None."""
-    seen, open_ = set(), [feed]
-    while open_:
-        feed = open_.pop(0)
-        node = feed.node
-        if node is None or (node, feed.groups) in seen:
-            continue
-        if node.type == "TEX_IMAGE" and node.image:
-            return feed
-        seen.add((node, feed.groups))
-        open_ += [follow(i) for i in feed.inputs() if i.socket.type == "RGBA"]
-    return None
 
 
 def _is_coloured(color):

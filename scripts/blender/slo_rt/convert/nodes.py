@@ -8,7 +8,7 @@ internal links, and reroutes and node groups are followed through.
 from dataclasses import dataclass
 
 from .. import compat
-from .node_table import ENTRIES, MESSAGES, Entry
+from .node_table import PHONG, Entry
 
 # A longer chain of reroutes, groups and muted nodes counts as a circle.
 MOST_STEPS = 1000
@@ -107,20 +107,26 @@ def output_node(tree):
 
 
 class Reader:
-    """Reads constants of the node trees of one owner, and notes what cannot be read."""
+    """Reads constants of the node trees of one owner, and notes what cannot be read, by a table of
+    nodes."""
 
-    def __init__(self, subject, report):
+    def __init__(self, subject, report, table=PHONG):
         self.subject = subject
         self.report = report
+        self.table = table
 
     def note(self, message):
         self.report.note(self.subject, message)
+
+    def constant(self, feed):
+        """Returns the number or colour (three numbers) of a feed, or None if it is not constant."""
+        return constant(feed)
 
     def note_rest(self, feed):
         """Notes the parts of a node that have an effect in Blender but not in slo-rt, by its entry in
         the table."""
         node = feed.node
-        entry = ENTRIES.get(node.type, Entry())
+        entry = self.table.entries.get(node.type, Entry())
         for input_ in feed.inputs():
             name = input_.socket.identifier
             if name in entry.read or name in entry.follows:
@@ -134,7 +140,7 @@ class Reader:
 
     def _note_part(self, node, name, label, value):
         value = str(value).lower().replace("_", " ")
-        message = MESSAGES.get((node.type, name))
+        message = self.table.messages.get((node.type, name))
         if message is None:
             message = f"{label} {value}".strip() + " is not carried"
         self.note(message.format(value=value))
@@ -143,11 +149,11 @@ class Reader:
         """Whether an input has no effect: nothing is linked and, if `neutral` is not None, its value is
         `neutral`."""
         feed = follow(input_)
-        if feed.node is not None and constant(feed) is None:
+        if feed.node is not None and self.constant(feed) is None:
             return False
         if neutral is None:
             return feed.node is None
-        value = _number_or_tuple(feed, input_.socket)
+        value = _number_or_tuple(self.constant(feed), input_.socket)
         count = len(value) if isinstance(value, tuple) else 1
         wanted = neutral if isinstance(neutral, tuple) else (neutral,) * count
         return value is None or (value if count > 1 else (value,)) == wanted[:count]
@@ -157,7 +163,7 @@ class Reader:
         if input_ is None:
             return otherwise
         feed = follow(input_)
-        found = constant(feed)
+        found = self.constant(feed)
         if found is None:
             self.note_feed(feed, input_)
             found = constant(Feed(own=input_.socket))
@@ -166,7 +172,7 @@ class Reader:
     def color(self, input_):
         """Reads a colour. Its input is read only if it is constant."""
         feed = follow(input_)
-        found = constant(feed)
+        found = self.constant(feed)
         if found is None:
             self.note_feed(feed, input_)
             found = constant(Feed(own=input_.socket))
@@ -199,9 +205,22 @@ def constant(feed):
     return tuple(value)[:3] if hasattr(value, "__len__") and not isinstance(value, str) else value
 
 
-def _number_or_tuple(feed, socket):
-    """Returns the constant of a feed as converted by `socket`; None if it is neither number nor colour."""
-    value = constant(feed)
+def nearest(feed, kind):
+    """Returns the `Feed` of the nearest node of a type at or behind `feed`, along colours, or None."""
+    seen, open_ = set(), [feed]
+    while open_:
+        feed = open_.pop(0)
+        if feed.node is None or (feed.node, feed.groups) in seen:
+            continue
+        if feed.node.type == kind and feed.node.image:
+            return feed
+        seen.add((feed.node, feed.groups))
+        open_ += [follow(i) for i in feed.inputs() if i.socket.type == "RGBA"]
+    return None
+
+
+def _number_or_tuple(value, socket):
+    """Returns a constant as converted by `socket`; None if it is neither number nor colour."""
     if socket.type in {"VALUE", "INT"}:
         return luma(value) if isinstance(value, tuple) else value
     if socket.type in {"RGBA", "VECTOR"}:

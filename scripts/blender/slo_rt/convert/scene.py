@@ -14,15 +14,17 @@ from ..format.names import Names, plain
 from ..format.scene_text import Element
 from ..report import Report
 from . import camera as cameras
-from . import light, limits, motion, nodes, settings, world
-from .surfaces import Surfaces
+from . import environment, lamp, light, limits, motion, nodes, settings, world
+from .surfaces import PhysicalSurfaces, Surfaces
 from .surroundings import Surroundings
-from .things import Collector, outlines
+from .things import Collector, Lamp, outlines
 
 # A shape counts as changing if its entries change by more than this fraction of the thing's size.
 SHAPE_TOLERANCE = 1e-4
 # Most times at which deforming things are checked.
 OUTLINE_TIMES = 32
+# Moving lamps count as at least this fraction of the scene.
+LEAST_LAMP = 0.01
 
 
 @dataclass
@@ -68,6 +70,7 @@ class _Writer:
         self.layer = job.depsgraph.view_layer
         self.render = self.scene.render
         self.values = self.scene.slo_rt
+        self.is_physical = self.values.integrator == "PATH"
         self.report = Report()
         for note in job.notes:
             self.report.note(*note)
@@ -86,27 +89,32 @@ class _Writer:
         os.makedirs(self.folder, exist_ok=True)
         job.set_frame(float(job.first))
         self.world = (self.layer.world_override or self.scene.world) if self.layer.use_sky else None
-        self.background = world.background(self._now(self.world), self.report)
+        sky = self._read_world()
         is_blurred = self.shutter.duration > 0.0
-        ambient_light = [c * self.values.world_light for c in self.background]
-        self.surfaces = Surfaces(self._now, ambient_light, self.folder, job.by_content, self.report)
         collector = Collector(self._store_mesh, self.surfaces.look_of, is_blurred, self.report)
         found = collector.take_stock(job.depsgraph)
         self.surroundings = Surroundings(found.things)
-        lights = self._lights(found.lamps)
-        self._note_darkness(lights)
-        elements = [*lights, *self.surfaces.elements(found.things)]
+        lights = [] if self.is_physical else self._lights(found.lamps)
+        self._note_darkness([*sky, *(found.lamps if self.is_physical else lights)], found.things)
+        materials = self.surfaces.elements(found.things)
         timeline = self._timeline()
         camera = self._camera(timeline)
-        paths = self._paths(found.things, timeline)
+        movers = [*found.things, *(found.lamps if self.is_physical else ())]
+        paths = self._paths(movers, timeline)
+        if self.is_physical:
+            lights = self._lamps(found.lamps, paths)
+        elements = [*sky, *lights, *materials]
         objects = [e for thing in found.things for e in self._thing(thing, paths)]
         self._note_changes(found, timeline)
         limits.note_physics(job.depsgraph, self.report)
         limits.note_view_layer(self.layer, self.report)
         limits.note_scene(self.scene, self.report)
         if job.output != "EXR_IMAGE":
-            limits.note_export(self.scene, self.layer, self.report)
-        head = [settings.settings_element(self.values, self.background), camera]
+            limits.note_export(self.scene, self.layer, self.report, self.is_physical)
+        if self.is_physical:
+            head = [settings.path_settings_element(self.scene), camera]
+        else:
+            head = [settings.settings_element(self.values, self.background), camera]
         text = scene_text.write(head + elements + objects, self._comments())
         _write_text(job.scene_path, text)
         return self.report
@@ -115,9 +123,23 @@ class _Writer:
         """Returns an item of Blender's data with the values of the evaluated frame; None for None."""
         return item.evaluated_get(self.job.depsgraph) if item else None
 
-    def _note_darkness(self, lights):
+    def _read_world(self):
+        """Reads the world, and prepares the materials, whose ambient light may depend on it. Returns
+        the elements of the sky."""
+        job, world_now = self.job, self._now(self.world)
+        if self.is_physical:
+            self.background = (0.0, 0.0, 0.0)
+            self.surfaces = PhysicalSurfaces(self._now, self.folder, job.by_content, self.report)
+            texture_of = self.surfaces.texture_of
+            return environment.environment_elements(world_now, texture_of, self.report)
+        self.background = world.background(world_now, self.report)
+        ambient_light = [c * self.values.world_light for c in self.background]
+        self.surfaces = Surfaces(self._now, ambient_light, self.folder, job.by_content, self.report)
+        return []
+
+    def _note_darkness(self, lights, things):
         """Notes that the scene has no light, which explains a black picture."""
-        if lights:
+        if lights or any(self.surfaces.emits(part.material) for t in things for part in t.parts):
             return
         ambient = self.values.world_light * max(self.background)
         seen = "surfaces are as bright as the world is" if ambient > 0.0 else "surfaces are black"
@@ -174,7 +196,9 @@ class _Writer:
                 "camera",
                 "the shutter is open for more than a frame, and stops at the end of a segment",
             )
-        film = settings.film_element(settings.picture_size(self.render), job.prefix, job.output)
+        size = settings.picture_size(self.render)
+        view = self.scene.view_settings if self.is_physical else None
+        film = settings.film_element(size, job.prefix, job.output, view)
         return Element("Camera", "camera", [("fps", scene_text.exact(self.fps)), film, *segments])
 
     def _segments(self, timeline, camera, first, stop):
@@ -216,10 +240,20 @@ class _Writer:
                 ("filename", part.filename),
                 ("smooth_normals", int(part.smooth)),
                 ("material", self.surfaces.name_of(part.material)),
+                *self._light_of_part(thing, part),
                 *keys,
             ]
             elements.append(Element("mesh", self.names["object"].new(wish), body))
         return elements
+
+    def _light_of_part(self, thing, part):
+        """Returns the attributes of a part that shines."""
+        if not self.surfaces.emits(part.material):
+            return []
+        group = [("light_group", thing.group)] if thing.group else []
+        ours = getattr(part.material, "cycles", None)
+        is_asked = getattr(ours, "emission_sampling", "AUTO") != "NONE"
+        return group + ([] if is_asked else [("sampled", 0)])
 
     def _key_frames(self, thing, paths):
         if thing.key in paths:
@@ -228,7 +262,7 @@ class _Writer:
         return [] if np.array_equal(thing.placement, rest) else [key_frames.still(thing.placement)]
 
     def _paths(self, things, timeline):
-        """Returns the key frames of the things that move, by their keys."""
+        """Returns the key frames of the things and lamps that move, by their keys."""
         moving = [thing for thing in things if self._moving and timeline.moves(thing.key)]
         if not moving:
             return {}
@@ -245,12 +279,19 @@ class _Writer:
 
         first, last = self._span
         breaks = [self._breaks(thing, first, last) for thing in moving]
-        sizes = [thing.diagonal for thing in moving]
+        sizes = [self._size(thing) for thing in moving]
         fitted = fit_all(sample, first, last, sizes, breaks, timeline.visit)
         largest = SHAPE_TOLERANCE * np.abs(shapes).max(axis=(1, 2))
         for thing, (_, misfit), scales in zip(moving, fitted, shape_misses > largest):
             self._note_motion(thing, misfit, scales)
         return {key: path for key, (path, _) in zip(keys, fitted)}
+
+    def _size(self, thing):
+        """Returns the size, in metres, that the errors of a thing's path are relative to."""
+        if not isinstance(thing, Lamp):
+            return thing.diagonal
+        own = lamp.size_of(self._now(thing.light), thing.matrix)
+        return max(own, LEAST_LAMP * self.surroundings.diagonal, 1e-3)
 
     def _breaks(self, thing, first, last):
         """Returns the `Break`s of all sources of a thing. Many things share their sources."""
@@ -263,7 +304,7 @@ class _Writer:
         return found
 
     def _note_motion(self, thing, misfit, scales):
-        subject = f'object "{thing.name}"'
+        subject = thing.subject
         if scales:
             self.report.note(subject, f"its scale changes; it is as at frame {self.job.first}")
         if misfit:
@@ -282,14 +323,24 @@ class _Writer:
 
     def _lights(self, lamps):
         names, elements = Names(), []
-        for lamp in lamps:
+        for each in lamps:
             elements += light.elements_of_light(
-                names.new(lamp.name),
-                self._now(lamp.light),
-                lamp.matrix,
+                names.new(each.name),
+                self._now(each.light),
+                each.matrix,
                 self.surroundings,
                 self.report,
             )
+        return elements
+
+    def _lamps(self, lamps, paths):
+        names, elements = Names(), []
+        for each in lamps:
+            keys = key_frames.moving(paths[each.key], self.fps) if each.key in paths else []
+            matrix = each.local if keys else each.matrix
+            name, data = names.new(each.name), self._now(each.light)
+            found = lamp.lamp_element(name, each, data, matrix, keys, self.report)
+            elements += [found] if found else []
         return elements
 
     # Changes that slo-rt cannot represent
@@ -297,9 +348,9 @@ class _Writer:
     def _note_changes(self, found, timeline):
         if not self._moving:
             return
-        for lamp in found.lamps:
-            if timeline.moves(lamp.key):
-                self.report.note(f'light "{lamp.name}"', "lights don't move in slo-rt")
+        for each in found.lamps:
+            if timeline.moves(each.key) and not self.is_physical:
+                self.report.note(each.subject, "lights don't move in slo-rt")
         if not self.job.single:
             self._note_animated_data(found)
         for key in timeline.not_always_there():
@@ -329,7 +380,7 @@ class _Writer:
         return [last, (first + last) / 2.0, *frames.astype(float)]
 
     def _note_animated_data(self, found):
-        owners = {lamp.light for lamp in found.lamps} | {self.world, self.scene}
+        owners = {each.light for each in found.lamps} | {self.world, self.scene}
         owners |= {part.material for thing in found.things for part in thing.parts}
         for owner in owners - {None}:
             if any(compat.is_animated(each) for each in nodes.with_node_trees(owner)):

@@ -44,16 +44,11 @@ def picture_size(render):
 
 def settings_element(values, background):
     """Makes `settings` from the artist's values (`RenderSettings`) and the colour of the background."""
-    body = [("imageSamples", values.samples)]
-    if values.noise > 0.0:
-        body += [
-            ("imageMinSamples", min(values.min_samples, values.samples)),
-            ("noise", values.noise),
-        ]
+    body = _sampling(values)
     body += [
         ("recursion", values.recursion),
         ("generatorType", values.generator),
-        ("lightSamplingType", values.light_sampling),
+        ("lightSamplingType", "SAMPLE_ALL_AT_TIME" if _is_auto(values) else values.light_sampling),
         ("accelerator", values.accelerator),
         ("shadow", values.shadow),
     ]
@@ -66,14 +61,68 @@ def settings_element(values, background):
     ):
         if count != 1:
             body.append((keyword, count))
-    if values.threads:
-        body.append(("parallelThreads", values.threads))
-    if values.seed:
-        body.append(("seed", values.seed))
-    return Element("settings", "blender", body + [("background", background)])
+    return Element("settings", "blender", [*body, *_machine(values), ("background", background)])
 
 
-def film_element(size, prefix, output):
-    """Makes a `Film`; PNG files get sRGB values, since they are meant for display."""
+def path_settings_element(scene):
+    """Makes `settings` for the integrator PATH from the artist's values and Cycles' bounces."""
+    values = scene.slo_rt
+    cycles = getattr(scene, "cycles", None)
+    has_bounces = values.use_cycles_bounces and cycles is not None
+    body = [
+        ("integrator", "PATH"),
+        *_sampling(values),
+        ("recursion", cycles.max_bounces if has_bounces else values.bounces),
+        ("generatorType", values.generator),
+    ]
+    if not _is_auto(values):
+        body.append(("lightSamplingType", values.light_sampling))
+    body.append(("accelerator", values.accelerator))
+    if values.spatial_splits:
+        body.append(("spatialSplits", 1))
+    return Element("settings", "blender", body + _machine(values))
+
+
+def _is_auto(values):
+    return values.light_sampling == "AUTO"
+
+
+def _sampling(values):
+    body = [("imageSamples", values.samples)]
+    if values.noise > 0.0:
+        body += [
+            ("imageMinSamples", min(values.min_samples, values.samples)),
+            ("noise", values.noise),
+        ]
+    return body
+
+
+def _machine(values):
+    threads = [("parallelThreads", values.threads)] if values.threads else []
+    return threads + ([("seed", values.seed)] if values.seed else [])
+
+
+# slo-rt's names of Blender's view transforms.
+_TONE_MAPS = {"Standard": "NONE", "AgX": "AGX", "Raw": "NONE"}
+
+
+def is_carried(name, value):
+    """Whether the film of an exported scene shows a view setting as Blender does."""
+    return name == "exposure" or (name == "view_transform" and value in _TONE_MAPS)
+
+
+def film_element(size, prefix, output, view):
+    """Makes a `Film`; PNG files get sRGB values, since they are meant for display. `view` holds the view
+    settings that they show, or is None."""
     body = [("width", size[0]), ("height", size[1]), ("prefix", prefix), ("output", output)]
-    return Element("Film", "film", body + ([] if output == "EXR_IMAGE" else [("encoding", "SRGB")]))
+    if output == "EXR_IMAGE":
+        return Element("Film", "film", body)
+    is_raw = view is not None and view.view_transform == "Raw"
+    body.append(("encoding", "RAW" if is_raw else "SRGB"))
+    if view is not None:
+        if view.exposure != 0.0:
+            body.append(("exposure", view.exposure))
+        tone_map = _TONE_MAPS.get(view.view_transform, "NONE")
+        if tone_map != "NONE":
+            body.append(("toneMap", tone_map))
+    return Element("Film", "film", body)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..fit.rigid import axes_of, split_matrix
+from ..format.names import plain
 from . import limits
 from . import mesh as meshes
 from .checks import finite
@@ -42,7 +43,8 @@ class Part:
 class Thing:
     """A thing with triangles: its `placement` (pivot, up, right), the rest of its transform (`shape`,
     baked into its files), the lower and upper corner of the `box` around the contents of its files,
-    and, if its vertices may move in its own space, a hash of them (`outline`)."""
+    and, if its vertices may move in its own space, a hash of them (`outline`). If it shines, its light
+    belongs to the light group `group`."""
 
     key: tuple
     name: str
@@ -52,6 +54,12 @@ class Thing:
     parts: list
     box: np.ndarray
     outline: bytes | None
+    group: str = ""
+
+    @property
+    def subject(self):
+        """What notes call it."""
+        return f'object "{self.name}"'
 
     @property
     def diagonal(self):
@@ -67,12 +75,38 @@ class Thing:
 
 @dataclass
 class Lamp:
-    """A light and its matrix to world space."""
+    """A light and its matrix to world space, which consists of its `placement` (pivot, up, right) and
+    the rest of its transform (`shape`). `group` is its light group."""
 
     key: tuple
     name: str
+    sources: list
     light: object
     matrix: np.ndarray
+    camera_visible: bool = False
+    group: str = ""
+    placement: np.ndarray = None
+    shape: np.ndarray = None
+
+    def __post_init__(self):
+        if not meshes.is_flat(self.matrix[:3, :3]):
+            self.placement, self.shape = split_matrix(self.matrix)
+            return
+        # A point that is scaled to nothing is a point.
+        self.placement = np.concatenate([self.matrix[:3, 3], (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
+        self.shape = np.eye(3)
+
+    @property
+    def subject(self):
+        """What notes call it."""
+        return f'light "{self.name}"'
+
+    @property
+    def local(self):
+        """The matrix to the space in which key frames move it."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.shape
+        return matrix
 
 
 @dataclass
@@ -140,7 +174,17 @@ class Collector:
         if thing.data.type != "POINT" and meshes.is_flat(matrix[:3, :3]):
             self._note_nothing(thing)
             return []
-        return [Lamp(instance_key(instance), thing.name, thing.data.original, matrix)]
+        return [
+            Lamp(
+                key=instance_key(instance),
+                name=thing.name,
+                sources=_sources(instance),
+                light=thing.data.original,
+                matrix=matrix,
+                camera_visible=thing.visible_camera,
+                group=_group(thing),
+            )
+        ]
 
     def _note_nothing(self, thing):
         subject = "light" if thing.type == "LIGHT" else "object"
@@ -157,17 +201,17 @@ class Collector:
         parts, box, outline = self._known[key]
         if not parts:
             return []
-        parent = [instance.parent.original] if instance.parent else []
         return [
             Thing(
                 key=instance_key(instance),
                 name=thing.name,
-                sources=[thing.original, *parent],
+                sources=_sources(instance),
                 placement=placement,
                 shape=shape,
                 parts=parts,
                 box=box,
                 outline=outline,
+                group=_group(thing),
             )
         ]
 
@@ -226,6 +270,17 @@ class Collector:
                 piece_name = f"{name}_{material.name if material else index}"
             pieces.append((piece_name, material, arrays))
         return pieces
+
+
+def _sources(instance):
+    """Returns the objects that an instance's motion depends on."""
+    parent = [instance.parent.original] if instance.parent else []
+    return [instance.object.original, *parent]
+
+
+def _group(thing):
+    """Returns the name of an object's light group as a word, or nothing."""
+    return plain(thing.lightgroup) if thing.lightgroup else ""
 
 
 def _box(pieces):

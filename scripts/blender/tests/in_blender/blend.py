@@ -20,9 +20,9 @@ PROGRAM = os.environ.get("SLO_RT") or os.path.join(ROOT, "target", "release", "s
 _registered = False
 
 
-def fresh_scene(size=(64, 48)):
-    """Makes Blender's default scene without cube and light, with our engine, and with a camera 10 m in
-    front of the origin that looks along y, z up."""
+def fresh_scene(size=(64, 48), integrator="DISTRIBUTED"):
+    """Makes Blender's default scene without cube and light, with our engine and one of its integrators,
+    and with a camera 10 m in front of the origin that looks along y, z up."""
     global _registered
     bpy.ops.wm.read_factory_settings()
     bpy.context.preferences.filepaths.use_scripts_auto_execute = True
@@ -42,6 +42,7 @@ def fresh_scene(size=(64, 48)):
     scene.frame_start, scene.frame_end = 1, 25
     scene.frame_set(1)
     scene.slo_rt.samples = 4
+    scene.slo_rt.integrator = integrator
     scene.view_settings.view_transform = "Standard"
     return scene
 

@@ -7,7 +7,7 @@ import unittest
 
 import bpy
 
-from slo_rt.convert.node_table import ENTRIES
+from slo_rt.convert.node_table import PHONG, PHYSICAL
 
 from . import blend
 from .test_nodes import GREEN, add, empty_material, halves, output_of, textured
@@ -19,6 +19,8 @@ KINDS = {
     "BSDF_GLOSSY": "ShaderNodeBsdfAnisotropic",
     "BSDF_METALLIC": "ShaderNodeBsdfMetallic",
     "BSDF_GLASS": "ShaderNodeBsdfGlass",
+    "BSDF_REFRACTION": "ShaderNodeBsdfRefraction",
+    "BSDF_SHEEN": "ShaderNodeBsdfSheen",
     "EMISSION": "ShaderNodeEmission",
     "BACKGROUND": "ShaderNodeBackground",
     "BSDF_TRANSPARENT": "ShaderNodeBsdfTransparent",
@@ -28,6 +30,9 @@ KINDS = {
     "OUTPUT_WORLD": "ShaderNodeOutputWorld",
     "OUTPUT_LIGHT": "ShaderNodeOutputLight",
     "TEX_IMAGE": "ShaderNodeTexImage",
+    "TEX_ENVIRONMENT": "ShaderNodeTexEnvironment",
+    "NORMAL_MAP": "ShaderNodeNormalMap",
+    "VOLUME_ABSORPTION": "ShaderNodeVolumeAbsorption",
     "MAPPING": "ShaderNodeMapping",
     "UVMAP": "ShaderNodeUVMap",
     "TEX_COORD": "ShaderNodeTexCoord",
@@ -39,8 +44,21 @@ KINDS = {
 class ListTest(unittest.TestCase):
     """Whatever a node has changes the exported scene, or is listed."""
 
+    integrator = "DISTRIBUTED"
+    entries = PHONG.entries
+    # Surface shaders, with values that give other values an effect.
+    shaders = {
+        "BSDF_PRINCIPLED": {"Emission Strength": 1.0, "Transmission Weight": 0.5, "Metallic": 0.5},
+        "BSDF_DIFFUSE": {},
+        "BSDF_GLOSSY": {},
+        "BSDF_METALLIC": {},
+        "BSDF_GLASS": {},
+        "EMISSION": {},
+        "BSDF_TRANSPARENT": {},
+    }
+
     def setUp(self):
-        self.scene = blend.fresh_scene()
+        self.scene = blend.fresh_scene(integrator=self.integrator)
         self.thing = blend.cube()
         blend.lamp()
 
@@ -63,7 +81,7 @@ class ListTest(unittest.TestCase):
         self.assertEqual(self.exported(), before, what)
 
     def check_sockets(self, tree, node):
-        entry = ENTRIES[node.type]
+        entry = self.entries[node.type]
         for socket in node.inputs:
             if not socket.enabled or socket.identifier in entry.follows:
                 continue
@@ -100,7 +118,7 @@ class ListTest(unittest.TestCase):
 
     def check_properties(self, node):
         base = {p.identifier for p in bpy.types.ShaderNode.bl_rna.properties}
-        entry = ENTRIES[node.type]
+        entry = self.entries[node.type]
         for each in node.bl_rna.properties:
             name = each.identifier
             if name in base or each.type != "ENUM" or name in entry.follows:
@@ -118,8 +136,8 @@ class ListTest(unittest.TestCase):
     def test_the_table_knows_all_that_nodes_have(self):
         tree = empty_material(self.thing)
         base = {p.identifier for p in bpy.types.ShaderNode.bl_rna.properties}
-        self.assertEqual(set(KINDS), set(ENTRIES))
-        for kind, entry in ENTRIES.items():
+        self.assertLessEqual(set(self.entries), set(KINDS))
+        for kind, entry in self.entries.items():
             node = tree.nodes.new(KINDS[kind])
             self.assertEqual(node.type, kind)
             known = entry.read | entry.follows | set(entry.neutral) | {"Weight"}
@@ -135,18 +153,13 @@ class ListTest(unittest.TestCase):
                     self.assertEqual(fresh, value, (kind, name))
 
     def test_sockets_and_properties_of_shaders(self):
-        for kind in (
-            "BSDF_PRINCIPLED", "BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_METALLIC", "BSDF_GLASS",
-            "EMISSION", "BSDF_TRANSPARENT",
-        ):  # fmt: skip
+        for kind, values in self.shaders.items():
             self.setUp()
             tree = empty_material(self.thing)
             surface = output_of(tree).inputs["Surface"]
             node = add(tree, KINDS[kind], None, surface)
-            if kind == "BSDF_PRINCIPLED":
-                node.inputs["Emission Strength"].default_value = 1.0
-                node.inputs["Transmission Weight"].default_value = 0.5
-                node.inputs["Metallic"].default_value = 0.5
+            for name, value in values.items():
+                node.inputs[name].default_value = value
             self.check_sockets(tree, node)
             self.check_properties(node)
 
@@ -272,3 +285,109 @@ class ListTest(unittest.TestCase):
             text = self.exported()[0]
             self.assertIn(words, text)
             self.assertEqual("diffuse { 0.125 0.25 0.5 }" in text, "matt" in words)
+
+
+class PhysicalListTest(ListTest):
+    """The same with the integrator PATH."""
+
+    integrator = "PATH"
+    entries = PHYSICAL.entries
+    shaders = {
+        **ListTest.shaders,
+        "BSDF_PRINCIPLED": {
+            **ListTest.shaders["BSDF_PRINCIPLED"],
+            "Anisotropic": 0.5, "Coat Weight": 0.5, "Sheen Weight": 0.5,
+        },
+        "BSDF_GLOSSY": {"Anisotropy": 0.5},
+        "BSDF_METALLIC": {"Anisotropy": 0.5},
+        "BSDF_REFRACTION": {},
+        "BSDF_SHEEN": {},
+    }  # fmt: skip
+
+    def test_images(self):
+        tree = empty_material(self.thing)
+        node = textured(tree, halves())
+        mapping = add(tree, "ShaderNodeMapping", None, node.inputs["Vector"])
+        source = tree.nodes.new("ShaderNodeTexCoord")
+        tree.links.new(source.outputs["UV"], mapping.inputs["Vector"])
+        self.check_properties(node)
+        self.check_sockets(tree, mapping)
+        for name, values in (("interpolation", ("Closest",)), ("extension", ("EXTEND", "MIRROR"))):
+            before = getattr(node, name)
+            for value in values:
+                self.check(
+                    value,
+                    lambda n=name, v=value: setattr(node, n, v),
+                    lambda n=name, b=before: setattr(node, n, b),
+                )
+                setattr(node, name, value)
+                self.assertNotIn("not carried", self.exported()[0])
+                setattr(node, name, before)
+        mapping.vector_type = "NORMAL"
+        self.assertIn("mapping of type Normal is not carried", self.exported()[0])
+        mapping.vector_type = "POINT"
+        mapping.inputs["Rotation"].default_value[0] = 1.0
+        self.assertIn("only the rotation about z is carried", self.exported()[0])
+        for output in source.outputs:
+            if output.name != "UV":
+                tree.links.new(output, mapping.inputs["Vector"])
+                self.assertIn(f"({output.name}) as texture coordinates is not", self.exported()[0])
+
+    def test_skies(self):
+        world = self.scene.world.node_tree
+        node = world.nodes.new("ShaderNodeTexEnvironment")
+        node.image = halves()
+        world.links.new(node.outputs[0], world.nodes["Background"].inputs["Color"])
+        self.assertNotIn("not carried", self.exported()[0])
+        self.check_properties(node)
+        mapping = add(world, "ShaderNodeMapping", None, node.inputs["Vector"])
+        source = world.nodes.new("ShaderNodeTexCoord")
+        world.links.new(source.outputs["Generated"], mapping.inputs["Vector"])
+        self.assertNotIn("not carried", self.exported()[0])
+        self.check_sockets(world, mapping)
+        world.links.new(source.outputs["Camera"], mapping.inputs["Vector"])
+        self.assertIn("(Camera) as coordinates of the sky is not carried", self.exported()[0])
+        sky = world.nodes.new("ShaderNodeTexSky")
+        world.links.new(sky.outputs[0], world.nodes["Background"].inputs["Color"])
+        self.assertIn("Sky Texture on Color is not carried", self.exported()[0])
+
+    def test_normal_maps(self):
+        tree = empty_material(self.thing)
+        shader = add(tree, "ShaderNodeBsdfPrincipled", None, output_of(tree).inputs["Surface"])
+        node = add(tree, "ShaderNodeNormalMap", None, shader.inputs["Normal"])
+        node.inputs["Strength"].default_value = 0.5
+        image = add(tree, "ShaderNodeTexImage", None, node.inputs["Color"])
+        image.image = halves()
+        self.assertIn("normal_strength 0.5", self.exported()[0])
+        self.assertNotIn("not carried", self.exported()[0])
+        self.check_properties(node)
+        self.check_sockets(tree, node)
+        node.uv_map = "Other"
+        self.assertIn("a normal map's own uv map is not carried", self.exported()[0])
+
+    def test_what_glass_absorbs(self):
+        tree = empty_material(self.thing)
+        output = output_of(tree)
+        add(tree, "ShaderNodeBsdfGlass", None, output.inputs["Surface"])
+        node = add(tree, "ShaderNodeVolumeAbsorption", None, output.inputs["Volume"])
+        self.assertNotIn("not carried", self.exported()[0])
+        self.check_sockets(tree, node)
+        add(tree, "ShaderNodeBsdfDiffuse", None, output.inputs["Surface"])
+        self.assertIn("volume is not carried", self.exported()[0])
+
+    def test_strangers_are_matt_and_listed(self):
+        for kind, words in (
+            ("ShaderNodeBsdfToon", "a matt surface of its colour is"),
+            ("ShaderNodeBsdfTranslucent", "a matt surface of its colour is"),
+            ("ShaderNodeSubsurfaceScattering", "a matt surface of its colour is"),
+            ("ShaderNodeBsdfRefraction", "glass that reflects at its rim is"),
+            ("ShaderNodeHoldout", "it is black"),
+        ):
+            self.setUp()
+            tree = empty_material(self.thing)
+            node = add(tree, kind, None, output_of(tree).inputs["Surface"])
+            if "Color" in node.inputs:
+                node.inputs["Color"].default_value = (0.125, 0.25, 0.5, 1.0)
+            text = self.exported()[0]
+            self.assertIn(words, text)
+            self.assertEqual("base_color { 0.125 0.25 0.5 }" in text, "matt" in words)

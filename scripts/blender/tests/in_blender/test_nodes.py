@@ -284,11 +284,13 @@ AS_IN_CYCLES = [
 class LooksTest(unittest.TestCase):
     """A square that fills the picture, with a blue one behind it, by both renderers."""
 
+    integrator = "DISTRIBUTED"
+
     def setUp(self):
         blend.program()
 
     def frame(self):
-        scene = blend.fresh_scene((32, 24))
+        scene = blend.fresh_scene((32, 24), self.integrator)
         scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
         for y in (0.0, 3.0):
             bpy.ops.mesh.primitive_plane_add(size=8.0 + 4.0 * y, location=(0.3, y, 0.2))
@@ -346,7 +348,7 @@ class LooksTest(unittest.TestCase):
 
         for build in (reroute, constants, muted, mix, shining, nothing):
             with self.subTest(build.__name__):
-                scene = blend.fresh_scene((32, 24))
+                scene = blend.fresh_scene((32, 24), self.integrator)
                 tree = scene.world.node_tree
                 back = tree.nodes["Background"]
                 back.inputs[0].default_value, back.inputs[1].default_value = (0.0, 0.2, 1, 1), 0.8
@@ -425,3 +427,9 @@ class LooksTest(unittest.TestCase):
         text = blend.export_text(animation=False)
         self.assertIn("has a volume and no surface", text)
         self.assertEqual(text.count("\nmesh "), 1)
+
+
+class PhysicalLooksTest(LooksTest):
+    """The same with the integrator PATH."""
+
+    integrator = "PATH"

@@ -12,7 +12,7 @@ import numpy as np
 
 from slo_rt.fit import bezier, rigid
 from slo_rt.fit.motion import KeyFrame
-from slo_rt.format import key_frames, png16, slo_mesh
+from slo_rt.format import exr, key_frames, png, slo_mesh
 from slo_rt.format.decimal_text import decimal_lines, integer_lines, number, vectors
 from slo_rt.format.fingerprint import BLOCK, fingerprint
 from slo_rt.format.names import Names, plain
@@ -221,13 +221,31 @@ class FileTest(unittest.TestCase):
 
     def test_png(self):
         path = os.path.join(self.folder, "p.png")
-        png16.write(path, png16.levels(np.array([[[0.0, 0.5, 1.0], [2.0, -1.0, 0.25]]])))
+        png.write(path, png.levels(np.array([[[0.0, 0.5, 1.0], [2.0, -1.0, 0.25]]])))
         with open(path, "rb") as file:
             data = file.read()
         self.assertEqual(data[16:26], b"\0\0\0\2\0\0\0\1\x10\2")
         start = data.index(b"IDAT") + 4
         row = zlib.decompress(data[start:])
         self.assertEqual(row, b"\0" + b"\0\0\x80\0\xff\xff" + b"\xff\xff\0\0\x40\0")
+
+    def test_png_of_bytes_with_alpha(self):
+        path = os.path.join(self.folder, "p.png")
+        png.write(path, np.array([[[1, 2, 3, 4]], [[5, 6, 7, 255]]], np.uint8))
+        with open(path, "rb") as file:
+            data = file.read()
+        self.assertEqual(data[16:26], b"\0\0\0\1\0\0\0\2\x08\6")
+        row = zlib.decompress(data[data.index(b"IDAT") + 4 :])
+        self.assertEqual(row, b"\0\1\2\3\4" + b"\0\5\6\7\xff")
+
+    def test_exr_is_half_only_if_that_loses_nothing(self):
+        path = os.path.join(self.folder, "p.exr")
+        for value, kind in ((0.5, 1), (0.1, 2), (1e5, 2), (65504.0, 1)):
+            exr.write(path, np.full((3, 2, 3), value, np.float32))
+            with open(path, "rb") as file:
+                data = file.read()
+            channels = data.index(b"chlist\0") + 7 + 4
+            self.assertEqual(data[channels : channels + 6], b"B\0" + bytes([kind, 0, 0, 0]))
 
 
 class ReportTest(unittest.TestCase):

@@ -4,6 +4,7 @@
 mod cone;
 mod cuboid;
 mod cylinder;
+mod disc;
 mod geometry;
 mod plane;
 mod quads;
@@ -14,7 +15,7 @@ mod triangle;
 
 use std::sync::Arc;
 
-use slo_scene::Shape;
+use slo_scene::{LightKind, Shape};
 
 pub(super) use geometry::Geometry;
 
@@ -29,5 +30,13 @@ pub(super) fn geometry(shape: &Shape) -> Geometry {
         Shape::Cylinder(shape) => Geometry::Curved(Box::new(*shape)),
         Shape::Cone(shape) => Geometry::Curved(Box::new(*shape)),
         Shape::Mesh(surface) => Geometry::Mesh(Arc::clone(&surface.mesh), surface.smooth),
+    }
+}
+
+/// Returns the geometry of the surface that shines; `None` if no ray can hit the light.
+pub(super) fn lamp_geometry(light: &LightKind) -> Option<Geometry> {
+    match light {
+        LightKind::DiscLamp(lamp) => Some(Geometry::Curved(Box::new(*lamp))),
+        _ => light.surface().as_ref().map(geometry),
     }
 }

@@ -31,6 +31,8 @@ pub(crate) struct Surfaces {
     pub(crate) tint: Vec3s,
     /// Where anisotropic materials have their long axis; 0 if they do not matter.
     pub(crate) tangent: Vec3s,
+    /// -1 where the texture is mirrored, otherwise 1; of hits that have a tangent.
+    pub(crate) mirrored: Column<f32>,
     /// Texture coordinates, of hits on materials that depend on them.
     pub(crate) uv: [Column<f32>; 2],
     /// Bounds of the absolute coordinates from which points were computed.
@@ -50,6 +52,7 @@ impl Default for Surfaces {
             from_outside: [0; BATCH],
             tint: Vec3s::default(),
             tangent: Vec3s::default(),
+            mirrored: [1.0; BATCH],
             uv: [[0.0; BATCH]; 2],
             magnitude: Vec3s::default(),
         }
@@ -97,17 +100,22 @@ impl Surfaces {
 
 /// Returns the next number after `p` in the direction of the sign of `n`; `p` itself if `n` is 0 or
 /// `p` is not finite. Free of branches.
+///
+/// Rustc 1.95 compiles a form that counts through both zeros as `i32` wrongly for AVX-512; the tests
+/// compare pictures of physical scenes between instruction sets, which finds such mistakes.
 #[inline(always)]
 fn away(p: f32, n: f32) -> f32 {
     const SIGN: u32 = 1 << 31;
     let bits = p.to_bits();
-    let size = bits & !SIGN;
-    // Numbers in order, through both zeros: the next number is one more.
-    let count = if bits & SIGN == 0 { size as i32 } else { -(size as i32) };
-    let step = i32::from(n > 0.0) - i32::from(n < 0.0);
-    let moved = count + step;
-    let result = if moved < 0 { moved.unsigned_abs() | SIGN } else { moved as u32 };
-    let stays = step == 0 || size >= 0x7f80_0000;
+    let (size, sign) = (bits & !SIGN, bits & SIGN);
+    let (up, down) = (n > 0.0, n < 0.0);
+    // Away from 0 if both signs agree, otherwise toward it.
+    let grows = if sign == 0 { up } else { down };
+    let beside = if grows { bits.wrapping_add(1) } else { bits.wrapping_sub(1) };
+    // On either side of 0 lies the smallest number.
+    let smallest = if up { 1 } else { SIGN | 1 };
+    let result = if size == 0 { smallest } else { beside };
+    let stays = !(up | down) | (size >= 0x7f80_0000);
     f32::from_bits(if stays { bits } else { result })
 }
 

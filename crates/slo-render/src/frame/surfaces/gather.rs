@@ -6,6 +6,7 @@ use std::ops::Range;
 use glam::{DVec3, Mat3, Vec3};
 
 use super::columns::Surfaces;
+use super::tangents::{Tangent, tangent};
 use crate::frame::looks::Look;
 use crate::frame::scene::{FrameObject, FrameScene};
 use crate::frame::shapes::Geometry;
@@ -220,6 +221,7 @@ impl FrameScene {
             to.point.set(i, pose.point(to.point.get(i)));
             to.n_geo.set(i, pose.vector(to.n_geo.get(i)).normalize());
             to.n_shade.set(i, pose.vector(to.n_shade.get(i)));
+            to.tangent.set(i, pose.vector(to.tangent.get(i)));
             let magnitude = abs_product(&pose.rotation, to.magnitude.get(i));
             to.magnitude.set(i, magnitude + pose.translation.abs());
         }
@@ -236,7 +238,25 @@ impl FrameScene {
             if images.needs_uv(to.material[i]) {
                 let hit = Hit::new(found, to.ray[i] as usize);
                 [to.uv[0][i], to.uv[1][i]] = self.uv(&hit, to.point.get(i));
+                let (tangent, mirrored) = self.tangent(&hit, to.point.get(i), to.n_geo.get(i));
+                to.tangent.set(i, tangent);
+                to.mirrored[i] = mirrored;
             }
+        }
+    }
+
+    /// Returns the tangent at a hit, in the space of its structure, as are `point` and `normal`.
+    fn tangent(&self, hit: &Hit, point: Vec3, normal: Vec3) -> Tangent {
+        if hit.instance == STILL {
+            let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
+            let (face, place) = (hit.primitive.wrapping_sub(object.first_triangle), &object.place);
+            let (point, normal) = (place.inverse_point(point), place.inverse_vector(normal));
+            let (along, mirrored) = tangent(&object.geometry, face, hit.uv, point, normal);
+            (place.vector(along), mirrored)
+        } else {
+            let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
+            let geometry = &self.objects[object as usize].geometry;
+            tangent(geometry, hit.primitive, hit.uv, point + center, normal)
         }
     }
 

@@ -5,6 +5,7 @@
 mod columns;
 mod find;
 mod gather;
+mod tangents;
 
 pub(crate) use columns::{NO_MATERIAL, Surfaces};
 pub(crate) use find::SurfaceScratch;

@@ -24,42 +24,62 @@ impl Default for Arrived {
     }
 }
 
+/// Returns the number of parts of the light of the rays of a batch. Each sky is a part of its own if
+/// the light of groups of lights is told apart.
+pub(in crate::integrator) fn arrived_parts(frame: &FrameScene, stride: u32) -> usize {
+    if stride > 0 { frame.skies.len().max(1) } else { 1 }
+}
+
 impl Arrived {
-    /// Computes the light of the rays of a batch, after `depth` bounces, that are not shaded.
+    /// Computes the light of the rays of a batch, after `depth` bounces, that are not shaded: a part
+    /// of it. `stride` is the distance between the slots of two groups of lights; 0 if they are not
+    /// told apart.
     pub(in crate::integrator) fn find(
         &mut self,
         frame: &FrameScene,
         batch: &Batch,
         hits: &Hits,
         depth: u32,
+        (stride, part): (u32, usize),
     ) {
         self.len = 0;
+        let skies = if stride > 0 { frame.skies.get(part..=part) } else { Some(&frame.skies[..]) };
+        let skies = skies.unwrap_or_default();
         for i in hits.shaded.others(batch.len()) {
-            let light = match Look::of_word(hits.looks[i]) {
-                Look::Light(number) if depth == 0 && frame.is_hidden(number) => Vec3::ZERO,
-                Look::Light(number) => {
-                    let way = batch.rays.origin(i) + batch.rays.direction(i) * hits.found.hits.t[i]
-                        - batch.past.from.get(i);
-                    let way = if depth == 0 { batch.rays.direction(i) } else { way };
-                    let light = &frame.lights[number as usize];
-                    light.radiance(way) * share(frame, number, way, batch, i, depth)
+            let (light, first) = match Look::of_word(hits.looks[i]) {
+                Look::Light(number) if depth == 0 && frame.is_hidden(number) => continue,
+                Look::Light(_) if part > 0 => continue,
+                Look::Light(number) => (lamp(frame, number, batch, hits, i, depth), Some(number)),
+                Look::Nothing | Look::Material(_) => {
+                    let first = skies.first().copied();
+                    let background = Vec3::from(frame.settings.background);
+                    let background = if part > 0 { Vec3::ZERO } else { background };
+                    (background + sky(frame, skies, batch, i, depth), first)
                 }
-                Look::Nothing | Look::Material(_) => sky(frame, batch, i, depth),
             };
+            let group = first.filter(|_| stride > 0).map_or(0, |number| frame.group_of(number));
             self.light.set(self.len, batch.weight.get(i) * light);
-            self.slot[self.len] = batch.labels.slot[i];
+            self.slot[self.len] = batch.labels.slot[i] + group * stride;
             self.len += 1;
         }
     }
 }
 
-/// Returns the light of all that is infinitely far away.
-fn sky(frame: &FrameScene, batch: &Batch, i: usize, depth: u32) -> Vec3 {
+/// Returns the light of a lamp that ray `i` hits.
+fn lamp(frame: &FrameScene, number: u32, batch: &Batch, hits: &Hits, i: usize, depth: u32) -> Vec3 {
+    let along = batch.rays.direction(i) * hits.found.hits.t[i];
+    let from = if depth == 0 { batch.rays.origin(i) } else { batch.past.from.get(i) };
+    let way = batch.rays.origin(i) + along - from;
+    let radiance = frame.lights.radiance(number, batch.labels.time[i], way);
+    radiance * share(frame, number, way, batch, i, depth)
+}
+
+/// Returns the light of skies.
+fn sky(frame: &FrameScene, skies: &[u32], batch: &Batch, i: usize, depth: u32) -> Vec3 {
     let direction = batch.rays.direction(i);
-    let mut light = Vec3::from(frame.settings.background);
-    for &number in &frame.skies {
-        let sky = &frame.lights[number as usize];
-        let radiance = sky.radiance(direction);
+    let mut light = Vec3::ZERO;
+    for &number in skies {
+        let radiance = frame.lights.radiance(number, batch.labels.time[i], direction);
         if radiance != Vec3::ZERO {
             light += radiance * share(frame, number, direction, batch, i, depth);
         }
@@ -95,9 +115,7 @@ pub(super) fn share(
             frame.light_tree.chance(number, batch.past.from.get(i), batch.past.normal[i])
         }
     };
-    frame.techniques.hit(
-        is_diffuse,
-        density,
-        rays * chance * light.density(batch.past.from.get(i), way),
-    )
+    let (from, time) = (batch.past.from.get(i), batch.labels.time[i]);
+    let by_light = rays * chance * frame.lights.density(number, time, from, way);
+    frame.techniques.hit(is_diffuse, density, by_light)
 }

@@ -1,7 +1,7 @@
 //! Light that surfaces emit toward the rays that hit them.
 
 use glam::Vec3;
-use slo_accel::math::columns::Vec3s;
+use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
 use super::arrived::share;
 use super::bsdfs::Bsdfs;
@@ -11,9 +11,16 @@ use crate::frame::FrameScene;
 use crate::integrator::batch::Batch;
 
 /// Emitted light, weighted, one entry for each point.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(in crate::integrator) struct Emission {
     pub(in crate::integrator) light: Vec3s,
+    pub(in crate::integrator) slot: Column<u32>,
+}
+
+impl Default for Emission {
+    fn default() -> Self {
+        Self { light: Vec3s::default(), slot: [0; BATCH] }
+    }
 }
 
 impl Emission {
@@ -44,5 +51,23 @@ impl Emission {
             self.light.set(i, light);
         }
         any
+    }
+
+    /// Finds the slots of the light: those of the points, in the groups of the objects, at a distance
+    /// of `stride` from each other.
+    pub(in crate::integrator) fn name(
+        &mut self,
+        frame: &FrameScene,
+        hits: &Hits,
+        points: &Points,
+        stride: u32,
+    ) {
+        self.slot = points.labels.slot;
+        if stride > 0 {
+            for i in 0..points.len() {
+                let ray = points.surfaces.ray[i] as usize;
+                self.slot[i] += frame.group_of_object(&hits.found, ray) * stride;
+            }
+        }
     }
 }

@@ -7,14 +7,14 @@ use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 use super::bsdfs::Bsdfs;
 use super::points::Points;
 use crate::frame::FrameScene;
-use crate::integrator::batch::Sent;
+use crate::integrator::batch::{Labels, Sent};
 use crate::integrator::branching::continuations;
 use crate::integrator::chosen::Chosen;
 use crate::integrator::work::Job;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{Lobe, WithLobe};
-use crate::shading::light::Choices;
+use crate::shading::light::{Choices, Moving};
 use crate::shading::{Lamp, WithLamp, WithLamps};
 
 use super::direct_light::Question;
@@ -41,6 +41,7 @@ pub(in crate::integrator) struct LampLight {
     /// Light that all lobes scatter, for a radiance of 1.
     scattered: Vec3s,
     pub(in crate::integrator) sent: Sent,
+    pub(in crate::integrator) labels: Labels,
     /// Points that send a ray.
     pub(in crate::integrator) chosen: Chosen,
 }
@@ -60,6 +61,7 @@ impl Default for LampLight {
             flat: zeros,
             scattered: Vec3s::default(),
             sent: Sent::default(),
+            labels: Labels::default(),
             chosen: Chosen::default(),
         }
     }
@@ -82,7 +84,8 @@ impl LampLight {
         if let Some(number) = light {
             self.set.take::<2>(&frame.sampler, frame.isa, &names);
             self.tries[..].fill(place[1] as f32);
-            frame.lights[number as usize].with(AskOne { frame, points, to: self });
+            self.light[..].fill(number);
+            frame.lights[number as usize].with(AskOne { frame, points, number, to: self });
         } else {
             self.set.take::<3>(&frame.sampler, frame.isa, &names);
             self.choose(frame, points, place[1] as f32);
@@ -96,6 +99,19 @@ impl LampLight {
         frame.isa.run(Finish { points, to: self });
         let weight = &self.sent.weight;
         self.chosen.set(frame.isa, points.len(), |i| weight.get(i) != Vec3::ZERO);
+    }
+
+    /// Labels the rays: like the points, but with the slots of the groups that the lights belong to,
+    /// at a distance of `stride` from each other.
+    pub(in crate::integrator) fn name(&mut self, frame: &FrameScene, points: &Points, stride: u32) {
+        let (labels, len) = (&mut self.labels, points.len());
+        labels.time[..len].copy_from_slice(&points.labels.time[..len]);
+        labels.slot[..len].copy_from_slice(&points.labels.slot[..len]);
+        if stride > 0 {
+            for (slot, light) in labels.slot[..len].iter_mut().zip(&self.light) {
+                *slot += frame.group_of(*light) * stride;
+            }
+        }
     }
 
     /// Chooses a light for each point.
@@ -117,6 +133,8 @@ impl LampLight {
 struct AskOne<'a> {
     frame: &'a FrameScene,
     points: &'a Points,
+    /// Index of the light.
+    number: u32,
     to: &'a mut LampLight,
 }
 
@@ -124,8 +142,14 @@ impl WithLamp for AskOne<'_> {
     type Output = ();
 
     fn run<L: Lamp>(self, lamp: L) {
-        let Self { frame, points, to } = self;
-        frame.isa.run(Ask { points, choose: |_: u32| (lamp, true), to });
+        let Self { frame, points, number, to } = self;
+        if frame.lights.move_about() {
+            let pose = |i: usize| frame.lights.pose(number, points.labels.time[i]);
+            let choose = |_: u32, i: usize| (Moving { lamp, pose: pose(i) }, true);
+            frame.isa.run(Ask { points, choose, to });
+        } else {
+            frame.isa.run(Ask { points, choose: |_: u32, _: usize| (lamp, true), to });
+        }
     }
 }
 
@@ -143,24 +167,35 @@ impl WithLamps for AskChosen<'_> {
         mine: impl Fn(u32) -> bool,
         place: impl Fn(u32) -> usize,
     ) {
-        let last = self.frame.lights.len() as u32 - 1;
+        let (frame, points) = (self.frame, self.points);
+        let last = frame.lights.len() as u32 - 1;
         let choose = |light: u32| {
             let known = light.min(last);
             (lamps[place(known)], mine(known) & (light <= last))
         };
-        self.frame.isa.run(Ask { points: self.points, choose, to: self.to });
+        if frame.lights.move_about() {
+            let pose = |light: u32, i: usize| frame.lights.pose(light, points.labels.time[i]);
+            let choose = |light: u32, i: usize| {
+                let (lamp, is_asked) = choose(light);
+                (Moving { lamp, pose: pose(light, i) }, is_asked)
+            };
+            frame.isa.run(Ask { points, choose, to: self.to });
+        } else {
+            let choose = |light: u32, _: usize| choose(light);
+            frame.isa.run(Ask { points, choose, to: self.to });
+        }
     }
 }
 
-/// Creates a ray from every point to a light. `choose(light)` returns the light with an index, and
-/// whether to ask it. If not, the point keeps the ray that it has.
+/// Creates a ray from every point to a light. `choose(light, i)` returns the light with an index
+/// as point `i` sees it, and whether to ask it. If not, the point keeps the ray that it has.
 struct Ask<'a, C> {
     points: &'a Points,
     choose: C,
     to: &'a mut LampLight,
 }
 
-impl<L: Lamp, C: Fn(u32) -> (L, bool)> Lanewise for Ask<'_, C> {
+impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
     type Output = ();
 
     #[inline(always)]
@@ -168,7 +203,7 @@ impl<L: Lamp, C: Fn(u32) -> (L, bool)> Lanewise for Ask<'_, C> {
         let Self { points, choose, to } = self;
         let surfaces = &points.surfaces;
         for i in lanes(surfaces.len) {
-            let (lamp, is_asked) = choose(to.light[i]);
+            let (lamp, is_asked) = choose(to.light[i], i);
             let hit = surfaces.point.get(i);
             let way = lamp.way(hit, [to.set.numbers[0][i], to.set.numbers[1][i]]);
             let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };

@@ -176,7 +176,8 @@ impl Points {
             path: &self.labels.path,
             index: &self.labels.index,
             depth,
-            split: count > 1 || (depth > 0 && split_before),
+            // Surfaces that a ray passes through one after the other must not decide alike.
+            split: count > 1 || (depth > 0 && split_before) || purpose == Purpose::Surface,
             purpose: purpose.into(),
             place: [i, count],
             len: self.surfaces.len,

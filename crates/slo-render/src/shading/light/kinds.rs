@@ -107,6 +107,7 @@ macro_rules! lamps {
             table: Vec<u32>,
             /// For each light, its index in its table.
             place: Vec<u32>,
+            poses: $crate::shading::light::moving::Poses,
             $( $table: Vec<$Type>, )+
         }
 

@@ -11,6 +11,7 @@ mod lamp_point;
 mod lamp_rectangle;
 mod lamp_sphere;
 mod lamp_sun;
+mod moving;
 mod point;
 pub mod receiver;
 mod rectangle;
@@ -24,6 +25,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use kinds::lamps;
+use moving::Poses;
 use slo_scene::light::Sky;
 use slo_scene::{LightKind, Texture};
 
@@ -36,6 +38,7 @@ pub use lamp_point::PointLamp;
 pub use lamp_rectangle::RectangleLamp;
 pub use lamp_sphere::SphereLamp;
 pub use lamp_sun::{ParallelLamp, SunLamp};
+pub use moving::{Moving, Pose};
 pub use point::Point;
 pub use rectangle::Rectangle;
 pub use techniques::Techniques;
@@ -117,7 +120,67 @@ impl Deref for Lights {
     }
 }
 
+impl Lights {
+    /// The same lights, with the poses of each over the shutter: evenly spaced, and none for a
+    /// light that stays where it is.
+    #[must_use]
+    pub fn with_poses(self, poses: Vec<Vec<Pose>>) -> Self {
+        Self { poses: Poses::new(poses), ..self }
+    }
+
+    /// Whether any light has poses.
+    #[inline]
+    pub fn move_about(&self) -> bool {
+        !self.poses.is_empty()
+    }
+
+    /// Returns the pose of a light at a time of the shutter, in `[0, 1]`.
+    #[inline(always)]
+    pub fn pose(&self, light: u32, time: f32) -> Pose {
+        self.poses.at(light, time)
+    }
+
+    /// Returns the radiance of a light at a time; see [`Lamp::radiance`].
+    pub fn radiance(&self, light: u32, time: f32, way: Vec3) -> Vec3 {
+        struct Radiance(Pose, Vec3);
+        impl WithLamp for Radiance {
+            type Output = Vec3;
+
+            fn run<L: Lamp>(self, lamp: L) -> Vec3 {
+                Moving { lamp, pose: self.0 }.radiance(self.1)
+            }
+        }
+        self[light as usize].with(Radiance(self.pose(light, time), way))
+    }
+
+    /// Returns the density of a light at a time; see [`Lamp::density`].
+    pub fn density(&self, light: u32, time: f32, from: Vec3, way: Vec3) -> f32 {
+        struct Density(Pose, Vec3, Vec3);
+        impl WithLamp for Density {
+            type Output = f32;
+
+            fn run<L: Lamp>(self, lamp: L) -> f32 {
+                Moving { lamp, pose: self.0 }.density(self.1, self.2)
+            }
+        }
+        self[light as usize].with(Density(self.pose(light, time), from, way))
+    }
+}
+
 impl Light {
+    /// See [`Lamp::IS_DELTA`].
+    pub fn is_delta(&self) -> bool {
+        struct IsDelta;
+        impl WithLamp for IsDelta {
+            type Output = bool;
+
+            fn run<L: Lamp>(self, _: L) -> bool {
+                L::IS_DELTA
+            }
+        }
+        self.with(IsDelta)
+    }
+
     /// See [`Lamp::IS_AREA`].
     pub fn is_area(&self) -> bool {
         struct IsArea;

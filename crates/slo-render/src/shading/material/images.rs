@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::principled::Parameters;
 use crate::shading::texture::sample;
 use slo_scene::material::{Mix, Principled, Varying};
-use slo_scene::{Channel, Curve, Encoding, ImageUse, MaterialKind, Texture};
+use slo_scene::{Channel, Curve, ImageUse, MaterialKind, Texture};
 
 /// An image as a material uses it.
 #[derive(Clone, Copy, Debug)]
@@ -27,10 +27,7 @@ impl Image {
         let turn = Mat2::from_cols(Vec2::new(cos, sin), Vec2::new(-sin, cos));
         Self {
             texture: of.texture.0,
-            curve: match of.encoding {
-                Encoding::Raw => Curve::Raw,
-                Encoding::Srgb => Curve::Srgb,
-            },
+            curve: of.encoding,
             channel: of.channel,
             turn: turn * Mat2::from_diagonal(of.scale.into()),
             offset: of.offset.into(),
@@ -152,6 +149,7 @@ enum Look {
     Principled {
         images: Vec<(Input, Image)>,
         opacity: (f32, Option<Image>),
+        normals: Option<Image>,
     },
     Mix {
         first: u32,
@@ -170,6 +168,7 @@ pub struct MaterialImages {
     /// Which materials let light pass through unbent, somewhere.
     passes: Vec<bool>,
     any_pass: bool,
+    any_bend: bool,
 }
 
 fn varying(of: &Varying<f32>) -> (f32, Option<Image>) {
@@ -186,7 +185,8 @@ impl MaterialImages {
         let look = |material: &slo_scene::Material| match &material.kind {
             MaterialKind::Phong(_) => Look::Even { opacity: 1.0 },
             MaterialKind::Principled(of) => {
-                Look::Principled { images: images(of), opacity: varying(&of.alpha) }
+                let normals = of.normal.as_ref().map(Image::new);
+                Look::Principled { images: images(of), opacity: varying(&of.alpha), normals }
             }
             MaterialKind::Mix(Mix { first, second, factor }) => {
                 Look::Mix { first: first.0, second: second.0, factor: varying(factor) }
@@ -194,7 +194,9 @@ impl MaterialImages {
         };
         let looks: Vec<Look> = materials.iter().map(look).collect();
         let normals = |number: usize| match &materials[number].kind {
-            MaterialKind::Principled(of) => of.normal.is_some(),
+            MaterialKind::Principled(of) => {
+                of.normal.is_some() || of.anisotropic.value > 0.0 || of.anisotropic.image.is_some()
+            }
             MaterialKind::Phong(of) => of.texture.is_some(),
             MaterialKind::Mix(_) => false,
         };
@@ -228,7 +230,9 @@ impl MaterialImages {
         };
         let needs_uv = spread(&uv, &normals);
         let passes = spread(&pass, &|_| false);
+        let bends = |look: &Look| matches!(look, Look::Principled { normals: Some(_), .. });
         Self {
+            any_bend: looks.iter().any(bends),
             any_uv: needs_uv.contains(&true),
             any_pass: passes.contains(&true),
             looks,
@@ -245,6 +249,19 @@ impl MaterialImages {
     /// Whether a material depends on texture coordinates.
     pub fn needs_uv(&self, material: u32) -> bool {
         self.needs_uv.get(material as usize).is_some_and(|needs| *needs)
+    }
+
+    /// Whether an image bends the normals of any material.
+    pub fn any_bends(&self) -> bool {
+        self.any_bend
+    }
+
+    /// Returns the image that bends the normals of a material.
+    pub fn normals(&self, material: u32) -> Option<&Image> {
+        match self.looks.get(material as usize) {
+            Some(Look::Principled { normals, .. }) => normals.as_ref(),
+            _ => None,
+        }
     }
 
     /// Whether any material lets light pass through unbent, somewhere.

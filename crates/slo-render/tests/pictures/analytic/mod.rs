@@ -8,5 +8,6 @@ mod lens;
 mod light;
 mod mirror;
 mod motion;
+mod paths;
 mod refraction;
 mod shadow;

@@ -3,6 +3,8 @@
 use glam::{DVec2, DVec3};
 
 use slo_render::sampling::{Hit as Vertex, Key, PixelSeed, Purpose, Sampler};
+use slo_render::shading::Light as PreparedLight;
+use slo_render::shading::light::{LightTree, NO_LIGHT, receiver};
 use slo_scene::material::Phong;
 use slo_scene::{
     KeyFrame, Light, LightKind, LightSampling, Material, MaterialKind, SceneDescription, ShadowMode,
@@ -22,6 +24,8 @@ pub(super) struct Oracle<'a> {
     shutter: Shutter,
     sampler: Sampler,
     things: Vec<Thing<'a>>,
+    /// Chooses lights; it has tests of its own.
+    tree: LightTree,
 }
 
 struct Thing<'a> {
@@ -94,12 +98,14 @@ fn light_color(light: &Light) -> DVec3 {
     color(match &light.kind {
         LightKind::Point(light) => light.color,
         LightKind::Rectangle(light) => light.color,
+        other => panic!("the oracle does not know {other:?}"),
     })
 }
 
 fn phong_of(material: &Material) -> &Phong {
     match &material.kind {
         MaterialKind::Phong(phong) => phong,
+        other => panic!("the oracle does not know {other:?}"),
     }
 }
 
@@ -116,8 +122,11 @@ impl<'a> Oracle<'a> {
             look: Look::Light(i),
             open: true,
         });
+        let bounds = |light| PreparedLight::new(light, DVec3::ZERO, &[], None).bounds();
+        let bounds: Vec<_> = scene.lights.iter().map(bounds).collect();
         Self {
             scene,
+            tree: LightTree::new(&bounds),
             shutter: Shutter::new(scene, frame),
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, frame),
             things: objects.chain(lights).collect(),
@@ -263,42 +272,20 @@ impl<'a> Oracle<'a> {
         (0..lights.len()).map(all).sum()
     }
 
-    /// Chooses a light by a number in `[0, 1)`, in proportion to the light expected from each.
+    /// Chooses a light by a number in `[0, 1)`, as the tree of lights does.
     fn choose(&self, hit: &Hit<'_>, u: f64) -> Choice {
-        let expected: Vec<_> = self.scene.lights.iter().map(|l| self.expected(l, hit)).collect();
-        let total: f64 = expected.iter().sum();
-        let mut below = 0.0;
-        for (number, &expected) in expected.iter().enumerate() {
-            if u * total < below + expected {
-                let rest = (u * total - below) / expected;
-                return Choice { number, chance: expected / total, rest };
-            }
-            below += expected;
-        }
-        Choice { number: 0, chance: 0.0, rest: 0.0 }
-    }
-
-    /// Estimates how much light a hit receives from a light.
-    fn expected(&self, light: &Light, hit: &Hit<'_>) -> f64 {
-        let (corner, sides) = match &light.kind {
-            LightKind::Point(light) => (light.position, [DVec3::ZERO; 2]),
-            LightKind::Rectangle(light) => {
-                let [a, b, c] = light.rectangle.vertices;
-                (a, [b - a, c - b])
-            }
-        };
-        let middle = corner + (sides[0] + sides[1]) / 2.0 - hit.point;
-        let reach = sides.map(|side| side.dot(hit.n_geo).abs() / 2.0).iter().sum::<f64>();
         let rough = |m: &Material| {
             let info = &phong_of(m).info;
             info.refraction > 0.0 && info.diffuse_refraction > 0.0
         };
         let through = self.combines() && self.scene.materials.iter().any(rough);
-        if !through && middle.dot(hit.n_geo) + reach <= 0.0 {
-            return 0.0;
+        let normal = if through { receiver::ANY } else { receiver::pack(hit.n_geo.as_vec3()) };
+        let chosen = self.tree.choose(hit.point.as_vec3(), normal, u as f32);
+        if chosen.light == NO_LIGHT {
+            return Choice { number: 0, chance: 0.0, rest: 0.0 };
         }
-        let luminance = light_color(light).dot(DVec3::new(0.2126, 0.7152, 0.0722));
-        luminance * (0.1 + middle.normalize().dot(hit.n_shade).max(0.0))
+        let (chance, rest) = (f64::from(chosen.chance), f64::from(chosen.rest));
+        Choice { number: chosen.light as usize, chance, rest }
     }
 
     /// Returns one of `tries` estimates of the light that arrives from a light and is reflected to
@@ -312,6 +299,7 @@ impl<'a> Oracle<'a> {
                 let [a, b, c] = light.rectangle.vertices;
                 a + (b - a) * f64::from(u[0]) + (c - b) * f64::from(u[1])
             }
+            other => panic!("the oracle does not know {other:?}"),
         };
         let way = target - hit.point;
         let l = way.normalize();
@@ -448,6 +436,7 @@ fn density_of_light(light: &Light, way: DVec3) -> f64 {
     let [a, b, c] = match &light.kind {
         LightKind::Point(_) => return f64::INFINITY,
         LightKind::Rectangle(light) => light.rectangle.vertices,
+        other => panic!("the oracle does not know {other:?}"),
     };
     // Twice the area of the triangle is the area of the rectangle, along its normal.
     let normal = (b - a).cross(c - b);

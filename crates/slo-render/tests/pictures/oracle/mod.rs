@@ -248,9 +248,11 @@ fn the_comparison_finds_small_mistakes() {
         |scene| match &mut scene.lights[1].kind {
             LightKind::Point(light) => light.color[0] *= 1.02,
             LightKind::Rectangle(light) => light.color[0] *= 1.02,
+            other => panic!("no light of the thesis: {other:?}"),
         },
         |scene| match &mut scene.materials[3].kind {
             MaterialKind::Phong(phong) => phong.info.diffuse_reflection *= 1.02,
+            other => panic!("no Phong material: {other:?}"),
         },
     ];
     for (number, change) in changes.into_iter().enumerate() {

@@ -70,6 +70,7 @@ pub(super) fn light_solids(light: &LightKind) -> Vec<Solid> {
     match light {
         LightKind::Point(_) => vec![],
         LightKind::Rectangle(light) => rectangle(light.rectangle.vertices),
+        other => panic!("the oracle does not know {other:?}"),
     }
 }
 

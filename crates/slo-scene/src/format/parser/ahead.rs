@@ -24,7 +24,8 @@ impl Ahead<'_> {
     pub(super) fn fits(&self, parser: &Parser<'_, '_>, depth: Option<usize>) -> bool {
         let Some(depth) = depth.filter(|depth| *depth <= parser.stack.len()) else { return false };
         match parser.follows(depth, self.word) {
-            Some(Follows::Name) => !self.is_element,
+            Some(follows) if follows.is_name() => !self.is_element,
+            Some(Follows::Element) => self.is_element,
             Some(_) => true,
             None => depth == 0 && self.word.is_empty(),
         }
@@ -96,6 +97,13 @@ impl<'a> Parser<'a, '_> {
             || self.grammar.follows(Some(word), first).is_some()
     }
 
+    /// Whether the next word is followed by its value, and not by what may stand in the innermost block.
+    pub(super) fn is_value_behind(&self) -> bool {
+        let Some(token) = self.following().next() else { return false };
+        let text = &self.text[token.range];
+        token.kind == TokenKind::Word && self.follows(self.stack.len(), text).is_none()
+    }
+
     /// Whether an element that begins here, and belongs in the block of depth `owner`, is followed by
     /// what belongs in the innermost block: that one is not unclosed, but the element in the wrong
     /// place.
@@ -144,7 +152,7 @@ impl<'a> Parser<'a, '_> {
         let is_number = !ahead.word.is_empty() && looks_like_number(ahead.word);
         match follows {
             Some(Follows::Vector) => is_number,
-            Some(Follows::Element | Follows::Block) => {
+            Some(Follows::Element | Follows::Block | Follows::NameOrBlock) => {
                 let belongs =
                     is_number || self.grammar.follows(Some(keyword), ahead.word).is_some();
                 let outside = self.follows(self.stack.len().saturating_sub(1), ahead.word);

@@ -2,7 +2,7 @@
 
 use super::state::{Forced, Head, Parser};
 use crate::diagnostics::{Diagnostic, Span};
-use crate::format::syntax::{Entry, Follows, Form, Item, Word};
+use crate::format::syntax::{Entry, Form, Item, Word};
 
 /// How far back a line's indentation is looked for, in bytes.
 const LONGEST_LINE: usize = 400;
@@ -58,7 +58,7 @@ impl Parser<'_, '_> {
     pub(super) fn close_up_to_owner(&mut self, word: Word<'_>) {
         let depth = self.stack.len();
         let here = self.follows(depth, word.text);
-        if depth == 0 || here.is_some_and(|follows| follows != Follows::Name) {
+        if depth == 0 || here.is_some_and(|follows| !follows.is_name()) {
             return;
         }
         let is_element = self.is_element_ahead(word.text);

@@ -241,16 +241,20 @@ impl<'a> Parser<'a, '_> {
             return self.text[word.span.end..self.next.range.start].contains('\n');
         }
         let next = &self.text[self.next.range.clone()];
-        let may_be_any = matches!(follows, Some(Follows::Name | Follows::Element));
+        let may_be_any = follows.is_some_and(|f| f.is_name() || f == Follows::Element);
         !may_be_any && self.follows(depth, next).is_some()
     }
 
     pub(super) fn two_words(&mut self, keyword: Word<'a>) {
         let follows = self.follows(self.stack.len(), keyword.text);
         let next = &self.text[self.next.range.clone()];
-        if follows == Some(Follows::Block)
-            && self.grammar.follows(Some(keyword.text), next).is_some()
-        {
+        let belongs_in_block = self.grammar.follows(Some(keyword.text), next).is_some();
+        let is_block = match follows {
+            Some(Follows::Block) => belongs_in_block,
+            Some(Follows::NameOrBlock) => belongs_in_block && self.is_value_behind(),
+            _ => false,
+        };
+        if is_block {
             return self.open_without_brace(Head { keyword, name: None });
         }
         if follows == Some(Follows::Value) {
@@ -263,10 +267,11 @@ impl<'a> Parser<'a, '_> {
             second = self.take_name(keyword, second);
             self.take_bracket();
         }
-        if follows == Some(Follows::Name) {
+        let is_name = follows.is_some_and(Follows::is_name);
+        if is_name {
             second = self.take_value(keyword, second);
         }
-        let is_value = matches!(follows, Some(Follows::Name | Follows::Value));
+        let is_value = is_name || follows == Some(Follows::Value);
         if follows != Some(Follows::Value) {
             match self.unquoted(second) {
                 Some(name) => second = name,
@@ -277,7 +282,7 @@ impl<'a> Parser<'a, '_> {
         let head = Head { keyword, name: Some(second) };
         if self.next.kind == TokenKind::Open && !(is_value && self.is_swapped_ahead()) {
             self.open(head);
-        } else if self.is_open_meant(keyword.text, follows) {
+        } else if !is_name && self.is_open_meant(keyword.text, follows) {
             self.open_swapped(head);
         } else if follows == Some(Follows::Element) {
             if !self.element_without_block(keyword, second) {

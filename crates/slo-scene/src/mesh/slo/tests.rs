@@ -57,6 +57,7 @@ fn random_mesh(rng: &mut StdRng) -> Mesh {
             .collect(),
         uvs: (0..uvs).map(|_| [(); 2].map(|()| any_f32(rng))).collect(),
         face_uvs,
+        ..Mesh::default()
     }
 }
 

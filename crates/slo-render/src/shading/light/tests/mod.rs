@@ -3,6 +3,7 @@
 mod densities;
 mod irradiance;
 mod kinds;
+mod moving;
 mod shadow_rays;
 
 use std::sync::Arc;

@@ -40,6 +40,30 @@ fn of_spheres() {
 }
 
 #[test]
+fn of_discs() {
+    let mut rng = StdRng::seed_from_u64(5);
+    let mut number = |scale: f64| rng.random_range(-1.0..1.0) * scale;
+    let mut near = 0;
+    for i in 0..50_000 {
+        let mut vector = |scale: f64| DVec3::new(number(scale), number(scale), number(scale));
+        let center = vector([0.0, 1.0, 1e3][i % 3]);
+        let normal = vector(1.0).normalize_or(DVec3::X);
+        let radius = [1e-2, 0.5, 20.0][i % 7 % 3];
+        let from = (center + vector(1.0) * radius * [1.01, 2.0, 100.0, 1e4][i % 4]).as_vec3();
+        let u = [number(0.5) + 0.5, number(0.5) + 0.5].map(|u| u as f32);
+        let (direction, t_max) = disc(center, normal, radius).with(ShadowRay(from, u));
+        if t_max > 0.5 {
+            let (center, normal, radius) = (center.as_vec3(), normal.as_vec3(), radius as f32);
+            let surface = Curved::Disc { center, normal, radius };
+            let hit = surface.intersect(from, direction, t_max);
+            assert_eq!(hit, None, "{surface:?} from {from} along {direction} to {t_max}");
+        }
+        near += usize::from(t_max > 0.99);
+    }
+    assert!(near > 30_000, "{near}");
+}
+
+#[test]
 fn of_triangles() {
     let mut rng = StdRng::seed_from_u64(5);
     let mut number = |scale: f64| rng.random_range(-1.0..1.0) * scale;

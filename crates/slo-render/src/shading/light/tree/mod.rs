@@ -68,9 +68,12 @@ impl Default for Choices {
 impl LightTree {
     /// Chooses a light for a hit at `from` by a random number `u` in `[0, 1)`. `normal` is the
     /// packed geometric normal on the side that receives light, or
-    /// [`receiver::ANY`](super::receiver::ANY).
+    /// [`receiver::ANY`](super::receiver::ANY). A light that is alone is always chosen.
     #[inline(always)]
     pub fn choose(&self, from: Vec3, normal: u32, u: f32) -> Chosen {
+        if let [_] = self.paths[..] {
+            return Chosen { light: 0, chance: 1.0, rest: u };
+        }
         let normal = receiver::unpack(normal);
         let (mut at, mut chance, mut rest) = (0, 1.0, u);
         let none = Chosen { light: NO_LIGHT, chance: 0.0, rest: u };
@@ -93,6 +96,9 @@ impl LightTree {
     pub fn chance(&self, light: u32, from: Vec3, normal: u32) -> f32 {
         let normal = receiver::unpack(normal);
         let Some(&path) = self.paths.get(light as usize) else { return 0.0 };
+        if self.paths.len() == 1 {
+            return 1.0;
+        }
         let (mut at, mut chance, mut path) = (0, 1.0, path);
         loop {
             let node = &self.nodes[at as usize];

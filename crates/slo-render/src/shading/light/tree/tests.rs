@@ -1,7 +1,7 @@
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use super::*;
-use crate::shading::light::{Light, Triangle, WithLamp};
+use crate::shading::light::{EvenSky, Light, Triangle, WithLamp};
 use crate::shading::{Lamp, light::tests as lamps};
 
 /// A random number generator with what the tests draw.
@@ -48,7 +48,7 @@ impl Random {
             8 if i < 40 => lamps::of_thesis(corners, i % 2 == 0),
             _ => {
                 let corners = corners.map(|c| c.as_vec3());
-                Light::Triangle(Triangle::new(corners, Vec3::splat(self.number())).unwrap())
+                Light::Triangle(Triangle::new(corners, Vec3::splat(self.number())))
             }
         }
     }
@@ -240,7 +240,7 @@ fn odd_collections_of_lights_make_trees() {
     let chances: f64 =
         (0..20_000).map(|i| f64::from(wild.chance(i, Vec3::ZERO, receiver::ANY))).sum();
     assert!((chances - 1.0).abs() < 1e-4, "{chances}");
-    let dark = LightTree::new(&[LightBounds { energy: 0.0, ..same }]);
+    let dark = LightTree::new(&[LightBounds { energy: 0.0, ..same }; 2]);
     assert_eq!(dark.choose(Vec3::ZERO, receiver::ANY, 0.5).light, NO_LIGHT);
 }
 
@@ -256,4 +256,26 @@ fn choices_follow_the_light() {
     let three = LightTree::new(&[near(1.0), near(-3.0), distant]);
     let far_away = Vec3::Y * 1e5;
     assert!(three.chance(2, far_away, receiver::ANY) > 0.999);
+}
+
+#[test]
+fn a_sky_alone_is_always_chosen() {
+    let tree = LightTree::new(&[Light::EvenSky(EvenSky::new(Vec3::ONE)).bounds()]);
+    for z in [-9.0, -2.5, -2.0, -1.5, -1.0, -0.1, 0.0, 0.3, 1.5, 7.0] {
+        for n in [Vec3::Z, Vec3::X, -Vec3::Z] {
+            let from = Vec3::new(0.1, -0.2, z);
+            let chosen = tree.choose(from, receiver::pack(n), 0.4);
+            assert_eq!((chosen.light, chosen.chance), (0, 1.0), "{from}, {n}");
+            let mut choices = Choices::default();
+            let (mut points, mut u) = (Vec3s::default(), [0.4; BATCH]);
+            u[3] = 0.7;
+            (0..BATCH).for_each(|i| points.set(i, from));
+            let normals = [receiver::pack(n); BATCH];
+            for isa in Isa::available() {
+                tree.choose_all(isa, BATCH, &points, &normals, &u, &mut choices);
+                assert!(choices.light.iter().all(|light| *light == 0), "{isa}, {from}, {n}");
+                assert!(choices.chance.iter().all(|chance| *chance == 1.0), "{isa}, {from}, {n}");
+            }
+        }
+    }
 }

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""PNG files of 16 bits a channel."""
+"""PNG files of 8 or 16 bits a channel."""
 
 import os
 import struct
 import zlib
 
 import numpy as np
+
+_COLOR_TYPES = {3: 2, 4: 6}  # by the number of channels
 
 
 def levels(values):
@@ -16,14 +18,15 @@ def levels(values):
 def write(path, pixels):
     """Writes an image, whole or not at all.
 
-    `pixels` has shape (height, width, 3), the top row first, and holds `levels`, which are stored
-    unchanged.
+    `pixels` has shape (height, width, 3 or 4), the top row first. It holds bytes, or `levels`, which
+    are stored unchanged.
     """
-    height, width, _ = pixels.shape
-    values = np.ascontiguousarray(pixels, ">u2")
-    rows = np.zeros((height, 1 + 6 * width), np.uint8)  # each row starts with its filter: none
-    rows[:, 1:] = values.view(np.uint8).reshape(height, 6 * width)
-    header = struct.pack(">IIBBBBB", width, height, 16, 2, 0, 0, 0)
+    height, width, channels = pixels.shape
+    values = np.ascontiguousarray(pixels, "u1" if pixels.dtype == np.uint8 else ">u2")
+    bits, length = 8 * values.itemsize, channels * width * values.itemsize
+    rows = np.zeros((height, 1 + length), np.uint8)  # each row starts with its filter: none
+    rows[:, 1:] = values.view(np.uint8).reshape(height, length)
+    header = struct.pack(">IIBBBBB", width, height, bits, _COLOR_TYPES[channels], 0, 0, 0)
     partial = f"{path}.part"
     with open(partial, "wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n")

@@ -1,0 +1,81 @@
+//! Tangents at hits, and normals that images bend.
+
+use glam::{Vec2, Vec3};
+
+use super::columns::Surfaces;
+use crate::frame::scene::FrameScene;
+use crate::frame::shapes::Geometry;
+use crate::shading::material::principled::Parameters;
+use slo_accel::math::columns::BATCH;
+use slo_scene::Mesh;
+
+/// A tangent, and 1, or -1 if the texture is mirrored.
+pub(super) type Tangent = (Vec3, f32);
+
+/// Returns the tangent at a hit, in the space of the object. `point` and `normal` are in the same
+/// space; a `face` belongs to a mesh.
+pub(super) fn tangent(
+    geometry: &Geometry,
+    face: u32,
+    uv: [f32; 2],
+    point: Vec3,
+    normal: Vec3,
+) -> Tangent {
+    let found = match geometry {
+        Geometry::Mesh(mesh, _) => of_mesh(mesh, face, uv),
+        Geometry::Curved(_) => None,
+    };
+    found.unwrap_or_else(|| {
+        // About the z axis, as Blender does without texture coordinates.
+        let about = Vec3::Z.cross(point);
+        let about = if about.length_squared() > 0.0 { about } else { Vec3::Z.cross(normal) };
+        (if about.length_squared() > 0.0 { about.normalize() } else { Vec3::X }, 1.0)
+    })
+}
+
+/// Returns the tangent of a face of a mesh that has texture coordinates.
+fn of_mesh(mesh: &Mesh, face: u32, [u, v]: [f32; 2]) -> Option<Tangent> {
+    let face = face as usize;
+    if let Some(corners) = mesh.tangents.get(face) {
+        let [a, b, c] = corners.map(|tangent| tangent.unpacked());
+        let mix = |k: usize| a[k] * (1.0 - u - v) + b[k] * u + c[k] * v;
+        // Interpolated, and not of unit length: so MikkTSpace wants it.
+        return Some((Vec3::new(mix(0), mix(1), mix(2)), a[3]));
+    }
+    let [a, b, c] = mesh.face_uvs.get(face)?.map(|i| Vec2::from(mesh.uvs[i as usize]));
+    let [p, q, r] = mesh.faces[face].map(|i| mesh.positions[i as usize]);
+    let (ab, ac) = (b - a, c - a);
+    let (pq, pr) = ((q - p).as_vec3(), (r - p).as_vec3());
+    let area = ab.x * ac.y - ab.y * ac.x;
+    let along = (pq * ac.y - pr * ab.y) * area.signum();
+    (along.length_squared() > 0.0).then(|| (along.normalize(), area.signum()))
+}
+
+impl FrameScene {
+    /// Bends the shading normals of hits whose materials have an image of normals.
+    pub(crate) fn bend_normals(&self, parameters: &Parameters, to: &mut Surfaces) {
+        let images = &self.material_table.images;
+        if !images.any_bends() {
+            return;
+        }
+        for i in 0..to.len.min(BATCH) {
+            let Some(image) = images.normals(to.material[i]) else { continue };
+            let n = to.n_shade.get(i);
+            let facing = if to.from_outside[i] == 1 { 1.0 } else { -1.0 };
+            // The side of the surface that the image is meant for.
+            let outward = n * facing;
+            let tangent = to.tangent.get(i);
+            let bitangent = outward.cross(tangent) * to.mirrored[i];
+            let map = image.color(&self.textures, to.uv(i)) * 2.0 - Vec3::ONE;
+            let strength = parameters.normal_strength[i];
+            let z = 1.0 + (map.z - 1.0) * strength.clamp(0.0, 1.0);
+            let bent = tangent * (map.x * strength) + bitangent * (map.y * strength) + outward * z;
+            let bent = (bent * facing).try_normalize().unwrap_or(n);
+            let n_geo = to.n_geo.get(i);
+            // On the side of the geometric normal.
+            let below = bent.dot(n_geo);
+            let bent = if below < 0.0 { bent - 2.0 * below * n_geo } else { bent };
+            to.n_shade.set(i, bent);
+        }
+    }
+}
