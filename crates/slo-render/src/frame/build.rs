@@ -20,7 +20,7 @@ use crate::shading::material::Kind;
 use crate::shading::{Light, Lights, Material, MaterialTable};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
 use slo_scene::animation::{Clock, DRigid, KeyFrameError, KeyFrames, NoSegment, Shutter};
-use slo_scene::{CamSegment, Integrator, Object, SceneDescription, Settings};
+use slo_scene::{CamSegment, Integrator, Object, SceneDescription, Settings, ShadowMode};
 
 /// Step, in units of the scene, by which the origin of render space follows the camera along each
 /// axis. Within half a step of the origin, an f32 resolves 2^-14 units or better. Structures of
@@ -153,7 +153,7 @@ impl FrameScene {
             hidden,
             passable,
             light_groups,
-            techniques: Techniques::default(),
+            techniques: techniques(&scene.settings),
             lights: lights.into_iter().collect::<Lights>().with_poses(poses),
             is_physical: is_physical(scene),
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
@@ -183,6 +183,17 @@ fn light_tree(lights: &[Light], poses: &[Vec<Pose>]) -> LightTree {
         light.bounds().in_poses(poses.map(|pose| (pose.rotation, pose.translation)))
     });
     LightTree::new(&bounds.collect::<Vec<_>>())
+}
+
+/// Chooses how the light of lamps is shared. Rays to lamps pass straight through transparent objects if
+/// the settings say so, and rays of lobes do not.
+fn techniques(settings: &Settings) -> Techniques {
+    match (settings.integrator, settings.shadow) {
+        (Integrator::Distributed, ShadowMode::Transparent) => Techniques::Separate,
+        (Integrator::Distributed, ShadowMode::Opaque) | (Integrator::Path, _) => {
+            Techniques::Combined
+        }
+    }
 }
 
 /// Whether a scene says anything that the thesis's integrator does not know.

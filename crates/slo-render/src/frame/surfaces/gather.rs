@@ -17,7 +17,7 @@ use crate::shading::texture::sample_bilinear;
 use slo_accel::curved::Part;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 use slo_accel::{Curved, Lanewise, NO_HIT, Rays, Structure, Triangle};
-use slo_scene::{Mesh, ShadowMode};
+use slo_scene::{Integrator, Mesh, ShadowMode};
 
 /// The data from which the points of hits are computed.
 #[derive(Debug)]
@@ -346,7 +346,9 @@ impl FrameScene {
     /// A closed object lets the share `refraction` through in all, so each of its surfaces lets the
     /// square root of it through.
     pub(crate) fn light_passed(&self, primitive: u32, instance: u32) -> Option<f32> {
-        if self.settings.shadow == ShadowMode::Opaque {
+        // Under PATH, rays that follow lobes bring this light.
+        let is_path = self.settings.integrator == Integrator::Path;
+        if is_path || self.settings.shadow == ShadowMode::Opaque {
             return None;
         }
         let number = self.object_of(primitive, instance);

@@ -79,6 +79,9 @@ fn sky(frame: &FrameScene, skies: &[u32], batch: &Batch, i: usize, depth: u32) -
     let direction = batch.rays.direction(i);
     let mut light = Vec3::ZERO;
     for &number in skies {
+        if depth == 0 && frame.is_hidden(number) {
+            continue;
+        }
         let radiance = frame.lights.radiance(number, batch.labels.time[i], direction);
         if radiance != Vec3::ZERO {
             light += radiance * share(frame, number, direction, batch, i, depth);

@@ -102,9 +102,6 @@ impl Bsdfs {
             let alpha = self.parameters.alpha[i];
             let passes = self.is_principled[i] == 1 && points.surface[i] >= alpha;
             points.passes[i] = u32::from(passes);
-            if passes {
-                points.weight.set(i, Vec3::ZERO);
-            }
         }
     }
 

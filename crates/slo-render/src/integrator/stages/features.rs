@@ -77,7 +77,7 @@ impl FeatureSums {
 
     fn add_to(&mut self, slot: u32, albedo: Vec3, normal: Vec3) {
         if let Some(sum) = self.0.get_mut(slot as usize) {
-            let fixed = |v: Vec3| v.to_array().map(Fixed::or_zero);
+            let fixed = |v: Vec3| v.to_array().map(Fixed::clamped);
             *sum += Features { albedo: fixed(albedo), normal: fixed(normal) };
         }
     }
