@@ -224,6 +224,7 @@ fn filled_times<T: Clone + Default>(area: Area, times: usize) -> Result<Vec<T>, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::FileLayer;
 
     #[test]
     fn areas_land_in_their_places() {
