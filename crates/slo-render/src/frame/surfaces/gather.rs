@@ -214,6 +214,7 @@ impl FrameScene {
         gathered: &Gathered,
         to: &mut Surfaces,
     ) {
+        let turns = self.material_table.images.any_needs_tangent();
         for &i in &gathered.moving {
             let i = usize::from(i);
             let ray = to.ray[i] as usize;
@@ -221,7 +222,9 @@ impl FrameScene {
             to.point.set(i, pose.point(to.point.get(i)));
             to.n_geo.set(i, pose.vector(to.n_geo.get(i)).normalize());
             to.n_shade.set(i, pose.vector(to.n_shade.get(i)));
-            to.tangent.set(i, pose.vector(to.tangent.get(i)));
+            if turns {
+                to.tangent.set(i, pose.vector(to.tangent.get(i)));
+            }
             let magnitude = abs_product(&pose.rotation, to.magnitude.get(i));
             to.magnitude.set(i, magnitude + pose.translation.abs());
         }
@@ -234,13 +237,24 @@ impl FrameScene {
         if !images.any_needs_uv() {
             return;
         }
+        let turns = images.any_needs_tangent();
         for i in 0..to.len.min(BATCH) {
-            if images.needs_uv(to.material[i]) {
-                let hit = Hit::new(found, to.ray[i] as usize);
+            let material = to.material[i];
+            let hit = Hit::new(found, to.ray[i] as usize);
+            if images.needs_uv(material) {
                 [to.uv[0][i], to.uv[1][i]] = self.uv(&hit, to.point.get(i));
-                let (tangent, mirrored) = self.tangent(&hit, to.point.get(i), to.n_geo.get(i));
-                to.tangent.set(i, tangent);
-                to.mirrored[i] = mirrored;
+            }
+            if images.needs_tangent(material) {
+                let normal = to.n_shade.get(i);
+                let length = normal.length();
+                let (normal, length) =
+                    if length > 1e-3 { (normal / length, length) } else { (to.n_geo.get(i), 1.0) };
+                let Tangent { along, side } = self.tangent(&hit, to.point.get(i), normal);
+                // In proportion to the interpolated normal, which will have length 1.
+                to.tangent.set(i, along / length);
+                to.bitangent[i] = side * length;
+            } else if turns {
+                to.tangent.set(i, Vec3::ZERO);
             }
         }
     }
@@ -251,8 +265,8 @@ impl FrameScene {
             let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
             let (face, place) = (hit.primitive.wrapping_sub(object.first_triangle), &object.place);
             let (point, normal) = (place.inverse_point(point), place.inverse_vector(normal));
-            let (along, mirrored) = tangent(&object.geometry, face, hit.uv, point, normal);
-            (place.vector(along), mirrored)
+            let found = tangent(&object.geometry, face, hit.uv, point, normal);
+            Tangent { along: place.vector(found.along), ..found }
         } else {
             let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
             let geometry = &self.objects[object as usize].geometry;
