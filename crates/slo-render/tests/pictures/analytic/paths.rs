@@ -86,6 +86,10 @@ fn floors_under_lamps_get_the_irradiance_of_the_formulas() {
             "lamp_point l { power { 90 90 90 } position { 0 0 3 } radius .5 }",
             90.0 / (4.0 * PI * 9.0),
         ),
+        (
+            "lamp_point l { power { 90 90 90 } position { 0 0 3 } radius 1 solid 0 camera_visible 0 }",
+            90.0 / (4.0 * PI * 9.0),
+        ),
         ("lamp_sun l { irradiance { 2 2 2 } direction { 0 0 -1 } angle_deg 5 }", 2.0),
         ("lamp_sun l { irradiance { 2 2 2 } direction { 0 0 -1 } angle_deg 0 }", 2.0),
         ("environment l { radiance { .7 .7 .7 } }", PI * 0.7),
