@@ -286,8 +286,7 @@ impl Normals {
             let weight = point[3];
             let reflected = weight * view.passed(2.0 * along * h[2] - view.eye[1]);
             all += reflected;
-            for e in 0..2 * ETA {
-                let eta = etas[e];
+            for (e, &eta) in etas.iter().enumerate() {
                 let (share, cos_t) = dielectric(along, eta);
                 let z = (view.eye[1] - (along - eta * cos_t) * h[2]) / eta;
                 row.curve[e] += reflected * between_ends(share, eta);
@@ -302,6 +301,7 @@ impl Normals {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shading::bsdf::fresnel::normal_incidence;
 
     #[test]
     fn tables_are_integrated_finely_enough() {
@@ -348,7 +348,7 @@ mod tests {
     #[test]
     fn dielectrics_reflect_their_mean() {
         for (eta, expected) in [(1.5, 0.091_778), (1.33, 0.065_931), (1.45, 0.084_367)] {
-            let f0 = f32::powi((eta - 1.0) / (eta + 1.0), 2);
+            let f0 = normal_incidence(eta);
             let found = f0 + (1.0 - f0) * TABLES.curve_mean(eta);
             assert!((found - expected).abs() < 5e-4, "{found} is not {expected}");
         }
