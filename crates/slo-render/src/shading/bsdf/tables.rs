@@ -301,6 +301,7 @@ impl Normals {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shading::bsdf::fresnel::normal_incidence;
 
     #[test]
     fn tables_are_integrated_finely_enough() {
@@ -347,8 +348,7 @@ mod tests {
     #[test]
     fn dielectrics_reflect_their_mean() {
         for (eta, expected) in [(1.5, 0.091_778), (1.33, 0.065_931), (1.45, 0.084_367)] {
-            let root = (eta - 1.0) / (eta + 1.0);
-            let f0 = root * root;
+            let f0 = normal_incidence(eta);
             let found = f0 + (1.0 - f0) * TABLES.curve_mean(eta);
             assert!((found - expected).abs() < 5e-4, "{found} is not {expected}");
         }
