@@ -299,13 +299,13 @@ impl FrameScene {
     /// rescaled to be uniform again.
     pub(crate) fn choose_materials(&self, u: &mut Column<f32>, to: &mut Surfaces) {
         let table = &self.material_table;
-        for i in 0..to.len.min(BATCH) {
+        for (i, u) in u.iter_mut().enumerate().take(to.len) {
             let mixed = to.material[i];
             if table.kinds[mixed as usize] != Kind::Mix {
                 continue;
             }
-            let (material, rest) = table.images.choose(mixed, &self.textures, to.uv(i), u[i]);
-            (to.material[i], u[i]) = (material, rest);
+            let (material, rest) = table.images.choose(mixed, &self.textures, to.uv(i), *u);
+            (to.material[i], *u) = (material, rest);
             if let Some(texture) = self.materials[material as usize].texture {
                 let image = &self.textures[texture.texture.0 as usize];
                 let [scale_u, scale_v] = texture.scale;
