@@ -299,7 +299,7 @@ impl FrameScene {
     /// rescaled to be uniform again.
     pub(crate) fn choose_materials(&self, u: &mut Column<f32>, to: &mut Surfaces) {
         let table = &self.material_table;
-        for (i, u) in u.iter_mut().enumerate().take(to.len.min(BATCH)) {
+        for (i, u) in u.iter_mut().enumerate().take(to.len) {
             let mixed = to.material[i];
             if table.kinds[mixed as usize] != Kind::Mix {
                 continue;

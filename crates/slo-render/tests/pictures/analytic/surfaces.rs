@@ -285,6 +285,19 @@ fn continuations_pass_panes_in_proportion() {
 }
 
 #[test]
+fn passing_is_no_bounce() {
+    // The last ray of a path collects what glows, behind panes too.
+    let scene = "material_principled m { base_color { 1 1 1 } metallic 1 roughness 0 } ".to_owned()
+        + &square("f", "m", 0.0)
+        + &matte("pane", "base_color { 0 0 0 } alpha .25")
+        + &square("p", "pane", 2.0)
+        + &square("q", "pane", 3.0);
+    let from = vec![[0.0, 0.0, 1.0]];
+    let shot = Shot { from, recursion: 0, ..above("background { 1 1 1 }") };
+    shot.take(&scene).assert_mean([0.5625; 3], 0.01);
+}
+
+#[test]
 fn cutouts_cast_shadows_of_their_holes() {
     // A pane that is solid on the left half. The camera looks at the floor from below the pane.
     let image = || texels(2, &[[1.0, 1.0, 1.0, 1.0], [1.0, 1.0, 1.0, 0.0]]);
