@@ -1,4 +1,4 @@
-"""scenes/still_life.txt: metal, glass and china on linen, under an evening sky."""
+"""Meshes, the pattern of the china and the sky of scenes/still_life.txt."""
 
 import math
 import os
