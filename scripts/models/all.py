@@ -7,8 +7,9 @@ import chess_scenes
 import effect_scenes
 import rose
 import rose_scene
+import still_life
 import textures
 
-for module in (board, candle, chess, rose, textures, chess_scenes, effect_scenes,
+for module in (board, candle, chess, rose, still_life, textures, chess_scenes, effect_scenes,
                rose_scene):
     module.build()
