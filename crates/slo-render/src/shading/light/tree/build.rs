@@ -62,6 +62,7 @@ impl Builder<'_> {
         let mut node = Node::empty();
         self.tree.nodes.push(Node::empty());
         let ranges = self.divide(order, ranges, level);
+        let count = ranges.len();
         for (k, range) in ranges.into_iter().enumerate() {
             let path = path | (k as u64) << (4 * level);
             let lights = &mut order[range];
@@ -75,6 +76,7 @@ impl Builder<'_> {
                 node.set_node(k, child);
             }
         }
+        node.count_classes(count);
         self.tree.nodes[number as usize] = node;
         number
     }

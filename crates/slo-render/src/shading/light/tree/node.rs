@@ -21,6 +21,11 @@ const SLACK: f32 = 1e-3;
 /// Largest part of a child; sums of 16 remain finite.
 const MOST: f32 = 1e36;
 
+/// Share of the choice that goes to the classes of lights alike: each distant light is one, and all
+/// others together are one. The estimates know nothing of what stands in the way: indoors, a wall
+/// keeps most of the sun away, and the sky in the window lights the room.
+const ALIKE: f32 = 0.5;
+
 /// 16 children in columns.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
@@ -43,6 +48,8 @@ pub(super) struct Node {
     /// 1 if the child's light falls off, otherwise 0.
     falls_off: [f32; WIDTH],
     child: [u32; WIDTH],
+    /// Number of distant children, plus 1 if there are others.
+    classes: u32,
 }
 
 impl Node {
@@ -61,6 +68,7 @@ impl Node {
             near: zeros,
             falls_off: zeros,
             child: [IS_LIGHT; WIDTH],
+            classes: 0,
         }
     }
 
@@ -83,6 +91,15 @@ impl Node {
         self.energy[k] = if lights.energy.is_finite() { lights.energy.max(0.0) } else { MOST };
         self.near[k] = if lights.is_distant { 0.0 } else { 1.0 };
         self.falls_off[k] = if lights.falls_off { 1.0 } else { 0.0 };
+    }
+
+    /// Counts the classes of the first `count` children.
+    pub(super) fn count_classes(&mut self, count: usize) {
+        let distant = self.near[..count].iter().filter(|near| **near == 0.0).count();
+        self.classes = distant as u32 + u32::from(distant < count);
+        if distant == 0 {
+            self.classes = 1;
+        }
     }
 
     /// Makes a child a light.
@@ -127,6 +144,13 @@ impl Node {
             total += part;
         }
         if total > 0.0 {
+            if is_root && self.has_classes() {
+                self.share_among_classes(&mut parts, total);
+                total = 0.0;
+                for part in &parts {
+                    total += part;
+                }
+            }
             return Some((parts, total));
         }
         let mut sum = 0.0;
@@ -134,6 +158,29 @@ impl Node {
             sum += part;
         }
         (!is_root && sum > 0.0).then_some((self.energy, sum))
+    }
+
+    /// Whether there are distant lights, beside each other or beside others.
+    #[inline(always)]
+    fn has_classes(&self) -> bool {
+        self.classes > 1
+    }
+
+    /// Gives each class of lights that brings anything a share of the choice.
+    #[inline(always)]
+    fn share_among_classes(&self, parts: &mut [f32; WIDTH], total: f32) {
+        let (mut of_near, mut classes) = (0.0, 0.0);
+        for (part, near) in parts.iter().zip(&self.near) {
+            of_near += part * near;
+            classes += if *part > 0.0 { 1.0 - near } else { 0.0 };
+        }
+        classes += if of_near > 0.0 { 1.0 } else { 0.0 };
+        let each = ALIKE * total / classes;
+        for (part, near) in parts.iter_mut().zip(&self.near) {
+            let share = if *near > 0.0 { *part / of_near } else { 1.0 };
+            let share = if *part > 0.0 { share * each } else { 0.0 };
+            *part = *part * (1.0 - ALIKE) + share;
+        }
     }
 
     /// Estimates the irradiance that a child brings to a hit, by bounds of its cosines: 0 only if
