@@ -62,15 +62,16 @@ class Unable(Exception):
 class Renderer:
     """A renderer that has loaded a still life."""
 
-    def __init__(self, name, still, options):
+    def __init__(self, module, still, options):
         self.folder = tempfile.TemporaryDirectory()
         self.words = open(Path(self.folder.name) / "words", "w+", encoding="utf-8", errors="replace")
         answers, theirs = os.pipe()
         self.answers = os.fdopen(answers)
         order = {"still": still, "answers": theirs, "program": options.program, "llvm": options.llvm}
         order.update(json.loads(options.order))
+        name = module.split("_", 1)[1].replace("_", "-")
         python = dict(pair.split("=", 1) for pair in options.python).get(name, sys.executable)
-        command = [python, str(HERE / f"{RENDERERS[name]}.py"), json.dumps(order)]
+        command = [python, str(HERE / f"{module}.py"), json.dumps(order)]
         self.process = subprocess.Popen(command, text=True, pass_fds=[theirs], stdin=subprocess.PIPE,
                                         stdout=self.words, stderr=self.words)
         os.close(theirs)
@@ -166,7 +167,7 @@ def row(name, options):
     cells, version = [], ""
     for still in options.stills:
         try:
-            with Renderer(name, still, options) as renderer:
+            with Renderer(RENDERERS[name], still, options) as renderer:
                 version = renderer.version
                 where = argparse.Namespace(**vars(options))
                 where.pictures = options.pictures and str(Path(options.pictures) / name)

@@ -1,6 +1,7 @@
 """The interface between compare.py and a renderer: a process for each renderer, a line of JSON for each picture.
 
-A renderer's module calls `serve` with a class. `Renderer(still, order)` has a `version` and
+A renderer's module calls `serve` with a class and a function that makes the scene of a name (by default a still life).
+`Renderer(scene, order)` has a `version` and
 `render(samples, seed, threads)`, which returns the picture as an array [row, column, channel] of linear light, the
 first row on top, and the processor time to be counted, in seconds. If `samples` does not mean a uniform number of
 samples, the class also has `reference`, with the same arguments and results, for uniform samples.
@@ -27,12 +28,12 @@ def user_time():
     return times.user + times.children_user
 
 
-def serve(renderer_class):
+def serve(renderer_class, scene_of=stills.Still):
     order = json.loads(sys.argv[1])
     # Not standard output, since renderers print messages there.
     answers = os.fdopen(order["answers"], "w")
     try:
-        renderer = renderer_class(stills.Still(order["still"]), order)
+        renderer = renderer_class(scene_of(order["still"]), order)
     except Cannot as reason:
         print(reason, file=sys.stderr)
         os._exit(CANNOT)

@@ -15,6 +15,7 @@ pub mod diagnostics;
 mod file_kinds;
 pub mod files;
 pub mod format;
+mod key_frame;
 mod kinds;
 pub mod light;
 mod load;

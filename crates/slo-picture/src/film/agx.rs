@@ -13,8 +13,8 @@ use slo_accel::math::elementary::{log2, power};
 /// Rec. 709 -> Rec. 2020 with its primaries turned and moved toward white: where each channel gets its
 /// curve.
 const INSET: [[f32; 3]; 3] = [
-    [0.544_814_73, 0.373_787_41, 0.081_397_86],
-    [0.140_416_94, 0.754_137_59, 0.105_445_47],
+    [0.544_814_7, 0.373_787_4, 0.081_397_86],
+    [0.140_416_94, 0.754_137_6, 0.105_445_47],
     [0.088_810_42, 0.178_871_78, 0.732_317_8],
 ];
 
@@ -22,11 +22,11 @@ const INSET: [[f32; 3]; 3] = [
 const OUTSET: [[f32; 3]; 3] = [
     [1.964_894, -0.856_007_9, -0.108_886_12],
     [-0.299_309_1, 1.326_391_9, -0.027_082_81],
-    [-0.164_356_44, -0.238_207_4, 1.402_563_85],
+    [-0.164_356_44, -0.238_207_4, 1.402_563_8],
 ];
 
 /// Luminance of Rec. 709 by the CIE's functions of 2015.
-const LUMINANCE: [f32; 3] = [0.210_351_14, 0.649_797_77, 0.139_851_09];
+const LUMINANCE: [f32; 3] = [0.210_351_14, 0.649_797_8, 0.139_851_1];
 
 /// Middle grey, and the range of the curve around it in stops.
 const GREY: f32 = 0.18;

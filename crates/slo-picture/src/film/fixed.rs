@@ -25,7 +25,7 @@ impl Fixed {
     /// The nearest multiple of 2^-24; `None` for numbers that it can't [hold](Self::holds).
     #[inline]
     pub fn new(x: f32) -> Option<Self> {
-        Self::holds(x).then(|| Self::or_zero(x))
+        Self::holds(x).then(|| Self::clamped(x))
     }
 
     /// Whether a number is finite and not larger than [`LIMIT`](Self::LIMIT).
@@ -34,12 +34,13 @@ impl Fixed {
         x.abs() <= Self::LIMIT
     }
 
-    /// The nearest multiple of 2^-24; 0 for numbers that it can't [hold](Self::holds).
+    /// The nearest multiple of 2^-24: [`LIMIT`](Self::LIMIT), with its sign, for larger numbers, and 0
+    /// for what is not a number.
     #[inline(always)]
-    pub fn or_zero(x: f32) -> Self {
+    pub fn clamped(x: f32) -> Self {
         // Adding 1.5 * 2^52 rounds to a whole number, ties to even, and leaves it in the low bits.
         const MAGIC: f64 = 1.5 * (1u64 << 52) as f64;
-        let x = if Self::holds(x) { x } else { 0.0 };
+        let x = if x.is_nan() { 0.0 } else { x.clamp(-Self::LIMIT, Self::LIMIT) };
         let shifted = f64::from(x) * ONE + MAGIC;
         Self((shifted.to_bits() as i64).wrapping_sub(MAGIC.to_bits() as i64))
     }

@@ -7,7 +7,6 @@ use super::features::Features;
 use super::fixed::Fixed;
 use super::groups::GroupSums;
 use super::image::Image;
-use super::layers::FileLayer;
 use super::pixel::{Pixel, Spread};
 
 /// The pixels of a picture or of a region of it, row by row, the top row first.
@@ -141,7 +140,7 @@ impl Film {
     }
 
     /// The indices of each row of an area inside this film's.
-    fn rows(&self, area: Area) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
+    pub(super) fn rows(&self, area: Area) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
         let (own, width) = (self.area, self.area.width() as usize);
         (area.y0..area.y1).map(move |y| {
             let start = (y - own.y0) as usize * width + (area.x0 - own.x0) as usize;
@@ -159,22 +158,6 @@ impl Film {
         let mut rgb = Vec::with_capacity(area.len());
         rgb.extend(self.pixels_of(area).map(Pixel::mean));
         Image { width: area.width(), height: area.height(), rgb }
-    }
-
-    /// A layer of an area inside this film's; black without such a layer.
-    pub fn layer_of(&self, area: Area, layer: &FileLayer) -> Image {
-        let mut rgb = Vec::with_capacity(area.len());
-        rgb.extend(self.rows(area).flatten().map(|i| self.layer_at(layer, i)));
-        Image { width: area.width(), height: area.height(), rgb }
-    }
-
-    /// Some layers of an area inside this film's.
-    pub fn layers_of(&self, area: Area, layers: Vec<FileLayer>) -> Vec<(FileLayer, Image)> {
-        let with_image = |layer| {
-            let image = self.layer_of(area, &layer);
-            (layer, image)
-        };
-        layers.into_iter().map(with_image).collect()
     }
 
     /// The pixels of an area inside this film's, row by row.
@@ -241,6 +224,7 @@ fn filled_times<T: Clone + Default>(area: Area, times: usize) -> Result<Vec<T>, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::FileLayer;
 
     #[test]
     fn areas_land_in_their_places() {

@@ -2,9 +2,11 @@
 
 use slo_scene::{Layer, LightGroups};
 
+use super::area::Area;
 use super::features::Features;
 use super::fixed::Fixed;
 use super::grid::Film;
+use super::image::Image;
 
 /// A layer of a picture's file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,6 +44,22 @@ impl FileLayer {
 }
 
 impl Film {
+    /// A layer of an area inside this film's; black without such a layer.
+    pub fn layer_of(&self, area: Area, layer: &FileLayer) -> Image {
+        let mut rgb = Vec::with_capacity(area.len());
+        rgb.extend(self.rows(area).flatten().map(|i| self.layer_at(layer, i)));
+        Image { width: area.width(), height: area.height(), rgb }
+    }
+
+    /// Some layers of an area inside this film's.
+    pub fn layers_of(&self, area: Area, layers: Vec<FileLayer>) -> Vec<(FileLayer, Image)> {
+        let with_image = |layer| {
+            let image = self.layer_of(area, &layer);
+            (layer, image)
+        };
+        layers.into_iter().map(with_image).collect()
+    }
+
     /// Adds what layers need, unexposed, if the scene has these groups of lights.
     ///
     /// # Errors

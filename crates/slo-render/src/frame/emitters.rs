@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::build::Parts;
+use super::parts::Parts;
 use super::shapes::Geometry;
 use crate::shading::Light;
 use crate::shading::light::Triangle;

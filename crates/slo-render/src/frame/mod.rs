@@ -3,7 +3,9 @@
 
 mod build;
 mod emitters;
+mod error;
 mod looks;
+mod parts;
 mod rigid;
 mod sampled;
 mod sampled_camera;
@@ -13,7 +15,7 @@ mod shapes;
 mod surfaces;
 mod world;
 
-pub use build::FrameError;
+pub use error::FrameError;
 pub(crate) use looks::Look;
 pub use scene::FrameScene;
 pub(crate) use surfaces::{NO_MATERIAL, SurfaceScratch, Surfaces};

@@ -15,7 +15,7 @@ use crate::shading::{Lights, Material, MaterialTable};
 use slo_accel::math::columns::Column;
 use slo_accel::{Isa, Structure};
 use slo_scene::animation::DRigid;
-use slo_scene::{Settings, ShadowMode, Texture};
+use slo_scene::{Integrator, Settings, ShadowMode, Texture};
 
 /// A scene during one shutter.
 ///
@@ -134,7 +134,8 @@ impl FrameScene {
 
     /// Whether rays to lamps may pass through anything.
     pub(crate) fn lets_light_pass(&self) -> bool {
-        self.settings.shadow == ShadowMode::Transparent
+        let is_path = self.settings.integrator == Integrator::Path;
+        (self.settings.shadow == ShadowMode::Transparent && !is_path)
             || self.material_table.images.any_passes()
             || !self.passable.is_empty()
     }

@@ -12,7 +12,7 @@ use super::machine::{Connection, Integrator, Machine};
 use super::stages::camera_rays::CameraRays;
 use super::stages::direct_light::{DirectLight, questions};
 use super::stages::ended::Ended;
-use super::stages::features::FeatureSums;
+use super::stages::features::{FeatureSums, Own};
 use super::stages::hits::Hits;
 use super::stages::lobes::Lobes;
 use super::stages::points::Points;
@@ -64,7 +64,7 @@ impl Distributed {
         if frame.material_table.has_ambient {
             machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
         }
-        features.add(frame, batch, hits, points);
+        features.add(frame, batch, hits, points, |i| Own::of_phong(frame, points, i));
         let scatters = depth < frame.settings.recursion() && lobes.find(frame, points);
         self.ask_lights(machine, job, scatters, depth)?;
         if scatters {

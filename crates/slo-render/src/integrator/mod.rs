@@ -8,7 +8,7 @@
 //! - `machine` holds the queues, decides which batch comes next, and adds up the light. It is
 //!   independent of light transport.
 //! - `stages` turn columns into columns, each with its own working memory.
-//! - An integrator, such as `distributed`, lists its stages and how they branch.
+//! - The integrators, `distributed` and `path`, list their stages and how they branch.
 
 mod batch;
 mod branching;

@@ -8,6 +8,7 @@
 //! lobes are not followed.
 
 use slo_picture::film::Features;
+use slo_scene::Integrator as Kind;
 
 use super::batch::Batch;
 use super::branching::{continuations, most_camera_rays};
@@ -91,31 +92,39 @@ impl Path {
             machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
         }
         let is_last = depth > frame.settings.recursion();
-        if is_last && !frame.material_table.emits {
+        let table = &frame.material_table;
+        if is_last && !table.emits && !table.images.any_passes() {
             return Some(());
         }
         points.find(frame, batch, hits, machine.seeds());
         points.find_receivers(frame);
         points.choose_materials(frame, depth);
         bsdfs.look_up(frame, points);
-        if frame.material_table.images.any_passes() {
+        if table.absorbs {
+            bsdfs.absorb(batch, points);
+        }
+        if table.images.any_passes() {
             bsdfs.let_pass(points);
             passing.surfaces(frame, batch, points);
             passing.queue(machine, depth);
         }
-        if frame.material_table.absorbs {
-            bsdfs.absorb(batch, points);
-        }
         bsdfs.find(frame, points);
         bsdfs.open_receivers(points);
-        if frame.material_table.emits && emission.find(frame, batch, hits, points, bsdfs, depth) {
+        if table.emits && emission.find(frame, batch, hits, points, bsdfs, depth) {
             emission.name(frame, hits, points, *stride);
             machine.add(frame.isa, &emission.light, &emission.slot, points.len());
         }
         if is_last {
             return Some(());
         }
-        features.add(frame, batch, hits, points);
+        if table.has_ambient && frame.settings.integrator == Kind::Distributed {
+            points.look_up_phong(frame);
+            machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
+        }
+        if features.are_wanted() {
+            bsdfs.find_own(frame, points);
+            features.add(frame, batch, hits, points, |i| bsdfs.own(i));
+        }
         self.ask_lamps(machine, job, depth)?;
         self.follow(machine, job, depth)
     }

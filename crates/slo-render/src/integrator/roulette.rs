@@ -26,12 +26,17 @@ pub(super) fn roulette(weight: Vec3, least: f32, u: f32) -> Vec3 {
     if chance < 1.0 { heavier } else { weight }
 }
 
+/// Weight of a path below which roulette decides whether it is followed. Found by the time
+/// that a room with one lamp takes to a given noise: 1 takes 1.4 times as long, 0.125 takes 1.2
+/// times.
+const WEAK_PATH: f32 = 0.35;
+
 /// Returns the weight of one of `count` rays that continue a path, or 0 if it is not followed. Rays
 /// are followed with a probability in proportion to their weight, if it is small. `u` is a uniform
 /// random number.
 #[inline(always)]
 pub(super) fn follows(weight: Vec3, count: f32, u: f32) -> Vec3 {
-    let chance = weight.max_element() * count;
+    let chance = weight.max_element() * count * (1.0 / WEAK_PATH);
     let heavier = if u < chance { weight * (1.0 / chance) } else { Vec3::ZERO };
     if chance < 1.0 { heavier } else { weight }
 }

@@ -51,8 +51,8 @@ impl Sums {
         self.sums.split_at(len.min(self.sums.len()))
     }
 
-    /// Adds the first `len` radiances, each to its slot. Returns how many numbers were left out
-    /// because they were not finite or outside the film's range.
+    /// Adds the first `len` radiances, each to its slot. Returns how many numbers
+    /// were outside the film's range, and clamped, or no numbers, and left out.
     pub(super) fn add(
         &mut self,
         isa: Isa,
@@ -89,7 +89,8 @@ fn put(sums: &mut [SampleSum], slot: usize, sum: SampleSum) {
     }
 }
 
-/// Rounds radiances. Numbers that cannot be summed become 0 and are counted.
+/// Rounds radiances. Numbers that are too large are clamped, what is not a number becomes 0, and
+/// both are counted.
 struct Round<'a> {
     radiance: &'a Vec3s,
     len: usize,
@@ -113,7 +114,7 @@ impl Lanewise for Round<'_> {
 #[inline(always)]
 fn round(from: &Column<f32>, len: usize, to: &mut Column<Fixed>) -> u64 {
     for i in lanes(len) {
-        to[i] = Fixed::or_zero(from[i]);
+        to[i] = Fixed::clamped(from[i]);
     }
     let mut refused = 0;
     for x in &from[..len.min(BATCH)] {

@@ -54,8 +54,7 @@ pub struct Statistics {
     pub shadow_rays: u64,
     /// Reflected and refracted rays.
     pub bounce_rays: u64,
-    /// Contributions that were left out of the sums because they were not finite or outside the
-    /// film's range.
+    /// Contributions that were clamped to the film's range, or left out because they were no numbers.
     pub refused_contributions: u64,
 }
 

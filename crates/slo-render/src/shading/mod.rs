@@ -1,4 +1,4 @@
-//! Phong, glossy lobes, textures and lights at a hit. Independent of acceleration structures.
+//! Materials, lobes, textures and lights at hits. Independent of acceleration structures.
 
 pub mod bsdf;
 pub mod light;

@@ -5,7 +5,6 @@
 
 mod camera;
 mod check;
-mod key_frame;
 mod light_groups;
 mod object;
 
@@ -16,10 +15,11 @@ use crate::material::Material;
 use crate::settings::Settings;
 use crate::texture::Texture;
 
+pub use crate::key_frame::{KeyFrame, Placement};
+pub use crate::material::MaterialId;
 pub use camera::{CamSegment, Camera};
-pub use key_frame::{KeyFrame, Placement};
 pub use light_groups::LightGroups;
-pub use object::{MaterialId, Object};
+pub use object::Object;
 
 /// A scene that has no errors: all that its text, meshes and textures say.
 #[derive(Clone, Debug)]

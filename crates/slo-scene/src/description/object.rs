@@ -1,11 +1,8 @@
 //! Objects: their shape, material and motion.
 
-use super::key_frame::KeyFrame;
+use crate::key_frame::KeyFrame;
+use crate::material::MaterialId;
 use crate::shape::Shape;
-
-/// Index into the materials of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct MaterialId(pub u32);
 
 /// A thing that can be seen.
 #[derive(Clone, Debug)]

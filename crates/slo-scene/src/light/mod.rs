@@ -13,7 +13,7 @@ mod rectangle;
 use glam::DVec3;
 
 use crate::attributes::Fields;
-use crate::description::KeyFrame;
+use crate::key_frame::KeyFrame;
 use crate::kinds::kinds;
 use crate::material::Palette;
 use crate::shape::Shape;

@@ -2,7 +2,7 @@
 //! with all that it contains.
 
 use super::Material;
-use crate::description::MaterialId;
+use super::id::MaterialId;
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::format::written;
 

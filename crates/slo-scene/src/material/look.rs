@@ -1,9 +1,9 @@
 //! What every kind of material must say of itself.
 
+use super::id::MaterialId;
 use super::palette::Palette;
 use super::texture::TextureId;
 use crate::attributes::Fields;
-use crate::description::MaterialId;
 use crate::kinds::Keyword;
 
 /// A material of some kind, without what it contains.

@@ -1,5 +1,6 @@
 //! `material_mix`: two materials, mixed.
 
+use super::id::MaterialId;
 use super::look::{Look, WrittenMaterial};
 use super::palette::Palette;
 use super::texture::TextureId;
@@ -7,7 +8,6 @@ use super::varying::{Quantity, Varying, read_varying};
 use super::written_image::IMAGE;
 use crate::attributes::schema::{Schema, number, word, word_or_block};
 use crate::attributes::{Bound, Fields};
-use crate::description::MaterialId;
 use crate::kinds::Keyword;
 
 /// Two materials, mixed.

@@ -2,6 +2,7 @@
 //! read.
 
 mod contained;
+mod id;
 mod inputs;
 mod look;
 mod mix;
@@ -14,11 +15,11 @@ mod varying;
 mod written_image;
 
 use crate::attributes::Fields;
-use crate::description::MaterialId;
 use crate::kinds::kinds;
 use look::{Look, WrittenMaterial};
 
 pub use contained::{MOST_MIXES, Tangle, inside_out};
+pub use id::MaterialId;
 pub use mix::Mix;
 pub use phong::Phong;
 pub use phong_info::PhongInfo;

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use super::id::MaterialId;
 use super::phong_info::PhongInfo;
 use super::texture::TextureId;
 use crate::attributes::{References, Referred};
-use crate::description::MaterialId;
 use crate::format::syntax::Word;
 use crate::texture::Texture;
 

@@ -29,7 +29,6 @@ _TRANSPARENT = "BSDF_TRANSPARENT"
 # Factors of a mix closer to 0 or 1 show one shader only.
 _HARDLY = 1e-6
 _LARGEST = 1e6  # of numbers without a limit
-_SMALLEST_IOR = 1e-3
 _GREY = (0.8, 0.8, 0.8)  # of objects without a material
 
 # Sockets of the Principled BSDF by slo-rt's names, with the limits of their numbers.
@@ -37,9 +36,9 @@ _NUMBERS = {
     "metallic": ("Metallic", 0.0, 1.0),
     "roughness": ("Roughness", 0.0, 1.0),
     "diffuse_roughness": ("Diffuse Roughness", 0.0, 1.0),
-    "ior": ("IOR", _SMALLEST_IOR, _LARGEST),
+    "ior": ("IOR", 1.0, _LARGEST),
     "alpha": ("Alpha", 0.0, 1.0),
-    "specular_ior_level": ("Specular IOR Level", 0.0, _LARGEST),
+    "specular_ior_level": ("Specular IOR Level", 0.0, 1.0),
     "anisotropic": ("Anisotropic", 0.0, 1.0),
     "anisotropic_rotation": ("Anisotropic Rotation", -_LARGEST, _LARGEST),
     "transmission": ("Transmission Weight", 0.0, 1.0),
@@ -49,6 +48,9 @@ _NUMBERS = {
     "sheen": ("Sheen Weight", 0.0, 1.0),
     "sheen_roughness": ("Sheen Roughness", 0.0, 1.0),
 }
+# Sockets with limits that Cycles does not have, and sockets that count turns.
+_NARROW = {"IOR", "Specular IOR Level"}
+_TURNS = {"Anisotropic Rotation", "Rotation"}
 _COLORS = {
     "base_color": "Base Color",
     "specular_tint": "Specular Tint",
@@ -280,7 +282,7 @@ class _SurfaceReader(PhysicalReader):
                 "specular_tint": tint,
                 "transmission": Value(1.0),
                 "roughness": self._number(feed.input("Roughness"), 0.0, 1.0),
-                "ior": self._number(feed.input("IOR"), _SMALLEST_IOR, _LARGEST),
+                "ior": self._number(feed.input("IOR"), 1.0, _LARGEST),
             }
         )
         return self._finish(glass, feed)
@@ -360,7 +362,12 @@ class _SurfaceReader(PhysicalReader):
         chain = follow(input_)
         found = self.constant(chain)
         if found is not None:
-            return Value(min(max(_as_number(found), low), high))
+            number = _as_number(found)
+            if input_.socket.name in _NARROW and not low <= number <= high:
+                self.note(f"{input_.socket.name} below {low:g} or above {high:g} is not carried")
+            if input_.socket.name in _TURNS:
+                number %= 1.0
+            return Value(min(max(number, low), high))
         image = image_behind(chain, self)
         if image is None:
             return Value(min(max(self.value(input_), low), high))

@@ -208,9 +208,9 @@ def textures(scene):
 def alpha(scene):
     floor()
     world(scene, (0.3, 0.3, 0.3))
-    light("AREA", (1.0, -1.0, 6.0), 500.0, (0.1, 0.1, 0.0), size=1.0)
+    light("AREA", (1.0, -1.0, 6.0), 500.0, (0.1, 0.1, 0.0), size=3.0)
     for x, share in zip(BALLS[:2], (0.3, 0.7)):
-        principled(ball(x, 0.9), Base_Color=(0.8, 0.3, 0.1, 1.0), Alpha=share)
+        principled(ball(x, 0.9), Base_Color=(0.8, 0.3, 0.1, 1.0), Alpha=share, Roughness=0.9)
     thing = plane(2.4, (BALLS[2], 0.0, 1.4), (1.2, 0.0, 0.3))
     node = principled(thing, Roughness=0.8)
     pixels = np.concatenate([np.full((128, 128, 3), 0.6), waves()[..., :1]], axis=2)
@@ -299,7 +299,7 @@ def mix(scene):
     node = mixed(ball(BALLS[1], 0.8), "ShaderNodeMixShader", 0.5, red, blue)
     factor = np.repeat(waves()[..., :1], 3, axis=2)
     textured(node.id_data, image(factor, "Factor", "Non-Color"), node.inputs[0])
-    mixed(ball(BALLS[2], 0.8), "ShaderNodeMixShader", 0.6, nothing, gloss)
+    mixed(ball(BALLS[2], 0.8), "ShaderNodeMixShader", 0.6, nothing, red)
     glow = "ShaderNodeEmission", {"Color": (0.2, 0.6, 0.2, 1.0), "Strength": 0.3}
     mixed(ball(0.0, 0.4, -2.5), "ShaderNodeAddShader", None, blue, glow)
 

@@ -21,7 +21,7 @@ SAMPLES = int(os.environ.get("SLO_RT_SAMPLES", "128"))
 MOST_OFF_IN_MEAN = 0.01
 MOST_OFF_IN_BLOCK = 0.05
 SIGMAS = 4.0  # of 70 blocks of three channels in 13 scenes, no sound one is farther off
-FAINT = 0.005  # of the mean of a picture; what is darker has no error that anyone sees
+FAINT = 0.02  # of the mean of a picture; what is darker has no error that anyone sees
 
 
 def without_shortcuts(cycles):

@@ -47,8 +47,8 @@ impl Summary {
         if refused > 0 {
             let samples = counted(refused, "sample");
             terminal.warn(match refused {
-                1 => format!("{samples} was not a finite number or too bright, and was left out"),
-                _ => format!("{samples} were not finite numbers or too bright, and were left out"),
+                1 => format!("{samples} was too bright for the film and was clamped, or was no number and was left out"),
+                _ => format!("{samples} were too bright for the film and were clamped, or were no numbers and were left out"),
             });
         }
         let what = match self.frames {

@@ -1,6 +1,6 @@
 //! `cylinder`
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::geometry::CurvedSurface;
 use super::round::{about_balls, uv_about};
@@ -20,8 +20,11 @@ impl CurvedSurface for Cylinder {
         about_balls(&[self.base, self.top], self.radius)
     }
 
+    fn axis(&self) -> [DVec3; 2] {
+        [self.base, self.top - self.base]
+    }
+
     fn uv_at(&self, point: Vec3, part: Part) -> [f32; 2] {
-        let axis = [self.base, self.top - self.base];
-        uv_about(axis, self.radius, point, part, |along, length| along / length)
+        uv_about(self.axis(), self.radius, point, part, |along, length| along / length)
     }
 }

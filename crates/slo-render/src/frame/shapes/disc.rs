@@ -24,7 +24,11 @@ impl CurvedSurface for DiscLamp {
         ObjectBox { min: self.center - reach, max: self.center + reach }
     }
 
+    fn axis(&self) -> [DVec3; 2] {
+        [self.center, self.normal]
+    }
+
     fn uv_at(&self, point: Vec3, part: Part) -> [f32; 2] {
-        uv_about([self.center, self.normal], self.radius, point, part, |_, _| 0.0)
+        uv_about(self.axis(), self.radius, point, part, |_, _| 0.0)
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::frame::sampled_motion::ObjectBox;
 use slo_accel::Curved;
@@ -27,6 +27,9 @@ pub(in crate::frame) trait CurvedSurface: fmt::Debug + Send + Sync {
 
     /// Returns a bounding box of the surface.
     fn bounds(&self) -> ObjectBox;
+
+    /// Returns the centre of the base and the vector to the tip: for a sphere, its centre and z.
+    fn axis(&self) -> [DVec3; 2];
 
     /// Returns uv at a point of the surface.
     ///

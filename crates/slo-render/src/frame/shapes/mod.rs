@@ -18,6 +18,7 @@ use std::sync::Arc;
 use slo_scene::{LightKind, Shape};
 
 pub(super) use geometry::Geometry;
+pub(super) use round::tangent_about;
 
 /// Returns the geometry of a shape.
 pub(super) fn geometry(shape: &Shape) -> Geometry {

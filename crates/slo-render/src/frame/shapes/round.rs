@@ -16,7 +16,7 @@ pub(super) fn uv_about(
 ) -> [f32; 2] {
     let length = axis.length();
     let axis = axis / length;
-    let x = if axis.z.abs() > 1.0 - 1e-9 { DVec3::X } else { DVec3::Z.cross(axis).normalize() };
+    let x = start(axis);
     let y = axis.cross(x);
     let p = point.as_dvec3() - base;
     if part != Part::Side {
@@ -24,6 +24,20 @@ pub(super) fn uv_about(
     }
     let turns = libm::atan2(p.dot(y), p.dot(x)) / std::f64::consts::TAU;
     [(turns - turns.floor()) as f32, v(p.dot(axis), length) as f32]
+}
+
+/// Returns the direction, of length 1, in which u starts around a unit axis. It is also that in which
+/// u grows on discs at the ends.
+fn start(axis: DVec3) -> DVec3 {
+    if axis.z.abs() > 1.0 - 1e-9 { DVec3::X } else { DVec3::Z.cross(axis).normalize() }
+}
+
+/// Returns the unit vector along which u of [`uv_about`] grows at a point.
+pub(in crate::frame) fn tangent_about([base, axis]: [DVec3; 2], point: Vec3, part: Part) -> Vec3 {
+    let x = start(axis.normalize());
+    let around = axis.cross(point.as_dvec3() - base);
+    let turns = part == Part::Side && around.length_squared() > 0.0;
+    if turns { around.normalize().as_vec3() } else { x.as_vec3() }
 }
 
 /// Returns the bounding box of balls of one radius.

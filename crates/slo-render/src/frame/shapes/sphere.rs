@@ -20,8 +20,12 @@ impl CurvedSurface for Sphere {
         about_balls(&[self.center], self.radius)
     }
 
+    fn axis(&self) -> [DVec3; 2] {
+        [self.center, DVec3::Z]
+    }
+
     fn uv_at(&self, point: Vec3, part: Part) -> [f32; 2] {
-        uv_about([self.center, DVec3::Z], self.radius, point, part, |along, _| {
+        uv_about(self.axis(), self.radius, point, part, |along, _| {
             0.5 + libm::asin((along / self.radius).clamp(-1.0, 1.0)) / std::f64::consts::PI
         })
     }

@@ -29,10 +29,12 @@ pub(crate) struct Surfaces {
     pub(crate) from_outside: Column<u32>,
     /// Colours of the materials' images; white if a material has none.
     pub(crate) tint: Vec3s,
-    /// Where anisotropic materials have their long axis; 0 if they do not matter.
+    /// The direction in which u grows; 0 on materials that do not depend on it. On smooth meshes its
+    /// length is in proportion to that of the interpolated normal, as if that had length 1.
     pub(crate) tangent: Vec3s,
-    /// -1 where the texture is mirrored, otherwise 1; of hits that have a tangent.
-    pub(crate) mirrored: Column<f32>,
+    /// v grows along so many times the cross product of outward normal and tangent; of hits that have
+    /// a tangent. It is negative where the texture is mirrored.
+    pub(crate) bitangent: Column<f32>,
     /// Texture coordinates, of hits on materials that depend on them.
     pub(crate) uv: [Column<f32>; 2],
     /// Bounds of the absolute coordinates from which points were computed.
@@ -52,7 +54,7 @@ impl Default for Surfaces {
             from_outside: [0; BATCH],
             tint: Vec3s::default(),
             tangent: Vec3s::default(),
-            mirrored: [1.0; BATCH],
+            bitangent: [1.0; BATCH],
             uv: [[0.0; BATCH]; 2],
             magnitude: Vec3s::default(),
         }

@@ -17,7 +17,7 @@ use crate::shading::texture::sample_bilinear;
 use slo_accel::curved::Part;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 use slo_accel::{Curved, Lanewise, NO_HIT, Rays, Structure, Triangle};
-use slo_scene::{Mesh, ShadowMode};
+use slo_scene::{Integrator, Mesh, ShadowMode};
 
 /// The data from which the points of hits are computed.
 #[derive(Debug)]
@@ -214,6 +214,7 @@ impl FrameScene {
         gathered: &Gathered,
         to: &mut Surfaces,
     ) {
+        let turns = self.material_table.images.any_needs_tangent();
         for &i in &gathered.moving {
             let i = usize::from(i);
             let ray = to.ray[i] as usize;
@@ -221,7 +222,9 @@ impl FrameScene {
             to.point.set(i, pose.point(to.point.get(i)));
             to.n_geo.set(i, pose.vector(to.n_geo.get(i)).normalize());
             to.n_shade.set(i, pose.vector(to.n_shade.get(i)));
-            to.tangent.set(i, pose.vector(to.tangent.get(i)));
+            if turns {
+                to.tangent.set(i, pose.vector(to.tangent.get(i)));
+            }
             let magnitude = abs_product(&pose.rotation, to.magnitude.get(i));
             to.magnitude.set(i, magnitude + pose.translation.abs());
         }
@@ -234,13 +237,24 @@ impl FrameScene {
         if !images.any_needs_uv() {
             return;
         }
+        let turns = images.any_needs_tangent();
         for i in 0..to.len.min(BATCH) {
-            if images.needs_uv(to.material[i]) {
-                let hit = Hit::new(found, to.ray[i] as usize);
+            let material = to.material[i];
+            let hit = Hit::new(found, to.ray[i] as usize);
+            if images.needs_uv(material) {
                 [to.uv[0][i], to.uv[1][i]] = self.uv(&hit, to.point.get(i));
-                let (tangent, mirrored) = self.tangent(&hit, to.point.get(i), to.n_geo.get(i));
-                to.tangent.set(i, tangent);
-                to.mirrored[i] = mirrored;
+            }
+            if images.needs_tangent(material) {
+                let normal = to.n_shade.get(i);
+                let length = normal.length();
+                let (normal, length) =
+                    if length > 1e-3 { (normal / length, length) } else { (to.n_geo.get(i), 1.0) };
+                let Tangent { along, side } = self.tangent(&hit, to.point.get(i), normal);
+                // In proportion to the interpolated normal, which will have length 1.
+                to.tangent.set(i, along / length);
+                to.bitangent[i] = side * length;
+            } else if turns {
+                to.tangent.set(i, Vec3::ZERO);
             }
         }
     }
@@ -251,8 +265,8 @@ impl FrameScene {
             let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
             let (face, place) = (hit.primitive.wrapping_sub(object.first_triangle), &object.place);
             let (point, normal) = (place.inverse_point(point), place.inverse_vector(normal));
-            let (along, mirrored) = tangent(&object.geometry, face, hit.uv, point, normal);
-            (place.vector(along), mirrored)
+            let found = tangent(&object.geometry, face, hit.uv, point, normal);
+            Tangent { along: place.vector(found.along), ..found }
         } else {
             let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
             let geometry = &self.objects[object as usize].geometry;
@@ -285,13 +299,13 @@ impl FrameScene {
     /// rescaled to be uniform again.
     pub(crate) fn choose_materials(&self, u: &mut Column<f32>, to: &mut Surfaces) {
         let table = &self.material_table;
-        for i in 0..to.len.min(BATCH) {
+        for (i, u) in u.iter_mut().enumerate().take(to.len) {
             let mixed = to.material[i];
             if table.kinds[mixed as usize] != Kind::Mix {
                 continue;
             }
-            let (material, rest) = table.images.choose(mixed, &self.textures, to.uv(i), u[i]);
-            (to.material[i], u[i]) = (material, rest);
+            let (material, rest) = table.images.choose(mixed, &self.textures, to.uv(i), *u);
+            (to.material[i], *u) = (material, rest);
             if let Some(texture) = self.materials[material as usize].texture {
                 let image = &self.textures[texture.texture.0 as usize];
                 let [scale_u, scale_v] = texture.scale;
@@ -346,7 +360,9 @@ impl FrameScene {
     /// A closed object lets the share `refraction` through in all, so each of its surfaces lets the
     /// square root of it through.
     pub(crate) fn light_passed(&self, primitive: u32, instance: u32) -> Option<f32> {
-        if self.settings.shadow == ShadowMode::Opaque {
+        // Under PATH, rays that follow lobes bring this light.
+        let is_path = self.settings.integrator == Integrator::Path;
+        if is_path || self.settings.shadow == ShadowMode::Opaque {
             return None;
         }
         let number = self.object_of(primitive, instance);

@@ -4,16 +4,24 @@ use glam::{Vec2, Vec3};
 
 use super::columns::Surfaces;
 use crate::frame::scene::FrameScene;
-use crate::frame::shapes::Geometry;
+use crate::frame::shapes::{Geometry, tangent_about};
 use crate::shading::material::principled::Parameters;
+use slo_accel::curved::Part;
 use slo_accel::math::columns::BATCH;
 use slo_scene::Mesh;
 
-/// A tangent, and 1, or -1 if the texture is mirrored.
-pub(super) type Tangent = (Vec3, f32);
+/// How a texture lies on a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tangent {
+    /// Where u grows.
+    pub(super) along: Vec3,
+    /// v grows along so many times the cross product of normal and tangent: 1, or -1 if the texture
+    /// is mirrored.
+    pub(super) side: f32,
+}
 
-/// Returns the tangent at a hit, in the space of the object. `point` and `normal` are in the same
-/// space; a `face` belongs to a mesh.
+/// Returns the tangent at a hit, in the space of the object. `point` and the unit outward `normal`
+/// are in the same space; a `face` belongs to a mesh.
 pub(super) fn tangent(
     geometry: &Geometry,
     face: u32,
@@ -21,16 +29,26 @@ pub(super) fn tangent(
     point: Vec3,
     normal: Vec3,
 ) -> Tangent {
-    let found = match geometry {
-        Geometry::Mesh(mesh, _) => of_mesh(mesh, face, uv),
-        Geometry::Curved(_) => None,
-    };
-    found.unwrap_or_else(|| {
-        // About the z axis, as Blender does without texture coordinates.
-        let about = Vec3::Z.cross(point);
-        let about = if about.length_squared() > 0.0 { about } else { Vec3::Z.cross(normal) };
-        (if about.length_squared() > 0.0 { about.normalize() } else { Vec3::X }, 1.0)
-    })
+    match geometry {
+        Geometry::Mesh(mesh, _) => of_mesh(mesh, face, uv).unwrap_or_else(|| {
+            // About the z axis, as Blender does without texture coordinates.
+            let about = Vec3::Z.cross(point);
+            let along = about - normal * about.dot(normal);
+            Tangent { along: along.try_normalize().unwrap_or_else(|| any_along(normal)), side: 1.0 }
+        }),
+        Geometry::Curved(shape) => {
+            let part = Part::from_u(uv[0]);
+            let along = tangent_about(shape.axis(), point, part);
+            // Seen from below, the image on the base is mirrored.
+            Tangent { along, side: if part == Part::Base { -1.0 } else { 1.0 } }
+        }
+    }
+}
+
+/// Returns a unit vector that is perpendicular to a unit vector.
+fn any_along(normal: Vec3) -> Vec3 {
+    let about = Vec3::Z.cross(normal);
+    about.try_normalize().unwrap_or(Vec3::X)
 }
 
 /// Returns the tangent of a face of a mesh that has texture coordinates.
@@ -40,7 +58,7 @@ fn of_mesh(mesh: &Mesh, face: u32, [u, v]: [f32; 2]) -> Option<Tangent> {
         let [a, b, c] = corners.map(|tangent| tangent.unpacked());
         let mix = |k: usize| a[k] * (1.0 - u - v) + b[k] * u + c[k] * v;
         // Interpolated, and not of unit length: so MikkTSpace wants it.
-        return Some((Vec3::new(mix(0), mix(1), mix(2)), a[3]));
+        return Some(Tangent { along: Vec3::new(mix(0), mix(1), mix(2)), side: a[3] });
     }
     let [a, b, c] = mesh.face_uvs.get(face)?.map(|i| Vec2::from(mesh.uvs[i as usize]));
     let [p, q, r] = mesh.faces[face].map(|i| mesh.positions[i as usize]);
@@ -48,7 +66,7 @@ fn of_mesh(mesh: &Mesh, face: u32, [u, v]: [f32; 2]) -> Option<Tangent> {
     let (pq, pr) = ((q - p).as_vec3(), (r - p).as_vec3());
     let area = ab.x * ac.y - ab.y * ac.x;
     let along = (pq * ac.y - pr * ab.y) * area.signum();
-    (along.length_squared() > 0.0).then(|| (along.normalize(), area.signum()))
+    along.try_normalize().map(|along| Tangent { along, side: area.signum() })
 }
 
 impl FrameScene {
@@ -65,7 +83,7 @@ impl FrameScene {
             // The side of the surface that the image is meant for.
             let outward = n * facing;
             let tangent = to.tangent.get(i);
-            let bitangent = outward.cross(tangent) * to.mirrored[i];
+            let bitangent = outward.cross(tangent) * to.bitangent[i];
             let map = image.color(&self.textures, to.uv(i)) * 2.0 - Vec3::ONE;
             let strength = parameters.normal_strength[i];
             let z = 1.0 + (map.z - 1.0) * strength.clamp(0.0, 1.0);

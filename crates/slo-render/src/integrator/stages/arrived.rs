@@ -70,7 +70,11 @@ fn lamp(frame: &FrameScene, number: u32, batch: &Batch, hits: &Hits, i: usize, d
     let along = batch.rays.direction(i) * hits.found.hits.t[i];
     let from = if depth == 0 { batch.rays.origin(i) } else { batch.past.from.get(i) };
     let way = batch.rays.origin(i) + along - from;
-    let radiance = frame.lights.radiance(number, batch.labels.time[i], way);
+    let time = batch.labels.time[i];
+    if frame.lights.enclose(number, time, batch.rays.origin(i)) {
+        return Vec3::ZERO;
+    }
+    let radiance = frame.lights.radiance(number, time, way);
     radiance * share(frame, number, way, batch, i, depth)
 }
 
@@ -79,6 +83,9 @@ fn sky(frame: &FrameScene, skies: &[u32], batch: &Batch, i: usize, depth: u32) -
     let direction = batch.rays.direction(i);
     let mut light = Vec3::ZERO;
     for &number in skies {
+        if depth == 0 && frame.is_hidden(number) {
+            continue;
+        }
         let radiance = frame.lights.radiance(number, batch.labels.time[i], direction);
         if radiance != Vec3::ZERO {
             light += radiance * share(frame, number, direction, batch, i, depth);

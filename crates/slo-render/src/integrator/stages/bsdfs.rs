@@ -6,6 +6,7 @@ use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up, look_up_eac
 use slo_accel::math::elementary::exp2;
 use slo_scene::Integrator;
 
+use super::features::Own;
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::batch::Batch;
@@ -28,6 +29,10 @@ pub(in crate::integrator) struct Bsdfs {
     /// Share of emitted light that the layers above let through to the eye.
     emitted: Vec3s,
     total: Column<f32>,
+    /// Estimates of the albedos of all lobes that are not perfect.
+    own: Vec3s,
+    /// Estimates of the shares of light of perfect lobes.
+    perfect: Column<f32>,
 }
 
 impl Default for Bsdfs {
@@ -38,6 +43,8 @@ impl Default for Bsdfs {
             is_principled: [0; BATCH],
             eta: [0.0; BATCH],
             emitted: Vec3s::default(),
+            own: Vec3s::default(),
+            perfect: [0.0; BATCH],
             total: [0.0; BATCH],
         }
     }
@@ -63,6 +70,20 @@ impl Bsdfs {
         }
     }
 
+    /// Finds how points look by themselves, without perfect lobes.
+    pub(in crate::integrator) fn find_own(&mut self, frame: &FrameScene, points: &Points) {
+        let Self { bsdf, own, perfect, .. } = self;
+        *own = Vec3s::default();
+        *perfect = [0.0; BATCH];
+        bsdf.for_each(&mut AddOwn { frame, points, own, perfect });
+    }
+
+    /// Returns how point `i` looks by itself.
+    pub(in crate::integrator) fn own(&self, i: usize) -> Own {
+        let albedo = self.own.get(i).clamp(Vec3::ZERO, Vec3::ONE);
+        Own { albedo, share: (1.0 - self.perfect[i]).max(0.0) }
+    }
+
     /// Lets light from all directions count at points that light passes through.
     pub(in crate::integrator) fn open_receivers(&self, points: &mut Points) {
         for i in 0..points.len() {
@@ -81,9 +102,6 @@ impl Bsdfs {
             let alpha = self.parameters.alpha[i];
             let passes = self.is_principled[i] == 1 && points.surface[i] >= alpha;
             points.passes[i] = u32::from(passes);
-            if passes {
-                points.weight.set(i, Vec3::ZERO);
-            }
         }
     }
 
@@ -257,6 +275,44 @@ impl Lanewise for Sum<'_> {
     fn run(self) {
         for i in lanes(self.len) {
             self.total[i] += self.chance[i];
+        }
+    }
+}
+
+/// Adds up the albedos of lobes, each estimated by the sample in the middle of the lobe.
+struct AddOwn<'a> {
+    frame: &'a FrameScene,
+    points: &'a Points,
+    own: &'a mut Vec3s,
+    perfect: &'a mut Column<f32>,
+}
+
+impl WithLobe for AddOwn<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &L) {
+        let Self { frame, points, own, perfect } = self;
+        frame.isa.run(AddOwnOf { lobe, points, own, perfect });
+    }
+}
+
+struct AddOwnOf<'a, L> {
+    lobe: &'a L,
+    points: &'a Points,
+    own: &'a mut Vec3s,
+    perfect: &'a mut Column<f32>,
+}
+
+impl<L: Lobe> Lanewise for AddOwnOf<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lobe, points, own, perfect } = self;
+        for i in lanes(points.surfaces.len) {
+            let sampled = lobe.sample(i, &points.at(i), [0.5; 3]);
+            let is_perfect = sampled.density == 0.0;
+            let albedo = if is_perfect { Vec3::ZERO } else { sampled.weight };
+            own.set(i, own.get(i) + albedo);
+            perfect[i] += if is_perfect { sampled.weight.max_element() } else { 0.0 };
         }
     }
 }

@@ -38,21 +38,26 @@ impl FeatureSums {
         Some(self.0.len() as u32).filter(|slots| *slots > 0)
     }
 
-    /// Adds the features that the rays of a batch see.
+    /// Whether features are collected.
+    pub(in crate::integrator) fn are_wanted(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    /// Adds the features that the rays of a batch see. `of` returns how a point looks by itself.
     pub(in crate::integrator) fn add(
         &mut self,
         frame: &FrameScene,
         batch: &Batch,
         hits: &Hits,
         points: &Points,
+        of: impl Fn(usize) -> Own,
     ) {
-        if self.0.is_empty() {
+        if !self.are_wanted() {
             return;
         }
-        let background = Vec3::from(frame.settings.background);
         for (i, &look) in hits.looks.iter().enumerate().take(batch.len()) {
             let color = match Look::of_word(look) {
-                Look::Nothing => background,
+                Look::Nothing => sky(frame, batch.rays.direction(i)),
                 Look::Light(light) => {
                     let way = batch.rays.direction(i) * hits.found.hits.t[i];
                     frame.lights[light as usize].radiance(way)
@@ -64,20 +69,42 @@ impl FeatureSums {
         }
         let surfaces = &points.surfaces;
         for i in 0..surfaces.len.min(BATCH) {
-            let material = &frame.materials[surfaces.material[i] as usize];
-            let weight = points.weight.get(i);
-            let albedo = weight * albedo(material, surfaces.tint.get(i));
-            let normal = weight * own_share(material) * surfaces.n_shade.get(i);
-            self.add_to(points.labels.slot[i], albedo, normal);
+            let (weight, own) = (points.weight.get(i), of(i));
+            let normal = weight * own.share * surfaces.n_shade.get(i);
+            self.add_to(points.labels.slot[i], weight * own.albedo, normal);
         }
     }
 
     fn add_to(&mut self, slot: u32, albedo: Vec3, normal: Vec3) {
         if let Some(sum) = self.0.get_mut(slot as usize) {
-            let fixed = |v: Vec3| v.to_array().map(Fixed::or_zero);
+            let fixed = |v: Vec3| v.to_array().map(Fixed::clamped);
             *sum += Features { albedo: fixed(albedo), normal: fixed(normal) };
         }
     }
+}
+
+/// How a surface looks by itself, without what is seen through perfect lobes.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrator) struct Own {
+    /// Share of white light from everywhere that the surface returns, RGB.
+    pub(in crate::integrator) albedo: Vec3,
+    /// Share of the surface's appearance that is its own.
+    pub(in crate::integrator) share: f32,
+}
+
+impl Own {
+    /// Returns how a point of a Phong material looks.
+    pub(in crate::integrator) fn of_phong(frame: &FrameScene, points: &Points, i: usize) -> Self {
+        let surfaces = &points.surfaces;
+        let material = &frame.materials[surfaces.material[i] as usize];
+        Self { albedo: albedo(material, surfaces.tint.get(i)), share: own_share(material) }
+    }
+}
+
+/// Returns the light of all that is infinitely far away in a direction.
+fn sky(frame: &FrameScene, direction: Vec3) -> Vec3 {
+    let skies = frame.skies.iter().map(|&sky| frame.lights[sky as usize].radiance(direction));
+    Vec3::from(frame.settings.background) + skies.sum::<Vec3>()
 }
 
 /// Returns the share of white light from everywhere that a surface returns, without perfect lobes,

@@ -42,26 +42,27 @@ impl Passing {
             {
                 let t = hits.found.hits.t[i] * (1.0 + BEHIND);
                 let from = batch.rays.origin(i) + batch.rays.direction(i) * t;
-                self.push(batch, i, from);
+                self.push(batch, i, from, batch.weight.get(i));
             }
         }
         self.choose(frame);
     }
 
     /// Finds the rays of a batch that pass through the surface that they hit: those of points with
-    /// a mark in `passes`.
+    /// a mark in `passes`. What is left for these points is nothing.
     pub(in crate::integrator) fn surfaces(
         &mut self,
         frame: &FrameScene,
         batch: &Batch,
-        points: &Points,
+        points: &mut Points,
     ) {
         self.len = 0;
-        for (i, &passes) in points.passes.iter().enumerate().take(points.len()) {
-            if passes != 0 {
+        for i in 0..points.len() {
+            if points.passes[i] != 0 {
                 let ray = points.surfaces.ray[i] as usize;
                 let from = points.surfaces.leave(i, points.direction.get(i));
-                self.push(batch, ray, from);
+                self.push(batch, ray, from, points.weight.get(i));
+                points.weight.set(i, Vec3::ZERO);
             }
         }
         self.choose(frame);
@@ -72,7 +73,7 @@ impl Passing {
         machine.extend_path(depth, &self.sent, &self.labels, &self.past, &self.chosen);
     }
 
-    fn push(&mut self, batch: &Batch, ray: usize, origin: Vec3) {
+    fn push(&mut self, batch: &Batch, ray: usize, origin: Vec3, weight: Vec3) {
         let passed = batch.past.marks[ray] / marks::PASS;
         if passed >= marks::MOST_PASSES || self.len >= BATCH {
             return;
@@ -82,7 +83,7 @@ impl Passing {
         sent.origin.set(i, origin);
         sent.direction.set(i, batch.rays.direction(ray));
         sent.t_max[i] = f32::INFINITY;
-        sent.weight.set(i, batch.weight.get(ray));
+        sent.weight.set(i, weight);
         sent.density[i] = batch.density[ray];
         labels.time[i] = from.time[ray];
         labels.slot[i] = from.slot[ray];

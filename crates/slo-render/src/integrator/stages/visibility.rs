@@ -111,10 +111,16 @@ impl Passing {
             let ray = surfaces.ray[i] as usize;
             let (origin, direction) = (rays.origin(ray), rays.direction(ray));
             let from = surfaces.leave(i, direction);
-            // The ray keeps its end.
             sent.origin.set(i, from);
-            sent.direction.set(i, origin + direction * rays.t_max[ray] - from);
-            sent.t_max[i] = 1.0;
+            let t_max = rays.t_max[ray];
+            // The ray keeps its end, if it has one.
+            let (direction, t_max) = if t_max < f32::INFINITY {
+                (origin + direction * t_max - from, 1.0)
+            } else {
+                (direction, t_max)
+            };
+            sent.direction.set(i, direction);
+            sent.t_max[i] = t_max;
             labels.time[i] = time[ray];
             labels.slot[i] = slot[ray];
         }

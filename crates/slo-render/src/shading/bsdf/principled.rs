@@ -357,7 +357,10 @@ fn glass(
 #[inline(always)]
 fn withheld(cos: f32, roughness: f32) -> f32 {
     let slant = 1.0 - cos;
-    0.0046 * (1.3 * slant * slant).min(1.0) * (4.0 * roughness).clamp(0.0, 1.0)
+    0.0039
+        * (1.5 * slant * slant).min(1.0)
+        * (6.0 * cos).min(1.0)
+        * (4.0 * roughness).clamp(0.0, 1.0)
 }
 
 #[inline(always)]

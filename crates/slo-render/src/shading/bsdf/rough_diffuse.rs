@@ -42,8 +42,7 @@ fn scale(roughness: f32) -> f32 {
 fn single(roughness: f32, cos: f32) -> f32 {
     let x = 1.0 - cos.clamp(0.0, 1.0);
     let term = x
-        * (0.041_423_94
-            + x * (0.635_157_06 + x * (-0.753_017_07 + x * (0.566_466_64 - 0.202_461_88 * x))));
+        * (0.041_423_94 + x * (0.635_157 + x * (-0.753_017 + x * (0.566_466_6 - 0.202_461_9 * x))));
     scale(roughness) * (1.0 + roughness * term)
 }
 

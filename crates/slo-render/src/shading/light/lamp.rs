@@ -47,6 +47,11 @@ pub trait Lamp: Copy {
     /// surface. A ray to a distant light goes in the direction `point` without an end.
     fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32);
 
+    /// Whether a point lies inside the light, from where nothing of it can be seen.
+    fn encloses(&self, _point: Vec3) -> bool {
+        false
+    }
+
     /// Returns where the light is, where it shines, and how much.
     fn bounds(&self) -> LightBounds;
 }

@@ -98,6 +98,10 @@ impl Lamp for SphereLamp {
         (direction, (nearest - half).clamp(0.5, 1.0))
     }
 
+    fn encloses(&self, point: Vec3) -> bool {
+        (point - self.center).length_squared() < self.radius * self.radius
+    }
+
     fn bounds(&self) -> LightBounds {
         let intensity = self.radiance * (PI * self.radius * self.radius);
         in_beam([self.center - self.radius, self.center + self.radius], &self.beam, intensity)

@@ -153,6 +153,19 @@ impl Lights {
         self[light as usize].with(Radiance(self.pose(light, time), way))
     }
 
+    /// Whether a point lies inside a light at a time; see [`Lamp::encloses`].
+    pub fn enclose(&self, light: u32, time: f32, point: Vec3) -> bool {
+        struct Encloses(Pose, Vec3);
+        impl WithLamp for Encloses {
+            type Output = bool;
+
+            fn run<L: Lamp>(self, lamp: L) -> bool {
+                Moving { lamp, pose: self.0 }.encloses(self.1)
+            }
+        }
+        self[light as usize].with(Encloses(self.pose(light, time), point))
+    }
+
     /// Returns the density of a light at a time; see [`Lamp::density`].
     pub fn density(&self, light: u32, time: f32, from: Vec3, way: Vec3) -> f32 {
         struct Density(Pose, Vec3, Vec3);

@@ -118,6 +118,10 @@ impl<L: Lamp> Lamp for Moving<L> {
         if L::IS_DISTANT { (point, f32::INFINITY) } else { ends }
     }
 
+    fn encloses(&self, point: Vec3) -> bool {
+        self.lamp.encloses(self.pose.inverse_point(point))
+    }
+
     fn bounds(&self) -> LightBounds {
         let Pose { rotation, translation } = self.pose;
         self.lamp.bounds().in_poses(std::iter::once((rotation, translation)))

@@ -45,7 +45,8 @@ impl Image {
     pub fn number(&self, textures: &[Arc<Texture>], uv: Vec2) -> f32 {
         let [r, g, b, a] = self.texel(textures, uv);
         match self.channel {
-            Channel::Color | Channel::Luminance => 0.2126 * r + 0.7152 * g + 0.0722 * b,
+            // Of greys exactly their value.
+            Channel::Color | Channel::Luminance => g + 0.2126 * (r - g) + 0.0722 * (b - g),
             Channel::Red => r,
             Channel::Green => g,
             Channel::Blue => b,
@@ -142,10 +143,7 @@ inputs! {
 /// How a material looks where only images tell.
 #[derive(Clone, Debug)]
 enum Look {
-    /// Nothing depends on images.
-    Even {
-        opacity: f32,
-    },
+    Phong,
     Principled {
         images: Vec<(Input, Image)>,
         opacity: (f32, Option<Image>),
@@ -165,6 +163,9 @@ pub struct MaterialImages {
     /// Whether any material depends on texture coordinates, and which.
     needs_uv: Vec<bool>,
     any_uv: bool,
+    /// Whether any material depends on tangents, and which.
+    needs_tangent: Vec<bool>,
+    any_tangent: bool,
     /// Which materials let light pass through unbent, somewhere.
     passes: Vec<bool>,
     any_pass: bool,
@@ -183,7 +184,7 @@ impl MaterialImages {
     /// Prepares the materials of a scene.
     pub fn new(materials: &[slo_scene::Material]) -> Self {
         let look = |material: &slo_scene::Material| match &material.kind {
-            MaterialKind::Phong(_) => Look::Even { opacity: 1.0 },
+            MaterialKind::Phong(_) => Look::Phong,
             MaterialKind::Principled(of) => {
                 let normals = of.normal.as_ref().map(Image::new);
                 Look::Principled { images: images(of), opacity: varying(&of.alpha), normals }
@@ -193,22 +194,24 @@ impl MaterialImages {
             }
         };
         let looks: Vec<Look> = materials.iter().map(look).collect();
-        let normals = |number: usize| match &materials[number].kind {
-            MaterialKind::Principled(of) => {
-                of.normal.is_some() || of.anisotropic.value > 0.0 || of.anisotropic.image.is_some()
-            }
+        // Whether it matters how a texture is turned.
+        let turns = |number: usize| match &materials[number].kind {
+            MaterialKind::Principled(of) => of.normal.is_some() || of.anisotropic.value != 0.0,
+            MaterialKind::Phong(_) | MaterialKind::Mix(_) => false,
+        };
+        // Phong materials that are not mixed look up their textures themselves.
+        let is_textured = |number: usize| match &materials[number].kind {
             MaterialKind::Phong(of) => of.texture.is_some(),
-            MaterialKind::Mix(_) => false,
+            MaterialKind::Principled(_) | MaterialKind::Mix(_) => false,
         };
         let uv = |number: usize| match &looks[number] {
-            Look::Even { .. } => false,
-            Look::Principled { images, .. } => !images.is_empty() || normals(number),
+            Look::Phong => false,
+            Look::Principled { images, .. } => !images.is_empty() || turns(number),
             Look::Mix { factor, .. } => factor.1.is_some(),
         };
         let pass = |number: usize| match &looks[number] {
-            Look::Even { opacity } => *opacity < 1.0,
             Look::Principled { opacity, .. } => opacity.0 < 1.0 || opacity.1.is_some(),
-            Look::Mix { .. } => false,
+            Look::Phong | Look::Mix { .. } => false,
         };
         // What a part of a mix needs, the mix needs too. Mixes may stand before their parts.
         let spread = |of: &dyn Fn(usize) -> bool, parts: &dyn Fn(usize) -> bool| {
@@ -228,15 +231,18 @@ impl MaterialImages {
             }
             all
         };
-        let needs_uv = spread(&uv, &normals);
+        let needs_uv = spread(&uv, &is_textured);
+        let needs_tangent = spread(&turns, &|_| false);
         let passes = spread(&pass, &|_| false);
         let bends = |look: &Look| matches!(look, Look::Principled { normals: Some(_), .. });
         Self {
             any_bend: looks.iter().any(bends),
             any_uv: needs_uv.contains(&true),
+            any_tangent: needs_tangent.contains(&true),
             any_pass: passes.contains(&true),
             looks,
             needs_uv,
+            needs_tangent,
             passes,
         }
     }
@@ -249,6 +255,16 @@ impl MaterialImages {
     /// Whether a material depends on texture coordinates.
     pub fn needs_uv(&self, material: u32) -> bool {
         self.needs_uv.get(material as usize).is_some_and(|needs| *needs)
+    }
+
+    /// Whether any material depends on tangents.
+    pub fn any_needs_tangent(&self) -> bool {
+        self.any_tangent
+    }
+
+    /// Whether a material depends on tangents.
+    pub fn needs_tangent(&self, material: u32) -> bool {
+        self.needs_tangent.get(material as usize).is_some_and(|needs| *needs)
     }
 
     /// Whether an image bends the normals of any material.
@@ -286,7 +302,9 @@ impl MaterialImages {
         while let Some(Look::Mix { first, second, factor }) = self.looks.get(material as usize) {
             let share = value(factor, textures, uv);
             let is_second = u < share;
-            u = if is_second { u / share } else { (u - share) / (1.0 - share) };
+            let rest = if is_second { u / share } else { (u - share) / (1.0 - share) };
+            // Roundings must not make it 1, since then an opaque part would let rays pass.
+            u = rest.min(1.0f32.next_down());
             material = if is_second { *second } else { *first };
         }
         (material, u)
@@ -311,23 +329,179 @@ impl MaterialImages {
     /// Returns the share of light that does not pass through a material unbent, at texture
     /// coordinates.
     pub fn opacity(&self, material: u32, textures: &[Arc<Texture>], uv: Vec2) -> f32 {
-        let mut sum = 0.0;
-        // Parts of mixes that are still to be added, with their shares.
-        let mut left = vec![(material, 1.0)];
-        while let Some((material, share)) = left.pop() {
-            match self.looks.get(material as usize) {
-                Some(Look::Mix { first, second, factor }) => {
-                    let of_second = value(factor, textures, uv);
-                    left.push((*first, share * (1.0 - of_second)));
-                    left.push((*second, share * of_second));
-                }
-                Some(Look::Principled { opacity, .. }) => {
-                    sum += share * value(opacity, textures, uv);
-                }
-                Some(Look::Even { opacity }) => sum += share * opacity,
-                None => sum += share,
+        if !self.passes(material) {
+            return 1.0;
+        }
+        match &self.looks[material as usize] {
+            Look::Phong => 1.0,
+            Look::Principled { opacity, .. } => value(opacity, textures, uv),
+            // Scenes do not nest mixes deeply.
+            Look::Mix { first, second, factor } => {
+                let share = value(factor, textures, uv);
+                let part = |number, share: f32| {
+                    if share > 0.0 { share * self.opacity(number, textures, uv) } else { 0.0 }
+                };
+                // At most 1: both shares are rounded.
+                (part(*first, 1.0 - share) + part(*second, share)).min(1.0)
             }
         }
-        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slo_scene::material::{Phong, PhongInfo};
+    use slo_scene::{Filter, Material, MaterialId, TextureId, Wrap};
+
+    fn image(channel: Channel) -> ImageUse {
+        ImageUse {
+            texture: TextureId(0),
+            channel,
+            encoding: Curve::Raw,
+            scale: [1.0; 2],
+            turn_deg: 0.0,
+            offset: [0.0; 2],
+        }
+    }
+
+    /// One texture of two texels, whose colours are multiplied by alpha.
+    fn textures(left: [f32; 4], right: [f32; 4]) -> Vec<Arc<Texture>> {
+        let texture = Texture::from_rgba_f32(2, 1, [left, right].as_flattened().to_vec());
+        let texture = texture.expect("two texels").with_wrap(Wrap::Clamp);
+        vec![Arc::new(texture.with_filter(Filter::Nearest))]
+    }
+
+    fn material(kind: MaterialKind) -> Material {
+        Material { kind, name: String::new() }
+    }
+
+    fn phong() -> Material {
+        let info = PhongInfo {
+            ambient: [0.0; 3],
+            diffuse: [0.5; 3],
+            specular: [0.0; 3],
+            shininess: 1.0,
+            reflectance: 0.0,
+            diffuse_reflection: 0.0,
+            refraction: 0.0,
+            diffuse_refraction: 0.0,
+            refraction_index: 1.0,
+        };
+        material(MaterialKind::Phong(Phong { info, texture: None }))
+    }
+
+    fn see_through(value: f32, image: Option<ImageUse>) -> Material {
+        material(MaterialKind::Principled(Principled {
+            alpha: Varying { value, image },
+            ..Principled::default()
+        }))
+    }
+
+    fn mix(first: u32, second: u32, value: f32, image: Option<ImageUse>) -> Material {
+        let factor = Varying { value, image };
+        let (first, second) = (MaterialId(first), MaterialId(second));
+        material(MaterialKind::Mix(Mix { first, second, factor }))
+    }
+
+    #[test]
+    fn coordinates_are_scaled_then_turned_then_moved() {
+        let of = ImageUse {
+            scale: [2.0, -3.0],
+            turn_deg: 30.0,
+            offset: [0.25, -0.5],
+            ..image(Channel::Color)
+        };
+        let image = Image::new(&of);
+        let (s, c) = (0.5, 0.75f32.sqrt());
+        for uv in [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::new(0.3, 0.7)] {
+            let (x, y) = (2.0 * uv.x, -3.0 * uv.y);
+            let expected = Vec2::new(c * x - s * y + 0.25, s * x + c * y - 0.5);
+            let found = image.turn * uv + image.offset;
+            assert!((found - expected).length() < 1e-6, "{found}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn channels_and_luminance() {
+        let textures = textures([0.25, 0.125, 0.5, 0.5], [0.3, 0.3, 0.3, 1.0]);
+        let number = |channel, u| Image::new(&image(channel)).number(&textures, Vec2::new(u, 0.5));
+        let color = |channel| Image::new(&image(channel)).color(&textures, Vec2::new(0.2, 0.5));
+        let luminance: f32 = 0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722;
+        for (channel, expected) in [
+            (Channel::Red, 0.5),
+            (Channel::Green, 0.25),
+            (Channel::Blue, 1.0),
+            (Channel::Alpha, 0.5),
+            (Channel::Luminance, luminance),
+        ] {
+            assert!((number(channel, 0.2) - expected).abs() < 1e-6);
+            assert!((color(channel) - Vec3::splat(expected)).length() < 1e-6);
+        }
+        assert_eq!(color(Channel::Color), Vec3::new(0.5, 0.25, 1.0));
+        // Greys keep their bits, so that white is opaque.
+        assert_eq!(number(Channel::Luminance, 0.8), 0.3);
+    }
+
+    #[test]
+    fn mixes_choose_in_proportion_and_leave_a_number_below_one() {
+        let materials =
+            [see_through(1.0, None), phong(), mix(0, 1, 0.3, None), mix(2, 0, 0.1, None)];
+        let images = MaterialImages::new(&materials);
+        let mut counts = [0; 2];
+        let mut largest = 0.0f32;
+        for i in 0..1u32 << 16 {
+            let (chosen, u) = images.choose(3, &[], Vec2::ZERO, i as f32 / 65536.0);
+            assert!((0.0..1.0).contains(&u), "{u}");
+            counts[chosen as usize] += 1;
+            largest = largest.max(u);
+        }
+        assert!((f64::from(counts[1]) / 65536.0 - 0.27).abs() < 1e-4, "{counts:?}");
+        assert!(largest > 0.999);
+        let last = 1.0f32.next_down();
+        for i in 1..1000_u16 {
+            let share = f32::from(i) / 1000.0;
+            let images = MaterialImages::new(&[see_through(1.0, None), mix(0, 0, share, None)]);
+            for u in [0.0, share.next_down(), share, share.next_up(), last] {
+                let (_, rest) = images.choose(1, &[], Vec2::ZERO, u);
+                assert!((0.0..1.0).contains(&rest), "{share} {u}: {rest}");
+            }
+        }
+    }
+
+    #[test]
+    fn opacity_of_mixes_is_the_mean_of_their_parts() {
+        let materials = [
+            see_through(0.5, Some(image(Channel::Alpha))),
+            phong(),
+            mix(0, 1, 0.25, None),
+            mix(2, 4, 1.0, Some(image(Channel::Red))),
+            see_through(0.1, None),
+            mix(1, 1, 0.3, None),
+        ];
+        let images = MaterialImages::new(&materials);
+        let textures = textures([0.5; 4], [0.5, 0.5, 0.5, 1.0]);
+        let opacity = |material, u| images.opacity(material, &textures, Vec2::new(u, 0.5));
+        for (material, left, right) in [
+            (0, 0.25, 0.5),
+            (1, 1.0, 1.0),
+            (2, 0.75 * 0.25 + 0.25, 0.75 * 0.5 + 0.25),
+            (3, 0.1, 0.5 * 0.625 + 0.5 * 0.1),
+            (4, 0.1, 0.1),
+            (5, 1.0, 1.0),
+        ] {
+            assert!((opacity(material, 0.2) - left).abs() < 1e-6, "{material}");
+            assert!((opacity(material, 0.8) - right).abs() < 1e-6, "{material}");
+        }
+        let passes = [true, false, true, true, true, false];
+        assert_eq!(std::array::from_fn(|material| images.passes(material as u32)), passes);
+    }
+
+    #[test]
+    fn scenes_without_images_need_nothing() {
+        let materials = [see_through(1.0, None), phong(), mix(0, 1, 0.3, None)];
+        let images = MaterialImages::new(&materials);
+        assert!(!images.any_needs_uv() && !images.any_needs_tangent());
+        assert!(!images.any_passes() && !images.any_bends());
     }
 }

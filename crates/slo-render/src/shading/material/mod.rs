@@ -10,7 +10,18 @@ pub mod principled;
 mod row;
 mod table;
 
+use slo_scene::MaterialKind;
+
 pub use images::{Image, MaterialImages};
 pub use kind::Kind;
 pub use row::Material;
 pub use table::MaterialTable;
+
+/// Prepares a material of a scene for shading, if it is a Phong material. The row of another one is
+/// empty.
+pub fn row(material: &slo_scene::Material) -> Material {
+    match &material.kind {
+        MaterialKind::Phong(phong) => phong::row(phong),
+        MaterialKind::Principled(_) | MaterialKind::Mix(_) => Material::default(),
+    }
+}

@@ -2,9 +2,7 @@
 
 use glam::Vec3;
 
-use slo_scene::{MaterialKind, TextureUse};
-
-use super::phong;
+use slo_scene::TextureUse;
 
 /// A Phong material prepared for shading: a row of the material table. A material of another kind
 /// has a row of zeros.
@@ -30,14 +28,4 @@ pub struct Material {
     pub refraction_index: f32,
     /// Image that multiplies `ambient` and `diffuse`.
     pub texture: Option<TextureUse>,
-}
-
-impl Material {
-    /// Prepares a material of a scene for shading.
-    pub fn new(material: &slo_scene::Material) -> Self {
-        match &material.kind {
-            MaterialKind::Phong(phong) => phong::row(phong),
-            MaterialKind::Principled(_) | MaterialKind::Mix(_) => Self::default(),
-        }
-    }
 }

@@ -11,3 +11,4 @@ mod motion;
 mod paths;
 mod refraction;
 mod shadow;
+mod surfaces;

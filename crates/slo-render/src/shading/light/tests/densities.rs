@@ -105,7 +105,7 @@ fn rectangles_discs_and_triangles() {
     let find = |way: Vec3| {
         let way = to_plane(way, from, a, normal)?;
         let [s, t] = inside(from + way);
-        (s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0).then_some(way)
+        [s, t].iter().all(|at| (0.0..=1.0).contains(at)).then_some(way)
     };
     assert_fits(&rectangle(corners, true), from, &find, "rectangle");
     let find = |way: Vec3| {

@@ -68,7 +68,7 @@ impl Default for Choices {
 impl LightTree {
     /// Chooses a light for a hit at `from` by a random number `u` in `[0, 1)`. `normal` is the
     /// packed geometric normal on the side that receives light, or
-    /// [`receiver::ANY`](super::receiver::ANY). A light that is alone is always chosen.
+    /// [`receiver::ANY`]. A light that is alone is always chosen.
     #[inline(always)]
     pub fn choose(&self, from: Vec3, normal: u32, u: f32) -> Chosen {
         if let [_] = self.paths[..] {

@@ -42,10 +42,10 @@ impl Random {
             3 => lamps::spot_at(place, direction, 0.05, 100.0),
             4 if i < 40 => lamps::sun(direction, 0.0),
             5 if i < 40 => lamps::sun(direction, 20.0),
-            6 => lamps::rectangle(corners, i % 2 == 0),
+            6 => lamps::rectangle(corners, i.is_multiple_of(2)),
             7 => lamps::disc(place, direction, size),
             8 if i < 10 => lamps::sky(16, 8, 0.0),
-            8 if i < 40 => lamps::of_thesis(corners, i % 2 == 0),
+            8 if i < 40 => lamps::of_thesis(corners, i.is_multiple_of(2)),
             _ => {
                 let corners = corners.map(|c| c.as_vec3());
                 Light::Triangle(Triangle::new(corners, Vec3::splat(self.number())))

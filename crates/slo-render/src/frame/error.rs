@@ -1,0 +1,53 @@
+//! Why a frame cannot be built.
+
+use std::fmt;
+
+use crate::camera::DegenerateView;
+use slo_scene::animation::{KeyFrameError, NoSegment};
+
+/// Why a frame of a scene cannot be built.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum FrameError {
+    /// The frame's time lies in no camera segment.
+    NoSegment(NoSegment),
+    /// Nothing can be seen from the camera's view in this frame.
+    View {
+        /// Name of the camera segment.
+        segment: String,
+        /// What is wrong.
+        reason: DegenerateView,
+    },
+    /// An object's key frames do not form a path.
+    Path {
+        /// Name of the object.
+        object: String,
+        /// What is wrong.
+        reason: KeyFrameError,
+    },
+}
+
+impl fmt::Display for FrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSegment(error) => error.fmt(f),
+            Self::View { segment, reason } => {
+                write!(f, "the camera of segment `{segment}` can't see in this frame: ")?;
+                f.write_str(match reason {
+                    DegenerateView::NoDirection => "its position and its target are the same point",
+                    DegenerateView::SkyAlongView => {
+                        "its sky is zero or parallel to its direction of view"
+                    }
+                })
+            }
+            Self::Path { object, reason: KeyFrameError::NoOrientation(key) } => {
+                write!(f, "key frame {} of `{object}`: up is parallel to right", key + 1)
+            }
+            Self::Path { object, reason: KeyFrameError::OutOfOrder(key) } => {
+                write!(f, "key frame {} of `{object}` is earlier than the one before it", key + 1)
+            }
+        }
+    }
+}
+
+impl std::error::Error for FrameError {}
