@@ -5,11 +5,12 @@ import candle
 import chess
 import chess_scenes
 import effect_scenes
+import room
 import rose
 import rose_scene
 import still_life
 import textures
 
-for module in (board, candle, chess, rose, still_life, textures, chess_scenes, effect_scenes,
-               rose_scene):
+for module in (board, candle, chess, room, rose, still_life, textures, chess_scenes,
+               effect_scenes, rose_scene):
     module.build()
