@@ -12,6 +12,7 @@ mod sampled_camera;
 mod sampled_motion;
 mod scene;
 mod shapes;
+mod sharp;
 mod surfaces;
 mod world;
 

@@ -9,6 +9,7 @@ use super::rigid::Rigid;
 use super::shapes::Geometry;
 use super::world::{World, WorldHits};
 use crate::camera::Camera;
+use crate::photons::Emission;
 use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
@@ -41,7 +42,11 @@ pub struct FrameScene {
     pub(crate) skies: Vec<u32>,
     /// How the light of lamps is shared between techniques, for physical shading.
     pub(crate) techniques: Techniques,
+    /// Where photons start; `None` if the frame has none.
+    pub(crate) emission: Option<Emission>,
     pub(crate) sampler: Sampler,
+    /// Sampler of photons.
+    pub(crate) photon_sampler: Sampler,
     pub(crate) settings: Settings,
     /// Instruction set of all vectorized code.
     pub(crate) isa: Isa,
@@ -160,6 +165,11 @@ impl FrameScene {
         self.world.memory()
             + self.still_objects.len() * size_of::<u32>()
             + normals * size_of::<Vec3>()
+    }
+
+    /// Whether anything but the camera moves within the shutter.
+    pub(crate) fn moves(&self) -> bool {
+        !self.world.instances.is_empty() || self.lights.move_about()
     }
 
     /// Returns the number of objects that move within the shutter.

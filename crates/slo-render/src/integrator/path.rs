@@ -22,6 +22,7 @@ use super::stages::emission::Emission;
 use super::stages::features::FeatureSums;
 use super::stages::hits::Hits;
 use super::stages::lamp_light::LampLight;
+use super::stages::merging::Merging;
 use super::stages::passing::Passing;
 use super::stages::points::Points;
 use super::stages::visibility::Visibility;
@@ -42,6 +43,7 @@ pub(super) struct Path {
     features: FeatureSums,
     bsdfs: Box<Bsdfs>,
     lamp_light: Box<LampLight>,
+    merging: Box<Merging>,
     visibility: Box<Visibility>,
     continuation: Box<Continuation>,
     /// Distance between the slots of two groups of lights; 0 if groups are not told apart.
@@ -124,6 +126,15 @@ impl Path {
         if features.are_wanted() {
             bsdfs.find_own(frame, points);
             features.add(frame, batch, hits, points, |i| bsdfs.own(i));
+        }
+        if let Some(maps) = job.maps {
+            let Self { batch, hits, points, bsdfs, merging, stride, .. } = self;
+            points.find_footprints(batch, hits);
+            merging.reach(frame, maps, points, depth);
+            while merging.find(frame, maps, points, bsdfs, (depth, *stride)) {
+                machine.add(frame.isa, &merging.light, &merging.slot, merging.len);
+                job.goes_on()?;
+            }
         }
         self.ask_lamps(machine, job, depth)?;
         self.follow(machine, job, depth)

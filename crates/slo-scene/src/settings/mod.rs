@@ -20,7 +20,7 @@ pub use format::{FileValues, OutputFormat};
 pub use list::{MOST_CAMERA_SAMPLES, Settings};
 pub use value::{Bound, Form, Value};
 pub use words::{
-    Accelerator, Contrast, Curve, Encoding, Filter, Generator, Integrator, Layer, LightSampling,
+    Accelerator, Contrast, Curve, Encoding, Filter, Generator, Integrator, Layer, LightSampling, PhotonSeed,
     ShadowMode, ToneMap, Wrap,
 };
 

@@ -6,7 +6,7 @@ use slo_scene::LightSampling;
 
 use super::hits::Hits;
 use crate::frame::{FrameScene, Look};
-use crate::integrator::batch::{Batch, marks};
+use crate::integrator::batch::{Batch, Past, marks};
 use crate::integrator::branching::rays_to;
 
 /// Light of the rays that are not shaded.
@@ -97,6 +97,32 @@ fn sky(frame: &FrameScene, skies: &[u32], batch: &Batch, i: usize, depth: u32) -
 /// Returns the weight, by the balance heuristic, of ray `i`, which ends on a lamp after `depth`
 /// bounces at the end of the vector `way` from the hit that it left.
 pub(super) fn share(
+    frame: &FrameScene,
+    number: u32,
+    way: Vec3,
+    batch: &Batch,
+    i: usize,
+    depth: u32,
+) -> f32 {
+    let left = left_by_photons(frame, number, way, batch, i);
+    share_of_hit(frame, number, way, batch, i, depth) * left
+}
+
+/// Returns the share of a lamp's light that photons leave to ray `i`, which ends on it.
+fn left_by_photons(frame: &FrameScene, number: u32, way: Vec3, batch: &Batch, i: usize) -> f32 {
+    let Past { from, marks, rough, .. } = &batch.past;
+    let Some(emission) = frame.emission.as_ref().filter(|_| rough.is_kept) else { return 1.0 };
+    if marks[i] & marks::SHARP == 0 || rough.rival[i] == 0.0 {
+        return 1.0;
+    }
+    let (point, time) = (from.get(i) + way, batch.labels.time[i]);
+    let density =
+        emission.density(&frame.lights, number, time, point, -batch.rays.direction(i));
+    rough.rival[i] / (rough.rival[i] + density)
+}
+
+/// Like [`share`], among techniques that start at the camera.
+fn share_of_hit(
     frame: &FrameScene,
     number: u32,
     way: Vec3,

@@ -92,6 +92,14 @@ impl Passing {
         past.from.set(i, batch.past.from.get(ray));
         past.normal[i] = batch.past.normal[ray];
         past.marks[i] = batch.past.marks[ray] + marks::PASS;
+        past.rough.is_kept = batch.past.rough.is_kept;
+        if past.rough.is_kept {
+            let (rough, before) = (&mut past.rough, &batch.past.rough);
+            let way = (origin - batch.rays.origin(ray)).length();
+            rough.rival[i] = before.rival[ray];
+            rough.width[i] = before.width[ray] + before.spread[ray] * way;
+            rough.spread[i] = before.spread[ray];
+        }
         *len += 1;
     }
 

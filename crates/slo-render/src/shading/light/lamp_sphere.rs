@@ -53,6 +53,7 @@ impl SphereLamp {
 impl Lamp for SphereLamp {
     const IS_AREA: bool = true;
     const IS_DELTA: bool = false;
+    const IS_CLOSED: bool = true;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
@@ -100,6 +101,18 @@ impl Lamp for SphereLamp {
 
     fn encloses(&self, point: Vec3) -> bool {
         (point - self.center).length_squared() < self.radius * self.radius
+    }
+
+    fn area(&self) -> f32 {
+        4.0 * PI * self.radius * self.radius
+    }
+
+    fn place(&self, u: [f32; 2]) -> Vec3 {
+        self.center + cone::about(Vec3::Z, 2.0, u).0 * self.radius
+    }
+
+    fn normal(&self, point: Vec3) -> Vec3 {
+        (point - self.center).normalize_or(Vec3::Z)
     }
 
     fn bounds(&self) -> LightBounds {

@@ -1,7 +1,7 @@
 //! Lights in render space: one file for each kind.
 
 mod bounds;
-mod cone;
+pub(crate) mod cone;
 mod environment;
 mod flat;
 mod kinds;

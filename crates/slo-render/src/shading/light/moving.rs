@@ -82,6 +82,7 @@ impl<L: Lamp> Lamp for Moving<L> {
     const IS_DELTA: bool = L::IS_DELTA;
     const IS_OF_THESIS: bool = L::IS_OF_THESIS;
     const IS_DISTANT: bool = L::IS_DISTANT;
+    const IS_CLOSED: bool = L::IS_CLOSED;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
@@ -120,6 +121,18 @@ impl<L: Lamp> Lamp for Moving<L> {
 
     fn encloses(&self, point: Vec3) -> bool {
         self.lamp.encloses(self.pose.inverse_point(point))
+    }
+
+    fn area(&self) -> f32 {
+        self.lamp.area()
+    }
+
+    fn place(&self, u: [f32; 2]) -> Vec3 {
+        self.pose.vector(self.lamp.place(u)) + self.pose.translation
+    }
+
+    fn normal(&self, point: Vec3) -> Vec3 {
+        self.pose.vector(self.lamp.normal(self.pose.inverse_point(point)))
     }
 
     fn bounds(&self) -> LightBounds {
