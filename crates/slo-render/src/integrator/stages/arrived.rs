@@ -108,22 +108,22 @@ fn light(
     if radiance == Vec3::ZERO {
         return radiance;
     }
-    radiance * share(frame, number, density, batch, i, depth)
+    radiance * share(frame, number, (way, density), batch, i, depth)
 }
 
 /// Returns the weight, by the balance heuristic, of ray `i`, which ends on a lamp after `depth`
-/// bounces. `by_point` is the `pdf_solid_angle` of the point where it ends; see
-/// [`Lamp::density`](crate::shading::Lamp::density).
+/// bounces at the end of the vector `way` from the hit that it left. `by_point` is the
+/// `pdf_solid_angle` of the point where it ends; see [`Lamp::density`](crate::shading::Lamp::density).
 pub(super) fn share(
     frame: &FrameScene,
     number: u32,
-    by_point: f32,
+    (way, by_point): (Vec3, f32),
     batch: &Batch,
     i: usize,
     depth: u32,
 ) -> f32 {
     let left = left_by_photons(frame, number, way, batch, i);
-    share_of_hit(frame, number, way, batch, i, depth) * left
+    share_of_hit(frame, number, by_point, batch, i, depth) * left
 }
 
 /// Returns the share of a lamp's light that photons leave to ray `i`, which ends on it.
@@ -142,7 +142,7 @@ fn left_by_photons(frame: &FrameScene, number: u32, way: Vec3, batch: &Batch, i:
 fn share_of_hit(
     frame: &FrameScene,
     number: u32,
-    way: Vec3,
+    by_point: f32,
     batch: &Batch,
     i: usize,
     depth: u32,

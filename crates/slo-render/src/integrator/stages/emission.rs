@@ -46,7 +46,7 @@ impl Emission {
                     let (from, time) = (batch.past.from.get(ray), batch.labels.time[ray]);
                     let way = points.surfaces.point.get(i) - from;
                     let by_point = frame.lights.density(number, time, from, way);
-                    share(frame, number, by_point, batch, ray, depth)
+                    share(frame, number, (way, by_point), batch, ray, depth)
                 });
                 light = points.weight.get(i) * emitted * share;
             }
