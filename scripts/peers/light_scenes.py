@@ -178,6 +178,8 @@ class Scene:
     focus: float = 1.0
     limit: float = 1e-3  # relative mean square error to reach
     same_light: bool = True  # Mitsuba has the same materials
+    photons: float = 0.0  # slo-rt's light paths for each camera sample
+    all_pixels: bool = False  # whether the limit is for all pixels, not for all but the worst
 
     def segments(self):
         """The depth as Mitsuba counts it: segments of the path, with the one to the lamp."""
@@ -441,7 +443,8 @@ def caustics():
         Thing("ring", ring(), Metal(GOLD, 0.0), (((0.35, 0.5, 0.0), *UPRIGHT),)),
         Thing("lens", lens(), Glass(0.0), (((-1.0, 0.2, 0.75), (0.25, 0.35, 1.0), (1.0, 0.0, -0.25)),)),
     ]
-    return Scene("caustics", (0.0, -3.4, 1.9), (-0.1, 0.0, 0.25), 0.38, 12, tuple(things), (lamp,), limit=1e-2)
+    return Scene("caustics", (0.0, -3.4, 1.9), (-0.1, 0.0, 0.25), 0.38, 12, tuple(things), (lamp,), limit=1e-2,
+                 photons=0.5, all_pixels=True)
 
 
 SCENES = {make.__name__: make for make in (room, window, hall, stills, motion, microfacets, caustics)}

@@ -84,7 +84,7 @@ impl Border {
         let [reflected, passed] =
             if self.is_thin { pane } else { [once, (Vec3::ONE - once) * self.tint] };
         let sum = |v: Vec3| v.x + v.y + v.z;
-        let (r, t) = (sum(reflected), sum(passed));
+        let (r, t) = (sum(reflected).sqrt(), sum(passed).sqrt());
         Parts { reflected, passed, chance: r / (r + t).max(f32::MIN_POSITIVE) }
     }
 
