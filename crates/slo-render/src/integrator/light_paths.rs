@@ -215,4 +215,18 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn light_of_the_sky_does_not_pass_walls() {
+        // The room is as large as everything that rays can hit.
+        for lamp in [
+            "lamp_sun l { irradiance { 3 3 3 } direction { .2 .3 -1 } }",
+            "lamp_sun l { irradiance { 3 3 3 } direction { 0 0 -1 } angle_deg 0 }",
+            "environment l { radiance { 1 1 1 } }",
+        ] {
+            let ball = "sphere b { center { 0 0 0 } radius .5 material mirror }";
+            let frame = frame(&format!("{lamp} {ball}"));
+            assert!(photons(&frame, 1 << 12).is_empty(), "{lamp}");
+        }
+    }
 }

@@ -30,7 +30,7 @@ pub struct Emission {
     chances: Vec<f32>,
     /// Sums of the chances up to and including each.
     ends: Vec<f64>,
-    /// Everything that rays can hit.
+    /// A box about everything that rays can hit, and nothing in its sides.
     world: Bounds,
 }
 
@@ -95,6 +95,9 @@ impl Emission {
             Some(*sum)
         });
         let ends = ends.collect();
+        let far = world.min.abs().max(world.max.abs()).max_element();
+        let margin = Vec3::splat(far * 1e-5) + world.size() * 1e-3;
+        let world = Bounds { min: world.min - margin, max: world.max + margin };
         Some(Self { targets, rows, lamps, chances, ends, world })
     }
 
