@@ -11,9 +11,9 @@ use slo_accel::math::Bounds;
 
 use super::targets::Target;
 use crate::sampling::warp::{concentric_disc, cosine_power_lobe};
+use crate::shading::Lights;
 use crate::shading::light::{Lamp, LightBounds, Moving, Pose, WithLamp, cone};
 use crate::shading::lobe::pair;
-use crate::shading::Lights;
 
 /// Row of a light that sends no photons.
 const NONE: u32 = u32::MAX;

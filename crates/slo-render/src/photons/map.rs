@@ -66,9 +66,9 @@ impl Slab {
         order.sort_unstable();
         let photons: Vec<Photon> = order.iter().map(|(_, i)| photons[*i as usize]).collect();
         let leaves: Vec<Leaf> = photons.chunks(WIDE).map(leaf).collect();
-        let boxes = photons.chunks(WIDE).map(|leaf| {
-            Bounds::of_points(leaf.iter().map(|photon| photon.position))
-        });
+        let boxes = photons
+            .chunks(WIDE)
+            .map(|leaf| Bounds::of_points(leaf.iter().map(|photon| photon.position)));
         let mut boxes: Vec<Bounds> = boxes.collect();
         let mut levels = Vec::new();
         while !boxes.is_empty() {

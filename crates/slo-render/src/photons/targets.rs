@@ -38,7 +38,8 @@ impl Target {
 
 /// Returns at most [`MOST`] spheres about some things. What lies close together shares one.
 pub fn targets(things: &[Sharp]) -> Vec<Target> {
-    let mut clusters: Vec<Vec<Sharp>> = if things.is_empty() { vec![] } else { vec![things.into()] };
+    let mut clusters: Vec<Vec<Sharp>> =
+        if things.is_empty() { vec![] } else { vec![things.into()] };
     while clusters.len() < MOST {
         let size = |cluster: &Vec<Sharp>| {
             if cluster.len() < 2 { 0.0 } else { Target::about(cluster).radius }

@@ -32,7 +32,11 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
         tiles.filter(|tile| !tile.is_empty()).collect::<Vec<_>>()
     };
     let has_photons = frame.emission.is_some();
-    let first = if has_photons { run.first_open(|tile| plan.at(tile, width, height), &tiles(), &memory) } else { None };
+    let first = if has_photons {
+        run.first_open(|tile| plan.at(tile, width, height), &tiles(), &memory)
+    } else {
+        None
+    };
     let mut stretches = Stretches::new(frame, first);
     let mut is_complete = false;
     let gives_up = || observer.gives_up() || observer.should_stop();

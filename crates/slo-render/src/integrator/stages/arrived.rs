@@ -116,8 +116,7 @@ fn left_by_photons(frame: &FrameScene, number: u32, way: Vec3, batch: &Batch, i:
         return 1.0;
     }
     let (point, time) = (from.get(i) + way, batch.labels.time[i]);
-    let density =
-        emission.density(&frame.lights, number, time, point, -batch.rays.direction(i));
+    let density = emission.density(&frame.lights, number, time, point, -batch.rays.direction(i));
     rough.rival[i] / (rough.rival[i] + density)
 }
 

@@ -182,7 +182,7 @@ impl Lanewise for Finish<'_> {
 
 /// By how much the footprint of a ray that left a rough lobe grows with distance, at least. Light that
 /// comes that way is spread so widely that details in it don't show.
-const ROUGH_SPREAD: f32 = 0.02;
+const ROUGH_SPREAD: f32 = 0.005;
 
 /// Notes what the paths share with photons.
 struct Remember<'a> {

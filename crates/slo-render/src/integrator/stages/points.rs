@@ -307,3 +307,37 @@ impl Lanewise for Weighted<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use slo_accel::Isa;
+    use slo_scene::Generator;
+
+    use super::*;
+    use crate::sampling::Sampler;
+
+    #[test]
+    fn roulette_does_not_depend_on_the_direction_of_the_same_bounce() {
+        let sampler = Sampler::new(Generator::Quasi, 1, 0);
+        let mut points = Points::default();
+        points.surfaces.len = 1008;
+        points.seed = [sampler.pixel(3, 5).word(); BATCH];
+        points.labels.index = NUMBERS;
+        let settings = Settings::default();
+        for depth in 0..4 {
+            let numbers = |purpose| {
+                let mut set = SetPoints::default();
+                let names = points.names(&settings, depth, purpose, [0, 1]);
+                set.take::<3>(&sampler, Isa::Portable, &names);
+                set.numbers[0]
+            };
+            let [direction, survival] = [Purpose::Continuation, Purpose::Survival].map(numbers);
+            let mut cells = [[0; 4]; 4];
+            for (a, b) in direction.iter().zip(&survival).take(1000) {
+                cells[(a * 4.0) as usize][(b * 4.0) as usize] += 1;
+            }
+            // 62 or 63 of independent numbers.
+            assert!(cells.iter().flatten().all(|count| *count > 30), "{depth}: {cells:?}");
+        }
+    }
+}

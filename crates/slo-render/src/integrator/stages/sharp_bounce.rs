@@ -159,7 +159,8 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             let sampled = lobe.sample(i, &at, [u, v, rest]);
             let passes = at.n_geo.dot(sampled.direction) < 0.0;
             let compression = if passes { lobe.compression(i) } else { 1.0 };
-            let weight = sampled.weight * (adjoint(&at, sampled.direction) / (chance * compression));
+            let weight =
+                sampled.weight * (adjoint(&at, sampled.direction) / (chance * compression));
             let keep = |new: Vec3, old: Vec3| if is_chosen { new } else { old };
             sent.direction.set(i, keep(sampled.direction, sent.direction.get(i)));
             sent.weight.set(i, keep(weight, sent.weight.get(i)));
