@@ -14,6 +14,7 @@ mod huge;
 mod layers;
 mod looks;
 mod parts;
+mod photons;
 mod pictures;
 mod relight;
 #[cfg(unix)]

@@ -157,7 +157,7 @@ pub(super) fn check_emission(
 }
 
 /// Whether some of these materials, or something that they are mixed from, has a property.
-fn any_part(
+pub(super) fn any_part(
     materials: &[Material],
     of: impl Iterator<Item = usize>,
     has: impl Fn(&MaterialKind) -> bool,

@@ -6,7 +6,7 @@ use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
 use super::oddities::Emission;
 use super::texture::{Image, texture, warn_of_alpha};
-use super::{camera, key_frames, lights, oddities, overlaps, settings, tangents};
+use super::{camera, key_frames, lights, oddities, overlaps, photons, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
@@ -80,9 +80,16 @@ struct Resolver<'t, 'a, 'd> {
     diagnostics: &'d mut Diagnostics,
 }
 
+/// Where settings are written.
+#[derive(Clone, Copy, Debug, Default)]
+struct Places {
+    background: Option<Span>,
+    photons: Option<Span>,
+}
+
 impl<'t, 'a> Resolver<'t, 'a, '_> {
     fn description(&mut self) -> Option<SceneDescription> {
-        let (settings, background) = self.settings();
+        let (settings, Places { background, photons }) = self.settings();
         let camera = self.camera();
         let lights = self.lights(camera.as_ref());
         lights::check_sky(&lights, background, self.diagnostics);
@@ -104,6 +111,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
             oddities::check_light(&scene, self.diagnostics);
             oddities::check_emission(&self.emission, &scene.materials, self.diagnostics);
+            let spans: Vec<Span> = lights.iter().map(|(_, span)| *span).collect();
+            photons::check(photons, &scene, &spans, self.diagnostics);
             overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
         }
         Some(scene)
@@ -113,15 +122,16 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         Fields::read(element, &LANGUAGE, self.scale, self.diagnostics)
     }
 
-    /// The settings, and where they set `background`.
-    fn settings(&mut self) -> (Settings, Option<Span>) {
+    /// The settings, and where some of them are set.
+    fn settings(&mut self) -> (Settings, Places) {
         match self.scene.only(|role| matches!(role, Role::Settings), self.diagnostics) {
             Some(element) => {
                 let mut fields = self.fields(element);
-                let background = fields.get("background").map(|field| field.keyword.span);
-                (settings::settings(&mut fields), background)
+                let at = |name| fields.get(name).map(|field| field.keyword.span);
+                let places = Places { background: at("background"), photons: at("photons") };
+                (settings::settings(&mut fields), places)
             }
-            None => (Settings::default(), None),
+            None => (Settings::default(), Places::default()),
         }
     }
 
