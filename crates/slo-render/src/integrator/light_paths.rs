@@ -39,12 +39,13 @@ impl PhotonPass {
         let samples = samples_of(pass);
         let pixels = f64::from(frame.camera.width()) * f64::from(frame.camera.height());
         let before =
-            |samples: u32| (f64::from(frame.settings.photons) * pixels * f64::from(samples)) as u64;
-        let first = before(samples.start);
+            |pass: u32| (f64::from(frame.settings.photons) * pixels * f64::from(pass)) as u64;
+        let first = before(pass);
         // The error of a slab's length falls like that of the radius.
         let slabs = SLABS * libm::pow(f64::from(samples.start) + 1.0, 1.0 / 6.0);
         let slabs = if frame.moves() { slabs as u32 } else { 1 };
-        let paths = (before(samples.end) - first).clamp(u64::from(slabs), MOST_PATHS) as u32;
+        let paths =
+            (before(pass.saturating_add(1)) - first).clamp(u64::from(slabs), MOST_PATHS) as u32;
         // All slabs have the same number.
         let paths = paths - paths % slabs;
         Self { first: first as u32, paths, slabs }

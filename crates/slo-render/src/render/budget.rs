@@ -50,18 +50,21 @@ pub fn render_until(
     for step in least.done.min(last)..=last {
         let plan = plan.at_step(step);
         let mut must = must(least, step, tiles.len());
-        let mut first = None;
+        let (mut first, mut before) = (None, None);
         if frame.emission.is_some() {
             // Photons serve all tiles, so a step is taken by all tiles or by none.
-            if must == 0 && !clock.allows_all(memory.len()) {
-                break;
+            if must == 0 {
+                if !clock.allows_all(memory.len()) {
+                    break;
+                }
+                before = run.film();
             }
             must = tiles.len();
             first = run.first_open(|_| plan.clone(), &tiles, &memory);
         }
         let mut stretches = Stretches::new(frame, first);
         let mut handed = 0;
-        while let Some(stretch) = stretches.next(plan.most(), &gives_up) {
+        while let Some(stretch) = stretches.next(&plan, &gives_up) {
             let pass = Pass {
                 run: &run,
                 clock: &clock,
@@ -77,25 +80,37 @@ pub fn render_until(
             };
             rayon::broadcast(|thread| pass.work(&mut lock(&memory[thread.index()])));
             handed = pass.next.into_inner().min(tiles.len());
-            if step > 0 {
-                reached = Steps { done: step - 1, tiles: handed as u32 };
-            }
+            let is_open = pass.is_open.into_inner();
             if pass.is_stopped.into_inner() {
+                reached = so_far(step, handed, reached);
                 return (run.exposed(false), reached);
             }
-            if !pass.is_open.into_inner() {
+            if !is_open {
                 break;
             }
+            // The step takes longer than was expected: the picture is that of the step before.
+            if clock.is_over()
+                && let Some(film) = before.take()
+            {
+                run.restore(film);
+                return (run.exposed(true), reached);
+            }
         }
-        if handed < tiles.len() && gives_up() {
-            return (run.exposed(false), reached);
-        }
+        reached = so_far(step, handed, reached);
         if handed < tiles.len() {
+            if gives_up() {
+                return (run.exposed(false), reached);
+            }
             break;
         }
         reached = Steps { done: step, tiles: 0 };
     }
     (run.exposed(true), reached)
+}
+
+/// Returns how far a picture has come if so many tiles were handed out for a step.
+fn so_far(step: u32, handed: usize, before: Steps) -> Steps {
+    if step > 0 { Steps { done: step - 1, tiles: handed as u32 } } else { before }
 }
 
 /// Returns how many tiles must take a step.

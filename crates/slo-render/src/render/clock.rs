@@ -61,6 +61,11 @@ impl Clock {
         left.is_some_and(|left| expected / threads.max(1) as f64 <= left.as_secs_f64())
     }
 
+    /// Whether the time is over.
+    pub(super) fn is_over(&self) -> bool {
+        Instant::now() >= self.deadline
+    }
+
     /// Adds the cost of a step of a tile; `samples` are the samples per pixel before and after it.
     pub(super) fn add(&self, tile: usize, cost: Duration, samples: [f64; 2]) {
         lock(&self.tiles[tile]).add(cost, samples);

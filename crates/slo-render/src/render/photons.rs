@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 use rayon::prelude::*;
 
 use super::lock::lock;
+use super::plan::Plan;
 use crate::frame::FrameScene;
 use crate::integrator::{PhotonPass, PhotonTracer};
 use crate::photons::{PhotonMap, PhotonMaps, Slab, pass_of, radius_share, samples_of};
@@ -48,15 +49,17 @@ impl<'a> Stretches<'a> {
         Self { frame, next: first, is_first: true, tracers }
     }
 
-    /// Returns the next stretch, up to sample number `end`; `None` if there are no more samples, or if
-    /// `gives_up` says to give up.
+    /// Returns the next stretch of a plan, at most to where it decides which pixels need more; `None` if
+    /// there are no more samples, or if `gives_up` says to give up.
     pub(super) fn next(
         &mut self,
-        end: u32,
+        plan: &Plan,
         gives_up: &(dyn Fn() -> bool + Sync),
     ) -> Option<Stretch> {
         let is_first = std::mem::replace(&mut self.is_first, false);
         let Some(next) = self.next else { return is_first.then_some(Stretch::WHOLE) };
+        let share = plan.samples().map_or(0, |share| share.start);
+        let end = share.saturating_add(plan.next_border(next - share));
         if next >= end {
             return None;
         }

@@ -42,6 +42,16 @@ impl<'a> Run<'a> {
         self.steps.fetch_max(packed, Ordering::SeqCst);
     }
 
+    /// A copy of the film as it is; `None` if there is no memory for it.
+    pub(super) fn film(&self) -> Option<Film> {
+        lock(&self.result).0.try_clone()
+    }
+
+    /// Returns to an earlier copy of the film.
+    pub(super) fn restore(&self, film: Film) {
+        lock(&self.result).0 = film;
+    }
+
     pub(super) fn exposed(self, is_complete: bool) -> Exposed {
         let (film, statistics) = self.result.into_inner().unwrap_or_else(|p| p.into_inner());
         Exposed { film, statistics, is_complete }

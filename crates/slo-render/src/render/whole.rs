@@ -25,7 +25,6 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
     let (width, height) = (frame.camera.width(), frame.camera.height());
     let sections = Sections::new(&frame.settings, width, height);
-    let end = plan.samples().map_or(plan.most(), |share| share.end);
     let tiles = || {
         let of = |section: Area| section.cells(TILE).filter(|&t| plan.includes(t, width));
         let tiles = sections.areas().into_iter().flat_map(of).map(|tile| tile.common(&area));
@@ -41,7 +40,7 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
     let mut is_complete = false;
     let gives_up = || observer.gives_up() || observer.should_stop();
     while !is_complete {
-        let Some(stretch) = stretches.next(end, &gives_up) else { break };
+        let Some(stretch) = stretches.next(plan, &gives_up) else { break };
         let is_open = AtomicBool::new(false);
         let expose = |tile: Area| {
             let thread = rayon::current_thread_index().unwrap_or(0);
