@@ -12,6 +12,7 @@ mod foreign;
 mod frames;
 mod huge;
 mod layers;
+mod light;
 mod looks;
 mod parts;
 mod photons;

@@ -32,7 +32,7 @@ pub use description::{
 };
 pub use files::Files;
 pub use light::{Light, LightKind};
-pub use load::{Loaded, load};
+pub use load::{Loaded, load, load_adapted};
 pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;
 pub use settings::{

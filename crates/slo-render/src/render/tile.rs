@@ -289,7 +289,8 @@ mod tests {
         let sums: Vec<SampleSum> = (1..=6).map(|i| [Fixed::from_units(i); 3]).collect();
         // Three entries of work; two of them are of pixel 3.
         add_lights(&mut film, &[3, 0, 3], &sums);
-        let units = |i: usize| film.lights(i).iter().map(|sum| sum[1].units()).collect::<Vec<_>>();
+        let units =
+            |i: usize| film.lights(i).iter().map(|sum| sum[1].units()).collect::<Vec<u64>>();
         assert_eq!([units(0), units(1), units(3)], [vec![2, 5], vec![0, 0], vec![1 + 3, 4 + 6]]);
         add_lights(&mut film, &[3, 0, 3], &[]);
         assert_eq!(film.lights(1), &[[Fixed::ZERO; 3]; 2]);

@@ -5,27 +5,38 @@ use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::material::MaterialKind;
 use crate::settings::Integrator;
 
-/// Warns of `photons`, which is written at `place`, if it finds nothing, and of the lights that send
-/// none. `lights` are the places of all lights.
+/// Warns of `photons` if it finds nothing, of `photonSeed` without it, and of the lights that send no
+/// photons. `photons` and `seed` are where the two are written, `lights` where the lights are.
 pub(super) fn check(
-    place: Option<Span>,
+    [photons, seed]: [Option<Span>; 2],
     scene: &SceneDescription,
     lights: &[Span],
     diagnostics: &mut Diagnostics,
 ) {
-    let Some(place) = place.filter(|_| scene.settings.photons > 0.0) else { return };
+    if scene.settings.photons == 0.0 {
+        if let Some(place) = seed {
+            let warning = Diagnostic::warning("`photonSeed` does nothing without `photons`");
+            diagnostics.push(warning.at(place, ""));
+        }
+        return;
+    }
+    // An option has no place.
+    let warning = |message: String| {
+        let warning = Diagnostic::warning(message);
+        if let Some(place) = photons { warning.at(place, "") } else { warning }
+    };
     let integrator = scene.settings.integrator;
     if integrator != Integrator::Path {
         let message = format!("`photons` does nothing under `integrator {integrator}`");
         let help = "write `integrator PATH`, the integrator that uses photons";
-        diagnostics.push(Diagnostic::warning(message).at(place, "").help(help));
+        diagnostics.push(warning(message).help(help));
         return;
     }
     if !any_object(scene, &MaterialKind::is_sharp) {
-        let warning = Diagnostic::warning("`photons` finds nothing: no object is smooth enough");
+        let message = "`photons` finds nothing: no object is smooth enough";
         let help = "photons follow mirrors, metal, gloss, coats and glass whose roughness is below \
                     0.447, and Phong's whose spread is below 0.142";
-        diagnostics.push(warning.at(place, "").help(help));
+        diagnostics.push(warning(message.into()).help(help));
         return;
     }
     let is_of_thesis = |number: &usize| scene.lights[*number].kind.is_of_thesis();
@@ -46,9 +57,9 @@ pub(super) fn check(
     }
     let shines = scene.lights.iter().any(|light| !light.kind.is_dark());
     if !shines && !any_object(scene, &emits) {
-        let warning = Diagnostic::warning("`photons` finds nothing: there is no lamp to send them");
+        let message = "`photons` finds nothing: there is no lamp to send them";
         let help = "`background` sends none: use an `environment`";
-        diagnostics.push(warning.at(place, "").help(help));
+        diagnostics.push(warning(message.into()).help(help));
     }
 }
 

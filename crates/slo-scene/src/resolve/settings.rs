@@ -48,10 +48,6 @@ pub(super) fn settings(fields: &mut Fields<'_, '_, '_>) -> Settings {
     if settings.noise.is_some() {
         warn_of_contrast(fields);
     }
-    if settings.photons == 0.0 && let Some(seed) = fields.get("photonSeed") {
-        let warning = Diagnostic::warning("`photonSeed` does nothing without `photons`");
-        fields.diagnostics.push(warning.at(seed.keyword.span, ""));
-    }
     settings
 }
 

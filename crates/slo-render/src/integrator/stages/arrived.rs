@@ -74,38 +74,56 @@ fn lamp(frame: &FrameScene, number: u32, batch: &Batch, hits: &Hits, i: usize, d
     if frame.lights.enclose(number, time, batch.rays.origin(i)) {
         return Vec3::ZERO;
     }
-    let radiance = frame.lights.radiance(number, time, way);
-    radiance * share(frame, number, way, batch, i, depth)
+    light(frame, number, [from, way], batch, i, depth)
 }
 
 /// Returns the light of skies.
 fn sky(frame: &FrameScene, skies: &[u32], batch: &Batch, i: usize, depth: u32) -> Vec3 {
     let direction = batch.rays.direction(i);
-    let mut light = Vec3::ZERO;
+    let from = batch.past.from.get(i);
+    let mut sum = Vec3::ZERO;
     for &number in skies {
         if depth == 0 && frame.is_hidden(number) {
             continue;
         }
-        let radiance = frame.lights.radiance(number, batch.labels.time[i], direction);
-        if radiance != Vec3::ZERO {
-            light += radiance * share(frame, number, direction, batch, i, depth);
-        }
+        sum += light(frame, number, [from, direction], batch, i, depth);
     }
-    light
+    sum
+}
+
+/// Returns the light of a lamp at the end of the vector `way`, weighted by its share.
+fn light(
+    frame: &FrameScene,
+    number: u32,
+    [from, way]: [Vec3; 2],
+    batch: &Batch,
+    i: usize,
+    depth: u32,
+) -> Vec3 {
+    let time = batch.labels.time[i];
+    if depth == 0 {
+        return frame.lights.radiance(number, time, way);
+    }
+    let (radiance, density) = frame.lights.found(number, time, from, way);
+    if radiance == Vec3::ZERO {
+        return radiance;
+    }
+    radiance * share(frame, number, (way, density), batch, i, depth)
 }
 
 /// Returns the weight, by the balance heuristic, of ray `i`, which ends on a lamp after `depth`
-/// bounces at the end of the vector `way` from the hit that it left.
+/// bounces at the end of the vector `way` from the hit that it left. `by_point` is the
+/// `pdf_solid_angle` of the point where it ends; see [`Lamp::density`](crate::shading::Lamp::density).
 pub(super) fn share(
     frame: &FrameScene,
     number: u32,
-    way: Vec3,
+    (way, by_point): (Vec3, f32),
     batch: &Batch,
     i: usize,
     depth: u32,
 ) -> f32 {
     let left = left_by_photons(frame, number, way, batch, i);
-    share_of_hit(frame, number, way, batch, i, depth) * left
+    share_of_hit(frame, number, by_point, batch, i, depth) * left
 }
 
 /// Returns the share of a lamp's light that photons leave to ray `i`, which ends on it.
@@ -124,7 +142,7 @@ fn left_by_photons(frame: &FrameScene, number: u32, way: Vec3, batch: &Batch, i:
 fn share_of_hit(
     frame: &FrameScene,
     number: u32,
-    way: Vec3,
+    by_point: f32,
     batch: &Batch,
     i: usize,
     depth: u32,
@@ -147,7 +165,6 @@ fn share_of_hit(
             frame.light_tree.chance(number, batch.past.from.get(i), batch.past.normal[i])
         }
     };
-    let (from, time) = (batch.past.from.get(i), batch.labels.time[i]);
-    let by_light = rays * chance * frame.lights.density(number, time, from, way);
+    let by_light = rays * chance * by_point;
     frame.techniques.hit(is_diffuse, density, by_light)
 }

@@ -43,8 +43,10 @@ impl Emission {
                 any = true;
                 let ray = points.surfaces.ray[i] as usize;
                 let share = frame.emitter(&hits.found, ray).map_or(1.0, |number| {
-                    let way = points.surfaces.point.get(i) - batch.past.from.get(ray);
-                    share(frame, number, way, batch, ray, depth)
+                    let (from, time) = (batch.past.from.get(ray), batch.labels.time[ray]);
+                    let way = points.surfaces.point.get(i) - from;
+                    let by_point = frame.lights.density(number, time, from, way);
+                    share(frame, number, (way, by_point), batch, ray, depth)
                 });
                 light = points.weight.get(i) * emitted * share;
             }

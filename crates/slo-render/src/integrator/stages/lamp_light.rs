@@ -14,7 +14,7 @@ use crate::integrator::work::Job;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{Lobe, WithLobe};
-use crate::shading::light::{Choices, Moving};
+use crate::shading::light::{Choices, Moving, Sampled};
 use crate::shading::{Lamp, WithLamp, WithLamps};
 
 use super::direct_light::Question;
@@ -226,8 +226,12 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
         let surfaces = &points.surfaces;
         for i in lanes(surfaces.len) {
             let (lamp, is_asked) = choose(to.light[i], i);
+            if L::IS_COSTLY && !is_asked {
+                continue;
+            }
             let hit = surfaces.point.get(i);
-            let way = lamp.way(hit, [to.set.numbers[0][i], to.set.numbers[1][i]]);
+            let u = [to.set.numbers[0][i], to.set.numbers[1][i]];
+            let Sampled { way, radiance, density } = lamp.sample(hit, u);
             let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };
             let origin = surfaces.leave(i, toward);
             let (direction, t_max) = if L::IS_DISTANT {
@@ -235,9 +239,8 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
             } else {
                 lamp.shadow_ray(origin, hit + way)
             };
-            let radiance = lamp.radiance(way);
             let tries = to.tries[i];
-            let by_light = if L::IS_DELTA { tries } else { tries * lamp.density(hit, way) };
+            let by_light = if L::IS_DELTA { tries } else { tries * density };
             let flat = if L::IS_OF_THESIS { std::f32::consts::PI / tries } else { 0.0 };
             let keep = |new: Vec3, old: Vec3| if is_asked { new } else { old };
             to.sent.origin.set(i, keep(origin, to.sent.origin.get(i)));

@@ -4,6 +4,17 @@ use glam::Vec3;
 
 use super::bounds::LightBounds;
 
+/// A sampled point of a light, as a hit sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampled {
+    /// See [`Lamp::way`].
+    pub way: Vec3,
+    /// See [`Lamp::radiance`].
+    pub radiance: Vec3,
+    /// See [`Lamp::density`].
+    pub density: f32,
+}
+
 /// A light of one kind, in render space. All functions but [`bounds`](Self::bounds) are free of
 /// branches, for use on whole columns of hits.
 pub trait Lamp: Copy {
@@ -23,6 +34,9 @@ pub trait Lamp: Copy {
 
     /// Whether its surface encloses a body, and emits light to the outside only.
     const IS_CLOSED: bool = false;
+
+    /// Whether sampling takes so long that hits of other lights are better left out.
+    const IS_COSTLY: bool = false;
 
     /// Returns the radiance that reaches a hit from a point of the light if nothing blocks it;
     /// `way` is the vector from the hit to the point.
@@ -44,6 +58,20 @@ pub trait Lamp: Copy {
     /// the hit. It is infinite for a light that no ray can hit, and for a hit that lies inside the
     /// light and gets nothing of it.
     fn density(&self, from: Vec3, way: Vec3) -> f32;
+
+    /// Samples a point of the light, and returns its radiance and density too.
+    #[inline(always)]
+    fn sample(&self, from: Vec3, u: [f32; 2]) -> Sampled {
+        let way = self.way(from, u);
+        Sampled { way, radiance: self.radiance(way), density: self.density(from, way) }
+    }
+
+    /// Returns the radiance and the density of the point of the light at the end of the vector
+    /// `way` from a hit.
+    #[inline(always)]
+    fn found(&self, from: Vec3, way: Vec3) -> (Vec3, f32) {
+        (self.radiance(way), self.density(from, way))
+    }
 
     /// Returns the direction of a shadow ray from `from` to a `point` of the light, not normalized,
     /// and the t at which it ends: 1, minus a margin that keeps it from hitting the light's own

@@ -32,7 +32,7 @@ use slo_scene::{LightKind, Texture};
 pub use bounds::LightBounds;
 pub use environment::{EvenSky, ImageSky, ImageView, SkyTable};
 pub use kinds::{WithLamp, WithLamps};
-pub use lamp::Lamp;
+pub use lamp::{Lamp, Sampled};
 pub use lamp_disc::DiscLamp;
 pub use lamp_point::PointLamp;
 pub use lamp_rectangle::RectangleLamp;
@@ -151,6 +151,19 @@ impl Lights {
             }
         }
         self[light as usize].with(Radiance(self.pose(light, time), way))
+    }
+
+    /// Returns the radiance and the density of a light at a time; see [`Lamp::found`].
+    pub fn found(&self, light: u32, time: f32, from: Vec3, way: Vec3) -> (Vec3, f32) {
+        struct Found(Pose, Vec3, Vec3);
+        impl WithLamp for Found {
+            type Output = (Vec3, f32);
+
+            fn run<L: Lamp>(self, lamp: L) -> (Vec3, f32) {
+                Moving { lamp, pose: self.0 }.found(self.1, self.2)
+            }
+        }
+        self[light as usize].with(Found(self.pose(light, time), from, way))
     }
 
     /// Whether a point lies inside a light at a time; see [`Lamp::encloses`].

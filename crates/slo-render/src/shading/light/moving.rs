@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3};
 
 use super::bounds::LightBounds;
-use super::lamp::Lamp;
+use super::lamp::{Lamp, Sampled};
 use slo_accel::math::rounding::gamma;
 
 /// Where a lamp is at a time: turned by an orthonormal rotation, then moved.
@@ -83,6 +83,7 @@ impl<L: Lamp> Lamp for Moving<L> {
     const IS_OF_THESIS: bool = L::IS_OF_THESIS;
     const IS_DISTANT: bool = L::IS_DISTANT;
     const IS_CLOSED: bool = L::IS_CLOSED;
+    const IS_COSTLY: bool = L::IS_COSTLY;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
@@ -103,6 +104,17 @@ impl<L: Lamp> Lamp for Moving<L> {
     #[inline(always)]
     fn density(&self, from: Vec3, way: Vec3) -> f32 {
         self.lamp.density(self.pose.inverse_point(from), self.pose.inverse_vector(way))
+    }
+
+    #[inline(always)]
+    fn sample(&self, from: Vec3, u: [f32; 2]) -> Sampled {
+        let sampled = self.lamp.sample(self.pose.inverse_point(from), u);
+        Sampled { way: self.pose.vector(sampled.way), ..sampled }
+    }
+
+    #[inline(always)]
+    fn found(&self, from: Vec3, way: Vec3) -> (Vec3, f32) {
+        self.lamp.found(self.pose.inverse_point(from), self.pose.inverse_vector(way))
     }
 
     /// The ray ends a little earlier than the lamp's margin asks for, since the transform to the

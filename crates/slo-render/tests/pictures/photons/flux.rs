@@ -1,14 +1,11 @@
 //! Light that glass lets through, by formulas.
 
-use crate::support::Shot;
+use crate::support::{Shot, pivot_at};
 
-const MATTE: &str =
-    "material_principled matte { base_color { .5 .5 .5 } ior 1 specular_ior_level 0 } ";
 const GLASS: &str =
     "material_principled glass { base_color { 1 1 1 } transmission 1 roughness 0 } ";
 
-/// A view straight down that shows a square of `side` units of a floor at height 0, from below a thing
-/// that the camera passes beside: it lies above the camera.
+/// A view straight down, from below the glass, that shows a square of `side` units of a floor at height 0.
 fn down(side: f64, settings: &str, samples: u32) -> Shot {
     Shot {
         from: vec![[0.0, 0.0, 3.0]],
@@ -26,8 +23,7 @@ fn mean(shot: &Shot, scene: &str) -> f64 {
     shot.take(scene).sum(0) / 4096.0
 }
 
-/// Light that leaves the floor and comes back to it would add to what is measured; a floor that is
-/// nearly black sends none.
+/// A floor so dark that hardly any light comes back to it.
 const DARK: &str =
     "material_principled matte { base_color { .001 .001 .001 } ior 1 specular_ior_level 0 } ";
 
@@ -46,12 +42,22 @@ fn a_pane_lets_through_what_its_two_surfaces_leave() {
 }
 
 #[test]
-fn a_ball_of_glass_keeps_all_light() {
-    // Parallel light on a ball of radius 1: of E pi R², the share .835544 passes through both
-    // surfaces at once, and .091778 is reflected. A closed room around it gets all of it, beside what
-    // passes by. The floor alone, far below, gets what is refracted steeply enough: with its shadow
-    // filled by the caustic, the floor's mean is below that of a floor without a ball by what goes
-    // up or to the sides.
+fn a_floor_that_rises_in_the_shutter_gets_as_much_light() {
+    // Parallel light is as bright at any height.
+    let expected = 0.923077 * 2.0 * 0.001 / std::f64::consts::PI;
+    let keys = pivot_at(0.0, [0.0, 0.0, -2.0]) + &pivot_at(1.0, [0.0; 3]);
+    let floor = format!(
+        "rectangle floor {{ material matte vertex0 {{ -4 -4 0 }} vertex1 {{ 4 -4 0 }} vertex2 {{ 4 4 0 }} {keys} }} "
+    );
+    let pane = "box pane { material glass vertex0 { -4 -4 4 } vertex1 { 4 -4 4 } vertex2 { 4 4 4 } height .5 } ";
+    let sun = "lamp_sun l { irradiance { 2 2 2 } direction { 0 0 -1 } angle_deg 0 }";
+    let shot = Shot { blur: 1.0, ..down(2.0, "photons 20", 16) };
+    let found = mean(&shot, &[DARK, GLASS, &floor, pane, sun].concat());
+    assert!((found / expected - 1.0).abs() < 0.015, "{found}, expected {expected}");
+}
+
+#[test]
+fn a_ball_of_glass_lets_through_what_its_surfaces_leave() {
     let room = |ball: &str| {
         format!(
             "{DARK} {GLASS}
@@ -61,8 +67,7 @@ fn a_ball_of_glass_keeps_all_light() {
              {ball}"
         )
     };
-    // The mean over all directions of an even ball of walls would need a camera of all directions. The
-    // flux through the floor is measured instead: everything that passes at once lands there.
+    // All light that passes both surfaces at once lands on the floor, wherever it is focused.
     let floor = |ball: &str, photons: &str| mean(&down(11.9, photons, 16), &room(ball));
     // The spot's cone is within the ball: a radius of .63 at a distance of 7.9.
     let ball = "sphere ball { material glass center { 0 0 4 } radius .8 }";

@@ -208,7 +208,7 @@ fn regions_and_tiles_are_cut_out_of_the_whole() {
 }
 
 /// The photons of a pass of a frame of the scene at rest.
-fn photons(settings: &str, number: u32) -> Vec<(f32, Photon)> {
+fn photons(settings: &str, number: i64) -> Vec<(f32, Photon)> {
     let mut scene = scene(settings);
     scene.objects.iter_mut().for_each(|object| object.key_frames.clear());
     let frame = FrameScene::build(&scene, number, Isa::best()).unwrap();

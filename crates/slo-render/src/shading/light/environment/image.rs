@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::even::bounds;
-use super::table::{SkyTable, TableView};
+use super::table::{SkyTable, TableSample, TableView};
 use crate::shading::light::bounds::LightBounds;
-use crate::shading::light::lamp::Lamp;
-use crate::shading::texture::sample_equirect;
+use crate::shading::light::lamp::{Lamp, Sampled};
+use crate::shading::texture::{equirect_uv, sample_around};
 use slo_scene::{Curve, Texture};
 
 /// A sky that an image shows. It is sampled by the image's luminance. A sky has no density less
@@ -85,15 +85,29 @@ impl ImageView<'_> {
     }
 }
 
+impl ImageView<'_> {
+    /// Returns where the image shows a direction of render space.
+    #[inline(always)]
+    fn uv(&self, way: Vec3) -> [f32; 2] {
+        equirect_uv(self.turned_back(way).to_array())
+    }
+
+    /// Returns the radiance of what the image shows at a place.
+    #[inline(always)]
+    fn shown(&self, uv: [f32; 2]) -> Vec3 {
+        Vec3::from(sample_around(self.texture, self.curve, uv)) * self.strength
+    }
+}
+
 impl Lamp for ImageView<'_> {
     const IS_AREA: bool = true;
     const IS_DELTA: bool = false;
     const IS_DISTANT: bool = true;
+    const IS_COSTLY: bool = true;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
-        let way = self.turned_back(way).to_array();
-        Vec3::from(sample_equirect(self.texture, self.curve, way)) * self.strength
+        self.shown(self.uv(way))
     }
 
     #[inline(always)]
@@ -103,12 +117,24 @@ impl Lamp for ImageView<'_> {
 
     #[inline(always)]
     fn way(&self, _from: Vec3, u: [f32; 2]) -> Vec3 {
-        self.turned(self.table.sample(u))
+        self.turned(self.table.sample(u).way)
     }
 
     #[inline(always)]
     fn density(&self, _from: Vec3, way: Vec3) -> f32 {
-        self.table.density(self.turned_back(way))
+        self.table.density(self.uv(way))
+    }
+
+    #[inline(always)]
+    fn sample(&self, _from: Vec3, u: [f32; 2]) -> Sampled {
+        let TableSample { way, uv, density } = self.table.sample(u);
+        Sampled { way: self.turned(way), radiance: self.shown(uv), density }
+    }
+
+    #[inline(always)]
+    fn found(&self, _from: Vec3, way: Vec3) -> (Vec3, f32) {
+        let uv = self.uv(way);
+        (self.shown(uv), self.table.density(uv))
     }
 
     #[inline(always)]
