@@ -15,6 +15,7 @@ mod layers;
 mod light;
 mod looks;
 mod parts;
+mod photons;
 mod pictures;
 mod relight;
 #[cfg(unix)]

@@ -167,6 +167,13 @@ impl FrameScene {
             + normals * size_of::<Vec3>()
     }
 
+    /// Returns where a point of a surface, which is there at one time of the shutter, is at another;
+    /// `instance` is the instance that was hit.
+    pub(crate) fn moved(&self, instance: u32, point: Vec3, [from, to]: [f32; 2]) -> Vec3 {
+        let Some(instance) = self.world.instances.get(instance as usize) else { return point };
+        instance.pose(to).point(instance.pose(from).inverse_point(point))
+    }
+
     /// Whether anything but the camera moves within the shutter.
     pub(crate) fn moves(&self) -> bool {
         !self.world.instances.is_empty() || self.lights.move_about()

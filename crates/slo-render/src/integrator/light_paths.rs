@@ -46,6 +46,8 @@ impl PhotonPass {
         let slabs = if frame.moves() { slabs as u32 } else { 1 };
         let paths =
             (before(pass.saturating_add(1)) - first).clamp(u64::from(slabs), MOST_PATHS) as u32;
+        // All slabs have the same number.
+        let paths = paths - paths % slabs;
         Self { first: first as u32, paths, slabs }
     }
 
@@ -111,7 +113,7 @@ impl LightPaths {
     /// Traces the batch, stores its photons, and queues the rays that go on.
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) {
         let frame = job.frame;
-        let Self { batch, hits, points, passing, bsdfs, landing, bounce, scratch, .. } = self;
+        let Self { departure, batch, hits, points, passing, bsdfs, landing, bounce, scratch } = self;
         hits.trace(frame, batch, machine.habit(depth), scratch);
         // Only the camera passes through lamps that it does not see.
         if frame.has_passable_lamps(depth + 1) {
@@ -120,7 +122,7 @@ impl LightPaths {
         }
         let table = &frame.material_table;
         points.find(frame, batch, hits, machine.seeds());
-        points.choose_materials(frame, depth + NAMED);
+        points.choose_materials(frame, &frame.photon_sampler, depth + NAMED);
         bsdfs.look_up(frame, points);
         if table.absorbs {
             bsdfs.absorb(batch, points);
@@ -132,7 +134,8 @@ impl LightPaths {
         }
         bsdfs.find(frame, points);
         if depth > 0 {
-            landing.store(frame, batch, points, bsdfs, depth);
+            let slabs = departure.slabs();
+            landing.store(frame, (batch, hits), points, bsdfs, (depth, slabs));
         }
         if depth < frame.settings.recursion() {
             bounce.send(frame, batch, points, bsdfs, depth + NAMED);

@@ -100,7 +100,7 @@ impl Path {
         }
         points.find(frame, batch, hits, machine.seeds());
         points.find_receivers(frame);
-        points.choose_materials(frame, depth);
+        points.choose_materials(frame, &frame.sampler, depth);
         bsdfs.look_up(frame, points);
         if table.absorbs {
             bsdfs.absorb(batch, points);

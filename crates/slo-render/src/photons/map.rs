@@ -221,6 +221,12 @@ impl PhotonMap {
         &self.slabs[slab.min(self.slabs.len() - 1)]
     }
 
+    /// Number of slabs.
+    #[inline(always)]
+    pub fn slabs(&self) -> u32 {
+        self.slabs.len() as u32
+    }
+
     /// Number of light paths that were sent at any time of the shutter.
     #[inline(always)]
     pub fn paths(&self) -> f32 {

@@ -123,6 +123,15 @@ impl Shot {
         [Picture(film.image()), layer(&FileLayer::Albedo), layer(&FileLayer::Normal)]
     }
 
+    /// Like `take`, with the light of two groups of lamps, named `a` and `b`.
+    pub(crate) fn take_groups(&self, elements: &str) -> [Picture; 3] {
+        let mut scene = describe(&self.of(elements));
+        scene.camera.film.layers = vec![Layer::Lights];
+        let film = self.film(&scene);
+        let group = |name: &str| Picture(film.layer_of(film.area(), &FileLayer::Light(name.into())));
+        [Picture(film.image()), group("a"), group("b")]
+    }
+
     fn film(&self, scene: &SceneDescription) -> Film {
         let frame = FrameScene::build(scene, 0, Isa::best()).expect("the frame can be built");
         let frame = if self.plain { frame.plain() } else { frame };

@@ -72,6 +72,8 @@ fn scene_time(segment: &CamSegment) -> [f64; 2] {
 pub(super) struct Said<'a> {
     /// `shadow`
     pub(super) shadow: Option<Span>,
+    /// `photons` and `photonSeed`
+    pub(super) photons: [Option<Span>; 2],
     /// Each `ambient` that is not black.
     pub(super) ambient: Vec<Span>,
     /// Names of groups of lights.
@@ -218,7 +220,7 @@ fn check_emission(said: &[Emission], materials: &[Material], diagnostics: &mut D
 }
 
 /// Whether some of these materials, or something that they are mixed from, has a property.
-fn any_part(
+pub(super) fn any_part(
     materials: &[Material],
     of: impl Iterator<Item = usize>,
     has: impl Fn(&MaterialKind) -> bool,

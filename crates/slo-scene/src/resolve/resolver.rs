@@ -6,7 +6,7 @@ use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
 use super::oddities::Said;
 use super::texture::{Image, texture, warn_of_alpha};
-use super::{camera, key_frames, lights, oddities, overlaps, settings, tangents};
+use super::{camera, key_frames, lights, oddities, overlaps, photons, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
@@ -104,6 +104,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
             adapt(&mut scene);
             oddities::check(&self.said, &scene, self.diagnostics);
+            let places: Vec<Span> = lights.iter().map(|(_, place)| *place).collect();
+            photons::check(self.said.photons, &scene, &places, self.diagnostics);
             overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
         }
         Some(scene)
@@ -120,8 +122,9 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
                 let mut fields = self.fields(element);
                 let place = |name| Some(fields.get(name)?.keyword.span);
                 let (background, shadow) = (place("background"), place("shadow"));
+                let photons = [place("photons"), place("photonSeed")];
                 let settings = settings::settings(&mut fields);
-                self.said.shadow = shadow;
+                (self.said.shadow, self.said.photons) = (shadow, photons);
                 (settings, background)
             }
             None => (Settings::default(), None),

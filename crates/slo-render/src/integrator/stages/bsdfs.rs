@@ -236,6 +236,7 @@ fn phong(table: &MaterialTable, points: &Points, to: &mut Bsdfs) {
         let reflected = reflection.share().chance[i] + mirrored;
         refraction.axis.set(i, axis);
         refraction.side.set(i, -n_geo);
+        refraction.eta[i] = eta;
         refraction.share_mut().weight.set(i, Vec3::splat(refracted));
         refraction.share_mut().chance[i] = refracted;
         reflection.axis.set(i, lobe::reflect(direction, n_shade));

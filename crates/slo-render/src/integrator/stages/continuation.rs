@@ -185,10 +185,10 @@ impl Lanewise for Finish<'_> {
 const ROUGH_SPREAD: f32 = 0.005;
 
 /// Notes what the paths share with photons.
-struct Remember<'a> {
-    points: &'a Points,
-    sent: &'a Sent,
-    past: &'a mut Past,
+pub(super) struct Remember<'a> {
+    pub(super) points: &'a Points,
+    pub(super) sent: &'a Sent,
+    pub(super) past: &'a mut Past,
 }
 
 impl Lanewise for Remember<'_> {

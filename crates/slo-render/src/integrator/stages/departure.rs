@@ -36,6 +36,11 @@ impl Departure {
         *self = Self { pass, seed, left: range };
     }
 
+    /// Number of slabs of time.
+    pub(in crate::integrator) fn slabs(&self) -> u32 {
+        self.pass.slabs
+    }
+
     /// Starts the next light paths. Returns whether there were any.
     pub(in crate::integrator) fn fill(&mut self, frame: &FrameScene, batch: &mut Batch) -> bool {
         let Some(emission) = &frame.emission else { return false };

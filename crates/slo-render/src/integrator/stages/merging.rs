@@ -19,6 +19,7 @@ use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 
 use super::bsdfs::Bsdfs;
+use super::landing::settled;
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::branching::continuations;
@@ -143,7 +144,7 @@ impl Merging {
             let Some(map) = map_of(maps, frame, points, i, depth) else { continue };
             frame.isa.run(Query {
                 slab: map.slab(points.labels.time[i]),
-                point: points.surfaces.point.get(i),
+                point: settled(frame, points, points.instance[i], i, map.slabs()),
                 normal: points.surfaces.n_geo.get(i),
                 radius: self.radius[i],
                 most_bounces,
@@ -275,3 +276,6 @@ impl Lanewise for Finish<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

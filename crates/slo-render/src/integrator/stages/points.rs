@@ -9,7 +9,7 @@ use crate::frame::{FrameScene, SurfaceScratch, Surfaces};
 use crate::integrator::batch::{Batch, Labels, RoughStart};
 use crate::integrator::chosen::Chosen;
 use crate::sampling::batch::{SetNames, SetPoints};
-use crate::sampling::{PixelSeed, Purpose};
+use crate::sampling::{PixelSeed, Purpose, Sampler};
 use crate::shading::MaterialTable;
 use crate::shading::bsdf::At;
 use crate::shading::light::receiver;
@@ -41,6 +41,8 @@ pub(in crate::integrator) struct Points {
     /// Number of light paths of the point's map, times the area in which it finds photons; 0 where
     /// photons add nothing.
     pub(super) caught: Column<f32>,
+    /// The instances that were hit, for frames with photons.
+    pub(super) instance: Column<u32>,
     /// 1 for points that the ray passes through, whose weight is 0; otherwise 0.
     pub(super) passes: Column<u32>,
     /// A random number for the choice among mixed materials, and then for the choice of passing
@@ -66,6 +68,7 @@ impl Default for Points {
             receiver: [receiver::ANY; BATCH],
             rough: RoughStart::default(),
             caught: [0.0; BATCH],
+            instance: [0; BATCH],
             passes: [0; BATCH],
             surface: [0.0; BATCH],
             set: SetPoints::default(),
@@ -106,14 +109,21 @@ impl Points {
             chosen.copy(from, &mut to[..len]);
         }
         for i in 0..len {
-            let origin = batch.rays.origin(self.surfaces.ray[i] as usize);
+            let ray = self.surfaces.ray[i] as usize;
+            self.instance[i] = hits.found.instance[ray];
+            let origin = batch.rays.origin(ray);
             let distance = (self.surfaces.point.get(i) - origin).length();
             self.rough.width[i] += self.rough.spread[i] * distance;
         }
     }
 
-    /// Chooses a material at points where several are mixed.
-    pub(in crate::integrator) fn choose_materials(&mut self, frame: &FrameScene, depth: u32) {
+    /// Chooses a material at points where several are mixed, by random numbers of `sampler`.
+    pub(in crate::integrator) fn choose_materials(
+        &mut self,
+        frame: &FrameScene,
+        sampler: &Sampler,
+        depth: u32,
+    ) {
         let (table, len) = (&frame.material_table, self.len());
         self.passes[..len].fill(0);
         if !table.has_mixes && !table.images.any_passes() {
@@ -121,7 +131,7 @@ impl Points {
         }
         let mut set = std::mem::take(&mut self.set);
         let names = self.names(&frame.settings, depth, Purpose::Surface, [0, 1]);
-        set.take::<2>(&frame.sampler, frame.isa, &names);
+        set.take::<2>(sampler, frame.isa, &names);
         self.surface = set.numbers[0];
         self.set = set;
         if table.has_mixes {

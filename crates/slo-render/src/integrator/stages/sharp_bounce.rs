@@ -157,10 +157,8 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             let rest = ((w - start) / chance).min(0.999_999_94);
             let at = points.at(i);
             let sampled = lobe.sample(i, &at, [u, v, rest]);
-            let passes = at.n_geo.dot(sampled.direction) < 0.0;
-            let compression = if passes { lobe.compression(i) } else { 1.0 };
-            let weight =
-                sampled.weight * (adjoint(&at, sampled.direction) / (chance * compression));
+            let of_photon = lobe.of_photon(i, &at, sampled.direction);
+            let weight = sampled.weight * (adjoint(&at, sampled.direction) * of_photon / chance);
             let keep = |new: Vec3, old: Vec3| if is_chosen { new } else { old };
             sent.direction.set(i, keep(sampled.direction, sent.direction.get(i)));
             sent.weight.set(i, keep(weight, sent.weight.get(i)));

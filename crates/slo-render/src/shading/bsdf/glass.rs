@@ -129,8 +129,9 @@ impl Lobe for Glass {
     }
 
     #[inline(always)]
-    fn compression(&self, i: usize) -> f32 {
-        compression(self.eta[i], self.thin[i] != 0.0)
+    fn of_photon(&self, i: usize, at: &At, direction: Vec3) -> f32 {
+        let passed = 1.0 / compression(self.eta[i], self.thin[i] != 0.0);
+        if at.n_geo.dot(direction) < 0.0 { passed } else { 1.0 }
     }
 
     fn share(&self) -> &Share {

@@ -3,10 +3,9 @@
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
-/// Width alpha, the square of the roughness, below which a lobe is sharp: photons follow it, and paths
-/// from the camera rarely find small lamps in it. It decides how the work is shared, not what is
-/// found.
-pub const SHARP: f32 = 0.2;
+/// Width below which a lobe is sharp: photons follow it, and paths from the camera rarely find small
+/// lamps in it. It decides how the work is shared, not what is found.
+pub use slo_scene::material::SHARP;
 
 /// One kind of lobe at the hits of a batch. Its functions are free of branches, for use on whole
 /// columns of hits, and give finite results for hits that do not have the lobe.
@@ -27,10 +26,10 @@ pub trait Lobe {
         false
     }
 
-    /// Returns the factor that the weight of light has, and the weight of a photon has not, when it
-    /// passes to the other side of the surface at hit `i`: radiance is compressed where the index of
-    /// refraction grows, power is not.
-    fn compression(&self, _i: usize) -> f32 {
+    /// Returns the weight of a photon that came from the eye of hit `i` and follows a sample of the lobe
+    /// to a unit direction, as a share of the weight of light that goes the other way. Radiance is
+    /// compressed where the index of refraction grows, for example, and power is not.
+    fn of_photon(&self, _i: usize, _at: &At, _direction: Vec3) -> f32 {
         1.0
     }
 
