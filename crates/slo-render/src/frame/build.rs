@@ -104,8 +104,9 @@ impl FrameScene {
         let light_tree = LightTree::new(&bounds);
         let skies = skies(&lights);
         let lights = lights.into_iter().collect::<Lights>().with_poses(poses);
-        let emission =
-            targets.and_then(|targets| Emission::new(&lights, &bounds, targets, world.bounds()));
+        let emission = targets.and_then(|targets| {
+            Emission::new(&lights, &bounds, targets, world.bounds(), camera.position())
+        });
         let photon_frame = match scene.settings.photon_seed {
             PhotonSeed::Frame => number,
             PhotonSeed::Fixed => 0,

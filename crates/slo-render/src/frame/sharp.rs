@@ -49,9 +49,9 @@ fn shares(materials: &[Material]) -> Vec<f32> {
                     + if_sharp(row.refraction, row.refraction_lobe)
             }
             MaterialKind::Principled(of) => of_principled(of),
-            MaterialKind::Mix(mix) => {
-                [mix.first, mix.second].iter().fold(0.0, |most, part| most.max(shares[part.0 as usize]))
-            }
+            MaterialKind::Mix(mix) => [mix.first, mix.second]
+                .iter()
+                .fold(0.0, |most, part| most.max(shares[part.0 as usize])),
         };
     }
     shares
@@ -99,9 +99,18 @@ mod tests {
             (true, "material_principled m { coat .5 }"),
             (false, "material_principled m { coat .5 coat_roughness .5 }"),
             (false, "material_principled m { roughness 0 specular_ior_level 0 }"),
-            (true, "phong_info i { reflectance .5 diffuse_reflection .142 } material_phong m { phong_info i }"),
-            (false, "phong_info i { reflectance .5 diffuse_reflection .144 } material_phong m { phong_info i }"),
-            (true, "phong_info i { refraction .5 refraction_index 1.5 } material_phong m { phong_info i }"),
+            (
+                true,
+                "phong_info i { reflectance .5 diffuse_reflection .142 } material_phong m { phong_info i }",
+            ),
+            (
+                false,
+                "phong_info i { reflectance .5 diffuse_reflection .144 } material_phong m { phong_info i }",
+            ),
+            (
+                true,
+                "phong_info i { refraction .5 refraction_index 1.5 } material_phong m { phong_info i }",
+            ),
             (false, "phong_info i { diffuse { 1 1 1 } } material_phong m { phong_info i }"),
         ] {
             let found = &materials(material, "m");

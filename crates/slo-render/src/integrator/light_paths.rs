@@ -113,7 +113,8 @@ impl LightPaths {
     /// Traces the batch, stores its photons, and queues the rays that go on.
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) {
         let frame = job.frame;
-        let Self { departure, batch, hits, points, passing, bsdfs, landing, bounce, scratch } = self;
+        let Self { departure, batch, hits, points, passing, bsdfs, landing, bounce, scratch } =
+            self;
         hits.trace(frame, batch, machine.habit(depth), scratch);
         // Only the camera passes through lamps that it does not see.
         if frame.has_passable_lamps(depth + 1) {

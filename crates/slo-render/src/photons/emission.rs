@@ -63,13 +63,18 @@ pub struct Emitted {
 }
 
 impl Emission {
-    /// Prepares the lamps of a frame. `bounds` are the bounds of each during the shutter, and `world`
-    /// those of everything that rays can hit. Returns `None` if no light path could start.
+    /// Prepares the lamps of a frame that is seen from `eye`. `bounds` are the bounds of each during the
+    /// shutter, and `world` those of everything that rays can hit. Returns `None` if no light path
+    /// could start.
+    ///
+    /// A target is chosen by how large it looks, not by its area and not by its power: a glossy
+    /// ground would take all photons otherwise. The lamp is chosen by the light that it sends there.
     pub fn new(
         lights: &Lights,
         bounds: &[LightBounds],
         targets: Vec<Target>,
         world: Bounds,
+        eye: Vec3,
     ) -> Option<Self> {
         let mut rows = vec![NONE; lights.len()];
         let (mut lamps, mut chances) = (Vec::new(), Vec::new());
@@ -77,19 +82,27 @@ impl Emission {
             if light.is_of_thesis() {
                 continue;
             }
-            let flux = |target: &Target| f64::from(target.share) * flux(bounds, target);
-            let row: Vec<f64> = targets.iter().map(flux).collect();
+            let row: Vec<f64> = targets.iter().map(|target| flux(bounds, target)).collect();
             if row.iter().any(|flux| *flux > 0.0) {
                 rows[number as usize] = lamps.len() as u32;
                 lamps.push(number);
                 chances.extend(row);
             }
         }
+        for (number, target) in targets.iter().enumerate() {
+            let total: f64 = chances.iter().skip(number).step_by(targets.len()).sum();
+            let distance = (target.center - eye).length().max(target.radius);
+            let weight = f64::from(target.share * target.radius / distance);
+            let scale = if total > 0.0 && total.is_finite() { weight / total } else { 0.0 };
+            for chance in chances.iter_mut().skip(number).step_by(targets.len()) {
+                *chance *= scale;
+            }
+        }
         let total: f64 = chances.iter().sum();
         if total.is_nan() || total <= 0.0 || total.is_infinite() {
             return None;
         }
-        let chances: Vec<f32> = chances.iter().map(|flux| (flux / total) as f32).collect();
+        let chances: Vec<f32> = chances.iter().map(|chance| (chance / total) as f32).collect();
         let ends = chances.iter().scan(0.0, |sum, chance| {
             *sum += f64::from(*chance);
             Some(*sum)

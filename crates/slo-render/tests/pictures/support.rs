@@ -128,7 +128,8 @@ impl Shot {
         let mut scene = describe(&self.of(elements));
         scene.camera.film.layers = vec![Layer::Lights];
         let film = self.film(&scene);
-        let group = |name: &str| Picture(film.layer_of(film.area(), &FileLayer::Light(name.into())));
+        let group =
+            |name: &str| Picture(film.layer_of(film.area(), &FileLayer::Light(name.into())));
         [Picture(film.image()), group("a"), group("b")]
     }
 

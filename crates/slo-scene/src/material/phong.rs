@@ -50,7 +50,8 @@ impl Look for Phong {
 
     fn is_sharp(&self) -> bool {
         // A lobe cos^n is as wide as microfacets with alpha² = 2 / (n + 2), and n is 1 / spread².
-        let is_narrow = |spread: f32| 2.0 * spread * spread < SHARP * SHARP * (1.0 + spread * spread);
+        let is_narrow =
+            |spread: f32| 2.0 * spread * spread < SHARP * SHARP * (1.0 + spread * spread);
         let PhongInfo { reflectance, diffuse_reflection, refraction, diffuse_refraction, .. } =
             self.info;
         (reflectance > 0.0 && is_narrow(diffuse_reflection))

@@ -1,7 +1,7 @@
 //! `material_principled`: metal, dielectrics, coats, sheen, glass and glowing surfaces.
 
-use super::inputs::{inputs, warn_idle};
 use super::SHARP;
+use super::inputs::{inputs, warn_idle};
 use super::look::{Look, WrittenMaterial};
 use super::palette::Palette;
 use super::texture::{ImageUse, TextureId};

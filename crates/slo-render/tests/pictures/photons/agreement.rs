@@ -124,7 +124,11 @@ macro_rules! case {
 #[test]
 fn mirrors_and_glass() {
     assert_agreement(&[
-        case!("mirror", "", "box b { material mirror vertex0 { -2 2 -1.5 } vertex1 { 0 3 -1.5 } vertex2 { -.5 4 -1.5 } height 4 }"),
+        case!(
+            "mirror",
+            "",
+            "box b { material mirror vertex0 { -2 2 -1.5 } vertex1 { 0 3 -1.5 } vertex2 { -.5 4 -1.5 } height 4 }"
+        ),
         case!("ball of glass", "", "sphere b { material glass center { 0 0 -.4 } radius 1 }"),
         case!("ball of Phong", "", "sphere b { material clear center { 0 0 -.4 } radius 1 }"),
         case!("ball of chrome", "", "sphere b { material chrome center { 0 0 -.4 } radius 1 }"),
@@ -137,12 +141,32 @@ fn mirrors_and_glass() {
 #[test]
 fn bounds_and_numbers_of_rays() {
     assert_agreement(&[
-        case!("recursion 0", "recursion 0", "sphere b { material mirror center { 0 0 -.4 } radius 1 }"),
-        case!("recursion 1", "recursion 1", "sphere b { material mirror center { 0 0 -.4 } radius 1 } sphere c { material glass center { 2 0 -.4 } radius .8 }"),
-        case!("recursion 2", "recursion 2", "sphere b { material mirror center { 0 0 -.4 } radius 1 } sphere c { material glass center { 2 0 -.4 } radius .8 }"),
-        case!("several rays", "softShadowSamples 3 diffuseReflectionSamples 2", "sphere b { material satin center { 0 0 -.4 } radius 1 }"),
-        case!("all lamps", "lightSamplingType SAMPLE_ALL_AT_TIME", "sphere b { material satin center { 0 0 -.4 } radius 1 }
-            lamp_point q { power { 90 90 90 } position { -2 -1 3 } radius .6 }"),
+        case!(
+            "recursion 0",
+            "recursion 0",
+            "sphere b { material mirror center { 0 0 -.4 } radius 1 }"
+        ),
+        case!(
+            "recursion 1",
+            "recursion 1",
+            "sphere b { material mirror center { 0 0 -.4 } radius 1 } sphere c { material glass center { 2 0 -.4 } radius .8 }"
+        ),
+        case!(
+            "recursion 2",
+            "recursion 2",
+            "sphere b { material mirror center { 0 0 -.4 } radius 1 } sphere c { material glass center { 2 0 -.4 } radius .8 }"
+        ),
+        case!(
+            "several rays",
+            "softShadowSamples 3 diffuseReflectionSamples 2",
+            "sphere b { material satin center { 0 0 -.4 } radius 1 }"
+        ),
+        case!(
+            "all lamps",
+            "lightSamplingType SAMPLE_ALL_AT_TIME",
+            "sphere b { material satin center { 0 0 -.4 } radius 1 }
+            lamp_point q { power { 90 90 90 } position { -2 -1 3 } radius .6 }"
+        ),
     ]);
 }
 
@@ -161,8 +185,16 @@ fn alpha_and_mixes() {
 #[test]
 fn smooth_meshes() {
     assert_agreement(&[
-        case!("smooth mirror", "", "mesh ball { filename files/ball.obj smooth_normals 1 material mirror addKframe { time 0 key { pivot { 0 0 -.4 } } } }"),
-        case!("smooth glass", "", "mesh ball { filename files/ball.obj smooth_normals 1 material glass addKframe { time 0 key { pivot { 0 0 -.4 } } } }"),
+        case!(
+            "smooth mirror",
+            "",
+            "mesh ball { filename files/ball.obj smooth_normals 1 material mirror addKframe { time 0 key { pivot { 0 0 -.4 } } } }"
+        ),
+        case!(
+            "smooth glass",
+            "",
+            "mesh ball { filename files/ball.obj smooth_normals 1 material glass addKframe { time 0 key { pivot { 0 0 -.4 } } } }"
+        ),
     ]);
 }
 
@@ -213,7 +245,8 @@ fn explore() {
     let (w, h): (usize, usize) = (w.parse().unwrap(), h.parse().unwrap());
     let take = |photons: f64, first: u32| -> Vec<[f64; 6]> {
         let of = |seed| {
-            let text = text(&case, photons, seed).replace("imageSamples 4", &get("SAMPLES", "imageSamples 4"));
+            let text = text(&case, photons, seed)
+                .replace("imageSamples 4", &get("SAMPLES", "imageSamples 4"));
             let mut description = describe(&text);
             (description.camera.film.width, description.camera.film.height) = (w as u32, h as u32);
             let frame = FrameScene::build(&description, 0, Isa::best()).unwrap();
@@ -221,7 +254,8 @@ fn explore() {
             let mut sums = [0.0; 6];
             for (i, pixel) in image.rgb.iter().enumerate() {
                 let half = usize::from(i % w >= w / 2);
-                (0..3).for_each(|c| sums[3 * half + c] += f64::from(pixel[c]) / ((w / 2 * h) as f64));
+                (0..3)
+                    .for_each(|c| sums[3 * half + c] += f64::from(pixel[c]) / ((w / 2 * h) as f64));
             }
             sums
         };
@@ -233,6 +267,12 @@ fn explore() {
         let of = |all: &[[f64; 6]]| moments(&all.iter().map(|s| s[k]).collect::<Vec<_>>());
         let ((a, va), (b, vb)) = (of(&without), of(&with));
         let sigma = (va + vb).sqrt();
-        eprintln!("{k}: {a:.5} {b:.5} {:+.2} % {:+.1} dev of {:.2} %, var {:.2}", 100.0 * (b / a - 1.0), (b - a) / sigma, 100.0 * sigma / a, vb / va);
+        eprintln!(
+            "{k}: {a:.5} {b:.5} {:+.2} % {:+.1} dev of {:.2} %, var {:.2}",
+            100.0 * (b / a - 1.0),
+            (b - a) / sigma,
+            100.0 * sigma / a,
+            vb / va
+        );
     }
 }

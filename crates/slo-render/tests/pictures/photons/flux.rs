@@ -34,7 +34,9 @@ fn a_pane_lets_through_what_its_two_surfaces_leave() {
     let floor = "rectangle floor { material matte vertex0 { -2 -2 0 } vertex1 { 2 -2 0 } vertex2 { 2 2 0 } } ";
     let pane = "box pane { material glass vertex0 { -4 -4 4 } vertex1 { 4 -4 4 } vertex2 { 4 4 4 } height .5 } ";
     for angle in ["0", "2"] {
-        let sun = format!("lamp_sun l {{ irradiance {{ 2 2 2 }} direction {{ 0 0 -1 }} angle_deg {angle} }}");
+        let sun = format!(
+            "lamp_sun l {{ irradiance {{ 2 2 2 }} direction {{ 0 0 -1 }} angle_deg {angle} }}"
+        );
         let scene = [DARK, GLASS, floor, pane, &sun].concat();
         let found = mean(&down(2.0, "photons 20", 16), &scene);
         assert!((found / expected - 1.0).abs() < 0.01, "{angle}: {found}, expected {expected}");

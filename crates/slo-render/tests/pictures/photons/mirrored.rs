@@ -5,18 +5,15 @@ use crate::support::{Picture, Shot};
 /// A surface without gloss.
 const MATTE: &str =
     "material_principled matte { base_color { .6 .6 .6 } ior 1 specular_ior_level 0 } ";
-const MIRROR: &str =
-    "material_principled mirror { base_color { 1 1 1 } metallic 1 roughness 0 } ";
+const MIRROR: &str = "material_principled mirror { base_color { 1 1 1 } metallic 1 roughness 0 } ";
 
-const FLOOR: &str =
-    "rectangle floor { material matte vertex0 { -1.2 -3 0 } vertex1 { 4 -3 0 } vertex2 { 4 3 0 } } ";
+const FLOOR: &str = "rectangle floor { material matte vertex0 { -1.2 -3 0 } vertex1 { 4 -3 0 } vertex2 { 4 3 0 } } ";
 
 const SCREEN: &str = "material_principled black { base_color { 0 0 0 } ior 1 specular_ior_level 0 }
     rectangle screen { material black vertex0 { -1.5 -9 0 } vertex1 { -1.5 9 0 } vertex2 { -1.5 9 2.2 } } ";
 
 /// A ceiling at height 4 that is large enough for everything that the camera sees.
-const CEILING: &str =
-    "rectangle ceiling { material mirror vertex0 { -4 -2 4 } vertex1 { .5 -2 4 } vertex2 { .5 2 4 } } ";
+const CEILING: &str = "rectangle ceiling { material mirror vertex0 { -4 -2 4 } vertex1 { .5 -2 4 } vertex2 { .5 2 4 } } ";
 
 fn shot(photons: f64, samples: u32, more: &str) -> Shot {
     Shot {
@@ -123,8 +120,7 @@ fn a_body_that_glows_shines_from_the_mirror() {
 #[test]
 fn a_mirror_under_an_even_sky_does_not_show() {
     // A floor point sees the sky or, in the wall of mirror, the sky again: the irradiance is pi.
-    let wall =
-        "rectangle wall { material mirror vertex0 { -.8 -3 0 } vertex1 { -.8 3 0 } vertex2 { -.8 3 5 } } ";
+    let wall = "rectangle wall { material mirror vertex0 { -.8 -3 0 } vertex1 { -.8 3 0 } vertex2 { -.8 3 5 } } ";
     for sky in ["environment e { radiance { 1 1 1 } }", "background { 1 1 1 } "] {
         let is_lamp = sky.starts_with("environment");
         let (lamp, background) = if is_lamp { (sky, "") } else { ("", sky) };
@@ -140,7 +136,8 @@ fn groups_of_lamps_keep_their_own_photons() {
         format!("lamp_{lamp} {name} {{ {at} light_group {name} }} ")
     };
     let first = group("point", "a", "power { 400 9 9 } position { -3 0 1.5 }");
-    let second = group("disc", "b", "radiance { 50 9 9 } center { -3.5 .5 1.5 } normal { 0 0 1 } radius .3");
+    let second =
+        group("disc", "b", "radiance { 50 9 9 } center { -3.5 .5 1.5 } normal { 0 0 1 } radius .3");
     let scene = [MATTE, MIRROR, FLOOR, CEILING, SCREEN, &first, &second].concat();
     let [all, a, b] = shot(10.0, 8, "").take_groups(&scene);
     let alone = |lamp: &str| {

@@ -97,8 +97,14 @@ fn photons_have_all_light_of_lamps_that_no_ray_can_hit() {
     let (mut toward, point) = (Box::<Vec3s>::default(), Box::new([0; BATCH]));
     toward.set(0, Vec3::new(0.6, 0.0, 0.8));
     let density = Box::new([f32::INFINITY; BATCH]);
-    let pairs =
-        Pairs { points: &points, point: &point, toward: &toward, density: &density, len: 1, rays: 1.0 };
+    let pairs = Pairs {
+        points: &points,
+        point: &point,
+        toward: &toward,
+        density: &density,
+        len: 1,
+        rays: 1.0,
+    };
     let mut scattered = Box::<Vec3s>::default();
     Isa::best().run(ScatterOne { lobe: &lobe, pairs, to: &mut scattered });
     assert!((scattered.x[0] / FRAC_1_PI - 1.0).abs() < 1e-6, "{}", scattered.x[0]);
