@@ -1,5 +1,7 @@
 //! Objects with sharp lobes: where photons are sent.
 
+use glam::Vec3;
+use slo_accel::Curved;
 use slo_accel::math::Bounds;
 use slo_scene::material::{Principled, inside_out};
 use slo_scene::{Material, MaterialKind, SceneDescription};
@@ -28,11 +30,36 @@ pub(super) fn sharp_objects(scene: &SceneDescription, parts: &Parts) -> Vec<Shar
     for instance in &parts.instances {
         add(instance.object, instance.bounds());
     }
-    let sharp = |(object, bounds): (&slo_scene::Object, Bounds)| {
+    let reaches = reaches(parts, &bounds);
+    let sharp = |((object, bounds), reach): ((&slo_scene::Object, Bounds), f32)| {
         let share = shares[object.material.0 as usize];
-        (share > 0.0 && !bounds.is_empty()).then_some(Sharp { bounds, share })
+        (share > 0.0 && !bounds.is_empty()).then_some(Sharp { bounds, reach, share })
     };
-    scene.objects.iter().zip(bounds).filter_map(sharp).collect()
+    scene.objects.iter().zip(bounds).zip(reaches).filter_map(sharp).collect()
+}
+
+/// Returns the greatest distance of any point of each object from the middle of its bounds.
+fn reaches(parts: &Parts, bounds: &[Bounds]) -> Vec<f32> {
+    let mut reaches = vec![0.0f32; bounds.len()];
+    let mut add = |object: u32, of: &dyn Fn(Vec3) -> f32| {
+        if let Some(bounds) = bounds.get(object as usize) {
+            let reach = &mut reaches[object as usize];
+            *reach = reach.max(of((bounds.min + bounds.max) * 0.5));
+        }
+    };
+    for (triangle, &object) in parts.still.triangles.iter().zip(&parts.triangle_objects) {
+        add(object, &|middle| triangle.iter().fold(0.0, |most, v| most.max((v - middle).length())));
+    }
+    for (curved, &object) in parts.still.curved.iter().zip(&parts.curved_objects) {
+        add(object, &|middle| match *curved {
+            Curved::Sphere { center, radius } => (center - middle).length() + radius,
+            _ => curved.bounds().size().length() * 0.5,
+        });
+    }
+    for instance in &parts.instances {
+        add(instance.object, &|_| instance.bounds().size().length() * 0.5);
+    }
+    reaches
 }
 
 /// Estimates the share of light that the sharp lobes of each material scatter; 0 if it has none.

@@ -186,6 +186,10 @@ mod tests {
              box room {{ vertex0 {{ -4 -4 -4 }} vertex1 {{ 4 -4 -4 }} vertex2 {{ 4 4 -4 }} height 8 material wall }}
              {elements}"
         );
+        build(&text)
+    }
+
+    fn build(text: &str) -> FrameScene {
         let loaded = load("scene.txt", text.as_bytes(), &Files::built_in("", &[]));
         let scene = loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
         FrameScene::build(&scene, 0, Isa::best()).unwrap()
@@ -232,5 +236,20 @@ mod tests {
             let frame = frame(&format!("{lamp} {ball}"));
             assert!(photons(&frame, 1 << 12).is_empty(), "{lamp}");
         }
+    }
+
+    #[test]
+    fn a_glossy_ground_leaves_photons_for_small_things() {
+        let text = "settings s { integrator PATH photons 1 imageSamples 1 }
+            Camera c { fps 25 Film f { width 64 height 64 }
+                CamSegment a { videoStart 0 videoEnd 1 addPosition { 0 -6 3 } addTarget { 0 0 0 } fovStart .3 } }
+            material_principled ground { roughness .3 }
+            material_principled glass { base_color { 1 1 1 } roughness 0 transmission 1 }
+            lamp_sun l { irradiance { 3 3 3 } direction { 0 .3 -1 } }
+            plane g { normal { 0 0 1 } position { 0 0 0 } material ground }
+            sphere b { center { 0 0 1 } radius .5 material glass }";
+        let frame = build(text);
+        let found = photons(&frame, 1 << 12);
+        assert!(found.len() > 1 << 10, "{} of 4096 light paths", found.len());
     }
 }
