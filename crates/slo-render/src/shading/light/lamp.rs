@@ -21,6 +21,9 @@ pub trait Lamp: Copy {
     /// directions, and rays to it have no end.
     const IS_DISTANT: bool = false;
 
+    /// Whether its functions look up tables, so that loops over them do not become vector code.
+    const LOOKS_UP: bool = false;
+
     /// Returns the radiance that reaches a hit from a point of the light if nothing blocks it;
     /// `way` is the vector from the hit to the point.
     fn radiance(&self, way: Vec3) -> Vec3;

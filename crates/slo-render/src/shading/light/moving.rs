@@ -82,6 +82,7 @@ impl<L: Lamp> Lamp for Moving<L> {
     const IS_DELTA: bool = L::IS_DELTA;
     const IS_OF_THESIS: bool = L::IS_OF_THESIS;
     const IS_DISTANT: bool = L::IS_DISTANT;
+    const LOOKS_UP: bool = L::LOOKS_UP;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
