@@ -97,6 +97,10 @@ impl Bsdfs {
 
     /// Lets light from all directions count at points that light passes through.
     pub(in crate::integrator) fn open_receivers(&self, points: &mut Points) {
+        let Bsdf { glass, refraction, .. } = &self.bsdf;
+        if !glass.share().is_present && !refraction.share().is_present {
+            return;
+        }
         for i in 0..points.len() {
             let is_glass = self.is_principled[i] == 1 && self.parameters.transmission[i] > 0.0;
             let refracts = self.bsdf.refraction.share().is_present
@@ -142,21 +146,23 @@ impl Bsdfs {
     /// Sets up the lobes of all points, and the chance with which a ray follows each.
     pub(in crate::integrator) fn find(&mut self, frame: &FrameScene, points: &Points) {
         self.bsdf.clear();
-        frame.isa.run(Phong { table: &frame.material_table, points, to: self });
-        let table = &frame.material_table;
+        let (table, len) = (&frame.material_table, points.len());
+        let physical = self.is_principled[..len].iter().filter(|is| **is == 1).count();
+        if physical < len {
+            frame.isa.run(Phong { table, points, to: self });
+        }
         let Self { bsdf, parameters, is_principled, emitted, .. } = self;
-        if table.is_physical() {
+        if physical > 0 {
             let (at, from_outside) = (|i| points.at(i), &points.surfaces.from_outside);
             let is_mine = |i: usize| is_principled[i] == 1;
-            let (len, isa) = (points.len(), frame.isa);
-            principled(parameters, at, from_outside, is_mine, len, isa, bsdf, emitted);
+            principled(parameters, at, from_outside, is_mine, len, frame.isa, bsdf, emitted);
         }
         // The chances of all lobes that rays follow sum to 1.
         self.total = [0.0; BATCH];
         let diffuse = frame.settings.integrator == Integrator::Path;
         let Self { bsdf, total, .. } = self;
-        bsdf.for_each(&mut AddUp { frame, len: points.len(), diffuse, total });
-        bsdf.for_each_mut(&mut Divide { frame, len: points.len(), diffuse, total });
+        bsdf.for_each(&mut AddUp { frame, len, diffuse, total });
+        bsdf.for_each_mut(&mut Divide { frame, len, diffuse, total });
     }
 }
 

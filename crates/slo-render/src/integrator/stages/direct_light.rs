@@ -147,7 +147,8 @@ impl WithLamps for AskChosen<'_> {
         place: impl Fn(u32) -> usize,
     ) {
         let (light, times) = (self.choice.light(), self.choice.times());
-        let choose = |i: usize| (lamps[place(light[i])], times[i], mine(light[i]));
+        let Some(last) = lamps.len().checked_sub(1) else { return };
+        let choose = |i: usize| (lamps[place(light[i]).min(last)], times[i], mine(light[i]));
         ask(self.frame, self.glossy, self.from, choose, self.to);
     }
 }

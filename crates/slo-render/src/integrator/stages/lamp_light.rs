@@ -19,6 +19,10 @@ use crate::shading::{Lamp, WithLamp, WithLamps};
 
 use super::direct_light::Question;
 
+/// So many lights are asked one after the other, in loops that are vector code. Of more lights, each
+/// point fetches its own.
+const FEW: usize = 8;
+
 /// Rays of one question from all points.
 #[derive(Debug)]
 pub(in crate::integrator) struct LampLight {
@@ -84,7 +88,9 @@ impl LampLight {
         let Question { light, place } = question;
         let purpose = light.map_or(Purpose::AnyLight, Purpose::Light);
         let names = points.names(&frame.settings, depth, purpose, place);
-        if let Some(number) = light {
+        // A light that is alone is always chosen.
+        let alone = (frame.lights.len() == 1).then_some(0);
+        if let Some(number) = light.or(alone) {
             self.set.take::<2>(&frame.sampler, frame.isa, &names);
             self.tries[..].fill(place[1] as f32);
             self.light[..].fill(number);
@@ -92,7 +98,13 @@ impl LampLight {
         } else {
             self.set.take::<3>(&frame.sampler, frame.isa, &names);
             self.choose(frame, points, place[1] as f32);
-            frame.lights.for_each_kind(&mut AskChosen { frame, points, to: self });
+            if frame.lights.len() <= FEW {
+                for (number, light) in (0..).zip(frame.lights.iter()) {
+                    light.with(AskOne { frame, points, number, to: self });
+                }
+            } else {
+                frame.lights.for_each_kind(&mut AskChosen { frame, points, to: self });
+            }
         }
         self.share_with_photons(frame, points);
         let Self { scattered, toward, by_light, hittable, flat, left, .. } = self;
@@ -167,10 +179,16 @@ impl WithLamp for AskOne<'_> {
         let Self { frame, points, number, to } = self;
         if frame.lights.move_about() {
             let pose = |i: usize| frame.lights.pose(number, points.labels.time[i]);
-            let choose = |_: u32, i: usize| (Moving { lamp, pose: pose(i) }, true);
-            frame.isa.run(Ask { points, choose, to });
+            let choose = |light: u32, i: usize| (Moving { lamp, pose: pose(i) }, light == number);
+            frame.isa.run(Ask::<_, true> { points, choose, to });
+            return;
+        }
+        // A copy of the lamp cannot alias a column.
+        let choose = move |light: u32, _: usize| (lamp, light == number);
+        if L::LOOKS_UP {
+            frame.isa.run(Ask::<_, true> { points, choose, to });
         } else {
-            frame.isa.run(Ask { points, choose: |_: u32, _: usize| (lamp, true), to });
+            frame.isa.run(Ask::<_, false> { points, choose, to });
         }
     }
 }
@@ -190,34 +208,33 @@ impl WithLamps for AskChosen<'_> {
         place: impl Fn(u32) -> usize,
     ) {
         let (frame, points) = (self.frame, self.points);
-        let last = frame.lights.len() as u32 - 1;
-        let choose = |light: u32| {
-            let known = light.min(last);
-            (lamps[place(known)], mine(known) & (light <= last))
-        };
+        let count = frame.lights.len() as u32;
+        let Some(last) = lamps.len().checked_sub(1) else { return };
+        let choose = |light: u32| (lamps[place(light).min(last)], mine(light) & (light < count));
         if frame.lights.move_about() {
             let pose = |light: u32, i: usize| frame.lights.pose(light, points.labels.time[i]);
             let choose = |light: u32, i: usize| {
                 let (lamp, is_asked) = choose(light);
                 (Moving { lamp, pose: pose(light, i) }, is_asked)
             };
-            frame.isa.run(Ask { points, choose, to: self.to });
+            frame.isa.run(Ask::<_, true> { points, choose, to: self.to });
         } else {
             let choose = |light: u32, _: usize| choose(light);
-            frame.isa.run(Ask { points, choose, to: self.to });
+            frame.isa.run(Ask::<_, true> { points, choose, to: self.to });
         }
     }
 }
 
 /// Creates a ray from every point to a light. `choose(light, i)` returns the light with an index
-/// as point `i` sees it, and whether to ask it. If not, the point keeps the ray that it has.
-struct Ask<'a, C> {
+/// as point `i` sees it, and whether to ask it. If not, the point keeps the ray that it has, and is
+/// skipped if `SKIPS`; otherwise the loop has no branches.
+struct Ask<'a, C, const SKIPS: bool> {
     points: &'a Points,
     choose: C,
     to: &'a mut LampLight,
 }
 
-impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
+impl<L: Lamp, C: Fn(u32, usize) -> (L, bool), const SKIPS: bool> Lanewise for Ask<'_, C, SKIPS> {
     type Output = ();
 
     #[inline(always)]
@@ -226,7 +243,7 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
         let surfaces = &points.surfaces;
         for i in lanes(surfaces.len) {
             let (lamp, is_asked) = choose(to.light[i], i);
-            if L::IS_COSTLY && !is_asked {
+            if SKIPS && !is_asked {
                 continue;
             }
             let hit = surfaces.point.get(i);

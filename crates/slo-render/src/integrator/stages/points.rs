@@ -139,9 +139,11 @@ impl Points {
         }
     }
 
-    /// Packs the normals.
+    /// Packs the normals, if lights are chosen by them.
     pub(in crate::integrator) fn find_receivers(&mut self, frame: &FrameScene) {
-        frame.isa.run(Receivers(self));
+        if frame.light_tree.len() > 1 {
+            frame.isa.run(Receivers(self));
+        }
     }
 
     /// Looks up the numbers of Phong materials.

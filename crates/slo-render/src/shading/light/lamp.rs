@@ -35,8 +35,8 @@ pub trait Lamp: Copy {
     /// Whether its surface encloses a body, and emits light to the outside only.
     const IS_CLOSED: bool = false;
 
-    /// Whether sampling takes so long that hits of other lights are better left out.
-    const IS_COSTLY: bool = false;
+    /// Whether its functions look up tables, so that loops over them do not become vector code.
+    const LOOKS_UP: bool = false;
 
     /// Returns the radiance that reaches a hit from a point of the light if nothing blocks it;
     /// `way` is the vector from the hit to the point.

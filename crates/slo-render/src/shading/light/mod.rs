@@ -15,6 +15,7 @@ mod moving;
 mod point;
 pub mod receiver;
 mod rectangle;
+mod spherical_rectangle;
 mod techniques;
 mod tree;
 mod triangle;

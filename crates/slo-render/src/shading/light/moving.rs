@@ -83,7 +83,7 @@ impl<L: Lamp> Lamp for Moving<L> {
     const IS_OF_THESIS: bool = L::IS_OF_THESIS;
     const IS_DISTANT: bool = L::IS_DISTANT;
     const IS_CLOSED: bool = L::IS_CLOSED;
-    const IS_COSTLY: bool = L::IS_COSTLY;
+    const LOOKS_UP: bool = L::LOOKS_UP;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {

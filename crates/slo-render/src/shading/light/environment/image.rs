@@ -103,7 +103,7 @@ impl Lamp for ImageView<'_> {
     const IS_AREA: bool = true;
     const IS_DELTA: bool = false;
     const IS_DISTANT: bool = true;
-    const IS_COSTLY: bool = true;
+    const LOOKS_UP: bool = true;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {

@@ -14,7 +14,7 @@ impl WithLamps for Colors {
         place: impl Fn(u32) -> usize,
     ) {
         for light in 0..self.0.len() as u32 {
-            let lamp = lamps[place(light)];
+            let lamp = lamps[place(light).min(lamps.len() - 1)];
             if mine(light) {
                 let before = self.0[light as usize].replace(lamp.radiance(Vec3::X));
                 assert_eq!(before, None, "light {light} is in two tables");
