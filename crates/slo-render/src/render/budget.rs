@@ -63,7 +63,7 @@ pub fn render_until(
             first = run.first_open(|_| plan.clone(), &tiles, &memory);
         }
         let mut stretches = Stretches::new(frame, first);
-        let mut handed = 0;
+        let (mut handed, mut is_open) = (0, true);
         while let Some(stretch) = stretches.next(&plan, &gives_up) {
             let pass = Pass {
                 run: &run,
@@ -80,7 +80,7 @@ pub fn render_until(
             };
             rayon::broadcast(|thread| pass.work(&mut lock(&memory[thread.index()])));
             handed = pass.next.into_inner().min(tiles.len());
-            let is_open = pass.is_open.into_inner();
+            is_open = pass.is_open.into_inner();
             if pass.is_stopped.into_inner() {
                 reached = so_far(step, handed, reached);
                 return (run.exposed(false), reached);
@@ -96,11 +96,12 @@ pub fn render_until(
                 return (run.exposed(true), reached);
             }
         }
+        if is_open {
+            // The observer stopped the tracing of photons.
+            return (run.exposed(false), reached);
+        }
         reached = so_far(step, handed, reached);
         if handed < tiles.len() {
-            if gives_up() {
-                return (run.exposed(false), reached);
-            }
             break;
         }
         reached = Steps { done: step, tiles: 0 };
