@@ -10,7 +10,7 @@ use super::features::Own;
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::batch::Batch;
-use crate::shading::bsdf::{Bsdf, Lobe, WithLobe, WithLobeMut, principled};
+use crate::shading::bsdf::{At, Bsdf, Lobe, WithLobe, WithLobeMut, principled};
 use crate::shading::light::receiver;
 use crate::shading::material::Kind;
 use crate::shading::material::principled::Parameters;
@@ -33,6 +33,20 @@ pub(in crate::integrator) struct Bsdfs {
     own: Vec3s,
     /// Estimates of the shares of light of perfect lobes.
     perfect: Column<f32>,
+}
+
+/// Lobes of physical materials as they look from elsewhere.
+#[derive(Debug)]
+pub(super) struct LookBack {
+    pub(super) bsdf: Bsdf,
+    from_outside: Column<u32>,
+    emitted: Vec3s,
+}
+
+impl Default for LookBack {
+    fn default() -> Self {
+        Self { bsdf: Bsdf::default(), from_outside: [0; BATCH], emitted: Vec3s::default() }
+    }
 }
 
 impl Default for Bsdfs {
@@ -141,6 +155,36 @@ impl Bsdfs {
                 points.weight.set(i, points.weight.get(i) * left);
             }
         }
+    }
+
+    /// Sets up the lobes of physical materials as they look from where `way` leads to, in `to`. Returns
+    /// false, and does nothing, if all lobes that are sharp look alike from everywhere.
+    pub(super) fn look_back(
+        &self,
+        frame: &FrameScene,
+        points: &Points,
+        way: &Vec3s,
+        to: &mut LookBack,
+    ) -> bool {
+        let p = &self.parameters;
+        let depends = |i: usize| {
+            self.is_principled[i] == 1
+                && (p.roughness[i] > 0.0 || p.coat[i] > 0.0 || p.sheen[i] > 0.0)
+        };
+        if !(0..points.len()).any(depends) {
+            return false;
+        }
+        sides(points, way, &mut to.from_outside);
+        to.bsdf.clear();
+        let at = |i: usize| {
+            let (at, eye) = (points.at(i), way.get(i));
+            let side = if at.n_geo.dot(eye) < 0.0 { -1.0 } else { 1.0 };
+            At { eye, n: at.n * side, n_geo: at.n_geo * side, ..at }
+        };
+        let is_mine = |i: usize| self.is_principled[i] == 1;
+        let LookBack { bsdf, from_outside, emitted } = to;
+        principled(p, at, from_outside, is_mine, points.len(), frame.isa, bsdf, emitted);
+        true
     }
 
     /// Sets up the lobes of all points, and the chance with which a ray follows each.
@@ -367,6 +411,14 @@ impl<L: Lobe> Lanewise for FindRoughOf<'_, L> {
             let is_there = lobe.share().weight.get(i) != Vec3::ZERO;
             is_rough[i] |= u32::from(is_there & !lobe.is_sharp(i));
         }
+    }
+}
+
+/// The sides of surfaces that `way` leads to: 1 for the outside, 0 for the inside.
+fn sides(points: &Points, way: &Vec3s, to: &mut Column<u32>) {
+    for i in 0..points.len() {
+        let passes = points.surfaces.n_geo.get(i).dot(way.get(i)) < 0.0;
+        to[i] = points.surfaces.from_outside[i] ^ u32::from(passes);
     }
 }
 

@@ -4,7 +4,7 @@ use glam::Vec3;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, lanes};
 
-use super::bsdfs::Bsdfs;
+use super::bsdfs::{Bsdfs, LookBack};
 use super::continuation::Name;
 use super::points::Points;
 use crate::frame::FrameScene;
@@ -12,7 +12,7 @@ use crate::integrator::batch::{Batch, Labels, Past, Sent};
 use crate::integrator::chosen::Chosen;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
-use crate::shading::bsdf::{At, Lobe, WithLobe};
+use crate::shading::bsdf::{At, Lobe, WithLobe, WithLobes};
 
 /// One ray from every point with a sharp lobe.
 #[derive(Debug)]
@@ -23,6 +23,7 @@ pub(in crate::integrator) struct SharpBounce {
     total: Column<f32>,
     /// Sum of the chances of the sharp lobes visited so far, of 1.
     below: Column<f32>,
+    back: LookBack,
     pub(in crate::integrator) sent: Sent,
     pub(in crate::integrator) labels: Labels,
     pub(in crate::integrator) past: Past,
@@ -37,6 +38,7 @@ impl Default for SharpBounce {
             survival: SetPoints::default(),
             total: [0.0; BATCH],
             below: [0.0; BATCH],
+            back: LookBack::default(),
             sent: Sent::default(),
             labels: Labels::default(),
             past: Past::default(),
@@ -55,7 +57,7 @@ impl SharpBounce {
         bsdfs: &Bsdfs,
         depth: u32,
     ) {
-        let Self { set, survival, total, below, sent, labels, past, .. } = self;
+        let Self { set, survival, total, below, back, sent, labels, past, .. } = self;
         *total = [0.0; BATCH];
         bsdfs.bsdf.for_each(&mut AddUp { frame, points, total });
         let place = [0, 1];
@@ -68,6 +70,11 @@ impl SharpBounce {
             column.fill(0.0);
         }
         bsdfs.bsdf.for_each(&mut Follow { frame, points, set, total, below, sent });
+        if bsdfs.look_back(frame, points, &sent.direction, back) {
+            *below = [0.0; BATCH];
+            let mut exchange = Exchange { frame, points, set, total, below, sent };
+            bsdfs.bsdf.for_each_with(&back.bsdf, &mut exchange);
+        }
         frame.isa.run(Finish { points, survival, sent });
         frame.isa.run(Name { points, place, next: labels });
         for i in 0..points.len() {
@@ -162,6 +169,60 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             let keep = |new: Vec3, old: Vec3| if is_chosen { new } else { old };
             sent.direction.set(i, keep(sampled.direction, sent.direction.get(i)));
             sent.weight.set(i, keep(weight, sent.weight.get(i)));
+        }
+    }
+}
+
+/// Exchanges the arguments of the lobes that rays follow: a path from the camera sees the surface from
+/// the other end, and what a layer leaves to those below depends on the eye.
+struct Exchange<'a> {
+    frame: &'a FrameScene,
+    points: &'a Points,
+    set: &'a SetPoints,
+    total: &'a Column<f32>,
+    below: &'a mut Column<f32>,
+    sent: &'a mut Sent,
+}
+
+impl WithLobes for Exchange<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &L, other: &L) {
+        if L::IS_FOLLOWED && !L::IS_DIFFUSE {
+            let Self { frame, points, set, total, below, sent } = self;
+            frame.isa.run(ExchangeOne { lobe, other, points, set, total, below, sent });
+        }
+    }
+}
+
+struct ExchangeOne<'a, L> {
+    lobe: &'a L,
+    other: &'a L,
+    points: &'a Points,
+    set: &'a SetPoints,
+    total: &'a Column<f32>,
+    below: &'a mut Column<f32>,
+    sent: &'a mut Sent,
+}
+
+impl<L: Lobe> Lanewise for ExchangeOne<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lobe, other, points, set, total, below, sent } = self;
+        let (mine, theirs) = (lobe.share(), other.share());
+        // Lobes of Phong look the same from everywhere.
+        let is_there = theirs.is_present;
+        for i in lanes(points.surfaces.len) {
+            let share = mine.chance[i] / total[i];
+            let chance = if lobe.is_sharp(i) { share } else { 0.0 };
+            let (w, start, end) = (set.numbers[2][i], below[i], below[i] + chance);
+            below[i] = end;
+            let is_chosen = (w >= start) & (w < end) & is_there;
+            let (from, to) = (mine.weight.get(i), theirs.weight.get(i));
+            let ratio = |from: f32, to: f32| if from > 0.0 { to / from } else { 1.0 };
+            let ratio = Vec3::new(ratio(from.x, to.x), ratio(from.y, to.y), ratio(from.z, to.z));
+            let weight = sent.weight.get(i);
+            sent.weight.set(i, if is_chosen { weight * ratio } else { weight });
         }
     }
 }

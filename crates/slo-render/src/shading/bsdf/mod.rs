@@ -27,7 +27,7 @@ pub use coat::Coat;
 pub use diffuse::Diffuse;
 pub use glass::Glass;
 pub use highlight::Highlight;
-pub use list::{WithLobe, WithLobeMut};
+pub use list::{WithLobe, WithLobeMut, WithLobes};
 pub use lobe::{At, Lobe, SHARP, Sampled, Scattered, Share};
 pub use metal::Metal;
 pub use power::{Power, SHARP_INVERSE};

@@ -29,6 +29,10 @@ const COMMON: &str = "
     material_principled frosted { base_color { .95 1 .9 } transmission 1 roughness .3 }
     material_principled pane { base_color { .8 .8 .8 } transmission 1 roughness 0 alpha .5 }
     material_mix mixed { first mirror second matte factor .4 }
+    material_principled lacquer {
+        base_color { .9 .4 .2 } metallic 1 roughness .3
+        coat 1 coat_roughness .2 coat_tint { .3 .6 .3 } sheen .8 sheen_roughness .3
+    }
     phong_info chrome_info { diffuse { .1 .1 .1 } specular { .2 .2 .2 } shininess 20 reflectance .7 }
     material_phong chrome { phong_info chrome_info }
     phong_info brushed_info { diffuse { .1 .1 .1 } reflectance .7 diffuse_reflection .08 }
@@ -135,6 +139,7 @@ fn mirrors_and_glass() {
         case!("brushed", "", "sphere b { material brushed center { 0 0 -.4 } radius 1 }"),
         case!("satin", "", "sphere b { material satin center { 0 0 -.4 } radius 1 }"),
         case!("frosted", "", "sphere b { material frosted center { 0 0 -.4 } radius 1 }"),
+        case!("lacquer", "", "sphere b { material lacquer center { 0 0 -.4 } radius 1 }"),
     ]);
 }
 
