@@ -228,7 +228,7 @@ settings light { integrator PATH  imageSamples 1024  noise .012  recursion 8 }
 
 Camera main {
     fps 25
-    Film film { width 1280  height 720  prefix table_light_  toneMap AGX  exposure .6 }
+    Film film { width 1280  height 720  prefix table_light_  toneMap AGX  exposure .9 }
     CamSegment still {
         videoStart 0  videoEnd 1
         addPosition { -15 -66 17 }  addTarget { 13.2 -12 1.6 }
@@ -239,7 +239,7 @@ Camera main {
 
 # A warm softbox on the upper left, a cool window on the right, a warm one behind
 lamp_rectangle key    { radiance { 13 10.4 7.4 }  vertex0 { -45 -10 95 }  vertex1 { -75 -10 70 }  vertex2 { -75 35 70 } }
-lamp_rectangle window { radiance { 2.2 3 4.4 }    vertex0 { 90 30 20 }    vertex1 { 90 -40 20 }   vertex2 { 90 -40 80 } }
+lamp_rectangle window { radiance { 1.7 2.3 3.4 }  vertex0 { 90 30 20 }    vertex1 { 90 -40 20 }   vertex2 { 90 -40 80 } }
 lamp_rectangle rim    { radiance { 9 6 3.2 }      vertex0 { -15 95 45 }   vertex1 { 55 95 45 }    vertex2 { 55 95 75 } }
 environment dusk { radiance { .025 .022 .022 } }
 
@@ -254,7 +254,7 @@ material_principled ebony { base_color { .055 .030 .024 }  base_color_texture wa
 material_principled light_square { base_color { .64 .44 .25 }  base_color_texture boxwood  roughness .4  coat .5  coat_roughness .1 }
 material_principled dark_square { base_color { .125 .056 .028 }  base_color_texture walnut  roughness .4  coat .5  coat_roughness .1 }
 material_principled frame { base_color { .15 .052 .026 }  base_color_texture walnut  roughness .4  coat .7  coat_roughness .08 }
-material_principled dark_glass { base_color { .008 .014 .015 }  roughness .16 }
+material_principled dark_glass { base_color { .008 .014 .015 }  roughness .3 }
 material_principled carpet { base_color { .30 .08 .05 }  base_color_texture linen  roughness .9  specular_ior_level .1 }
 material_principled wall { base_color { 0 0 0 }  emission_color { .11 .058 .03 }  emission_color_texture backdrop
                            emission_strength 1  specular_ior_level 0 }

@@ -197,8 +197,7 @@ def puddles():
     """Roughness of the wet ground: low where water stands."""
     def pixel(px, py):
         x, y = px / 256, py / 256
-        r = lerp((.16,) * 3, (.42,) * 3, smoothstep(.36, .62, fbm(x, y, 5, 5, 31, 4)))
-        return r
+        return lerp((.22,) * 3, (.5,) * 3, smoothstep(.36, .62, fbm(x, y, 5, 5, 31, 4)))
     png.write("puddles", 256, 256, pixel)
 
 
@@ -221,7 +220,7 @@ settings light { integrator PATH  imageSamples 1024  noise .015  recursion 8 }
 
 Camera main {
     fps 25
-    Film film { width 1280  height 720  prefix street_  toneMap AGX  exposure .9 }
+    Film film { width 1280  height 720  prefix street_  toneMap AGX  exposure .7 }
     CamSegment still {
         videoStart 0  videoEnd 1
         addPosition { -1.3 -3 1.5 }  addTarget { .75 30 4.4 }
@@ -241,7 +240,7 @@ texture poster { filename ../textures/dusk.png }
 
 material_principled wet_cobbles {
     base_color { .16 .15 .14 }  base_color_texture { texture cobbles  scale_U 5  scale_V 60 }
-    normal_texture { texture cobbles_normal  scale_U 5  scale_V 60 }  normal_strength .35
+    normal_texture { texture cobbles_normal  scale_U 5  scale_V 60 }  normal_strength .3
     roughness_texture { texture puddles  scale_U 1.1  scale_V 12 }
 }
 material_principled wet_slabs { base_color { .14 .135 .13 }  roughness_texture { texture puddles  scale_U .4  scale_V 14 } }
@@ -269,15 +268,11 @@ box curb2       { vertex0 { 4 -8 0 }  vertex1 { 4.25 -8 0 }  vertex2 { 4.25 112 
 
 # The church at the end, and its clock
 box tower { vertex0 { -3.5 98 0 }  vertex1 { 3.5 98 0 }  vertex2 { 3.5 105 0 }  height 23  material cream }
-box ledge { vertex0 { -3.9 97.6 0 }  vertex1 { 3.9 97.6 0 }  vertex2 { 3.9 105.4 0 }  height -.01  material trim
-            addKframe { time 0  key { pivot { 0 0 23.5 } } } }
+box ledge { vertex0 { -3.9 97.6 23 }  vertex1 { 3.9 97.6 23 }  vertex2 { 3.9 105.4 23 }  height .5  material trim }
 box belt  { vertex0 { -3.8 97.7 15.5 }  vertex1 { 3.8 97.7 15.5 }  vertex2 { 3.8 105.3 15.5 }  height .5  material trim }
 cone spire { base { 0 101.5 23.5 }  apex { 0 101.5 36 }  radius 3.9  material slate }
 box nave  { vertex0 { -14 103 0 }  vertex1 { 14 103 0 }  vertex2 { 14 125 0 }  height 13  material cream }
 """
-    text = text.replace("""box ledge { vertex0 { -3.9 97.6 0 }  vertex1 { 3.9 97.6 0 }  vertex2 { 3.9 105.4 0 }  height -.01  material trim
-            addKframe { time 0  key { pivot { 0 0 23.5 } } } }
-""", "box ledge { vertex0 { -3.9 97.6 23 }  vertex1 { 3.9 97.6 23 }  vertex2 { 3.9 105.4 23 }  height .5  material trim }\n")
     lamps = []
 
     def lamp(kind, name, body, group):
@@ -371,7 +366,7 @@ mesh pillar_trim { filename ../meshes/pillar_trim.slo  smooth_normals 1  materia
         count = left // len(rows) + (k < left % len(rows))
         for j in range(count):
             x = FACADE * (2 * (j + .5) / count - 1)
-            lamp("point", "bulb%d_%d" % (k, j), "power { 3 1.75 .75 }  position %s  radius .045" % vector(
+            lamp("point", "bulb%d_%d" % (k, j), "power { 3 1.75 .75 }  position %s  radius .055" % vector(
                 x, round(y + hand.uniform(-.02, .02), 2), round(z + sag(x) - .06, 2)), "bulbs")
     text += "\n# The %d lamps\n" % len(lamps) + "".join(lamps)
     write("street", text)
