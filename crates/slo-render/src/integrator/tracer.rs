@@ -23,10 +23,10 @@ impl Tracer {
         &mut self,
         frame: &FrameScene,
         work: &[Work],
-        beside: Beside,
+        beside: Beside<'_>,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Traced<'_>> {
-        let job = Job { frame, work, gives_up };
+        let job = Job { frame, work, maps: beside.maps, gives_up };
         let Self { machine, distributed, path } = self;
         let copies = if beside.features { 2 } else { 1 };
         let groups = if frame.is_physical { beside.light_groups } else { 0 };

@@ -84,6 +84,17 @@ impl Bsdfs {
         Own { albedo, share: (1.0 - self.perfect[i]).max(0.0) }
     }
 
+    /// Finds the points that have a rough lobe which rays follow: 1, or 0.
+    pub(in crate::integrator) fn find_rough(
+        &self,
+        frame: &FrameScene,
+        points: &Points,
+        is_rough: &mut Column<u32>,
+    ) {
+        *is_rough = [0; BATCH];
+        self.bsdf.for_each(&mut FindRough { frame, points, is_rough });
+    }
+
     /// Lets light from all directions count at points that light passes through.
     pub(in crate::integrator) fn open_receivers(&self, points: &mut Points) {
         for i in 0..points.len() {
@@ -313,6 +324,41 @@ impl<L: Lobe> Lanewise for AddOwnOf<'_, L> {
             let albedo = if is_perfect { Vec3::ZERO } else { sampled.weight };
             own.set(i, own.get(i) + albedo);
             perfect[i] += if is_perfect { sampled.weight.max_element() } else { 0.0 };
+        }
+    }
+}
+
+/// Finds the points with rough lobes that rays follow.
+struct FindRough<'a> {
+    frame: &'a FrameScene,
+    points: &'a Points,
+    is_rough: &'a mut Column<u32>,
+}
+
+impl WithLobe for FindRough<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &L) {
+        if L::IS_FOLLOWED {
+            let Self { frame, points, is_rough } = self;
+            frame.isa.run(FindRoughOf { lobe, points, is_rough });
+        }
+    }
+}
+
+struct FindRoughOf<'a, L> {
+    lobe: &'a L,
+    points: &'a Points,
+    is_rough: &'a mut Column<u32>,
+}
+
+impl<L: Lobe> Lanewise for FindRoughOf<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lobe, points, is_rough } = self;
+        for i in lanes(points.surfaces.len) {
+            let is_there = lobe.share().weight.get(i) != Vec3::ZERO;
+            is_rough[i] |= u32::from(is_there & !lobe.is_sharp(i));
         }
     }
 }

@@ -25,11 +25,11 @@ pub(in crate::integrator) struct LampLight {
     set: SetPoints,
     choices: Choices,
     /// Index of the light of each point.
-    light: Column<u32>,
+    pub(super) light: Column<u32>,
     /// Number of rays to the light: the probability of the choice, times the number of rays.
     tries: Column<f32>,
     /// Unit directions to the points of lamps.
-    toward: Vec3s,
+    pub(super) toward: Vec3s,
     /// Radiance of the lamp, or irradiance if it has no area.
     radiance: Vec3s,
     /// `pdf_solid_angle` of all rays to the lamp; `tries` if it has no area.
@@ -38,6 +38,8 @@ pub(in crate::integrator) struct LampLight {
     hittable: Column<f32>,
     /// Factor of lobes that the thesis's lights reach without falloff; 0 for other lamps.
     flat: Column<f32>,
+    /// Share of light in sharp lobes that photons leave to the rays.
+    left: Column<f32>,
     /// Light that all lobes scatter, for a radiance of 1.
     scattered: Vec3s,
     pub(in crate::integrator) sent: Sent,
@@ -59,6 +61,7 @@ impl Default for LampLight {
             by_light: zeros,
             hittable: zeros,
             flat: zeros,
+            left: [1.0; BATCH],
             scattered: Vec3s::default(),
             sent: Sent::default(),
             labels: Labels::default(),
@@ -91,14 +94,17 @@ impl LampLight {
             self.choose(frame, points, place[1] as f32);
             frame.lights.for_each_kind(&mut AskChosen { frame, points, to: self });
         }
-        let Self { scattered, toward, by_light, hittable, flat, .. } = self;
+        self.share_with_photons(frame, points);
+        let Self { scattered, toward, by_light, hittable, flat, left, .. } = self;
         *scattered = Vec3s::default();
         let rays = continuations(&frame.settings, depth) as f32;
-        let arriving = Arriving { points, toward, by_light, hittable, flat, rays };
+        let arriving = Arriving { points, toward, by_light, hittable, flat, left, rays };
         bsdfs.bsdf.for_each(&mut Scatter { frame, arriving, to: scattered });
         frame.isa.run(Finish { points, to: self });
         let weight = &self.sent.weight;
-        self.chosen.set(frame.isa, points.len(), |i| weight.get(i) != Vec3::ZERO);
+        let (light, shaded) = (&self.light, frame.first_shaded);
+        let is_sent = |i: usize| (weight.get(i) != Vec3::ZERO) & (light[i] < shaded);
+        self.chosen.set(frame.isa, points.len(), is_sent);
     }
 
     /// Labels the rays: like the points, but with the slots of the groups that the lights belong to,
@@ -110,6 +116,24 @@ impl LampLight {
         if stride > 0 {
             for (slot, light) in labels.slot[..len].iter_mut().zip(&self.light) {
                 *slot += frame.group_of(*light) * stride;
+            }
+        }
+    }
+
+    /// Finds which share of the light in sharp lobes photons leave to the rays: of paths that left a
+    /// rough lobe before.
+    fn share_with_photons(&mut self, frame: &FrameScene, points: &Points) {
+        let Some(emission) = &frame.emission else { return };
+        let last = frame.lights.len().saturating_sub(1) as u32;
+        for i in 0..points.len() {
+            let rival = points.rough.rival[i];
+            self.left[i] = 1.0;
+            if rival > 0.0 && self.light[i] <= last {
+                let point = self.sent.origin.get(i) + self.sent.direction.get(i);
+                let (light, time) = (self.light[i], points.labels.time[i]);
+                let toward = self.toward.get(i);
+                let density = emission.density(&frame.lights, light, time, point, -toward);
+                self.left[i] = rival / (rival + density);
             }
         }
     }
@@ -242,6 +266,7 @@ struct Arriving<'a> {
     by_light: &'a Column<f32>,
     hittable: &'a Column<f32>,
     flat: &'a Column<f32>,
+    left: &'a Column<f32>,
     /// Number of continuations of each hit.
     rays: f32,
 }
@@ -276,7 +301,7 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
     #[inline(always)]
     fn run(self) {
         let Self { lobe, arriving, asked, partner, to } = self;
-        let Arriving { points, toward, by_light, hittable, flat, rays } = arriving;
+        let Arriving { points, toward, by_light, hittable, flat, left, rays } = arriving;
         let chance = &lobe.share().chance;
         for i in lanes(points.surfaces.len) {
             let scattered = lobe.evaluate(i, &points.at(i), toward.get(i));
@@ -287,7 +312,8 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
             let is_flat = (flat[i] > 0.0) & (L::IS_DIFFUSE | (hittable[i] == 0.0));
             let share = if is_flat { flat[i] } else { share * asked };
             let shows = L::SHOWS_POINTS | (hittable[i] != 0.0);
-            let value = scattered.value * if shows { share } else { 0.0 };
+            let left = if lobe.is_sharp(i) { left[i] } else { 1.0 };
+            let value = scattered.value * if shows { share * left } else { 0.0 };
             to.set(i, to.get(i) + value);
         }
     }

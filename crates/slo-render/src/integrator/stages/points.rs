@@ -6,7 +6,7 @@ use slo_scene::Settings;
 
 use super::hits::Hits;
 use crate::frame::{FrameScene, SurfaceScratch, Surfaces};
-use crate::integrator::batch::{Batch, Labels};
+use crate::integrator::batch::{Batch, Labels, RoughStart};
 use crate::integrator::chosen::Chosen;
 use crate::sampling::batch::{SetNames, SetPoints};
 use crate::sampling::{PixelSeed, Purpose};
@@ -36,6 +36,11 @@ pub(in crate::integrator) struct Points {
     pub(super) shines: bool,
     /// Packed normals; see [`receiver`].
     pub(super) receiver: Column<u32>,
+    /// What the paths remember, with the widths of the footprints at the points.
+    pub(super) rough: RoughStart,
+    /// Number of light paths of the point's map, times the area in which it finds photons; 0 where
+    /// photons add nothing.
+    pub(super) caught: Column<f32>,
     /// 1 for points that the ray passes through, whose weight is 0; otherwise 0.
     pub(super) passes: Column<u32>,
     /// A random number for the choice among mixed materials, and then for the choice of passing
@@ -59,6 +64,8 @@ impl Default for Points {
             shininess: [0.0; BATCH],
             shines: false,
             receiver: [receiver::ANY; BATCH],
+            rough: RoughStart::default(),
+            caught: [0.0; BATCH],
             passes: [0; BATCH],
             surface: [0.0; BATCH],
             set: SetPoints::default(),
@@ -89,6 +96,20 @@ impl Points {
         frame.find_surfaces(rays, time, &hits.found, &mut self.surfaces, &mut self.scratch);
         self.take(batch, chosen);
         frame.isa.run(Seeds { seeds, to: self });
+    }
+
+    /// Finds the footprints of pixels on the points, for frames with photons.
+    pub(in crate::integrator) fn find_footprints(&mut self, batch: &Batch, hits: &Hits) {
+        let (chosen, len) = (&hits.shaded, self.len());
+        self.rough.is_kept = batch.past.rough.is_kept;
+        for (from, to) in batch.past.rough.columns().into_iter().zip(self.rough.columns_mut()) {
+            chosen.copy(from, &mut to[..len]);
+        }
+        for i in 0..len {
+            let origin = batch.rays.origin(self.surfaces.ray[i] as usize);
+            let distance = (self.surfaces.point.get(i) - origin).length();
+            self.rough.width[i] += self.rough.spread[i] * distance;
+        }
     }
 
     /// Chooses a material at points where several are mixed.
@@ -176,8 +197,11 @@ impl Points {
             path: &self.labels.path,
             index: &self.labels.index,
             depth,
-            // Surfaces that a ray passes through one after the other must not decide alike.
-            split: count > 1 || (depth > 0 && split_before) || purpose == Purpose::Surface,
+            // Surfaces that a ray passes through one after the other must not decide alike, and the
+            // numbers of the roulette must not depend on those of the direction.
+            split: count > 1
+                || (depth > 0 && split_before)
+                || matches!(purpose, Purpose::Surface | Purpose::Survival),
             purpose: purpose.into(),
             place: [i, count],
             len: self.surfaces.len,
@@ -280,6 +304,40 @@ impl Lanewise for Weighted<'_> {
             points.ambient.set(i, weight * points.ambient.get(i) * tint);
             points.diffuse.set(i, points.diffuse.get(i) * tint * weight);
             points.specular.set(i, points.specular.get(i) * weight);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use slo_accel::Isa;
+    use slo_scene::Generator;
+
+    use super::*;
+    use crate::sampling::Sampler;
+
+    #[test]
+    fn roulette_does_not_depend_on_the_direction_of_the_same_bounce() {
+        let sampler = Sampler::new(Generator::Quasi, 1, 0);
+        let mut points = Points::default();
+        points.surfaces.len = 1008;
+        points.seed = [sampler.pixel(3, 5).word(); BATCH];
+        points.labels.index = NUMBERS;
+        let settings = Settings::default();
+        for depth in 0..4 {
+            let numbers = |purpose| {
+                let mut set = SetPoints::default();
+                let names = points.names(&settings, depth, purpose, [0, 1]);
+                set.take::<3>(&sampler, Isa::Portable, &names);
+                set.numbers[0]
+            };
+            let [direction, survival] = [Purpose::Continuation, Purpose::Survival].map(numbers);
+            let mut cells = [[0; 4]; 4];
+            for (a, b) in direction.iter().zip(&survival).take(1000) {
+                cells[(a * 4.0) as usize][(b * 4.0) as usize] += 1;
+            }
+            // 62 or 63 of independent numbers.
+            assert!(cells.iter().flatten().all(|count| *count > 30), "{depth}: {cells:?}");
         }
     }
 }

@@ -3,6 +3,11 @@
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
+/// Width alpha, the square of the roughness, below which a lobe is sharp: photons follow it, and paths
+/// from the camera rarely find small lamps in it. It decides how the work is shared, not what is
+/// found.
+pub const SHARP: f32 = 0.2;
+
 /// One kind of lobe at the hits of a batch. Its functions are free of branches, for use on whole
 /// columns of hits, and give finite results for hits that do not have the lobe.
 pub trait Lobe {
@@ -15,6 +20,19 @@ pub trait Lobe {
 
     /// Whether the lobe shows lamps without an area.
     const SHOWS_POINTS: bool = true;
+
+    /// Whether the lobe of hit `i` is so narrow that photons follow it, instead of ending there; see
+    /// [`SHARP`].
+    fn is_sharp(&self, _i: usize) -> bool {
+        false
+    }
+
+    /// Returns the factor that the weight of light has, and the weight of a photon has not, when it
+    /// passes to the other side of the surface at hit `i`: radiance is compressed where the index of
+    /// refraction grows, power is not.
+    fn compression(&self, _i: usize) -> f32 {
+        1.0
+    }
 
     /// Returns the weights and chances of the lobe.
     fn share(&self) -> &Share;

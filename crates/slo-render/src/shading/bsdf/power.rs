@@ -3,7 +3,7 @@
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
-use super::lobe::{At, Lobe, Sampled, Scattered, Share};
+use super::lobe::{At, Lobe, SHARP, Sampled, Scattered, Share};
 use crate::shading::lobe;
 
 /// A lobe cos^n about the perfect direction, mirrored to its side of the surface; see
@@ -19,6 +19,10 @@ pub struct Power {
     pub inverse: Column<f32>,
 }
 
+/// The `1 / (n + 1)` of the lobe that is as wide as microfacets of width [`SHARP`]: alpha² is
+/// 2 / (n + 2).
+pub const SHARP_INVERSE: f32 = 0.5 * SHARP * SHARP;
+
 impl Default for Power {
     fn default() -> Self {
         Self {
@@ -33,6 +37,11 @@ impl Default for Power {
 impl Lobe for Power {
     const IS_DIFFUSE: bool = false;
     const SHOWS_POINTS: bool = false;
+
+    #[inline(always)]
+    fn is_sharp(&self, i: usize) -> bool {
+        self.inverse[i] < SHARP_INVERSE
+    }
 
     fn share(&self) -> &Share {
         &self.share

@@ -35,6 +35,12 @@ pub trait Lamp: Copy {
     /// Whether sampling takes so long that hits of other lights are better left out.
     const IS_COSTLY: bool = false;
 
+    /// Whether the material of its surface tells its radiance where rays to it arrive.
+    const IS_SHADED: bool = false;
+
+    /// Whether its surface encloses a body, and emits light to the outside only.
+    const IS_CLOSED: bool = false;
+
     /// Returns the radiance that reaches a hit from a point of the light if nothing blocks it;
     /// `way` is the vector from the hit to the point.
     fn radiance(&self, way: Vec3) -> Vec3;
@@ -78,6 +84,22 @@ pub trait Lamp: Copy {
     /// Whether a point lies inside the light, from where nothing of it can be seen.
     fn encloses(&self, _point: Vec3) -> bool {
         false
+    }
+
+    /// Returns the area of its surface; 0 for a light without one.
+    fn area(&self) -> f32 {
+        0.0
+    }
+
+    /// Returns a point of its surface, uniformly by area, by a point `u` of the unit square. Means
+    /// nothing for a distant light.
+    fn place(&self, u: [f32; 2]) -> Vec3 {
+        self.point(Vec3::ZERO, u)
+    }
+
+    /// Returns the unit normal of its surface at a point of it; of a flat light, on the front.
+    fn normal(&self, _point: Vec3) -> Vec3 {
+        Vec3::Z
     }
 
     /// Returns where the light is, where it shines, and how much.

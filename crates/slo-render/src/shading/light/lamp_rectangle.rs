@@ -49,6 +49,14 @@ impl Lamp for RectangleLamp {
         self.surface.shadow_ray(from, point)
     }
 
+    fn area(&self) -> f32 {
+        self.surface.area
+    }
+
+    fn normal(&self, _point: Vec3) -> Vec3 {
+        self.surface.normal
+    }
+
     fn bounds(&self) -> LightBounds {
         let Rectangle { color, normal, area, .. } = self.surface;
         let corners = self.surface.corners();
