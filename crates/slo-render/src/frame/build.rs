@@ -15,7 +15,7 @@ use super::world::World;
 use crate::camera::Camera;
 use crate::photons::{Emission, targets};
 use crate::sampling::Sampler;
-use crate::shading::light::{LightBounds, LightTree, Pose, Techniques};
+use crate::shading::light::{LightBounds, LightTree, Poses, Skies, SkyShare, Techniques};
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
 use slo_accel::{Isa, Structure};
@@ -65,18 +65,22 @@ impl FrameScene {
         for object in &scene.objects {
             parts.add(object, scene, &seen, isa)?;
         }
-        let lights_before = before.as_ref().map(|before| &before.lights);
-        let (mut lights, mut poses) = (Vec::new(), Vec::new());
+        let share = match scene.settings.integrator {
+            Integrator::Path => SkyShare::AboveMean,
+            Integrator::Distributed => SkyShare::All,
+        };
+        let sampled = Skies { share, before: before.as_ref().map(|before| &before.lights) };
+        let (mut lights, mut poses) = (Vec::new(), Poses::default());
         let (mut hidden, mut passable) = (Vec::new(), Vec::new());
         for light in &scene.lights {
             let look = Look::Light(lights.len() as u32);
-            let (ready, path) = parts.add_light(light, look, scene, &seen, isa, lights_before)?;
+            let (ready, path) = parts.add_light(light, look, scene, &seen, isa, sampled)?;
             lights.push(ready);
-            poses.push(path);
+            poses.add(1, path);
             hidden.push(!light.camera_visible);
             passable.push(!light.solid);
         }
-        add_emitters(scene, &mut parts, &mut lights);
+        let first_shaded = add_emitters(scene, &mut parts, &mut lights, &mut poses);
         let light_groups = light_groups(scene, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
@@ -124,6 +128,7 @@ impl FrameScene {
             light_groups,
             techniques: techniques(&scene.settings),
             lights,
+            first_shaded,
             emission,
             is_physical: is_physical(scene),
             sampler: sampler(number),
@@ -147,10 +152,9 @@ fn skies(lights: &[Light]) -> Vec<u32> {
 }
 
 /// Returns the bounds of each light, wherever it is during the shutter.
-fn light_bounds(lights: &[Light], poses: &[Vec<Pose>]) -> Vec<LightBounds> {
-    let none = Vec::new();
-    let bounds = lights.iter().enumerate().map(|(number, light)| {
-        let poses = poses.get(number).unwrap_or(&none).iter();
+fn light_bounds(lights: &[Light], poses: &Poses) -> Vec<LightBounds> {
+    let bounds = (0..).zip(lights).map(|(number, light)| {
+        let poses = poses.of(number).iter();
         light.bounds().in_poses(poses.map(|pose| (pose.rotation, pose.translation)))
     });
     bounds.collect()

@@ -4,6 +4,7 @@
 mod build;
 mod emitters;
 mod error;
+mod glow;
 mod looks;
 mod parts;
 mod rigid;

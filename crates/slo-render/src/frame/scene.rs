@@ -42,6 +42,9 @@ pub struct FrameScene {
     pub(crate) skies: Vec<u32>,
     /// How the light of lamps is shared between techniques, for physical shading.
     pub(crate) techniques: Techniques,
+    /// Index of the first of the lights that are shaded where rays to them arrive; see
+    /// [`Lamp::IS_SHADED`](crate::shading::Lamp::IS_SHADED).
+    pub(crate) first_shaded: u32,
     /// Where photons start; `None` if the frame has none.
     pub(crate) emission: Option<Emission>,
     pub(crate) sampler: Sampler,
@@ -145,12 +148,21 @@ impl FrameScene {
             || !self.passable.is_empty()
     }
 
+    /// Whether any lights are shaded where rays to them arrive.
+    pub(crate) fn has_shaded_lights(&self) -> bool {
+        (self.first_shaded as usize) < self.lights.len()
+    }
+
     /// Returns the light that the surface which a ray hit belongs to; `None` if no rays are sent
     /// toward it.
     pub(crate) fn emitter(&self, found: &WorldHits, ray: usize) -> Option<u32> {
         let (primitive, instance) = (found.hits.primitive[ray], found.instance[ray]);
         let object = &self.objects[self.object_of(primitive, instance) as usize];
-        object.first_light.map(|first| first + (primitive - object.first_triangle))
+        let place = match object.geometry {
+            Geometry::Mesh(..) => primitive - object.first_triangle,
+            Geometry::Curved(_) => 0,
+        };
+        object.first_light.map(|first| first + place)
     }
 
     /// Finds the looks of what the rays of a batch hit, as words.

@@ -78,6 +78,28 @@ pub(super) mod marks {
     pub(in crate::integrator) const PASS: u32 = 4;
     /// Most surfaces in a row that a ray passes through.
     pub(in crate::integrator) const MOST_PASSES: u32 = 256;
+    /// The ray asks a light that is shaded where the ray arrives: the light's number among these,
+    /// plus 1, in the bits from here on.
+    const ASK: u32 = PASS << 9;
+    const _: () = assert!(crate::shading::light::MOST_SHADED <= u32::MAX / ASK);
+
+    /// Returns the marks of a ray that asks a light.
+    #[inline(always)]
+    pub(in crate::integrator) fn asking(number: u32) -> u32 {
+        (number + 1) * ASK
+    }
+
+    /// Returns the number of the light that a ray asks, plus 1; 0 if it asks none.
+    #[inline(always)]
+    pub(in crate::integrator) fn asked(marks: u32) -> u32 {
+        marks / ASK
+    }
+
+    /// Returns the number of surfaces that the ray passed through.
+    #[inline(always)]
+    pub(in crate::integrator) fn passed(marks: u32) -> u32 {
+        marks % ASK / PASS
+    }
 }
 
 impl Default for Past {

@@ -25,6 +25,7 @@ use super::stages::lamp_light::LampLight;
 use super::stages::merging::Merging;
 use super::stages::passing::Passing;
 use super::stages::points::Points;
+use super::stages::to_shaded::ToShaded;
 use super::stages::visibility::Visibility;
 use super::work::Job;
 use crate::frame::WorldScratch;
@@ -43,6 +44,7 @@ pub(super) struct Path {
     features: FeatureSums,
     bsdfs: Box<Bsdfs>,
     lamp_light: Box<LampLight>,
+    to_shaded: Box<ToShaded>,
     merging: Box<Merging>,
     visibility: Box<Visibility>,
     continuation: Box<Continuation>,
@@ -119,6 +121,9 @@ impl Path {
         if is_last {
             return Some(());
         }
+        if frame.has_shaded_lights() {
+            Emission::end(batch, points, depth);
+        }
         if table.has_ambient && frame.settings.integrator == Kind::Distributed {
             points.look_up_phong(frame);
             machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
@@ -148,6 +153,12 @@ impl Path {
             lamp_light.ask(job, points, bsdfs, question, depth);
             lamp_light.name(job.frame, points, *stride);
             machine.connect(kind, &lamp_light.sent, &lamp_light.labels, &lamp_light.chosen);
+            let Self { points, lamp_light, to_shaded, features, .. } = self;
+            if job.frame.has_shaded_lights() {
+                to_shaded.find(job.frame, points, lamp_light, features.first_behind());
+                let ToShaded { sent, labels, past, chosen, .. } = &**to_shaded;
+                machine.extend_path(depth + 1, sent, labels, past, chosen);
+            }
             machine.relieve(self, job, kind);
             job.goes_on()?;
         }

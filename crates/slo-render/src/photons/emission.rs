@@ -79,7 +79,7 @@ impl Emission {
         let mut rows = vec![NONE; lights.len()];
         let (mut lamps, mut chances) = (Vec::new(), Vec::new());
         for ((number, light), bounds) in (0u32..).zip(lights.iter()).zip(bounds) {
-            if light.is_of_thesis() {
+            if light.is_of_thesis() || light.is_shaded() {
                 continue;
             }
             let row: Vec<f64> = targets.iter().map(|target| flux(bounds, target)).collect();

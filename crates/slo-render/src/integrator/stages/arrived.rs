@@ -46,6 +46,9 @@ impl Arrived {
         let skies = if stride > 0 { frame.skies.get(part..=part) } else { Some(&frame.skies[..]) };
         let skies = skies.unwrap_or_default();
         for i in hits.shaded.others(batch.len()) {
+            if depth > 0 && marks::asked(batch.past.marks[i]) != 0 {
+                continue;
+            }
             let (light, first) = match Look::of_word(hits.looks[i]) {
                 Look::Light(number) if depth == 0 && frame.is_hidden(number) => continue,
                 Look::Light(_) if part > 0 => continue,
@@ -91,6 +94,17 @@ fn sky(frame: &FrameScene, skies: &[u32], batch: &Batch, i: usize, depth: u32) -
     sum
 }
 
+/// Where a ray ends on a light.
+#[derive(Clone, Copy)]
+pub(super) struct End {
+    /// Index of the light.
+    pub(super) light: u32,
+    /// Vector from the hit that the ray left.
+    pub(super) way: Vec3,
+    /// See [`Lamp::density`](crate::shading::Lamp::density).
+    pub(super) density: f32,
+}
+
 /// Returns the light of a lamp at the end of the vector `way`, weighted by its share.
 fn light(
     frame: &FrameScene,
@@ -108,45 +122,31 @@ fn light(
     if radiance == Vec3::ZERO {
         return radiance;
     }
-    radiance * share(frame, number, (way, density), batch, i, depth)
+    radiance * share(frame, End { light: number, way, density }, batch, i, depth)
 }
 
 /// Returns the weight, by the balance heuristic, of ray `i`, which ends on a lamp after `depth`
-/// bounces at the end of the vector `way` from the hit that it left. `by_point` is the
-/// `pdf_solid_angle` of the point where it ends; see [`Lamp::density`](crate::shading::Lamp::density).
-pub(super) fn share(
-    frame: &FrameScene,
-    number: u32,
-    (way, by_point): (Vec3, f32),
-    batch: &Batch,
-    i: usize,
-    depth: u32,
-) -> f32 {
-    let left = left_by_photons(frame, number, way, batch, i);
-    share_of_hit(frame, number, by_point, batch, i, depth) * left
+/// bounces.
+pub(super) fn share(frame: &FrameScene, end: End, batch: &Batch, i: usize, depth: u32) -> f32 {
+    share_of_hit(frame, end, batch, i, depth) * left_by_photons(frame, end, batch, i)
 }
 
 /// Returns the share of a lamp's light that photons leave to ray `i`, which ends on it.
-fn left_by_photons(frame: &FrameScene, number: u32, way: Vec3, batch: &Batch, i: usize) -> f32 {
+fn left_by_photons(frame: &FrameScene, end: End, batch: &Batch, i: usize) -> f32 {
     let Past { from, marks, rough, .. } = &batch.past;
     let Some(emission) = frame.emission.as_ref().filter(|_| rough.is_kept) else { return 1.0 };
     if marks[i] & marks::SHARP == 0 || rough.rival[i] == 0.0 {
         return 1.0;
     }
-    let (point, time) = (from.get(i) + way, batch.labels.time[i]);
-    let density = emission.density(&frame.lights, number, time, point, -batch.rays.direction(i));
+    let (point, time) = (from.get(i) + end.way, batch.labels.time[i]);
+    let toward = -batch.rays.direction(i);
+    let density = emission.density(&frame.lights, end.light, time, point, toward);
     rough.rival[i] / (rough.rival[i] + density)
 }
 
 /// Like [`share`], among techniques that start at the camera.
-fn share_of_hit(
-    frame: &FrameScene,
-    number: u32,
-    by_point: f32,
-    batch: &Batch,
-    i: usize,
-    depth: u32,
-) -> f32 {
+fn share_of_hit(frame: &FrameScene, end: End, batch: &Batch, i: usize, depth: u32) -> f32 {
+    let number = end.light;
     let (density, is_diffuse) = (batch.density[i], batch.past.marks[i] & marks::DIFFUSE != 0);
     if depth == 0 {
         return 1.0;
@@ -165,6 +165,6 @@ fn share_of_hit(
             frame.light_tree.chance(number, batch.past.from.get(i), batch.past.normal[i])
         }
     };
-    let by_light = rays * chance * by_point;
+    let by_light = rays * chance * end.density;
     frame.techniques.hit(is_diffuse, density, by_light)
 }

@@ -29,11 +29,11 @@ pub(in crate::integrator) struct LampLight {
     set: SetPoints,
     choices: Choices,
     /// Index of the light of each point.
-    light: Column<u32>,
+    pub(super) light: Column<u32>,
     /// Number of rays to the light: the probability of the choice, times the number of rays.
     tries: Column<f32>,
     /// Unit directions to the points of lamps.
-    toward: Vec3s,
+    pub(super) toward: Vec3s,
     /// Radiance of the lamp, or irradiance if it has no area.
     radiance: Vec3s,
     /// `pdf_solid_angle` of all rays to the lamp; `tries` if it has no area.
@@ -114,7 +114,9 @@ impl LampLight {
         bsdfs.bsdf.for_each(&mut Scatter { frame, arriving, to: scattered });
         frame.isa.run(Finish { points, to: self });
         let weight = &self.sent.weight;
-        self.chosen.set(frame.isa, points.len(), |i| weight.get(i) != Vec3::ZERO);
+        let (light, shaded) = (&self.light, frame.first_shaded);
+        let is_sent = |i: usize| (weight.get(i) != Vec3::ZERO) & (light[i] < shaded);
+        self.chosen.set(frame.isa, points.len(), is_sent);
     }
 
     /// Labels the rays: like the points, but with the slots of the groups that the lights belong to,

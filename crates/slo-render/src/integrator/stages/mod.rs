@@ -20,4 +20,5 @@ pub(super) mod passing;
 pub(super) mod points;
 pub(super) mod scattering;
 pub(super) mod sharp_bounce;
+pub(super) mod to_shaded;
 pub(super) mod visibility;

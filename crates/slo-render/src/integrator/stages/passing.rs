@@ -74,8 +74,7 @@ impl Passing {
     }
 
     fn push(&mut self, batch: &Batch, ray: usize, origin: Vec3, weight: Vec3) {
-        let passed = batch.past.marks[ray] / marks::PASS;
-        if passed >= marks::MOST_PASSES || self.len >= BATCH {
+        if marks::passed(batch.past.marks[ray]) >= marks::MOST_PASSES || self.len >= BATCH {
             return;
         }
         let Self { sent, labels, past, len, .. } = self;

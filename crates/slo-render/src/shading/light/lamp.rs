@@ -38,6 +38,9 @@ pub trait Lamp: Copy {
     /// Whether its functions look up tables, so that loops over them do not become vector code.
     const LOOKS_UP: bool = false;
 
+    /// Whether the material of its surface tells its radiance where rays to it arrive.
+    const IS_SHADED: bool = false;
+
     /// Returns the radiance that reaches a hit from a point of the light if nothing blocks it;
     /// `way` is the vector from the hit to the point.
     fn radiance(&self, way: Vec3) -> Vec3;

@@ -33,6 +33,11 @@ impl SphereLamp {
         Self::new(intensity(lamp.power, rim), lamp.position - origin, lamp.radius, beam)
     }
 
+    /// A sphere in render space that glows evenly in all directions.
+    pub fn even(center: Vec3, radius: f32, radiance: Vec3) -> Self {
+        Self { radiance, center, radius, beam: Beam::ALL }
+    }
+
     fn new(intensity: Vec3, center: DVec3, radius: f64, beam: Beam) -> Self {
         let radius = radius as f32;
         let radiance = intensity / (PI * radius * radius);

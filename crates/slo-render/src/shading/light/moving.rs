@@ -43,25 +43,44 @@ impl Pose {
 /// The poses of the lights of a frame, evenly spaced over the shutter. A ray uses the pose nearest
 /// to its time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Poses {
-    /// For each light; none: it stays in render space. Empty if all stay.
-    all: Vec<Vec<Pose>>,
+pub struct Poses {
+    /// Poses of lights that move together; none: they stay in render space.
+    paths: Vec<Vec<Pose>>,
+    /// For each light, its path.
+    of: Vec<u32>,
+    /// Whether any light has poses.
+    any: bool,
 }
 
 impl Poses {
-    pub(super) fn new(all: Vec<Vec<Pose>>) -> Self {
-        let any = all.iter().any(|poses| !poses.is_empty());
-        Self { all: if any { all } else { Vec::new() } }
+    /// Adds the poses of the next `count` lights.
+    pub fn add(&mut self, count: usize, path: Vec<Pose>) {
+        self.any |= !path.is_empty();
+        let number = match self.paths.last() {
+            Some(last) if last.is_empty() && path.is_empty() => self.paths.len() - 1,
+            _ => {
+                self.paths.push(path);
+                self.paths.len() - 1
+            }
+        };
+        self.of.extend(std::iter::repeat_n(number as u32, count));
+    }
+
+    /// Returns the poses of a light; none if it stays in render space.
+    #[inline(always)]
+    pub fn of(&self, light: u32) -> &[Pose] {
+        let path = self.of.get(light as usize).and_then(|path| self.paths.get(*path as usize));
+        path.map_or(&[], |path| path)
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.all.is_empty()
+        !self.any
     }
 
     /// Returns the pose of a light at a time of the shutter, in `[0, 1]`.
     #[inline(always)]
     pub(super) fn at(&self, light: u32, time: f32) -> Pose {
-        let poses = self.all.get(light as usize).map_or(&[][..], |poses| poses);
+        let poses = self.of(light);
         let last = poses.len().saturating_sub(1);
         let nearest = ((time * last as f32 + 0.5) as usize).min(last);
         poses.get(nearest).copied().unwrap_or(Pose::IDENTITY)
@@ -84,6 +103,7 @@ impl<L: Lamp> Lamp for Moving<L> {
     const IS_DISTANT: bool = L::IS_DISTANT;
     const IS_CLOSED: bool = L::IS_CLOSED;
     const LOOKS_UP: bool = L::LOOKS_UP;
+    const IS_SHADED: bool = L::IS_SHADED;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {

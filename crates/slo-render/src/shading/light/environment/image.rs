@@ -5,14 +5,14 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::even::bounds;
-use super::table::{SkyTable, TableSample, TableView};
+use super::table::{SkyShare, SkyTable, TableSample, TableView};
 use crate::shading::light::bounds::LightBounds;
 use crate::shading::light::lamp::{Lamp, Sampled};
 use crate::shading::texture::{equirect_uv, sample_around};
 use slo_scene::{Curve, Texture};
 
-/// A sky that an image shows. It is sampled by the image's luminance. A sky has no density less
-/// than its light asks for to leave more to rays of lobes: integrators may have none of these.
+/// A sky that an image shows. It is sampled by the image's luminance, or by what exceeds the mean;
+/// see [`SkyShare`].
 #[derive(Clone, Debug)]
 pub struct ImageSky {
     texture: Arc<Texture>,
@@ -23,26 +23,25 @@ pub struct ImageSky {
 }
 
 impl ImageSky {
-    /// The sky of an image. The table is taken from `before`, a sky of another frame, if it is that
-    /// of the same image.
+    /// The sky of an image. The table is taken from one of `before`, skies of another frame, if it
+    /// is that of the same image.
     pub fn new(
         texture: &Arc<Texture>,
         strength: f32,
         turn_deg: f32,
-        before: Option<&Self>,
+        share: SkyShare,
+        before: &[Self],
     ) -> Self {
-        let table = before.filter(|sky| Arc::ptr_eq(&sky.texture, texture));
-        let table =
-            table.map_or_else(|| Arc::new(SkyTable::new(texture)), |sky| Arc::clone(&sky.table));
+        let is_same =
+            |sky: &&Self| Arc::ptr_eq(&sky.texture, texture) && sky.table.share() == share;
+        let table = before
+            .iter()
+            .find(is_same)
+            .map_or_else(|| Arc::new(SkyTable::new(texture, share)), |sky| Arc::clone(&sky.table));
         // In degrees, whole turns are exact.
         let (sin, cos) = libm::sincos(f64::from(turn_deg % 360.0).to_radians());
         let turn = [cos as f32, sin as f32];
         Self { texture: Arc::clone(texture), table, strength, turn }
-    }
-
-    /// Returns the image.
-    pub fn texture(&self) -> &Arc<Texture> {
-        &self.texture
     }
 
     /// Whether another sky has the same table.

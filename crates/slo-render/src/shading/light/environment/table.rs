@@ -25,13 +25,31 @@ const UNITS: u32 = 1 << 24;
 /// Intervals of equal length in which the search among so many sums begins.
 const SUMS_PER_START: usize = 4;
 
+/// An image counts as even if no cell is brighter than this times the mean: there is nothing to aim
+/// at.
+const EVEN: f32 = 1.01;
+
 /// The least chance of a row, and of a cell in its row, in units. It keeps light from being lost
 /// where the table says that it is dark.
 const LEAST_UNITS: u32 = 16;
 
+/// Which light of an image rays to it are to find.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkyShare {
+    /// All: no rays follow diffuse lobes.
+    All,
+    /// What exceeds the mean. The rest is found by rays that follow lobes, which need no help where
+    /// the sky is even.
+    ///
+    /// Source: O. Karlik et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple
+    /// Importance Sampling" (2019).
+    AboveMean,
+}
+
 /// The density of an equirectangular image, by its luminance times its solid angle.
 #[derive(Clone, Debug)]
 pub struct SkyTable {
+    share: SkyShare,
     columns: u32,
     rows: u32,
     /// Sum of the chances of the rows above each row, from the top, and 1.
@@ -43,7 +61,7 @@ pub struct SkyTable {
     /// For each row, its upper edge and its lower edge minus this: versines of the angle from +z,
     /// in the lower half from -z.
     edges: Vec<[f32; 2]>,
-    /// Luminance of the mean radiance.
+    /// Luminance of the mean radiance that rays are to find.
     mean: f32,
 }
 
@@ -55,8 +73,8 @@ pub(super) struct TableView<'a> {
 
 impl SkyTable {
     /// Makes the table of an image.
-    pub fn new(texture: &Texture) -> Self {
-        let (columns, rows, weights) = weights(texture);
+    pub fn new(texture: &Texture, share: SkyShare) -> Self {
+        let (columns, rows, mut weights) = weights(texture);
         let edge = |row: u32| {
             let is_upper = 2 * row < rows;
             let versine = |from_top: u32| {
@@ -67,6 +85,16 @@ impl SkyTable {
             let (start, end) = (versine(row), versine(row + 1));
             [start, end - start]
         };
+        if share == SkyShare::AboveMean {
+            let lines = weights.chunks_exact(columns as usize).zip(0..rows);
+            let sums = lines.map(|(cells, row)| {
+                cells.iter().map(|w| f64::from(*w)).sum::<f64>() * edge(row)[1].abs()
+            });
+            let mean = (sums.sum::<f64>() / (2.0 * f64::from(columns))) as f32;
+            if weights.iter().any(|weight| *weight > EVEN * mean) {
+                weights.iter_mut().for_each(|weight| *weight = (*weight - mean).max(0.0));
+            }
+        }
         let (mut cell_sums, mut row_weights) = (Vec::new(), Vec::new());
         for (row, cells) in weights.chunks_exact(columns as usize).enumerate() {
             let sum = push_sums(cells.iter().map(|w| f64::from(*w)), &mut cell_sums);
@@ -81,7 +109,12 @@ impl SkyTable {
         for sums in cell_sums.chunks_exact(columns as usize + 1) {
             push_starts(sums, &mut cell_starts);
         }
-        Self { columns, rows, row_sums, row_starts, cell_sums, cell_starts, edges, mean }
+        Self { share, columns, rows, row_sums, row_starts, cell_sums, cell_starts, edges, mean }
+    }
+
+    /// Returns which light rays are to find.
+    pub(super) fn share(&self) -> SkyShare {
+        self.share
     }
 
     pub(super) fn view(&self) -> TableView<'_> {
@@ -227,7 +260,7 @@ pub(super) struct TableSample {
 }
 
 impl TableView<'_> {
-    /// Returns the luminance of the mean radiance.
+    /// Returns the luminance of the mean radiance that rays are to find.
     pub(super) fn mean(&self) -> f32 {
         self.table.mean
     }
