@@ -18,7 +18,7 @@ use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
 use slo_accel::{Isa, Structure};
 use slo_scene::animation::{Clock, DRigid};
-use slo_scene::{CamSegment, Integrator, SceneDescription, Settings, ShadowMode};
+use slo_scene::{CamSegment, Integrator, LightSampling, SceneDescription, Settings, ShadowMode};
 
 /// Step, in units of the scene, by which the origin of render space follows the camera along each
 /// axis. Within half a step of the origin, an f32 resolves 2^-14 units or better. Structures of
@@ -74,6 +74,11 @@ impl FrameScene {
             hidden.push(!light.camera_visible);
             passable.push(!light.solid);
         }
+        // Glowing objects may have any number of triangles, so these are always chosen from.
+        let first_chosen = match scene.settings.light_sampling() {
+            LightSampling::All => lights.len(),
+            LightSampling::One => 0,
+        };
         add_emitters(scene, &mut parts, &mut lights);
         let light_groups = light_groups(scene, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
@@ -99,7 +104,8 @@ impl FrameScene {
             world: World::new(still, parts.instances, isa),
             material_table: MaterialTable::new(&scene.materials, &materials),
             materials,
-            light_tree: light_tree(&lights, &poses),
+            light_tree: light_tree(&lights[first_chosen..], &poses[first_chosen..]),
+            first_chosen: first_chosen as u32,
             skies: skies(&lights),
             hidden,
             passable,
