@@ -20,7 +20,9 @@ use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
 use slo_accel::{Isa, Structure};
 use slo_scene::animation::{Clock, DRigid};
-use slo_scene::{CamSegment, Integrator, PhotonSeed, SceneDescription, Settings, ShadowMode};
+use slo_scene::{
+    CamSegment, Integrator, LightSampling, PhotonSeed, SceneDescription, Settings, ShadowMode,
+};
 
 /// Step, in units of the scene, by which the origin of render space follows the camera along each
 /// axis. Within half a step of the origin, an f32 resolves 2^-14 units or better. Structures of
@@ -80,6 +82,11 @@ impl FrameScene {
             hidden.push(!light.camera_visible);
             passable.push(!light.solid);
         }
+        // Glowing objects may have any number of triangles, so these are always chosen from.
+        let first_chosen = match scene.settings.light_sampling() {
+            LightSampling::All => lights.len(),
+            LightSampling::One => 0,
+        };
         let first_shaded = add_emitters(scene, &mut parts, &mut lights, &mut poses);
         let light_groups = light_groups(scene, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
@@ -105,7 +112,7 @@ impl FrameScene {
         let materials: Vec<_> = scene.materials.iter().map(material::row).collect();
         let world = World::new(still, parts.instances, isa);
         let bounds = light_bounds(&lights, &poses);
-        let light_tree = LightTree::new(&bounds);
+        let light_tree = LightTree::new(&bounds[first_chosen..]);
         let skies = skies(&lights);
         let lights = lights.into_iter().collect::<Lights>().with_poses(poses);
         let emission = targets.and_then(|targets| {
@@ -122,6 +129,7 @@ impl FrameScene {
             material_table: MaterialTable::new(&scene.materials, &materials),
             materials,
             light_tree,
+            first_chosen: first_chosen as u32,
             skies,
             hidden,
             passable,

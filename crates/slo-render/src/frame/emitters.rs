@@ -13,16 +13,13 @@ use crate::shading::Light;
 use crate::shading::light::{MOST_SHADED, Pose, Poses, Shaded, SphereLamp, Triangle};
 use slo_accel::Curved;
 use slo_scene::material::Principled;
-use slo_scene::{LightSampling, MaterialKind, Object, SceneDescription};
+use slo_scene::{MaterialKind, Object, SceneDescription};
 
 /// Places of images that are looked up for all triangles of an object together, about.
 const LOOK_UPS: u32 = 1 << 18;
 
 /// Fewest and most places that are looked up for one triangle.
 const LOOK_UPS_OF_ONE: [u32; 2] = [16, 4096];
-
-/// Most lights that are shaded where rays arrive if each hit asks all lights.
-const MOST_ASKED_BY_ALL: usize = 64;
 
 /// Whether a surface emits the same light everywhere and in all directions.
 fn is_even(scene: &SceneDescription, object: &Object) -> bool {
@@ -107,10 +104,7 @@ pub(super) fn add_emitters(
         (0..scene.materials.len()).map(|number| Glow::of(scene, number as u32)).collect();
     let glow_of = |object: &Object| &glows[object.material.0 as usize];
     let emits = |object: &Object| object.sampled && !matches!(glow_of(object), Glow::Dark);
-    let most = match scene.settings.light_sampling() {
-        LightSampling::All => MOST_ASKED_BY_ALL,
-        LightSampling::One => MOST_SHADED as usize,
-    };
+    let most = MOST_SHADED as usize;
     let mut first_shaded = lights.len();
     for is_plain in [true, false] {
         for (number, object) in scene.objects.iter().enumerate() {

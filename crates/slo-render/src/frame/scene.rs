@@ -30,8 +30,10 @@ pub struct FrameScene {
     /// The materials in columns.
     pub(crate) material_table: MaterialTable,
     pub(crate) lights: Lights,
-    /// Chooses one of the lights.
+    /// Chooses one of the lights from [`first_chosen`](Self::first_chosen) on.
     pub(crate) light_tree: LightTree,
+    /// The first light that hits ask by choice. They ask each of those before it.
+    pub(crate) first_chosen: u32,
     /// For each light, whether camera rays pass through it; empty if none does.
     pub(crate) hidden: Vec<bool>,
     /// For each light, whether all rays pass through it; empty if none does.

@@ -5,7 +5,7 @@ use slo_accel::Isa;
 use slo_render::frame::FrameScene;
 use slo_render::shading::light::Techniques;
 
-use crate::support::{describe, expose_frame, material};
+use crate::support::{describe, expose_counted, expose_frame, material};
 
 /// Settings and camera.
 fn seen(settings: &str, seed: u32) -> String {
@@ -250,4 +250,53 @@ fn every_technique_finds_the_same_light_of_what_glows() {
     compare_techniques(|seed| glowing_scene("", seed), &alone, 1.25);
     let one_by_one = "lightSamplingType SAMPLE_ALL_AT_TIME";
     compare_techniques(|seed| glowing_scene(one_by_one, seed), &[Techniques::Hit], 1.25);
+}
+
+/// A floor under two lamps and a grid of glowing boxes: 16 boxes have 192 triangles.
+fn glowing_boxes(sampling: &str, boxes: u32, seed: u32) -> String {
+    let glowing: String = (0..boxes)
+        .map(|i| {
+            let (x, y) = (f64::from(i % 4) - 2.0, f64::from(i / 4));
+            format!(
+                "box b{i} {{ material glow height .3 vertex0 {{ {x} {y} 1 }}
+                    vertex1 {{ {} {y} 1 }} vertex2 {{ {} {} 1 }} }}\n",
+                x + 0.3,
+                x + 0.3,
+                y + 0.3
+            )
+        })
+        .collect();
+    format!(
+        "{}
+         material_principled floor {{ base_color {{ .7 .6 .5 }} roughness .3 }}
+         material_principled glow {{ base_color {{ .2 .2 .2 }} emission_color {{ 1 .6 .3 }} emission_strength 3 }}
+         plane floor {{ material floor normal {{ 0 0 1 }} position {{ 0 0 -.5 }} }}
+         {glowing}
+         lamp_rectangle r {{ radiance {{ 3 3 3 }} vertex0 {{ -3 -2 4 }} vertex1 {{ -3 2 4 }} vertex2 {{ -1 2 4 }} }}
+         lamp_point p {{ power {{ 60 50 40 }} position {{ 3 2 3 }} }}",
+        seen(&format!("lightSamplingType {sampling}"), seed)
+    )
+}
+
+#[test]
+fn glowing_objects_of_many_faces_are_asked_by_choice() {
+    let rays = |boxes| {
+        let scene = describe(&glowing_boxes("SAMPLE_ALL_AT_TIME", boxes, 0));
+        let frame = FrameScene::build(&scene, 0, Isa::best()).expect("the frame can be built");
+        let counts = expose_counted(&scene, &frame).1;
+        counts.shadow_rays as f64 / (counts.camera_rays + counts.bounce_rays) as f64
+    };
+    // Two lamps, and one triangle of all.
+    assert!(rays(1) > 1.0 && rays(16) <= 3.0, "{} {}", rays(1), rays(16));
+    let take = |sampling: &str, first: u32| -> Vec<[f64; 6]> {
+        let scene = |seed| glowing_boxes(sampling, 16, seed);
+        (first..first + SEEDS).map(|seed| halves(&scene(seed), |frame| frame)).collect()
+    };
+    let of = |all: &[[f64; 6]], k: usize| moments(&all.iter().map(|s| s[k]).collect::<Vec<_>>());
+    let (all, one) = (take("SAMPLE_ALL_AT_TIME", 0), take("SAMPLE_ONE_AT_TIME", SEEDS));
+    for k in 0..6 {
+        let ((a, va), (b, vb)) = (of(&all, k), of(&one, k));
+        let apart = (a - b).abs() / (va + vb).sqrt();
+        assert!(apart < APART, "{k}: {a} and {b}, {apart} deviations");
+    }
 }

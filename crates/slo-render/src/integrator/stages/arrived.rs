@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
-use slo_scene::LightSampling;
 
 use super::hits::Hits;
 use crate::frame::{FrameScene, Look};
@@ -159,10 +158,10 @@ fn share_of_hit(frame: &FrameScene, end: End, batch: &Batch, i: usize, depth: u3
         return 1.0;
     }
     let rays = rays_to(frame, light, depth - 1) as f32;
-    let chance = match frame.settings.light_sampling() {
-        LightSampling::All => 1.0,
-        LightSampling::One => {
-            frame.light_tree.chance(number, batch.past.from.get(i), batch.past.normal[i])
+    let chance = match number.checked_sub(frame.first_chosen) {
+        None => 1.0,
+        Some(chosen) => {
+            frame.light_tree.chance(chosen, batch.past.from.get(i), batch.past.normal[i])
         }
     };
     let by_light = rays * chance * end.density;

@@ -156,7 +156,9 @@ impl LampLight {
         let Points { surfaces, receiver, .. } = points;
         let (point, u) = (&surfaces.point, &set.numbers[2]);
         frame.light_tree.choose_all(frame.isa, points.len(), point, receiver, u, choices);
-        *light = choices.light;
+        for (light, &chosen) in light.iter_mut().zip(&choices.light) {
+            *light = frame.first_chosen.saturating_add(chosen);
+        }
         for (tries, chance) in tries.iter_mut().zip(&choices.chance) {
             *tries = chance * rays;
         }
