@@ -204,7 +204,9 @@ impl Lanewise for Remember<'_> {
             let rival = sent.density[i] / (cos * points.caught[i]);
             let is_shared = (points.caught[i] > 0.0) & (cos > 0.0);
             let rival = if is_shared { rival.min(f32::MAX) } else { 0.0 };
-            rough.rival[i] = if is_sharp { before.rival[i] } else { rival };
+            let is_two_way = points.at(i).is_two_way(sent.direction.get(i));
+            let kept = if is_two_way { before.rival[i] } else { 0.0 };
+            rough.rival[i] = if is_sharp { kept } else { rival };
             rough.width[i] = before.width[i];
             let spread = before.spread[i];
             rough.spread[i] = if is_sharp { spread } else { spread.max(ROUGH_SPREAD) };

@@ -323,7 +323,8 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
         let Arriving { points, toward, by_light, hittable, flat, left, rays } = arriving;
         let chance = &lobe.share().chance;
         for i in lanes(points.surfaces.len) {
-            let scattered = lobe.evaluate(i, &points.at(i), toward.get(i));
+            let (at, toward) = (points.at(i), toward.get(i));
+            let scattered = lobe.evaluate(i, &at, toward);
             let by_lobe = hittable[i] * partner * rays * chance[i] * scattered.density;
             let share = 1.0 / (by_light[i] + by_lobe);
             // Lamps without an area are found by asking only, whatever the techniques.
@@ -331,7 +332,8 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
             let is_flat = (flat[i] > 0.0) & (L::IS_DIFFUSE | (hittable[i] == 0.0));
             let share = if is_flat { flat[i] } else { share * asked };
             let shows = L::SHOWS_POINTS | (hittable[i] != 0.0);
-            let left = if lobe.is_sharp(i) { left[i] } else { 1.0 };
+            let is_shared = lobe.is_sharp(i) & at.is_two_way(toward);
+            let left = if is_shared { left[i] } else { 1.0 };
             let value = scattered.value * if shows { share * left } else { 0.0 };
             to.set(i, to.get(i) + value);
         }

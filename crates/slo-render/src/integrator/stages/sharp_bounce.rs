@@ -165,6 +165,7 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             let at = points.at(i);
             let sampled = lobe.sample(i, &at, [u, v, rest]);
             let of_photon = lobe.of_photon(i, &at, sampled.direction);
+            let of_photon = if at.is_two_way(sampled.direction) { of_photon } else { 0.0 };
             let weight = sampled.weight * (adjoint(&at, sampled.direction) * of_photon / chance);
             let keep = |new: Vec3, old: Vec3| if is_chosen { new } else { old };
             sent.direction.set(i, keep(sampled.direction, sent.direction.get(i)));

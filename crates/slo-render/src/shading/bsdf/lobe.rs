@@ -3,6 +3,8 @@
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
+use super::bend::is_kept;
+
 /// Width below which a lobe is sharp: photons follow it, and paths from the camera rarely find small
 /// lamps in it. It decides how the work is shared, not what is found.
 pub use slo_scene::material::SHARP;
@@ -59,6 +61,16 @@ pub struct At {
     /// Where anisotropic surfaces have their long axis: any length, not along `n`. If it is 0, an
     /// arbitrary one is taken.
     pub tangent: Vec3,
+}
+
+impl At {
+    /// Whether lobes use the same normal for light from `toward` to the eye as for a photon that goes the
+    /// other way: no normal is bent. Photons leave all other light to paths from the camera.
+    #[inline(always)]
+    pub fn is_two_way(&self, toward: Vec3) -> bool {
+        let Self { eye, n, n_geo, .. } = *self;
+        is_kept(eye, n, n_geo) & is_kept(toward, n, n_geo)
+    }
 }
 
 /// What a lobe makes of light from one direction.

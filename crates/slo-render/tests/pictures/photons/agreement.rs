@@ -119,7 +119,7 @@ macro_rules! case {
             settings: $settings,
             elements: concat!(
                 $elements,
-                "\nlamp_disc l { radiance { 6 5 4 } center { 3 1 4 } normal { -1 -.3 -1 } radius 1.2 }"
+                "\nlamp_disc l { radiance { 6 5 4 } center { 3 1 4 } normal { -1 -.3 -1 } radius 2 }"
             ),
         }
     };

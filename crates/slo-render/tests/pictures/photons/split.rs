@@ -16,7 +16,7 @@ use crate::support::describe;
 /// Caustics of a moving ball of glass and of a mirror, with a lens.
 fn scene(settings: &str) -> SceneDescription {
     describe(&format!(
-        "settings s {{ integrator PATH recursion 5 photons .5 {settings} }}
+        "settings s {{ integrator PATH recursion 5 photons .4 {settings} }}
          Camera c {{
              fps 25
              Film f {{ width 70 height 41 prefix test output PNG16_IMAGE }}
@@ -139,7 +139,7 @@ fn sum(films: &[Film]) -> Vec<[Fixed; 3]> {
 
 #[test]
 fn passes_of_64_samples_are_the_sum_of_those_of_parts() {
-    let scene = scene("imageSamples 64 photons .3");
+    let scene = scene("imageSamples 64");
     let plan = Plan::new(&scene);
     let part = |number, of| plan.clone().of_samples(Part { number, of }).unwrap();
     let all = whole(&scene, &plan, 2);
