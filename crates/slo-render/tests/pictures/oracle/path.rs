@@ -223,7 +223,8 @@ impl<'a> PathOracle<'a> {
 
     fn key(&self, branch: Branch, purpose: Purpose, count: u32) -> Key {
         let was_split = branch.depth > 0 && self.continuations(0) > 1;
-        let split = count > 1 || was_split || purpose == Purpose::Surface;
+        let alone = matches!(purpose, Purpose::Surface | Purpose::Survival);
+        let split = count > 1 || was_split || alone;
         branch.seed.key(Vertex { path: branch.path, depth: branch.depth, split }, purpose)
     }
 

@@ -134,6 +134,8 @@ impl Lobe {
                 let reflected = DVec3::splat(dielectric(cos, eta));
                 let passing = (1.0 - reflected) * tint;
                 let [r, t] = [reflected, passing].map(DVec3::element_sum);
+                // Weak reflections are followed more often than their share.
+                let (r, t) = (r.sqrt(), t.sqrt());
                 let chance = r / (r + t);
                 if u[2] < chance {
                     let (direction, weight) = (2.0 * cos * n - eye, reflected / chance);
