@@ -1,6 +1,6 @@
 //! Scenes of `integrator PATH` against plain path tracing.
 
-use super::{agrees, assert_agrees, differences_between, scene, scene_seen};
+use super::{agrees, assert_agrees, differences, differences_between, scene, scene_seen};
 use crate::support::describe;
 
 /// Principled materials without gloss over their base.
@@ -99,14 +99,37 @@ fn lamps_that_hide_and_lamps_that_let_rays_pass() {
     assert_agrees(&text);
 }
 
+const GLOW: &str = "material_principled glow { base_color { 0 0 0 } specular_ior_level 0
+        emission_color { 1 .7 .4 } emission_strength 6 }
+    rectangle neon { material glow vertex0 { -3 -1 3 } vertex1 { -1 -1 3.2 } vertex2 { -1 -.5 3.2 } }
+    mesh star { filename files/tetrahedron.slo material glow }
+    sphere spark { material glow center { 2.5 -1.5 .5 } radius .3 sampled 0 }
+    rectangle dim { material glow sampled 0 vertex0 { 2 3 0 } vertex1 { 3 3 0 } vertex2 { 3 3 1 } }\n";
+
+#[test]
+fn things_that_glow() {
+    for settings in [
+        "recursion 2",
+        "recursion 4",
+        "recursion 2 lightSamplingType SAMPLE_ALL_AT_TIME softShadowSamples 2",
+        "recursion 0 lightSamplingType SAMPLE_ALL_AT_TIME",
+    ] {
+        let all = room([MATT, MIRROR, BRUSHED, VEIL])
+            + GLOW
+            + "lamp_point p { power { 90 90 90 } position { 3 -4 5 } }";
+        assert_agrees(&path(settings, &all));
+    }
+}
+
 #[test]
 fn the_comparison_finds_small_mistakes_in_paths() {
-    let text = path("recursion 3", &(room([MIRROR, HALF, MATT, GLASS]) + LAMPS));
+    let text = path("recursion 3", &(room([MIRROR, HALF, MATT, GLASS]) + LAMPS + GLOW));
     for (what, instead) in [
         ("recursion 3", "recursion 2"),
         ("power { 200 210 250 }", "power { 204 210 250 }"),
         ("radiance { 4 5 6 }", "radiance { 4.1 5 6 }"),
         ("roughness .4", "roughness .41"),
+        ("emission_strength 6", "emission_strength 6.1"),
         ("base_color { .7 .6 .5 }", "base_color { .71 .6 .5 }"),
     ] {
         assert!(text.contains(what), "{what}");
@@ -115,4 +138,5 @@ fn the_comparison_finds_small_mistakes_in_paths() {
         let mistaken = differences_between(&right, &wrong);
         assert!(!agrees(&mistaken), "{what}");
     }
+    assert!(agrees(&differences(&describe(&text))));
 }
