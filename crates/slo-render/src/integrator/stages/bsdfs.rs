@@ -222,7 +222,8 @@ impl Lanewise for LookUp<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { table, points, to } = self;
-        table.principled.look_up(&points.surfaces.material, points.surfaces.len, to);
+        let (surfaces, multiplied) = (&points.surfaces, table.images.any_needs_uv());
+        table.principled.look_up(&surfaces.material, surfaces.len, multiplied, to);
     }
 }
 
