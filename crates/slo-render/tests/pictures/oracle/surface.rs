@@ -204,13 +204,14 @@ struct Metal {
 impl Metal {
     fn new(f0: DVec3, tint: DVec3) -> Self {
         let cos = 1.0 / 7.0f64;
-        let there = f0 + (1.0 - f0) * (1.0 - cos).powi(5);
-        Self { f0, bend: there * (1.0 - tint) / (cos * (1.0 - cos).powi(6)) }
+        let there = f0 + (1.0 - f0) * libm::pow(1.0 - cos, 5.0);
+        Self { f0, bend: there * (1.0 - tint) / (cos * libm::pow(1.0 - cos, 6.0)) }
     }
 
     fn at(self, cos: f64) -> DVec3 {
         let left = 1.0 - cos;
-        let bent = self.f0 + (1.0 - self.f0) * left.powi(5) - self.bend * cos * left.powi(6);
+        let bent = self.f0 + (1.0 - self.f0) * libm::pow(left, 5.0)
+            - self.bend * cos * libm::pow(left, 6.0);
         bent.clamp(DVec3::ZERO, DVec3::ONE)
     }
 
