@@ -17,6 +17,7 @@ mod distributed;
 mod light_paths;
 mod machine;
 mod path;
+mod pilot_paths;
 mod queue;
 mod roulette;
 mod stages;
@@ -25,5 +26,6 @@ mod tracer;
 mod work;
 
 pub use light_paths::{PhotonPass, PhotonTracer};
+pub use pilot_paths::PilotTracer;
 pub use tracer::Tracer;
 pub use work::{Beside, SampleSum, Statistics, Traced, Work};

@@ -4,5 +4,6 @@ mod analytic;
 mod any_split;
 mod determinism;
 mod estimators;
+mod guiding;
 mod oracle;
 mod support;

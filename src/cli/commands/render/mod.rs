@@ -4,6 +4,7 @@ mod done;
 mod dry_run;
 mod frame;
 mod ledger;
+mod guide_file;
 mod maps;
 mod plan;
 mod run;
