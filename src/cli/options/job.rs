@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use super::overrides::Overrides;
 use crate::cli::base::{Exit, Problem};
-use crate::cli::values::{FrameChoice, FramePath, Frames, Maps, Order, PartBy, ProgressForm, Region};
+use crate::cli::values::{
+    FrameChoice, FramePath, Frames, Maps, Order, PartBy, ProgressForm, Region,
+};
 use slo_accel::Isa;
 use slo_picture::film::Steps;
 use slo_render::render::Part;

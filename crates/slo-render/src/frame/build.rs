@@ -13,8 +13,8 @@ use super::scene::FrameScene;
 use super::sharp::sharp_objects;
 use super::world::World;
 use crate::camera::Camera;
-use crate::sampling::Sampler;
 use crate::photons::{Emission, targets};
+use crate::sampling::Sampler;
 use crate::shading::light::{LightBounds, LightTree, Pose, Techniques};
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
@@ -107,8 +107,8 @@ impl FrameScene {
         let light_tree = LightTree::new(&bounds);
         let skies = skies(&lights);
         let lights = lights.into_iter().collect::<Lights>().with_poses(poses);
-        let emission = targets
-            .and_then(|targets| Emission::new(&lights, &bounds, targets, world.bounds()));
+        let emission =
+            targets.and_then(|targets| Emission::new(&lights, &bounds, targets, world.bounds()));
         let photon_frame = match scene.settings.photon_seed {
             PhotonSeed::Frame => number,
             PhotonSeed::Fixed => 0,

@@ -89,10 +89,10 @@ impl Field {
     fn is_sound(&self) -> bool {
         let Self { nodes, guides, quads, .. } = self;
         let is_node = |(at, node): (usize, &Node)| {
-            node.axis() == 3 || (node.number() as usize > at && node.number() as usize + 1 < nodes.len())
+            node.axis() == 3
+                || (node.number() as usize > at && node.number() as usize + 1 < nodes.len())
         };
-        let is_guide =
-            |guide: &Guide| guide.root == NOWHERE || (guide.root as usize) < quads.len();
+        let is_guide = |guide: &Guide| guide.root == NOWHERE || (guide.root as usize) < quads.len();
         nodes.iter().enumerate().all(is_node) && guides.iter().all(is_guide)
     }
 }
@@ -135,9 +135,8 @@ impl Reader<'_> {
         let guide = |reader: &mut Self| {
             Some(Guide { root: u32::from_le_bytes(reader.take()?), share: reader.take()? })
         };
-        let quad = |reader: &mut Self| {
-            Some(Quad { share: reader.numbers()?, child: reader.numbers()? })
-        };
+        let quad =
+            |reader: &mut Self| Some(Quad { share: reader.numbers()?, child: reader.numbers()? });
         Some(Field {
             grid,
             nodes: (0..nodes).map(|_| node(&mut self)).collect::<Option<_>>()?,
@@ -156,7 +155,10 @@ mod tests {
         Field {
             grid: Grid { least: Vec3::new(-1.0, 2.0, 3.0), scale: Vec3::splat(1e5) },
             nodes: vec![Node::divided(1, 77, 1), Node::leaf(0), Node::leaf(1)],
-            guides: vec![Guide { root: 0, share: [0, 128] }, Guide { root: NOWHERE, share: [0; 2] }],
+            guides: vec![
+                Guide { root: 0, share: [0, 128] },
+                Guide { root: NOWHERE, share: [0; 2] },
+            ],
             quads: random(3),
         }
     }

@@ -38,9 +38,8 @@ impl PhotonPass {
     pub fn new(frame: &FrameScene, pass: u32) -> Self {
         let samples = samples_of(pass);
         let pixels = f64::from(frame.camera.width()) * f64::from(frame.camera.height());
-        let before = |samples: u32| {
-            (f64::from(frame.settings.photons) * pixels * f64::from(samples)) as u64
-        };
+        let before =
+            |samples: u32| (f64::from(frame.settings.photons) * pixels * f64::from(samples)) as u64;
         let first = before(samples.start);
         // The error of a slab's length falls like that of the radius.
         let slabs = SLABS * libm::pow(f64::from(samples.start) + 1.0, 1.0 / 6.0);
@@ -96,8 +95,7 @@ impl PhotonTracer {
         range: Range<u32>,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Vec<(f32, Photon)>> {
-        let job =
-            Job { frame, work: &[], maps: None, guide: None, is_pilot: false, gives_up };
+        let job = Job { frame, work: &[], maps: None, guide: None, is_pilot: false, gives_up };
         let Self { machine, paths } = self;
         let seed = frame.photon_sampler.pixel(u32::MAX, u32::MAX);
         machine.begin_light_paths(seed, frame.lights.len());
@@ -202,7 +200,8 @@ mod tests {
             "lamp_point l { power { 8 8 8 } position { 2 0 0 } radius .001 }",
         ] {
             for material in ["mirror", "glass"] {
-                let ball = format!("sphere b {{ center {{ 0 0 0 }} radius .5 material {material} }}");
+                let ball =
+                    format!("sphere b {{ center {{ 0 0 0 }} radius .5 material {material} }}");
                 let frame = frame(&format!("{lamp} {ball}"));
                 let found = photons(&frame, 1 << 16);
                 let power: f64 = found.iter().map(|(_, p)| f64::from(p.power.x)).sum();

@@ -60,7 +60,8 @@ fn wrong() -> Field {
         // And a little light from everywhere.
         let mut records: Vec<Record> = (0..40_000).map(|_| record()).collect();
         for record in records.iter_mut().step_by(10) {
-            let at = [(record.place.x * 7.3).rem_euclid(1.0), (record.place.y * 9.1).rem_euclid(1.0)];
+            let at =
+                [(record.place.x * 7.3).rem_euclid(1.0), (record.place.y * 9.1).rem_euclid(1.0)];
             record.toward = pack(direction(at));
         }
         learning.learn(&mut records);

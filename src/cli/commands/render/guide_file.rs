@@ -19,12 +19,7 @@ pub(super) struct GuideFile {
 
 impl GuideFile {
     /// The file that a job asks for. A scene that guides no rays has none.
-    pub(super) fn new(
-        job: &Job,
-        scene: &SceneDescription,
-        frame: i64,
-        terminal: Terminal,
-    ) -> Self {
+    pub(super) fn new(job: &Job, scene: &SceneDescription, frame: i64, terminal: Terminal) -> Self {
         let path = job.guide_file.as_ref().filter(|_| scene.settings.guide);
         let key = || Recipe { scene, frame }.hash_of_samples();
         Self { file: path.map(|path| (path.of(frame), key())), terminal }
@@ -49,7 +44,8 @@ impl GuideFile {
         match Field::from_bytes(&bytes, key) {
             Ok(field) => Ok(Some(field)),
             Err(FieldError::NotAField) => {
-                let message = format!("--guide-file `{}`: {}", path.display(), FieldError::NotAField);
+                let message =
+                    format!("--guide-file `{}`: {}", path.display(), FieldError::NotAField);
                 let problem = Problem::new(Exit::Usage, message);
                 Err(problem.with_help("move it away, or name another file"))
             }

@@ -312,7 +312,8 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
         for i in lanes(points.surfaces.len) {
             let scattered = lobe.evaluate(i, &points.at(i), toward.get(i));
             let is_sharp = lobe.is_sharp(i);
-            let density = mixed(scattered.density, field[i], if is_sharp { 0.0 } else { shares[i] });
+            let density =
+                mixed(scattered.density, field[i], if is_sharp { 0.0 } else { shares[i] });
             let by_lobe = hittable[i] * partner * rays * chance[i] * density;
             let share = 1.0 / (by_light[i] + by_lobe);
             // Lamps without an area are found by asking only, whatever the techniques.
