@@ -9,6 +9,7 @@
 
 pub mod camera;
 pub mod frame;
+pub mod guiding;
 pub mod integrator;
 pub mod photons;
 pub mod render;

@@ -159,6 +159,14 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", help_heading = WHERE)]
     pub(crate) error_map: Option<FramePath>,
 
+    /// Keep what `guide 1` learns in a file, or take it from there; #### stands for the frame
+    ///
+    /// Other machines that render the same frame (parts, more samples, another try) need
+    /// not learn it again. The picture is the same with and without the file. A file of
+    /// another scene, frame or version is replaced.
+    #[arg(long, value_name = "FILE", help_heading = WHERE)]
+    pub(crate) guide_file: Option<FramePath>,
+
     /// Extra layers of an EXR picture, such as albedo,normal or lights
     ///
     /// albedo and normal tell a denoiser which share of light surfaces reflect, and

@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use super::overrides::Overrides;
 use crate::cli::base::{Exit, Problem};
-use crate::cli::values::{FrameChoice, Frames, Maps, Order, PartBy, ProgressForm, Region};
+use crate::cli::values::{
+    FrameChoice, FramePath, Frames, Maps, Order, PartBy, ProgressForm, Region,
+};
 use slo_accel::Isa;
 use slo_picture::film::Steps;
 use slo_render::render::Part;
@@ -41,6 +43,8 @@ pub(crate) struct Job {
     /// Whether finished frames can get more samples later.
     pub(crate) keep_state: bool,
     pub(crate) maps: Maps,
+    /// File that keeps the field which guides rays.
+    pub(crate) guide_file: Option<FramePath>,
     /// How long a frame may take; `None`: as long as its samples take.
     pub(crate) time: Option<Duration>,
     /// How long all frames together may take.

@@ -92,6 +92,10 @@ fn job(args: Args) -> Result<Job, Problem> {
     let maps = Maps { samples: args.sample_map, error: args.error_map };
     let several = args.frame.as_ref().is_some_and(FrameChoice::is_several);
     maps.check_names(several).map_err(usage)?;
+    if several && args.guide_file.as_ref().is_some_and(|path| !path.tells_frames()) {
+        let message = "--guide-file: fields of several frames need `####` in their path";
+        return Err(usage(message.into()));
+    }
     check_total_time(args.total_time, args.frame.as_ref())?;
     Ok(Job {
         scene: args.scene,
@@ -115,6 +119,7 @@ fn job(args: Args) -> Result<Job, Problem> {
         total_time: args.total_time,
         steps: args.steps,
         maps,
+        guide_file: args.guide_file,
         dry_run: args.dry_run,
         progress: args.progress,
         overrides: Overrides {

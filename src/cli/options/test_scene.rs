@@ -41,6 +41,7 @@ pub(crate) fn job() -> Job {
         checkpoint: None,
         keep_state: false,
         maps: Maps::default(),
+        guide_file: None,
         time: None,
         total_time: None,
         steps: None,

@@ -1,6 +1,6 @@
 //! Builds a FrameScene from a SceneDescription and a frame number.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
@@ -28,6 +28,9 @@ use slo_scene::{
 /// axis. Within half a step of the origin, an f32 resolves 2^-14 units or better. Structures of
 /// still objects are rebuilt whenever the origin moves, so it must not move in every frame.
 const ORIGIN_STEP: f64 = 1024.0;
+
+/// Name of the random numbers of pilot paths.
+const PILOT: u32 = 0x7069_6c6f;
 
 impl FrameScene {
     /// Builds frame `number` of a scene, on the threads of the current rayon pool.
@@ -141,6 +144,8 @@ impl FrameScene {
             is_physical: is_physical(scene),
             sampler: sampler(number),
             photon_sampler: sampler(photon_frame),
+            pilot_sampler: sampler(number).renamed(PILOT),
+            field: OnceLock::new(),
             settings: scene.settings.clone(),
             isa,
             clever: true,

@@ -1,6 +1,6 @@
 //! A scene during one shutter.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 
@@ -9,6 +9,7 @@ use super::rigid::Rigid;
 use super::shapes::Geometry;
 use super::world::{World, WorldHits};
 use crate::camera::Camera;
+use crate::guiding::Field;
 use crate::photons::Emission;
 use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
@@ -50,9 +51,13 @@ pub struct FrameScene {
     /// Where photons start; `None` if the frame has none.
     pub(crate) emission: Option<Emission>,
     pub(crate) sampler: Sampler,
+    /// Sampler of pilot paths, from which the field is learned.
+    pub(crate) pilot_sampler: Sampler,
     /// Sampler of photons.
     pub(crate) photon_sampler: Sampler,
     pub(crate) settings: Settings,
+    /// The field that guides rays, once it is known.
+    pub(crate) field: OnceLock<Field>,
     /// Instruction set of all vectorized code.
     pub(crate) isa: Isa,
     /// Whether variance is reduced by more than good sample points; see [`plain`](Self::plain).
@@ -100,6 +105,23 @@ impl FrameScene {
     #[must_use]
     pub fn with_techniques(self, techniques: Techniques) -> Self {
         Self { techniques, ..self }
+    }
+
+    /// Returns the same frame with a field that guides rays. The expected picture is the same for every
+    /// field.
+    #[must_use]
+    pub fn with_field(self, field: Field) -> Self {
+        Self { field: OnceLock::from(field), ..self }
+    }
+
+    /// Whether rays are guided by a field.
+    pub fn is_guided(&self) -> bool {
+        self.settings.guide && self.settings.integrator == Integrator::Path
+    }
+
+    /// Returns the field that guides rays, if it is known.
+    pub fn field(&self) -> Option<&Field> {
+        self.field.get()
     }
 
     /// Whether the light that glossy lobes receive from lamps is also sampled by rays to the lamps.

@@ -47,7 +47,7 @@ impl PhotonTracer {
         range: Range<u32>,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Vec<(f32, Photon)>> {
-        let job = Job { frame, work: &[], maps: None, gives_up };
+        let job = Job { frame, work: &[], maps: None, guide: None, is_pilot: false, gives_up };
         let Self { machine, paths } = self;
         let seed = frame.photon_sampler.pixel(u32::MAX, u32::MAX);
         machine.begin_light_paths(seed, frame.lights.len());

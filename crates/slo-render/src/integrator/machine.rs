@@ -8,8 +8,8 @@ use super::batch::{Batch, Labels, Past, Sent};
 use super::chosen::Chosen;
 use super::queue::{Habit, RayQueue};
 use super::sums::Sums;
-use super::work::{Job, SampleSum, Statistics};
-use crate::sampling::PixelSeed;
+use super::work::{Job, SampleSum, Statistics, Work};
+use crate::sampling::{PixelSeed, Sampler};
 
 /// Most connections that wait while the hits of one batch send more.
 const MOST_CONNECTIONS_WAITING: usize = 16 * BATCH;
@@ -70,12 +70,11 @@ pub(super) struct Machine {
 impl Machine {
     /// Begins new work with `copies` sums for each entry. Slot `i` among the first copies belongs
     /// to entry `i`.
-    pub(super) fn begin(&mut self, job: &Job<'_>, copies: usize) {
-        let sampler = &job.frame.sampler;
+    pub(super) fn begin(&mut self, sampler: &Sampler, work: &[Work], copies: usize) {
         self.counts = Statistics::default();
         self.seeds.clear();
         for _ in 0..copies {
-            self.seeds.extend(job.work.iter().map(|w| sampler.pixel(w.x, w.y)));
+            self.seeds.extend(work.iter().map(|w| sampler.pixel(w.x, w.y)));
         }
         self.sums.reset(self.seeds.len());
         self.queue_at(0);

@@ -18,6 +18,7 @@ mod light_paths;
 mod machine;
 mod path;
 mod photon_pass;
+mod pilot_paths;
 mod queue;
 mod roulette;
 mod stages;
@@ -27,5 +28,6 @@ mod work;
 
 pub use light_paths::PhotonTracer;
 pub use photon_pass::PhotonPass;
+pub use pilot_paths::PilotTracer;
 pub use tracer::Tracer;
 pub use work::{Beside, SampleSum, Statistics, Traced, Work};

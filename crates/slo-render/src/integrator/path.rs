@@ -20,10 +20,12 @@ use super::stages::continuation::Continuation;
 use super::stages::direct_light::questions;
 use super::stages::emission::Emission;
 use super::stages::features::FeatureSums;
+use super::stages::guiding::Guiding;
 use super::stages::hits::Hits;
 use super::stages::lamp_light::LampLight;
 use super::stages::merging::Merging;
 use super::stages::passing::Passing;
+use super::stages::pilot::Pilot;
 use super::stages::points::Points;
 use super::stages::to_shaded::ToShaded;
 use super::stages::visibility::Visibility;
@@ -43,11 +45,13 @@ pub(super) struct Path {
     emission: Box<Emission>,
     features: FeatureSums,
     bsdfs: Box<Bsdfs>,
+    guiding: Box<Guiding>,
     lamp_light: Box<LampLight>,
     to_shaded: Box<ToShaded>,
     merging: Box<Merging>,
     visibility: Box<Visibility>,
     continuation: Box<Continuation>,
+    pub(super) pilot: Pilot,
     /// Distance between the slots of two groups of lights; 0 if groups are not told apart.
     stride: u32,
     /// Working memory of ray queries, used by one stage at a time.
@@ -132,11 +136,12 @@ impl Path {
             bsdfs.find_own(frame, points);
             features.add(frame, batch, hits, points, |i| bsdfs.own(i));
         }
+        self.guiding.find(job, &self.points);
         if let Some(maps) = job.maps {
-            let Self { batch, hits, points, bsdfs, merging, stride, .. } = self;
+            let Self { batch, hits, points, bsdfs, guiding, merging, stride, .. } = self;
             points.find_footprints(batch, hits);
             merging.reach(frame, maps, points, depth);
-            while merging.find(frame, maps, points, bsdfs, (depth, *stride)) {
+            while merging.find(job, maps, points, (&**bsdfs, &**guiding), (depth, *stride)) {
                 machine.add(frame.isa, &merging.light, &merging.slot, merging.len);
                 job.goes_on()?;
             }
@@ -149,8 +154,8 @@ impl Path {
     fn ask_lamps(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let kind = Connection::at(depth);
         for question in questions(job.frame, depth) {
-            let Self { points, bsdfs, lamp_light, stride, .. } = self;
-            lamp_light.ask(job, points, bsdfs, question, depth);
+            let Self { points, bsdfs, guiding, lamp_light, stride, .. } = self;
+            lamp_light.ask(job, points, (&**bsdfs, &**guiding), question, depth);
             lamp_light.name(job.frame, points, *stride);
             machine.connect(kind, &lamp_light.sent, &lamp_light.labels, &lamp_light.chosen);
             let Self { points, lamp_light, to_shaded, features, .. } = self;
@@ -167,11 +172,16 @@ impl Path {
 
     /// Queues the rays that follow lobes of all points. Returns `None` if the work is given up.
     fn follow(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
-        let Self { points, bsdfs, continuation, features, .. } = self;
+        let Self { points, bsdfs, guiding, continuation, features, pilot, .. } = self;
         let count = continuations(&job.frame.settings, depth);
-        for number in 0..count {
+        // A pilot path doesn't branch.
+        let sent = if job.is_pilot { 1 } else { count };
+        for number in 0..sent {
             let (place, first_behind) = ([number, count], features.first_behind());
-            continuation.send(job.frame, points, bsdfs, place, depth, first_behind);
+            continuation.send(job, points, (&**bsdfs, &**guiding), place, depth, first_behind);
+            if job.is_pilot {
+                pilot.remember(points, continuation, count);
+            }
             let Continuation { sent, labels, past, chosen, .. } = &**continuation;
             machine.extend_path(depth + 1, sent, labels, past, chosen);
             job.goes_on()?;

@@ -27,11 +27,12 @@ impl Tracer {
         beside: Beside<'_>,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Traced<'_>> {
-        let job = Job { frame, work, maps: beside.maps, gives_up };
+        let (maps, guide) = (beside.maps, frame.field());
+        let job = Job { frame, work, maps, guide, is_pilot: false, gives_up };
         let Self { machine, distributed, path } = self;
         let copies = if beside.features { 2 } else { 1 };
         let groups = if frame.is_physical { beside.light_groups } else { 0 };
-        machine.begin(&job, copies * (groups + 1));
+        machine.begin(&frame.sampler, work, copies * (groups + 1));
         let feature_slots = if beside.features { work.len() } else { 0 };
         let features: &[Features] = if frame.is_physical {
             let path = path.get_or_insert_default();

@@ -3,6 +3,7 @@
 use slo_picture::film::{Features, Fixed};
 
 use crate::frame::FrameScene;
+use crate::guiding::Field;
 use crate::photons::PhotonMaps;
 
 /// Samples `first..first + count` of one pixel.
@@ -77,11 +78,20 @@ pub(super) struct Job<'a> {
     pub(super) work: &'a [Work],
     /// The photons that the work uses, if the frame has any.
     pub(super) maps: Option<&'a PhotonMaps>,
+    /// The field that guides rays, if any.
+    pub(super) guide: Option<&'a Field>,
+    /// Whether the paths are pilot paths, from which a field is learned.
+    pub(super) is_pilot: bool,
     /// Whether to stop at once and lose the work.
     pub(super) gives_up: &'a dyn Fn() -> bool,
 }
 
 impl Job<'_> {
+    /// Whether rough lobes share their directions with a field, or will.
+    pub(super) fn is_guided(&self) -> bool {
+        self.guide.is_some() || self.is_pilot
+    }
+
     /// Returns `None` if the work is to be given up. Called between batches, and between the rays
     /// that a batch sends out.
     pub(super) fn goes_on(&self) -> Option<()> {

@@ -41,10 +41,13 @@ pub fn render_until(
     let Budget { deadline, least, last } = budget;
     let last = last.max(least.done + u32::from(least.tiles > 0)).min(Steps::LAST);
     let tiles = tiles_in_order(frame.camera.width(), frame.camera.height());
-    let run = Run::new(frame, film, observer);
+    let run = Run::new(frame, film, plan, observer);
     let clock = Clock::new(deadline, tiles.len(), plan.most());
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
+    if !run.learn(&|_| observer.advanced(clock.share())) {
+        return (run.exposed(false), least);
+    }
     let mut reached = Steps::default();
     let gives_up = || observer.gives_up() || observer.should_stop();
     for step in least.done.min(last)..=last {

@@ -2,6 +2,7 @@
 
 mod budget;
 mod clock;
+mod guide;
 mod lock;
 mod observer;
 mod photons;

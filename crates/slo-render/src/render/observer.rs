@@ -2,6 +2,7 @@
 
 use slo_picture::film::{Film, Steps};
 
+use crate::guiding::Field;
 use crate::integrator::Statistics;
 
 /// Watches a rendering and may stop it. Called from many threads.
@@ -12,6 +13,10 @@ pub trait Observer: Sync {
     /// default.
     fn resumed(&self, share: f64) {
         self.advanced(share);
+    }
+    /// Receives the field that guides rays, as soon as it is learned.
+    fn learned(&self, field: &Field) {
+        let _ = field;
     }
     /// Whether to stop after the current step of each tile.
     fn should_stop(&self) -> bool {

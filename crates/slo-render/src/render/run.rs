@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 use slo_picture::film::{Area, Film, Steps};
 
+use super::guide;
 use super::lock::lock;
 use super::observer::{Exposed, Observer};
 use super::photons::Stretch;
@@ -22,6 +23,8 @@ pub(super) struct Run<'a> {
     pub(super) frame: &'a FrameScene,
     /// Number of pixels in the film's area.
     pub(super) pixels: f64,
+    /// Share of the work that is the picture; the rest is the learning of a field.
+    picture: f64,
     pub(super) result: Mutex<(Film, Statistics)>,
     pub(super) observer: &'a dyn Observer,
     /// The furthest step that was begun, with `done` in the upper half; 0 if the picture is not
@@ -29,11 +32,29 @@ pub(super) struct Run<'a> {
     pub(super) steps: AtomicU64,
 }
 
+/// Samples that a pixel is expected to take if the number is not known.
+const USUAL_SAMPLES: u32 = 128;
+
+/// Estimates which share of the work is the picture, if a field is learned for it first.
+fn share_of_picture(frame: &FrameScene, plan: &Plan, pixels: f64) -> f64 {
+    if !frame.is_guided() || frame.field().is_some() {
+        return 1.0;
+    }
+    let samples = pixels * f64::from(plan.uniform().unwrap_or(USUAL_SAMPLES).max(1));
+    samples / (samples + guide::paths(frame.camera.width(), frame.camera.height()))
+}
+
 impl<'a> Run<'a> {
-    pub(super) fn new(frame: &'a FrameScene, film: Film, observer: &'a dyn Observer) -> Self {
+    pub(super) fn new(
+        frame: &'a FrameScene,
+        film: Film,
+        plan: &Plan,
+        observer: &'a dyn Observer,
+    ) -> Self {
         let pixels = film.area().len() as f64;
         let result = Mutex::new((film, Statistics::default()));
-        Self { frame, pixels, result, observer, steps: AtomicU64::new(0) }
+        let picture = share_of_picture(frame, plan, pixels);
+        Self { frame, pixels, picture, result, observer, steps: AtomicU64::new(0) }
     }
 
     /// Notes that a tile is about to take a step.
@@ -116,17 +137,31 @@ impl<'a> Run<'a> {
         tiles.par_iter().filter_map(of).min()
     }
 
+    /// Learns the field that guides rays, if the frame has one that is not known. Returns whether it is
+    /// known now; false if the observer asked to stop.
+    pub(super) fn learn(&self, advanced: &(dyn Fn(f64) + Sync)) -> bool {
+        let all = guide::paths(self.frame.camera.width(), self.frame.camera.height());
+        let traced = |paths: usize| advanced(paths as f64 / all * (1.0 - self.picture));
+        let gives_up = || self.observer.gives_up() || self.observer.should_stop();
+        let was_known = self.frame.field().is_some();
+        let done = guide::learn(self.frame, &traced, &gives_up).is_some();
+        if let Some(field) = self.frame.field().filter(|_| !was_known) {
+            self.observer.learned(field);
+        }
+        done
+    }
+
     /// Reports progress, except for a picture in steps: their number is unknown, so the clock
     /// reports it.
     pub(super) fn advanced(&self, share: f64) {
         if self.steps.load(Ordering::SeqCst) == 0 {
-            self.observer.advanced(share);
+            self.observer.advanced(share * self.picture);
         }
     }
 
     pub(super) fn resumed(&self, share: f64) {
         if self.steps.load(Ordering::SeqCst) == 0 {
-            self.observer.resumed(share);
+            self.observer.resumed(share * self.picture);
         }
     }
 

@@ -19,7 +19,7 @@ use crate::frame::FrameScene;
 /// samples in `film`, which must come from the same frame and from a plan that this plan continues.
 pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observer) -> Exposed {
     let area = film.area();
-    let run = Run::new(frame, film, observer);
+    let run = Run::new(frame, film, plan, observer);
     // One set of working memory for each thread. A tile never waits for another one on its thread.
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
@@ -31,11 +31,13 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
         tiles.filter(|tile| !tile.is_empty()).collect::<Vec<_>>()
     };
     let has_photons = frame.emission.is_some();
-    let first = if has_photons {
-        run.first_open(|tile| plan.at(tile, width, height), &tiles(), &memory)
-    } else {
-        None
-    };
+    let first_open = || run.first_open(|tile| plan.at(tile, width, height), &tiles(), &memory);
+    let first = if has_photons || frame.is_guided() { first_open() } else { None };
+    // A picture that has all its samples needs no field.
+    if first.is_some() && !run.learn(&|share| observer.advanced(share)) {
+        return run.exposed(false);
+    }
+    let first = first.filter(|_| has_photons);
     let mut stretches = Stretches::new(frame, first);
     let mut is_complete = false;
     let gives_up = || observer.gives_up() || observer.should_stop();

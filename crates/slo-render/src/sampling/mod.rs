@@ -44,6 +44,11 @@ impl Sampler {
         Self { generator, seed: words.into_iter().fold(0x5107_2011, hash2) }
     }
 
+    /// Returns a sampler of the same kind whose numbers have other names.
+    pub(crate) fn renamed(self, name: u32) -> Self {
+        Self { seed: hash2(self.seed, name), ..self }
+    }
+
     /// Returns the seed of the pixel in column `x` and row `y`, counted from the top left.
     #[inline]
     pub fn pixel(&self, x: u32, y: u32) -> PixelSeed {

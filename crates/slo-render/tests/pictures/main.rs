@@ -4,6 +4,7 @@ mod analytic;
 mod any_split;
 mod determinism;
 mod estimators;
+mod guiding;
 mod oracle;
 mod photons;
 mod support;

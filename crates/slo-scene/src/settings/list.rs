@@ -87,6 +87,8 @@ entries! {
         /// Whether the numbers of photons change from frame to frame.
         photon_seed: PhotonSeed = PhotonSeed::Frame,
             choice("photonSeed", Effect::Samples).unless_default();
+        /// Whether rays follow a field that was learned; PATH only.
+        guide: bool = false, flag("guide", Effect::Samples).unless_default();
         /// Sampled transforms per millisecond of shutter, at least.
         transform_samples_per_ms: f64 = 2.0,
             double("transformSamplesPerMs", Bound::Positive, Effect::Samples);

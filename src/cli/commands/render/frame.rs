@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::done::{Done, Size, Times};
+use super::guide_file::GuideFile;
 use super::target::{Target, in_the_way};
 use crate::cli::base::{Exit, Problem, Terminal, counted};
 use crate::cli::files::checkpoint::{Checkpoint, recipe_hash};
@@ -18,6 +19,7 @@ use slo_picture::film::Steps;
 use slo_picture::film::{Film, TooLarge};
 use slo_picture::output::{Outcome, check_free, check_writable, remove_leftovers};
 use slo_render::frame::FrameScene;
+use slo_render::guiding::Field;
 use slo_render::render::{Budget, Exposed, Observer, render, render_until};
 use slo_scene::SceneDescription;
 
@@ -59,10 +61,15 @@ impl Studio<'_> {
     ) -> Result<Done, Problem> {
         find_out_if_writable(expected, before.is_none())?;
         let (progress, checkpoint) = (progress.frame(frame, expected), self.checkpoint(frame));
-        let watch = Watch { progress, checkpoint, is_lost };
+        let guide_file = GuideFile::new(self.job, self.scene, frame, self.terminal);
+        let watch = Watch { progress, checkpoint, guide_file, is_lost };
         let start = Instant::now();
         let build = || load::frame(self.job, self.scene, frame, before.take());
         let built = interrupt::while_building(build)?;
+        let built = match watch.guide_file.read()? {
+            Some(field) if built.is_guided() => built.with_field(field),
+            _ => built,
+        };
         let needs = self.needs(frame, 1);
         let film = watch.checkpoint.film();
         let (film, least) = film.map_err(|TooLarge { .. }| needs.too_large())?;
@@ -246,6 +253,7 @@ impl Studio<'_> {
 struct Watch<'a> {
     progress: FrameProgress<'a>,
     checkpoint: Checkpoint,
+    guide_file: GuideFile,
     is_lost: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -256,6 +264,10 @@ impl Observer for Watch<'_> {
 
     fn resumed(&self, share: f64) {
         self.progress.resumed(share);
+    }
+
+    fn learned(&self, field: &Field) {
+        self.guide_file.write(field);
     }
 
     fn should_stop(&self) -> bool {

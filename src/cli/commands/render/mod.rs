@@ -3,6 +3,7 @@
 mod done;
 mod dry_run;
 mod frame;
+mod guide_file;
 mod ledger;
 mod maps;
 mod plan;

@@ -6,7 +6,7 @@
 use std::fmt::{Display, Write};
 
 use slo_scene::SceneDescription;
-use slo_scene::settings::{Entries, Value, recorded};
+use slo_scene::settings::{Effect, Entries, Value, recorded};
 
 use crate::film::{Area, Steps};
 
@@ -38,6 +38,19 @@ impl Recipe<'_> {
         }
         json.settings(settings);
         json.finish()
+    }
+
+    /// A hash of everything that a single sample depends on: unlike the recipe, it is the same for any
+    /// number of samples, and for any display.
+    pub fn hash_of_samples(&self) -> [u8; 32] {
+        let SceneDescription { camera, settings, .. } = self.scene;
+        let mut json = JsonObject::default();
+        json.text("version", env!("CARGO_PKG_VERSION"));
+        json.text("sceneBlake3", scene_hash(self.scene));
+        json.number("frame", self.frame);
+        json.settings_if(&camera.film, |effect| effect == Effect::Samples);
+        json.settings_if(settings, |effect| effect == Effect::Samples);
+        *blake3::hash(json.finish().as_bytes()).as_bytes()
     }
 }
 
@@ -81,7 +94,14 @@ impl JsonObject {
 
     /// Every setting that the picture depends on, spelled as in scenes.
     fn settings<S: Entries>(&mut self, of: &S) {
-        for (name, value) in recorded(of) {
+        self.settings_if(of, |_| true);
+    }
+
+    /// Those of them that have certain effects.
+    fn settings_if<S: Entries>(&mut self, of: &S, is_wanted: impl Fn(Effect) -> bool) {
+        let effect = |name| S::ENTRIES.iter().find(|entry| entry.name == name).map(|e| e.effect);
+        let is_wanted = |(name, _): &(&'static str, Value)| effect(*name).is_some_and(&is_wanted);
+        for (name, value) in recorded(of).into_iter().filter(is_wanted) {
             match value {
                 Value::Absent => {}
                 Value::Flag(is_set) => self.number(name, u8::from(is_set)),
@@ -129,6 +149,22 @@ mod tests {
 
     fn json(scene: &SceneDescription) -> String {
         Recipe { scene, frame: -5 }.to_json()
+    }
+
+    #[test]
+    fn the_hash_of_samples_does_not_know_their_number() {
+        let hash = |scene: &SceneDescription| Recipe { scene, frame: 1 }.hash_of_samples();
+        let (one, mut other) = (scene(), scene());
+        (other.settings.image_samples, other.settings.noise) = (77, Some(0.01));
+        other.camera.film.output = OutputFormat::Exr;
+        assert_eq!(hash(&one), hash(&other));
+        let mut seed = scene();
+        seed.settings.seed = 1;
+        let mut size = scene();
+        size.camera.film.width = 321;
+        for changed in [seed, size] {
+            assert_ne!(hash(&one), hash(&changed));
+        }
     }
 
     #[test]

@@ -5,11 +5,13 @@ use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, lanes};
 
 use super::bsdfs::Bsdfs;
+use super::guiding::{Densities, Guiding, mixed};
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::batch::{Labels, Past, Sent, marks};
 use crate::integrator::chosen::Chosen;
 use crate::integrator::roulette::follows;
+use crate::integrator::work::Job;
 use crate::sampling::batch::{SetPoints, place_of};
 use crate::sampling::{Purpose, Use, next_path};
 use crate::shading::bsdf::{Lobe, WithLobe};
@@ -22,6 +24,7 @@ pub(in crate::integrator) struct Continuation {
     survival: SetPoints,
     /// Sum of the chances of the lobes visited so far.
     below: Column<f32>,
+    guided: Guided,
     pub(in crate::integrator) sent: Sent,
     pub(in crate::integrator) labels: Labels,
     pub(in crate::integrator) past: Past,
@@ -35,6 +38,7 @@ impl Default for Continuation {
             set: SetPoints::default(),
             survival: SetPoints::default(),
             below: [0.0; BATCH],
+            guided: Guided::default(),
             sent: Sent::default(),
             labels: Labels::default(),
             past: Past::default(),
@@ -43,19 +47,61 @@ impl Default for Continuation {
     }
 }
 
+/// How the rays of rough lobes share their directions with the field.
+#[derive(Debug)]
+pub(in crate::integrator) struct Guided {
+    /// Number of the lobe that each ray follows, in the order of the list.
+    lobe: Column<u32>,
+    /// 1 if its direction comes from the field, otherwise 0.
+    by_field: Column<u32>,
+    square: [Column<f32>; 2],
+    /// Densities of the field in the directions of the rays.
+    pub(super) field: Densities,
+    /// Densities of the lobes alone, and of both.
+    pub(super) own: Column<f32>,
+    pub(super) mixed: Column<f32>,
+}
+
+impl Guided {
+    /// Returns the packed direction of ray `i`.
+    pub(super) fn toward(&self, i: usize) -> u32 {
+        self.field.packed(i)
+    }
+}
+
+impl Default for Guided {
+    fn default() -> Self {
+        let zeros = [0.0; BATCH];
+        Self {
+            lobe: [0; BATCH],
+            by_field: [0; BATCH],
+            square: [zeros; 2],
+            field: Densities::default(),
+            own: zeros,
+            mixed: zeros,
+        }
+    }
+}
+
 impl Continuation {
+    /// How the rays share their directions with the field, if they do.
+    pub(super) fn guided(&self) -> &Guided {
+        &self.guided
+    }
+
     /// Creates ray number `place[0]` of `place[1]` from every point. If surface features are
     /// collected, `first_behind` is the first slot of light through rough lobes.
     pub(in crate::integrator) fn send(
         &mut self,
-        frame: &FrameScene,
+        job: &Job<'_>,
         points: &Points,
-        bsdfs: &Bsdfs,
+        (bsdfs, guiding): (&Bsdfs, &Guiding),
         place: [u32; 2],
         depth: u32,
         first_behind: Option<u32>,
     ) {
-        let Self { set, survival, below, sent, past, labels, .. } = self;
+        let frame = job.frame;
+        let Self { set, survival, below, guided, sent, past, labels, .. } = self;
         let names = points.names(&frame.settings, depth, Purpose::Continuation, place);
         set.take::<3>(&frame.sampler, frame.isa, &names);
         let names = points.names(&frame.settings, depth, Purpose::Survival, place);
@@ -65,7 +111,40 @@ impl Continuation {
             column.fill(0.0);
         }
         let count = place[1] as f32;
-        bsdfs.bsdf.for_each(&mut Follow { frame, points, set, count, below, sent, past });
+        guided.by_field.fill(0);
+        guided.lobe.fill(u32::MAX);
+        let by_field = &mut guided.by_field;
+        bsdfs.bsdf.for_each(&mut Follow {
+            frame,
+            points,
+            guiding,
+            set,
+            count,
+            below,
+            by_field,
+            lobe: (0, &mut guided.lobe),
+            sent,
+            past,
+        });
+        if job.is_guided() {
+            let len = points.len();
+            if let Some(field) = job.guide {
+                let Guided { by_field, square, .. } = guided;
+                let [u, v, _] = &set.numbers;
+                let to = (square, &mut sent.direction);
+                guiding.sample(field, job, len, (&*by_field, [u, v]), to);
+            }
+            guiding.densities(job, &sent.direction, len, |i| i, &mut guided.field);
+            bsdfs.bsdf.for_each(&mut Reweigh {
+                frame,
+                points,
+                guiding,
+                count,
+                number: 0,
+                guided,
+                sent,
+            });
+        }
         let always = depth == 0 || !frame.clever;
         frame.isa.run(Finish { points, survival, always, count, sent, past });
         past.rough.is_kept = points.rough.is_kept;
@@ -88,10 +167,14 @@ impl Continuation {
 struct Follow<'a> {
     frame: &'a FrameScene,
     points: &'a Points,
+    guiding: &'a Guiding,
     set: &'a SetPoints,
     /// Number of rays of each point.
     count: f32,
     below: &'a mut Column<f32>,
+    by_field: &'a mut Column<u32>,
+    /// The number of the lobe, and those of the lobes that are followed.
+    lobe: (u32, &'a mut Column<u32>),
     sent: &'a mut Sent,
     past: &'a mut Past,
 }
@@ -99,9 +182,23 @@ struct Follow<'a> {
 impl WithLobe for Follow<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L) {
         if L::IS_FOLLOWED {
-            let Self { frame, points, set, count, below, sent, past } = self;
-            let count = *count;
-            frame.isa.run(FollowOne { lobe, points, set, count, below, sent, past });
+            let Self { frame, points, guiding, set, count, below, by_field, sent, past, .. } = self;
+            let (share, count) = (guiding.share(L::IS_DIFFUSE), *count);
+            let (number, followed) = (self.lobe.0, &mut *self.lobe.1);
+            frame.isa.run(FollowOne {
+                lobe,
+                points,
+                share,
+                set,
+                count,
+                below,
+                number,
+                by_field,
+                followed,
+                sent,
+                past,
+            });
+            self.lobe.0 += 1;
         }
     }
 }
@@ -109,9 +206,14 @@ impl WithLobe for Follow<'_> {
 struct FollowOne<'a, L> {
     lobe: &'a L,
     points: &'a Points,
+    /// Share of the field in the rays of the lobe.
+    share: &'a Column<f32>,
     set: &'a SetPoints,
     count: f32,
     below: &'a mut Column<f32>,
+    number: u32,
+    by_field: &'a mut Column<u32>,
+    followed: &'a mut Column<u32>,
     sent: &'a mut Sent,
     past: &'a mut Past,
 }
@@ -121,7 +223,9 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, points, set, count, below, sent, past } = self;
+        let Self { lobe, points, share: shares, set, count, number, .. } = self;
+        let (below, by_field, followed) = (self.below, self.by_field, self.followed);
+        let (sent, past) = (self.sent, self.past);
         let chances = &lobe.share().chance;
         for i in lanes(points.surfaces.len) {
             let [u, v, w] = set.numbers.each_ref().map(|column| column[i]);
@@ -129,7 +233,14 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             let end = start + chance;
             below[i] = end;
             let is_chosen = (w >= start) & (w < end);
-            let rest = ((w - start) / chance).min(0.999_999_94);
+            let rest = (w - start) / chance;
+            // One part of the rays of rough lobes is left to the field.
+            let is_sharp = lobe.is_sharp(i);
+            let field = if is_sharp { 0.0 } else { shares[i] };
+            let is_left = rest < field;
+            by_field[i] |= u32::from(is_chosen & is_left);
+            followed[i] = if is_chosen { number } else { followed[i] };
+            let rest = ((rest - field) / (1.0 - field)).clamp(0.0, 0.999_999_94);
             let sampled = lobe.sample(i, &points.at(i), [u, v, rest]);
             let share = 1.0 / (chance * count);
             let weight = sampled.weight * share;
@@ -138,10 +249,65 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             sent.direction.set(i, keep(sampled.direction, sent.direction.get(i)));
             sent.weight.set(i, keep(weight, sent.weight.get(i)));
             sent.density[i] = if is_chosen { density } else { sent.density[i] };
-            let is_sharp = lobe.is_sharp(i);
             let mark = if L::IS_DIFFUSE { marks::DIFFUSE } else { 0 };
             let mark = mark | if is_sharp { marks::SHARP } else { 0 };
             past.marks[i] = if is_chosen { mark } else { past.marks[i] };
+        }
+    }
+}
+
+/// Weights the rays of rough lobes by the density of the lobe and the field together.
+struct Reweigh<'a> {
+    frame: &'a FrameScene,
+    points: &'a Points,
+    guiding: &'a Guiding,
+    count: f32,
+    /// Number of the lobe.
+    number: u32,
+    guided: &'a mut Guided,
+    sent: &'a mut Sent,
+}
+
+impl WithLobe for Reweigh<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &L) {
+        if L::IS_FOLLOWED {
+            let Self { frame, points, guiding, count, number, guided, sent } = self;
+            let (share, count, number) = (guiding.share(L::IS_DIFFUSE), *count, *number);
+            frame.isa.run(ReweighOne { lobe, points, share, count, number, guided, sent });
+            self.number += 1;
+        }
+    }
+}
+
+struct ReweighOne<'a, L> {
+    lobe: &'a L,
+    points: &'a Points,
+    share: &'a Column<f32>,
+    count: f32,
+    number: u32,
+    guided: &'a mut Guided,
+    sent: &'a mut Sent,
+}
+
+impl<L: Lobe> Lanewise for ReweighOne<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lobe, points, share, count, number, guided, sent } = self;
+        let chances = &lobe.share().chance;
+        for i in lanes(points.surfaces.len) {
+            let is_mine = (guided.lobe[i] == number) & !lobe.is_sharp(i);
+            let scattered = lobe.evaluate(i, &points.at(i), sent.direction.get(i));
+            let both = mixed(scattered.density, guided.field.of[i], share[i]);
+            let density = chances[i] * count * both;
+            let scale = if density > 0.0 { 1.0 / density } else { 0.0 };
+            let is_changed = is_mine & (share[i] > 0.0);
+            let weight = scattered.value * scale;
+            sent.weight.set(i, if is_changed { weight } else { sent.weight.get(i) });
+            sent.density[i] = if is_changed { density } else { sent.density[i] };
+            guided.own[i] = if is_mine { scattered.density } else { guided.own[i] };
+            guided.mixed[i] = if is_mine { both } else { guided.mixed[i] };
         }
     }
 }

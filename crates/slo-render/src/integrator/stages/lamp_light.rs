@@ -5,6 +5,7 @@ use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 
 use super::bsdfs::Bsdfs;
+use super::guiding::{Densities, Guiding, mixed};
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::batch::{Labels, Sent};
@@ -44,6 +45,7 @@ pub(in crate::integrator) struct LampLight {
     flat: Column<f32>,
     /// Share of light in sharp lobes that photons leave to the rays.
     left: Column<f32>,
+    field: Densities,
     /// Light that all lobes scatter, for a radiance of 1.
     scattered: Vec3s,
     pub(in crate::integrator) sent: Sent,
@@ -66,6 +68,7 @@ impl Default for LampLight {
             hittable: zeros,
             flat: zeros,
             left: [1.0; BATCH],
+            field: Densities::default(),
             scattered: Vec3s::default(),
             sent: Sent::default(),
             labels: Labels::default(),
@@ -80,7 +83,7 @@ impl LampLight {
         &mut self,
         job: &Job<'_>,
         points: &Points,
-        bsdfs: &Bsdfs,
+        (bsdfs, guiding): (&Bsdfs, &Guiding),
         question: Question,
         depth: u32,
     ) {
@@ -107,11 +110,13 @@ impl LampLight {
             }
         }
         self.share_with_photons(frame, points);
-        let Self { scattered, toward, by_light, hittable, flat, left, .. } = self;
+        guiding.densities(job, &self.toward, points.len(), |i| i, &mut self.field);
+        let Self { scattered, toward, by_light, hittable, flat, left, field, .. } = self;
         *scattered = Vec3s::default();
         let rays = continuations(&frame.settings, depth) as f32;
-        let arriving = Arriving { points, toward, by_light, hittable, flat, left, rays };
-        bsdfs.bsdf.for_each(&mut Scatter { frame, arriving, to: scattered });
+        let field = &field.of;
+        let arriving = Arriving { points, toward, by_light, hittable, flat, left, field, rays };
+        bsdfs.bsdf.for_each(&mut Scatter { frame, guiding, arriving, to: scattered });
         frame.isa.run(Finish { points, to: self });
         let weight = &self.sent.weight;
         let (light, shaded) = (&self.light, frame.first_shaded);
@@ -286,6 +291,8 @@ struct Arriving<'a> {
     hittable: &'a Column<f32>,
     flat: &'a Column<f32>,
     left: &'a Column<f32>,
+    /// Densities of the field.
+    field: &'a Column<f32>,
     /// Number of continuations of each hit.
     rays: f32,
 }
@@ -293,6 +300,7 @@ struct Arriving<'a> {
 /// Adds what each lobe makes of the light.
 struct Scatter<'a> {
     frame: &'a FrameScene,
+    guiding: &'a Guiding,
     arriving: Arriving<'a>,
     to: &'a mut Vec3s,
 }
@@ -300,13 +308,16 @@ struct Scatter<'a> {
 impl WithLobe for Scatter<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L) {
         let (asked, partner) = self.frame.techniques.asked(L::IS_DIFFUSE);
-        let work = ScatterOne { lobe, arriving: self.arriving, asked, partner, to: self.to };
+        let (share, arriving) = (self.guiding.share(L::IS_DIFFUSE), self.arriving);
+        let work = ScatterOne { lobe, share, arriving, asked, partner, to: self.to };
         self.frame.isa.run(work);
     }
 }
 
 struct ScatterOne<'a, L> {
     lobe: &'a L,
+    /// Share of the field in the rays of the lobe.
+    share: &'a Column<f32>,
     arriving: Arriving<'a>,
     /// See [`Techniques::asked`](crate::shading::light::Techniques::asked).
     asked: f32,
@@ -319,20 +330,23 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, arriving, asked, partner, to } = self;
-        let Arriving { points, toward, by_light, hittable, flat, left, rays } = arriving;
+        let Self { lobe, share: shares, arriving, asked, partner, to } = self;
+        let Arriving { points, toward, by_light, hittable, flat, left, field, rays } = arriving;
         let chance = &lobe.share().chance;
         for i in lanes(points.surfaces.len) {
             let (at, toward) = (points.at(i), toward.get(i));
             let scattered = lobe.evaluate(i, &at, toward);
-            let by_lobe = hittable[i] * partner * rays * chance[i] * scattered.density;
+            let is_sharp = lobe.is_sharp(i);
+            let density =
+                mixed(scattered.density, field[i], if is_sharp { 0.0 } else { shares[i] });
+            let by_lobe = hittable[i] * partner * rays * chance[i] * density;
             let share = 1.0 / (by_light[i] + by_lobe);
             // Lamps without an area are found by asking only, whatever the techniques.
             let asked = if hittable[i] == 0.0 { 1.0 } else { asked };
             let is_flat = (flat[i] > 0.0) & (L::IS_DIFFUSE | (hittable[i] == 0.0));
             let share = if is_flat { flat[i] } else { share * asked };
             let shows = L::SHOWS_POINTS | (hittable[i] != 0.0);
-            let is_shared = lobe.is_sharp(i) & at.is_two_way(toward);
+            let is_shared = is_sharp & at.is_two_way(toward);
             let left = if is_shared { left[i] } else { 1.0 };
             let value = scattered.value * if shows { share * left } else { 0.0 };
             to.set(i, to.get(i) + value);

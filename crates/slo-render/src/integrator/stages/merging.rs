@@ -19,10 +19,12 @@ use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 
 use super::bsdfs::Bsdfs;
+use super::guiding::{Densities, Guiding, mixed};
 use super::landing::settled;
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::branching::continuations;
+use crate::integrator::work::Job;
 use crate::photons::{Photon, PhotonMap, PhotonMaps, Slab, pass_of};
 use crate::shading::bsdf::{Lobe, WithLobe};
 use crate::shading::light::receiver;
@@ -45,6 +47,7 @@ pub(in crate::integrator) struct Merging {
     power: Vec3s,
     density: Column<f32>,
     light_of: Column<u32>,
+    field: Densities,
     scattered: Vec3s,
     /// Weighted light.
     pub(in crate::integrator) light: Vec3s,
@@ -66,6 +69,7 @@ impl Default for Merging {
             power: Vec3s::default(),
             density: [0.0; BATCH],
             light_of: [0; BATCH],
+            field: Densities::default(),
             scattered: Vec3s::default(),
             light: Vec3s::default(),
             slot: [0; BATCH],
@@ -115,12 +119,13 @@ impl Merging {
     /// on with the photons that are left.
     pub(in crate::integrator) fn find(
         &mut self,
-        frame: &FrameScene,
+        job: &Job<'_>,
         maps: &PhotonMaps,
         points: &Points,
-        bsdfs: &Bsdfs,
+        (bsdfs, guiding): (&Bsdfs, &Guiding),
         (depth, stride): (u32, u32),
     ) -> bool {
+        let frame = job.frame;
         if self.next == 0 && self.near.is_empty() {
             bsdfs.find_rough(frame, points, &mut self.is_rough);
         }
@@ -156,9 +161,11 @@ impl Merging {
         }
         self.scattered = Vec3s::default();
         let rays = continuations(&frame.settings, depth) as f32;
-        let Self { point, toward, density, scattered, len, .. } = self;
-        let pairs = Pairs { points, point, toward, density, len: *len, rays };
-        bsdfs.bsdf.for_each(&mut Scatter { frame, pairs, to: scattered });
+        let Self { point, toward, density, field, scattered, len, .. } = self;
+        guiding.densities(job, toward, *len, |k| point[k] as usize, field);
+        let field = &field.of;
+        let pairs = Pairs { points, point, toward, density, field, len: *len, rays };
+        bsdfs.bsdf.for_each(&mut Scatter { frame, guiding, pairs, to: scattered });
         frame.isa.run(Finish { points, to: self });
         if stride > 0 {
             for (slot, light) in self.slot[..self.len].iter_mut().zip(&self.light_of) {
@@ -210,6 +217,8 @@ struct Pairs<'a> {
     point: &'a Column<u32>,
     toward: &'a Vec3s,
     density: &'a Column<f32>,
+    /// Densities of the field.
+    field: &'a Column<f32>,
     len: usize,
     /// Number of continuations of each hit.
     rays: f32,
@@ -218,6 +227,7 @@ struct Pairs<'a> {
 /// Adds what each rough lobe makes of the photons.
 struct Scatter<'a> {
     frame: &'a FrameScene,
+    guiding: &'a Guiding,
     pairs: Pairs<'a>,
     to: &'a mut Vec3s,
 }
@@ -225,13 +235,16 @@ struct Scatter<'a> {
 impl WithLobe for Scatter<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L) {
         if L::IS_FOLLOWED {
-            self.frame.isa.run(ScatterOne { lobe, pairs: self.pairs, to: self.to });
+            let share = self.guiding.share(L::IS_DIFFUSE);
+            self.frame.isa.run(ScatterOne { lobe, share, pairs: self.pairs, to: self.to });
         }
     }
 }
 
 struct ScatterOne<'a, L> {
     lobe: &'a L,
+    /// Share of the field in the rays of the lobe.
+    share: &'a Column<f32>,
     pairs: Pairs<'a>,
     to: &'a mut Vec3s,
 }
@@ -241,15 +254,16 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, pairs, to } = self;
-        let Pairs { points, point, toward, density, len, rays } = pairs;
+        let Self { lobe, share: shares, pairs, to } = self;
+        let Pairs { points, point, toward, density, field, len, rays } = pairs;
         let chance = &lobe.share().chance;
         for k in lanes(len) {
             let i = (point[k] as usize).min(BATCH - 1);
             let (at, toward) = (points.at(i), toward.get(k));
             let scattered = lobe.evaluate(i, &at, toward);
             let cos = at.n_geo.dot(toward).abs().max(f32::MIN_POSITIVE);
-            let by_lobe = rays * chance[i] * scattered.density / cos;
+            let both = mixed(scattered.density, field[k], shares[i]);
+            let by_lobe = rays * chance[i] * both / cos;
             let share = 1.0 / (1.0 + by_lobe / (points.caught[i] * density[k]));
             let value = scattered.value * (share / cos);
             to.set(k, to.get(k) + if lobe.is_sharp(i) { Vec3::ZERO } else { value });

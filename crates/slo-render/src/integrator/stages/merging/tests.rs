@@ -60,15 +60,17 @@ fn shares_depend_on_the_area_of_the_lamp_and_of_the_disc_alone() {
             sent.density[i] = lobe.evaluate(i, &points.at(i), direction).density;
         }
         let mut scattered = Box::<Vec3s>::default();
+        let none = Box::new([0.0; BATCH]);
         let pairs = Pairs {
             points: &points,
             point: &point,
             toward: &toward,
             density: &density,
+            field: &none,
             len: directions.len(),
             rays: 1.0,
         };
-        frame.isa.run(ScatterOne { lobe: &lobe, pairs, to: &mut scattered });
+        frame.isa.run(ScatterOne { lobe: &lobe, share: &none, pairs, to: &mut scattered });
         frame.isa.run(Remember { points: &points, sent: &sent, past: &mut past });
         // The target is all around, so half of the photons start at the dark side of the disc.
         let caught = 0.5 * paths * PI * radius * radius;
@@ -97,15 +99,17 @@ fn photons_have_all_light_of_lamps_that_no_ray_can_hit() {
     let (mut toward, point) = (Box::<Vec3s>::default(), Box::new([0; BATCH]));
     toward.set(0, Vec3::new(0.6, 0.0, 0.8));
     let density = Box::new([f32::INFINITY; BATCH]);
+    let none = Box::new([0.0; BATCH]);
     let pairs = Pairs {
         points: &points,
         point: &point,
         toward: &toward,
         density: &density,
+        field: &none,
         len: 1,
         rays: 1.0,
     };
     let mut scattered = Box::<Vec3s>::default();
-    Isa::best().run(ScatterOne { lobe: &lobe, pairs, to: &mut scattered });
+    Isa::best().run(ScatterOne { lobe: &lobe, share: &none, pairs, to: &mut scattered });
     assert!((scattered.x[0] / FRAC_1_PI - 1.0).abs() < 1e-6, "{}", scattered.x[0]);
 }
