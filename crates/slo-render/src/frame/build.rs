@@ -81,6 +81,7 @@ impl FrameScene {
                 flags.clear();
             }
         }
+        let softens = softens(scene, &parts);
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
             // Free the old structure before building the new one.
@@ -107,6 +108,7 @@ impl FrameScene {
             techniques: techniques(&scene.settings),
             lights: lights.into_iter().collect::<Lights>().with_poses(poses),
             is_physical: is_physical(scene),
+            softens,
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
             settings: scene.settings.clone(),
             isa,
@@ -152,6 +154,14 @@ fn is_physical(scene: &SceneDescription) -> bool {
     scene.settings.integrator == Integrator::Path
         || scene.lights.iter().any(|light| !light.kind.is_of_thesis())
         || scene.materials.iter().any(|material| Kind::of(material) != Kind::Phong)
+}
+
+/// Whether any smooth mesh may have a physical material.
+fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
+    parts.objects.iter().zip(&parts.looks).any(|(object, look)| {
+        let is_physical = |index| Kind::of(&scene.materials[index as usize]) != Kind::Phong;
+        !object.normals.is_empty() && look.material().is_some_and(is_physical)
+    })
 }
 
 /// Structures of another frame, to be reused.

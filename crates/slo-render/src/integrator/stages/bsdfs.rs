@@ -66,6 +66,10 @@ impl Bsdfs {
         if table.is_physical() {
             frame.isa.run(LookUp { table, points, to: &mut self.parameters });
             frame.multiply_images(&points.surfaces, &mut self.parameters);
+            let Self { is_principled, parameters, .. } = self;
+            let is_opaque =
+                |i: usize| (is_principled[i] == 1) & (parameters.transmission[i] <= 0.0);
+            frame.soften(&points.direction, is_opaque, &mut points.surfaces);
             frame.bend_normals(&self.parameters, &mut points.surfaces);
         }
     }

@@ -163,12 +163,12 @@ impl Lanewise for Finish<'_> {
             let weight = points.weight.get(i) * sent.weight.get(i);
             let kept = follows(weight, count, survival.numbers[0][i]);
             let weight = if always { weight } else { kept };
-            let origin = surfaces.leave(i, direction);
+            let origin = surfaces.depart(i, direction);
             sent.origin.set(i, origin);
             sent.t_max[i] = f32::INFINITY;
             let is_ray = (weight.max_element() > 0.0) & sent.is_ray(i);
             sent.weight.set(i, if is_ray { weight } else { Vec3::ZERO });
-            past.from.set(i, surfaces.point.get(i));
+            past.from.set(i, surfaces.starts().get(i));
             past.normal[i] = points.receiver[i];
         }
     }

@@ -118,7 +118,7 @@ impl LampLight {
     fn choose(&mut self, frame: &FrameScene, points: &Points, rays: f32) {
         let Self { set, choices, light, tries, radiance, .. } = self;
         let Points { surfaces, receiver, .. } = points;
-        let (point, u) = (&surfaces.point, &set.numbers[2]);
+        let (point, u) = (surfaces.starts(), &set.numbers[2]);
         frame.light_tree.choose_all(frame.isa, points.len(), point, receiver, u, choices);
         *light = choices.light;
         for (tries, chance) in tries.iter_mut().zip(&choices.chance) {
@@ -201,13 +201,13 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
     #[inline(always)]
     fn run(self) {
         let Self { points, choose, to } = self;
-        let surfaces = &points.surfaces;
+        let (surfaces, starts) = (&points.surfaces, points.surfaces.starts());
         for i in lanes(surfaces.len) {
             let (lamp, is_asked) = choose(to.light[i], i);
-            let hit = surfaces.point.get(i);
+            let hit = starts.get(i);
             let way = lamp.way(hit, [to.set.numbers[0][i], to.set.numbers[1][i]]);
             let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };
-            let origin = surfaces.leave(i, toward);
+            let origin = surfaces.depart(i, toward);
             let (direction, t_max) = if L::IS_DISTANT {
                 (way, f32::INFINITY)
             } else {

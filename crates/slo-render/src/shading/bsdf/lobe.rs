@@ -39,6 +39,11 @@ pub struct At {
     pub n: Vec3,
     /// Geometric normal, on the side of `eye`.
     pub n_geo: Vec3,
+    /// Normal of the plane above which light arrives that the surface reflects, on the side of
+    /// `eye`: `n_geo`, or a normal near `n` on coarse smooth meshes.
+    pub floor: Vec3,
+    /// Whether an image bends `n`.
+    pub is_bent: bool,
     /// Where anisotropic surfaces have their long axis: any length, not along `n`. If it is 0, an
     /// arbitrary one is taken.
     pub tangent: Vec3,

@@ -18,7 +18,7 @@ use super::fresnel::{self, between, cos_refracted, index_of, normal_incidence};
 use super::ggx::{LEAST_ROUGHNESS, widths};
 use super::glass::is_perfect;
 use super::lobe::{At, Lobe, Share};
-use super::tables::{TABLES, Tables};
+use super::tables::{INSIDE, TABLES, Tables};
 use super::{Bsdf, Coat, Diffuse, Glass, Metal, RoughDiffuse, Sheen, Specular};
 use crate::shading::lobe::pair;
 use crate::shading::material::principled::Parameters;
@@ -124,7 +124,7 @@ fn look(
     to: &mut Views,
 ) {
     for i in lanes(len) {
-        let At { eye, n, n_geo, tangent } = at(i);
+        let At { eye, n, n_geo, tangent, .. } = at(i);
         let normal = bent(eye, n, n_geo);
         let along = tangent - normal * tangent.dot(normal);
         let length = along.length();
@@ -170,8 +170,10 @@ struct Found {
     /// See [`Tables::curve`] and [`Tables::curve_mean`].
     base_curve: [Numbers; 2],
     coat_curve: [Numbers; 2],
-    /// See [`Tables::glass`].
-    glass: Numbers,
+    /// Of glass, see [`Body::single`](super::tables::Body::single), and its mean.
+    glass: [Numbers; 2],
+    /// See [`Tables::curve_mean`].
+    glass_curve: Numbers,
 }
 
 impl Found {
@@ -190,14 +192,35 @@ impl Found {
         let (specular, coat) = (&bsdf.specular.eta, &bsdf.coat.eta);
         curve(tables, specular, &parameters.roughness, cos, len, &mut self.base_curve);
         curve(tables, coat, &parameters.coat_roughness, cos, len, &mut self.coat_curve);
+        let eta = &bsdf.glass.eta;
+        let mut any_inside = false;
         for i in lanes(len) {
-            let (roughness, eta) = (parameters.roughness[i], bsdf.glass.eta[i]);
-            let pane = self.base[0].0[i];
-            let body = tables.glass(eta, roughness, cos[i]);
+            let is_inside = (eta[i] < 1.0) & (parameters.transmission[i] > 0.0);
+            any_inside |= is_inside & (parameters.roughness[i] >= LEAST_ROUGHNESS) & (i < len);
+            let body = tables.outside();
             let is_thin = parameters.thin[i] != 0.0;
-            let found = if is_thin { pane } else { body };
-            let alpha = widths(roughness, 0.0)[0];
-            self.glass.0[i] = if is_perfect(alpha, eta, is_thin) { 1.0 } else { found.max(0.01) };
+            let single = body.single(eta[i], parameters.roughness[i], cos[i]);
+            let mean = body.mean(eta[i], parameters.roughness[i]);
+            self.glass_curve.0[i] = tables.curve_mean(eta[i]);
+            self.glass[0].0[i] = if is_thin { self.base[0].0[i] } else { single };
+            self.glass[1].0[i] = if is_thin { self.base[1].0[i] } else { mean };
+        }
+        if any_inside {
+            let inside = &*INSIDE;
+            for i in lanes(len) {
+                let is_inside = (eta[i] < 1.0) & (parameters.thin[i] == 0.0);
+                let single = inside.single(eta[i], parameters.roughness[i], cos[i]);
+                let mean = inside.mean(eta[i], parameters.roughness[i]);
+                let [before, mean_before] = at_hit(&self.glass, i);
+                self.glass[0].0[i] = if is_inside { single } else { before };
+                self.glass[1].0[i] = if is_inside { mean } else { mean_before };
+            }
+        }
+        for i in lanes(len) {
+            let alpha = widths(parameters.roughness[i], 0.0)[0];
+            let is_perfect = is_perfect(alpha, eta[i], parameters.thin[i] != 0.0);
+            let found = self.glass[0].0[i].max(0.01);
+            self.glass[0].0[i] = if is_perfect { 1.0 } else { found };
         }
     }
 }
@@ -343,10 +366,17 @@ fn glass(
         to.thin[i] = parameters.thin[i];
         to.alpha[i] = widths(parameters.roughness[i], 0.0)[0];
         let amount = parameters.transmission[i];
-        let single = found.glass.0[i];
+        let albedos = at_hit(&found.glass, i);
+        // What the surface keeps in the mean of what a microfacet scatters. From inside, only the
+        // cone that total reflection leaves passes.
+        let eta = to.eta[i].min(1.0);
+        let passed = (Vec3::ONE - f0) * ((1.0 - found.glass_curve.0[i]) * eta * eta);
+        let kept = passed * (Vec3::ONE - tint);
+        let kept = if parameters.thin[i] != 0.0 { Vec3::ZERO } else { kept };
+        let boost = boost(Vec3::ONE - kept, albedos);
         let reflected = f0 + (Vec3::ONE - f0) * between(cos.0[i], to.eta[i]);
-        let albedo = (reflected + (Vec3::ONE - reflected) * tint) * single;
-        set(&mut to.share, i, above * (amount / single), albedo);
+        let albedo = (reflected + (Vec3::ONE - reflected) * tint) * albedos[0];
+        set(&mut to.share, i, above * boost * amount, albedo);
         left.set(i, above * (1.0 - amount));
     }
 }
