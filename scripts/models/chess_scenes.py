@@ -1,4 +1,4 @@
-"""Scenes with a chess board, written from a position: scenes/default.txt and scenes/table.txt."""
+"""Scenes with a chess board, written from a position: scenes/default.txt, table.txt and table_light.txt."""
 
 import math
 import os
@@ -219,6 +219,76 @@ mesh wall { filename ../meshes/sheet.slo smooth_normals 0 material wall
     write("table", text)
 
 
+def table_light():
+    text = """# The chess table in physical light: lamps in watts, polished wood, a table of dark glass, and the light
+# that goes from one to another; the cube spins. Centimetres, z up, the playing surface is z = 0.
+# Written by scripts/models/chess_scenes.py.
+
+settings light { integrator PATH  imageSamples 1024  noise .012  recursion 8 }
+
+Camera main {
+    fps 25
+    Film film { width 1280  height 720  prefix table_light_  toneMap AGX  exposure .9 }
+    CamSegment still {
+        videoStart 0  videoEnd 1
+        addPosition { -15 -66 17 }  addTarget { 13.2 -12 1.6 }
+        fovStart .238
+        dofStart 50  lensRadiusStart .6  blurDuration .03
+    }
+}
+
+# A warm softbox on the upper left, a cool window on the right, a warm one behind
+lamp_rectangle key    { radiance { 13 10.4 7.4 }  vertex0 { -45 -10 95 }  vertex1 { -75 -10 70 }  vertex2 { -75 35 70 } }
+lamp_rectangle window { radiance { 1.7 2.3 3.4 }  vertex0 { 90 30 20 }    vertex1 { 90 -40 20 }   vertex2 { 90 -40 80 } }
+lamp_rectangle rim    { radiance { 9 6 3.2 }      vertex0 { -15 95 45 }   vertex1 { 55 95 45 }    vertex2 { 55 95 75 } }
+environment dusk { radiance { .025 .022 .022 } }
+
+# These images hold linear light
+texture boxwood { filename ../textures/boxwood.png  encoding RAW }
+texture walnut { filename ../textures/walnut.png  encoding RAW }
+texture linen { filename ../textures/linen.png  encoding RAW }
+texture backdrop { filename ../textures/backdrop.png  encoding RAW }
+
+material_principled boxwood { base_color { .70 .44 .20 }  base_color_texture boxwood  roughness .4  coat .6  coat_roughness .12 }
+material_principled ebony { base_color { .055 .030 .024 }  base_color_texture walnut  roughness .35  coat .7  coat_roughness .1 }
+material_principled light_square { base_color { .64 .44 .25 }  base_color_texture boxwood  roughness .4  coat .5  coat_roughness .1 }
+material_principled dark_square { base_color { .125 .056 .028 }  base_color_texture walnut  roughness .4  coat .5  coat_roughness .1 }
+material_principled frame { base_color { .15 .052 .026 }  base_color_texture walnut  roughness .4  coat .7  coat_roughness .08 }
+material_principled dark_glass { base_color { .008 .014 .015 }  roughness .3 }
+material_principled carpet { base_color { .30 .08 .05 }  base_color_texture linen  roughness .9  specular_ior_level .1 }
+material_principled wall { base_color { 0 0 0 }  emission_color { .11 .058 .03 }  emission_color_texture backdrop
+                           emission_strength 1  specular_ior_level 0 }
+material_principled cube_black { base_color { .02 .02 .02 }  roughness .35 }
+"""
+    for name, colour in (("green", ".02 .34 .09"), ("blue", ".02 .10 .50"), ("red", ".55 .025 .025"),
+                         ("orange", ".75 .20 .01"), ("yellow", ".78 .55 .02"), ("white", ".75 .75 .72")):
+        text += "material_principled cube_%s { base_color { %s }  roughness .25 }\n" % (name, colour)
+    text += "\n# The board\n" + BOARD + """
+# The table, a carpet below, the room behind
+mesh glass { filename ../meshes/glass_top.slo smooth_normals 1 material dark_glass
+    addKframe { time 0 key { pivot { 12 8 -3.23 } } } }
+mesh carpet { filename ../meshes/sheet.slo smooth_normals 0 material carpet
+    addKframe { time 0 key { pivot { 0 100 -72 } } } }
+mesh wall { filename ../meshes/sheet.slo smooth_normals 0 material wall sampled 0
+    addKframe { time 0 key { pivot { 170 430 60 } up { 0 -1 0 } right { 1 0 0 } } } }
+
+# Lamps of the room, far behind
+"""
+    hand = random.Random(9)
+    glow = {"warm": (1.0, .56, .22), "pale": (.9, .74, .50), "blue": (.25, .42, .80)}
+    for n in range(26):
+        where = hand.uniform(-10, 330), hand.uniform(280, 380), hand.uniform(-16, 40)
+        r, c = hand.uniform(1.6, 3.6), glow[hand.choice(("warm", "warm", "pale", "blue"))]
+        power = [round(2.6 * 4 * math.pi ** 2 * r * r * x) for x in c]
+        text += "lamp_point lamp_%d { power %s  position %s  radius %s }\n" % (
+            n, vector(*power), vector(*where), number(r, 2))
+    text += "\n# The spinning cube\n" + coloured_cube(
+        (18.6, -33.0, -2.23 + (2.2 - .22) * math.sqrt(3.0) + .22),
+        "4.4 cm, on its rounded corner, two turns a second", .125, 2)
+    text += "\n# 1-0\n" + position("r1bk3r/p2pBpNp/n4n2/1p1NP2P/6P1/3P4/P1P1K3/q5b1", True, 7)
+    write("table_light", text)
+
+
 def falling(height=9.5, start=2.0, step=.002, end=97.0):
     """(time, angle) of a piece that tips over its rim like a rod; time is 0 at 24 degrees."""
     rows, t, angle, speed = [], 0.0, math.radians(start), 0.0
@@ -286,3 +356,4 @@ mesh black_king {
 def build():
     default()
     table()
+    table_light()

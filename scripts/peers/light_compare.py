@@ -16,7 +16,7 @@ references, and the difference as red (brighter than the first) and blue (darker
 `time` doubles the number of samples until the relative mean square error is below the scene's limit, and prints the
 processor time (user) for exactly this error. The error is the mean of (a - r)^2 / (r^2 + 0.01) without the worst 0.1 %
 of the pixels, where r is a reference by the same renderer with other seeds; the error of all pixels goes to standard
-error.
+error. Scenes of caustics have a limit for all pixels.
 
 A reference is the mean of sixteen pictures; the noise that it still has is estimated from their differences. --keep
 stores them in a folder, for later calls with the same scenes and the same renderer.
@@ -112,6 +112,7 @@ def write_difference(path, first, other):
 
 def time_for(scene, renderer, reference, options):
     limit, series, samples = light_scenes.scene(scene).limit, [], options.first
+    of_all = light_scenes.scene(scene).all_pixels
     while True:
         cut, whole, seconds = [], [], []
         for turn in range(options.turns):
@@ -120,8 +121,9 @@ def time_for(scene, renderer, reference, options):
             cut.append(trimmed(apart) - reference.trimmed_noise)
             whole.append(np.mean(apart) - reference.noise)
             seconds.append(spent)
-        series.append((samples, min(seconds), sum(cut) / len(cut)))
-        print(f"{scene}: {samples} samples, {min(seconds):.2f} to {max(seconds):.2f} s, {series[-1][2]:.2e}, "
+        error = whole if of_all else cut
+        series.append((samples, min(seconds), sum(error) / len(error)))
+        print(f"{scene}: {samples} samples, {min(seconds):.2f} to {max(seconds):.2f} s, {np.mean(cut):.2e}, "
               f"of all pixels {np.mean(whole):.2e} (reference {reference.trimmed_noise:.1e})", file=sys.stderr, flush=True)
         if series[-1][2] <= limit or 2 * min(seconds) > options.limit:
             return compare.time_for(limit, series), samples_for(limit, series)

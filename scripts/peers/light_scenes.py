@@ -1,4 +1,4 @@
-"""Five scenes of physical light, as data from which the scene of each renderer is made.
+"""Scenes of physical light, as data from which the scene of each renderer is made.
 
 Every value stands here once: geometry, camera, materials, lamps and sky. Lengths are metres, colours linear, and
 radiance is in W/(m^2 sr). Rectangles are three consecutive corners; the fourth is v0 + v2 - v1. A lamp that is a
@@ -178,6 +178,8 @@ class Scene:
     focus: float = 1.0
     limit: float = 1e-3  # relative mean square error to reach
     same_light: bool = True  # Mitsuba has the same materials
+    photons: float = 0.0  # slo-rt's light paths for each camera sample
+    all_pixels: bool = False  # whether the limit is for all pixels, not for all but the worst
 
     def segments(self):
         """The depth as Mitsuba counts it: segments of the path, with the one to the lamp."""
@@ -211,6 +213,41 @@ def knot(p=2, q=3, radius=0.42, swing=0.19, tube=0.13, along=640, around=40):
     c, d = (i + 1) % along * around + (j + 1) % around, i * around + (j + 1) % around
     faces = np.concatenate([np.stack([a, c, b], axis=-1), np.stack([a, d, c], axis=-1)]).reshape(-1, 3)
     return outward(Mesh(vertices.reshape(-1, 3), faces, normals.reshape(-1, 3)))
+
+
+def lathe(profile, around=96):
+    """A body of revolution around the z axis from points (radius, z) and normals of its outline, in its order."""
+    (r, z), (nr, nz) = (np.moveaxis(np.asarray(part, float), -1, 0) for part in profile)
+    s = 2 * np.pi * np.arange(around) / around
+    vertices = np.stack([np.outer(r, np.cos(s)), np.outer(r, np.sin(s)), np.outer(z, np.ones(around))], axis=-1)
+    normals = np.stack([np.outer(nr, np.cos(s)), np.outer(nr, np.sin(s)), np.outer(nz, np.ones(around))], axis=-1)
+    i, j = np.meshgrid(np.arange(len(r) - 1), np.arange(around), indexing="ij")
+    a, b = i * around + j, (i + 1) * around + j
+    c, d = (i + 1) * around + (j + 1) % around, i * around + (j + 1) % around
+    faces = np.concatenate([np.stack([a, c, b], axis=-1), np.stack([a, d, c], axis=-1)]).reshape(-1, 3)
+    mesh = Mesh(vertices.reshape(-1, 3), faces, normals.reshape(-1, 3))
+    corners = mesh.vertices[faces]
+    return outward(replace(mesh, faces=faces[np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0],
+                                                                       corners[:, 2] - corners[:, 0]), axis=1) > 1e-12]))
+
+
+def ring(radius=0.5, height=0.3, thickness=0.03):
+    """A band with a rounded edge, standing on its rim."""
+    angles = np.linspace(0, 2 * np.pi, 65)
+    nr, nz = np.cos(angles), np.sin(angles)
+    r = radius + thickness * nr
+    z = height / 2 + thickness * nz + (height / 2 - thickness) * np.sign(np.round(nz, 9))
+    return lathe((np.stack([r, z], axis=-1), np.stack([nr, nz], axis=-1)))
+
+
+def lens(radius=0.3, curvature=0.5):
+    """Two caps of spheres."""
+    height = np.sqrt(curvature**2 - radius**2)
+    angles = np.linspace(0, np.arcsin(radius / curvature), 33)
+    sine, cosine = np.sin(angles), np.cos(angles)
+    points = [np.stack([curvature * sine, sign * (curvature * cosine - height)], axis=-1) for sign in (1, -1)]
+    normals = [np.stack([sine, sign * cosine], axis=-1) for sign in (1, -1)]
+    return lathe((np.concatenate([points[0], points[1][::-1]]), np.concatenate([normals[0], normals[1][::-1]])))
 
 
 def outward(mesh):
@@ -397,7 +434,20 @@ def microfacets():
     ], limit=2e-3)
 
 
-SCENES = {make.__name__: make for make in (room, window, hall, stills, motion, microfacets)}
+def caustics():
+    """A glass ball, a metal ring and a lens on a table under a small lamp; the ring's caustic is seen through the ball."""
+    lamp = RectangleLamp((900.0, 850.0, 750.0), Rectangle((0.85, 1.45, 3.2), (0.85, 1.55, 3.2), (0.95, 1.55, 3.2)))
+    things = [
+        Thing("table", Rectangle((-6, -6, 0), (6, -6, 0), (6, 6, 0)), Matte((0.6, 0.55, 0.5))),
+        Thing("ball", Sphere((-0.15, -0.55, 0.42), 0.42), Glass(0.0)),
+        Thing("ring", ring(), Metal(GOLD, 0.0), (((0.35, 0.5, 0.0), *UPRIGHT),)),
+        Thing("lens", lens(), Glass(0.0), (((-1.0, 0.2, 0.75), (0.25, 0.35, 1.0), (1.0, 0.0, -0.25)),)),
+    ]
+    return Scene("caustics", (0.0, -3.4, 1.9), (-0.1, 0.0, 0.25), 0.38, 12, tuple(things), (lamp,), limit=1e-2,
+                 photons=0.5, all_pixels=True)
+
+
+SCENES = {make.__name__: make for make in (room, window, hall, stills, motion, microfacets, caustics)}
 
 
 def scene(name):

@@ -92,6 +92,8 @@ def lamp_text(number, lamp):
 
 def scene_text(scene, folder, settings="", bounces=None):
     blur = FRAME if scene.moves() else 0
+    if scene.photons:
+        settings += f" photons {scene.photons:g}"
     text = f"""settings s {{ integrator PATH {settings} recursion {scene.bounces if bounces is None else bounces} }}
 Camera c {{ fps 25
  Film f {{ width {light_scenes.WIDTH} height {light_scenes.HEIGHT} prefix still_ output EXR_IMAGE }}

@@ -12,8 +12,10 @@ mod foreign;
 mod frames;
 mod huge;
 mod layers;
+mod light;
 mod looks;
 mod parts;
+mod photons;
 mod pictures;
 mod relight;
 #[cfg(unix)]

@@ -95,6 +95,16 @@ impl Camera {
         self.height
     }
 
+    /// Middle of the lens when the shutter opens, in render space.
+    pub(crate) fn position(&self) -> Vec3 {
+        self.poses[0].position
+    }
+
+    /// Angle that a pixel in the middle of the picture spans, radians.
+    pub(crate) fn pixel_angle(&self) -> f32 {
+        2.0 * self.poses[0].half_up.length() / self.height as f32
+    }
+
     /// Whether rays start at more than one point, so that the lens dimensions of a sample matter.
     pub(crate) fn has_lens(&self) -> bool {
         self.poses.iter().any(|pose| pose.lens_right != Vec3::ZERO)

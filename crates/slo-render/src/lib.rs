@@ -10,6 +10,7 @@
 pub mod camera;
 pub mod frame;
 pub mod integrator;
+pub mod photons;
 pub mod render;
 pub mod sampling;
 pub mod shading;

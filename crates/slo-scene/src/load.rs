@@ -23,10 +23,26 @@ pub struct Loaded {
 /// `text_name` is what messages call the text: its path as the user gave it. Everything that is
 /// wrong is found in one pass; `files` says where meshes and textures are.
 pub fn load(text_name: &str, text: impl AsRef<[u8]>, files: &Files) -> Loaded {
-    load_bytes(text_name, text.as_ref(), files)
+    load_adapted(text_name, text, files, &|_| {})
 }
 
-fn load_bytes(text_name: &str, bytes: &[u8], files: &Files) -> Loaded {
+/// The same for a picture that differs from what the text says: `adapt` changes a scene without
+/// errors, and warnings about settings without effect are about the changed scene.
+pub fn load_adapted(
+    text_name: &str,
+    text: impl AsRef<[u8]>,
+    files: &Files,
+    adapt: &dyn Fn(&mut SceneDescription),
+) -> Loaded {
+    load_bytes(text_name, text.as_ref(), files, adapt)
+}
+
+fn load_bytes(
+    text_name: &str,
+    bytes: &[u8],
+    files: &Files,
+    adapt: &dyn Fn(&mut SceneDescription),
+) -> Loaded {
     let mut diagnostics = Diagnostics::default();
     let text = decode(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
     let is_text = !text.contains('\0') && file_kinds::kind_of_text(bytes).is_none();
@@ -45,7 +61,7 @@ fn load_bytes(text_name: &str, bytes: &[u8], files: &Files) -> Loaded {
         return Loaded { scene: None, diagnostics };
     }
     let hash = ContentHash::new(bytes);
-    let scene = resolve(&text, source, files, hash, &mut diagnostics);
+    let scene = resolve(&text, source, files, hash, adapt, &mut diagnostics);
     Loaded { scene: scene.filter(|_| !diagnostics.has_errors()), diagnostics }
 }
 

@@ -95,10 +95,16 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
     def _render_frame(self, depsgraph):
         found = program.find(preferences.preferred_path())
         scene = depsgraph.scene
-        if scene.slo_rt.integrator == "PATH" and not found.can("--integrator"):
+        is_path = scene.slo_rt.integrator == "PATH"
+        if is_path and not found.can("--integrator"):
             raise RenderFailed(
                 f"{found.path} ({found.version}) does not know the integrator Path. {program.WHAT_TO_DO} "
                 "Or choose the integrator Distributed in the render settings."
+            )
+        if is_path and scene.slo_rt.photons > 0.0 and not found.can("--photons"):
+            raise RenderFailed(
+                f"{found.path} ({found.version}) does not know photons. {program.WHAT_TO_DO} "
+                "Or set Photons to 0 in the render settings."
             )
         frame = scene.frame_current
         folder = work_folder(scene.name, depsgraph.view_layer.name)

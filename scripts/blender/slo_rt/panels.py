@@ -85,6 +85,7 @@ class SLO_RT_PT_light_paths(_RenderPanel, bpy.types.Panel):
             layout.prop(scene.cycles, "max_bounces", text="Bounces")
         else:
             layout.prop(values, "bounces")
+        layout.prop(values, "photons")
         layout.prop(values, "light_sampling")
 
 

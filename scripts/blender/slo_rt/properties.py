@@ -101,6 +101,13 @@ class RenderSettings(bpy.types.PropertyGroup):
         max=1000,
         soft_max=64,
     )
+    photons: _number(
+        "Photons",
+        "Light paths from lamps for each sample, which find caustics: light by way of mirrors and "
+        "through glass. 0: none; 0.5 is usual",
+        soft_max=4.0,
+        max=100.0,
+    )
     shadow_samples: _samples("Shadow", "Shadow rays per area light at the first hit")
     reflection_samples: _samples("Reflection", "Rays for each rough reflection at the first hit")
     refraction_samples: _samples("Refraction", "Rays for each rough refraction at the first hit")

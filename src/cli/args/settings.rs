@@ -3,7 +3,7 @@
 use super::help::SETTINGS;
 use crate::cli::values::{
     AcceleratorName, EncodingName, FormatName, IntegratorName, SizeChoice, ToneMapName, exposure,
-    noise, samples, seed, size,
+    noise, photons, samples, seed, size,
 };
 
 /// What the command line sets instead of the scene; `apply` of the options' `Overrides` puts each in
@@ -49,6 +49,14 @@ pub(crate) struct SettingArgs {
     #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
     #[arg(ignore_case = true, verbatim_doc_comment)]
     pub(crate) integrator: Option<IntegratorName>,
+
+    /// Photons per camera sample, for caustics of small lamps, such as 0.5
+    ///
+    /// Light paths from lamps through mirrors and glass, with --integrator path. 0 is
+    /// none, 100 is the most.
+    #[arg(long, value_name = "F", help_heading = SETTINGS, value_parser = photons)]
+    #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
+    pub(crate) photons: Option<f32>,
 
     /// Seed of the random numbers
     #[arg(long, value_name = "N", help_heading = SETTINGS, value_parser = seed)]

@@ -103,6 +103,8 @@ fn wrong_values_are_refused() {
         "--seed -1",
         "--accelerator tree",
         "--integrator photon_map",
+        "--photons -1",
+        "--photons 101",
         "--color blue",
         "--exposure 33",
         "--tone-map filmic",
@@ -135,6 +137,7 @@ fn numbers_below_their_range_are_told_the_range() {
         ("--part -1/3", "expected a number"),
         ("--region -4x4+0+0", "such as 320x180+0+90"),
         ("--noise 1e-50", "too close to 0"),
+        ("--photons -1", "from 0 to 100"),
     ] {
         let error = parse(typed).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");

@@ -9,13 +9,12 @@ use crate::cli::options::Job;
 use slo_picture::output::check_prefix;
 use slo_render::frame::{FrameError, FrameScene};
 use slo_scene::animation::NoSegment;
-use slo_scene::{Files, Loaded, SceneDescription, load};
+use slo_scene::{Files, Loaded, SceneDescription, load_adapted};
 
-/// Loads the job's scene, and applies the settings of the command line. Prints the errors and
-/// warnings of the scene.
+/// Loads the job's scene, and applies the settings of the command line. Prints the errors of the
+/// scene, and warnings about what these settings make of it.
 pub(crate) fn scene(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
-    let mut scene = read(job, terminal)?;
-    job.overrides.apply(&mut scene);
+    let scene = read(job, terminal)?;
     check_prefix(&scene.camera.film.prefix)
         .map_err(|why| Problem::new(Exit::BadInput, format!("the Film's prefix: {why}")))?;
     Ok(scene)
@@ -25,9 +24,10 @@ fn read(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
     let loaded = match &job.scene {
         None => {
             let files = Files::built_in(built_in::FOLDER, built_in::FILES);
-            load(built_in::PATH, built_in::text(), &files)
+            let adapt = |scene: &mut SceneDescription| job.overrides.apply(scene);
+            load_adapted(built_in::PATH, built_in::text(), &files, &adapt)
         }
-        Some(path) => load_file(scene_file::read(path, job)?, job.allow_outside),
+        Some(path) => load_file(scene_file::read(path, job)?, job),
     };
     let Loaded { scene, diagnostics } = loaded;
     terminal.show(&diagnostics);
@@ -35,10 +35,11 @@ fn read(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
     scene.ok_or_else(|| Problem::told(exit))
 }
 
-fn load_file(file: SceneFile, allow_outside: bool) -> Loaded {
+fn load_file(file: SceneFile, job: &Job) -> Loaded {
     let folder = file.path.parent().unwrap_or(Path::new(""));
-    let files = Files::on_disk(folder, &file.root, allow_outside);
-    load(&file.path.to_string_lossy(), file.text, &files)
+    let files = Files::on_disk(folder, &file.root, job.allow_outside);
+    let adapt = |scene: &mut SceneDescription| job.overrides.apply(scene);
+    load_adapted(&file.path.to_string_lossy(), file.text, &files, &adapt)
 }
 
 /// Builds what a frame needs, on the threads of the current pool. Takes from `before` what both

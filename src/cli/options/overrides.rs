@@ -32,6 +32,7 @@ impl Overrides {
             samples,
             noise,
             integrator,
+            photons,
             seed,
             accelerator,
             spatial_splits,
@@ -59,6 +60,7 @@ impl Overrides {
             settings.set_camera_samples(samples);
         }
         settings.integrator = integrator.map_or(settings.integrator, |name| name.0);
+        settings.photons = photons.unwrap_or(settings.photons);
         settings.seed = seed.unwrap_or(settings.seed);
         settings.accelerator = accelerator.map_or(settings.accelerator, |name| name.0);
         settings.spatial_splits |= spatial_splits;
@@ -112,6 +114,7 @@ mod tests {
         let mut scene = empty_scene();
         let settings = SettingArgs {
             size: Some(SizeChoice::Share(0.5)),
+            photons: Some(0.5),
             seed: Some(7),
             accelerator: Some(AcceleratorName(Accelerator::None)),
             spatial_splits: true,
@@ -136,6 +139,7 @@ mod tests {
         assert_eq!(film.look(&scene.settings), look);
         assert_eq!((scene.settings.seed, scene.settings.accelerator), (7, Accelerator::None));
         assert!(scene.settings.spatial_splits);
+        assert_eq!(scene.settings.photons, 0.5);
     }
 
     #[test]

@@ -26,6 +26,6 @@ pub(crate) use order::Order;
 pub(crate) use part::{PartBy, part};
 pub(crate) use picture::{Region, SizeChoice, region, size};
 pub(crate) use progress::ProgressForm;
-pub(crate) use quality::{exposure, limit, noise, samples, seed, steps};
+pub(crate) use quality::{exposure, limit, noise, photons, samples, seed, steps};
 pub(crate) use threads::{Threads, threads};
 pub(crate) use time::{LONGEST_LEASE, SHORTEST_LEASE, interval, lease, time};

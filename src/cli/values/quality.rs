@@ -23,6 +23,14 @@ pub(crate) fn noise(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Parses a number of photons per camera sample.
+pub(crate) fn photons(text: &str) -> Result<f32, String> {
+    let photons = real(text).filter(|photons| (0.0..=100.0).contains(photons));
+    photons
+        .map(|photons| photons as f32)
+        .ok_or_else(|| "expected a number of photons from 0 to 100, such as 0.5".into())
+}
+
 /// Parses an exposure in stops.
 pub(crate) fn exposure(text: &str) -> Result<f32, String> {
     let text = text.trim();
@@ -58,6 +66,16 @@ pub(crate) fn steps(text: &str) -> Result<Steps, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn photons_are_a_few_a_sample() {
+        for (text, expected) in [("0", 0.0), (".5", 0.5), ("1e2", 100.0), ("50%", 0.5)] {
+            assert_eq!(photons(text), Ok(expected), "{text}");
+        }
+        for bad in ["", "-1", "101", "nan", "inf", "few"] {
+            assert!(photons(bad).unwrap_err().contains("from 0 to 100"), "{bad}");
+        }
+    }
 
     #[test]
     fn exposures_are_stops() {

@@ -2,15 +2,15 @@
 
 use std::ops::AddAssign;
 
-use super::fixed::Fixed;
+use super::fixed::SignedFixed;
 
 /// Sums of what a pixel's samples saw of surfaces; exact, as the sums of [`Pixel`](super::Pixel).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Features {
     /// See [`Layer::Albedo`](slo_scene::Layer::Albedo); red, green, blue.
-    pub albedo: [Fixed; 3],
+    pub albedo: [SignedFixed; 3],
     /// See [`Layer::Normal`](slo_scene::Layer::Normal); x, y, z.
-    pub normal: [Fixed; 3],
+    pub normal: [SignedFixed; 3],
 }
 
 impl Features {
@@ -45,7 +45,7 @@ impl AddAssign for Features {
 }
 
 /// The mean of so many samples, in a range.
-fn mean(sum: [Fixed; 3], samples: u32, [least, most]: [f32; 2]) -> [f32; 3] {
+fn mean(sum: [SignedFixed; 3], samples: u32, [least, most]: [f32; 2]) -> [f32; 3] {
     let samples = f64::from(samples.max(1));
     sum.map(|sum| ((sum.to_f64() / samples) as f32).clamp(least, most))
 }
@@ -54,8 +54,8 @@ fn mean(sum: [Fixed; 3], samples: u32, [least, most]: [f32; 2]) -> [f32; 3] {
 mod tests {
     use super::*;
 
-    fn fixed(values: [f32; 3]) -> [Fixed; 3] {
-        values.map(|value| Fixed::new(value).unwrap())
+    fn fixed(values: [f32; 3]) -> [SignedFixed; 3] {
+        values.map(SignedFixed::clamped)
     }
 
     #[test]
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn what_is_too_large_is_no_sum() {
         let mut huge = Features::default();
-        huge.normal[2] = Fixed::MAX;
+        huge.normal[2] = SignedFixed::MAX;
         assert_eq!(huge.checked_add(&Features::default()), Some(huge));
         let one = Features { normal: fixed([0.0, 0.0, 1.0]), ..Features::default() };
         assert_eq!(huge.checked_add(&one), None);

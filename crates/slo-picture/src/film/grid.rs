@@ -179,6 +179,11 @@ impl Film {
         })
     }
 
+    /// Number of pixels that are brighter than their sums can say.
+    pub fn full_pixels(&self) -> usize {
+        self.pixels.iter().filter(|pixel| pixel.is_full()).count()
+    }
+
     /// Camera samples of each pixel, row by row: where adaptive sampling went.
     pub fn sample_counts(&self) -> Vec<u32> {
         self.pixels.iter().map(|pixel| pixel.samples).collect()
@@ -224,7 +229,7 @@ fn filled_times<T: Clone + Default>(area: Area, times: usize) -> Result<Vec<T>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::FileLayer;
+    use crate::film::{FileLayer, SignedFixed};
 
     #[test]
     fn areas_land_in_their_places() {
@@ -248,7 +253,7 @@ mod tests {
         film.copy_to(area, &mut part);
         for i in 0..4 {
             part.at_mut(i).0.samples = 1;
-            part.features_mut(i).unwrap().albedo = [Fixed::new(i as f32 / 4.0).unwrap(); 3];
+            part.features_mut(i).unwrap().albedo = [SignedFixed::clamped(i as f32 / 4.0); 3];
         }
         film.put(&part);
         let layer = film.layer_of(Area { x0: 1, ..film.area() }, &FileLayer::Albedo);

@@ -103,9 +103,7 @@ impl Merger {
             *sum = sum.checked_add(more).ok_or(MergeError::TooBright)?;
         }
         for (sum, more) in self.film.lights_mut(to).iter_mut().zip(state.film.lights(from)) {
-            for (sum, more) in sum.iter_mut().zip(more) {
-                *sum = sum.checked_add(*more).ok_or(MergeError::TooBright)?;
-            }
+            sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += *more);
         }
         Ok(())
     }
@@ -176,7 +174,7 @@ fn place(area: Area, (x, y): (u32, u32)) -> usize {
 mod tests {
     use slo_scene::LightGroups;
 
-    use super::super::fixed::Fixed;
+    use super::super::fixed::{Fixed, SignedFixed};
     use super::*;
 
     fn state(region: Area, samples: Option<Range<u32>>) -> State {
@@ -196,7 +194,7 @@ mod tests {
             let count = samples.clone().map_or(4, |range| range.len() as u32);
             let sum = [Fixed::new(count as f32).unwrap(); 3];
             film.at_mut(i).0.add_later(sum, count);
-            film.features_mut(i).unwrap().normal = sum;
+            film.features_mut(i).unwrap().normal = [SignedFixed::clamped(count as f32); 3];
             film.lights_mut(i)[0] = sum;
         }
         State { subject, film, is_complete: true }

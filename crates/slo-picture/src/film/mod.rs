@@ -23,7 +23,7 @@ mod view;
 pub use area::{Area, BLOCK, TILE};
 pub use display::{Display, linear, luminance, srgb};
 pub use features::Features;
-pub use fixed::Fixed;
+pub use fixed::{Fixed, SignedFixed};
 pub use grid::{Film, TooLarge};
 pub use image::Image;
 pub use layers::FileLayer;

@@ -10,7 +10,8 @@ pub const LEAST_FOR_NOISE: u32 = 8;
 /// Sums of a pixel's samples, and how many there are.
 ///
 /// Samples are taken in the order of their numbers. All sums are exact, so that sums of disjoint sets of
-/// samples add up to the sums of one run.
+/// samples add up to the sums of one run. Sums that are larger than [`Fixed::MAX`] are that: the same
+/// for all ways to add them up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pixel {
     /// Of all samples: red, green, blue.
@@ -54,15 +55,18 @@ impl Pixel {
         self.add_later(sum, count);
     }
 
-    /// The sum of two disjoint sets of samples; `None` on overflow.
+    /// The sum of two disjoint sets of samples; `None` if there are too many.
     #[inline]
     pub fn checked_add(&self, other: &Self) -> Option<Self> {
         let mut result = Self { samples: self.samples.checked_add(other.samples)?, ..*self };
-        for c in 0..3 {
-            result.sum[c] = self.sum[c].checked_add(other.sum[c])?;
-            result.base[c] = self.base[c].checked_add(other.base[c])?;
-        }
+        add(&mut result.sum, other.sum);
+        add(&mut result.base, other.base);
         Some(result)
+    }
+
+    /// Whether a channel is brighter than its sum can say.
+    pub fn is_full(&self) -> bool {
+        self.sum.contains(&Fixed::MAX)
     }
 
     /// Estimated standard error of the mean, by channel; `None` for less than two samples.
@@ -137,13 +141,13 @@ fn add(to: &mut [Fixed; 3], more: [Fixed; 3]) {
 pub struct Spread {
     /// [`Fixed::MAX`] without samples.
     pub least: [Fixed; 3],
-    /// [`Fixed::MIN`] without samples.
+    /// [`Fixed::ZERO`] without samples.
     pub most: [Fixed; 3],
 }
 
 impl Default for Spread {
     fn default() -> Self {
-        Self { least: [Fixed::MAX; 3], most: [Fixed::MIN; 3] }
+        Self { least: [Fixed::MAX; 3], most: [Fixed::ZERO; 3] }
     }
 }
 
@@ -214,6 +218,30 @@ mod tests {
     }
 
     #[test]
+    fn full_pixels_add_up_too() {
+        let brightest = gray(Fixed::LIMIT);
+        let run = |from: u32, to: u32| {
+            let mut part = Pixel::default();
+            for i in from..to {
+                match i < base_end(70_000) {
+                    true => part.add_base(brightest, 1),
+                    false => part.add_later(brightest, 1),
+                }
+            }
+            part
+        };
+        let mut whole = Pixel::default();
+        (0..70_000).for_each(|_| whole.add(brightest, 1));
+        assert!(whole.is_full() && !run(0, 65_535).is_full());
+        for middle in [1, 40_000, 65_536, 69_999] {
+            let (first, last) = (run(0, middle), run(middle, 70_000));
+            assert_eq!(first.checked_add(&last), Some(whole), "{middle}");
+            assert_eq!(last.checked_add(&first), Some(whole), "{middle}");
+        }
+        assert!(whole.error().unwrap()[0].is_finite());
+    }
+
+    #[test]
     fn the_mean_divides_at_the_end() {
         let third = Fixed::new(1.0 / 3.0).unwrap();
         let pixel = Pixel { sum: [third + third + third; 3], samples: 3, ..Pixel::default() };
@@ -242,7 +270,7 @@ mod tests {
     #[test]
     fn spreads_hold_every_sample() {
         let mut spread = Spread::default();
-        [0.5, -1.0, 0.25].into_iter().for_each(|value| spread.add(gray(value)));
-        assert_eq!((spread.least, spread.most), (gray(-1.0), gray(0.5)));
+        [0.5, 1.0, 0.25].into_iter().for_each(|value| spread.add(gray(value)));
+        assert_eq!((spread.least, spread.most), (gray(0.25), gray(1.0)));
     }
 }

@@ -70,7 +70,7 @@ impl Debug for View<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixed::Fixed;
+    use super::super::fixed::{Fixed, SignedFixed};
     use super::*;
 
     #[test]
@@ -81,7 +81,7 @@ mod tests {
         for i in 0..12 {
             let value = Fixed::new(i as f32 / 16.0).unwrap();
             film.at_mut(i).0.add([value, value, Fixed::new(1.0).unwrap()], 1);
-            film.features_mut(i).unwrap().albedo = [value; 3];
+            film.features_mut(i).unwrap().albedo = [SignedFixed::clamped(i as f32 / 16.0); 3];
         }
         let area = Area { x0: 3, y0: 2, x1: 5, y1: 4 };
         let view = View::new(&film, area);

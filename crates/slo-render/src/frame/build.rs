@@ -10,15 +10,19 @@ use super::looks::{Look, Looks};
 use super::parts::{Parts, Seen, structure};
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
+use super::sharp::sharp_objects;
 use super::world::World;
 use crate::camera::Camera;
+use crate::photons::{Emission, targets};
 use crate::sampling::Sampler;
-use crate::shading::light::{LightTree, Pose, Techniques};
+use crate::shading::light::{LightBounds, LightTree, Poses, Skies, SkyShare, Techniques};
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
 use slo_accel::{Isa, Structure};
 use slo_scene::animation::{Clock, DRigid};
-use slo_scene::{CamSegment, Integrator, SceneDescription, Settings, ShadowMode};
+use slo_scene::{
+    CamSegment, Integrator, LightSampling, PhotonSeed, SceneDescription, Settings, ShadowMode,
+};
 
 /// Step, in units of the scene, by which the origin of render space follows the camera along each
 /// axis. Within half a step of the origin, an f32 resolves 2^-14 units or better. Structures of
@@ -63,18 +67,27 @@ impl FrameScene {
         for object in &scene.objects {
             parts.add(object, scene, &seen, isa)?;
         }
-        let lights_before = before.as_ref().map(|before| &before.lights);
-        let (mut lights, mut poses) = (Vec::new(), Vec::new());
+        let share = match scene.settings.integrator {
+            Integrator::Path => SkyShare::AboveMean,
+            Integrator::Distributed => SkyShare::All,
+        };
+        let sampled = Skies { share, before: before.as_ref().map(|before| &before.lights) };
+        let (mut lights, mut poses) = (Vec::new(), Poses::default());
         let (mut hidden, mut passable) = (Vec::new(), Vec::new());
         for light in &scene.lights {
             let look = Look::Light(lights.len() as u32);
-            let (ready, path) = parts.add_light(light, look, scene, &seen, isa, lights_before)?;
+            let (ready, path) = parts.add_light(light, look, scene, &seen, isa, sampled)?;
             lights.push(ready);
-            poses.push(path);
+            poses.add(1, path);
             hidden.push(!light.camera_visible);
             passable.push(!light.solid);
         }
-        add_emitters(scene, &mut parts, &mut lights);
+        // Glowing objects may have any number of triangles, so these are always chosen from.
+        let first_chosen = match scene.settings.light_sampling() {
+            LightSampling::All => lights.len(),
+            LightSampling::One => 0,
+        };
+        let first_shaded = add_emitters(scene, &mut parts, &mut lights, &mut poses);
         let light_groups = light_groups(scene, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
@@ -82,6 +95,9 @@ impl FrameScene {
             }
         }
         let softens = softens(scene, &parts);
+        let uses_photons =
+            scene.settings.photons > 0.0 && scene.settings.integrator == Integrator::Path;
+        let targets = uses_photons.then(|| targets(&sharp_objects(scene, &parts)));
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
             // Free the old structure before building the new one.
@@ -95,21 +111,38 @@ impl FrameScene {
             parts.instances.iter().map(|instance| instance.object),
         );
         let materials: Vec<_> = scene.materials.iter().map(material::row).collect();
+        let world = World::new(still, parts.instances, isa);
+        let bounds = light_bounds(&lights, &poses);
+        let light_tree = LightTree::new(&bounds[first_chosen..]);
+        let skies = skies(&lights);
+        let lights = lights.into_iter().collect::<Lights>().with_poses(poses);
+        let emission = targets.and_then(|targets| {
+            Emission::new(&lights, &bounds, targets, world.bounds(), camera.position())
+        });
+        let photon_frame = match scene.settings.photon_seed {
+            PhotonSeed::Frame => number,
+            PhotonSeed::Fixed => 0,
+        };
+        let sampler = |frame| Sampler::new(scene.settings.generator, scene.settings.seed, frame);
         Ok(Self {
             camera,
-            world: World::new(still, parts.instances, isa),
+            world,
             material_table: MaterialTable::new(&scene.materials, &materials),
             materials,
-            light_tree: light_tree(&lights, &poses),
-            skies: skies(&lights),
+            light_tree,
+            first_chosen: first_chosen as u32,
+            skies,
             hidden,
             passable,
             light_groups,
             techniques: techniques(&scene.settings),
-            lights: lights.into_iter().collect::<Lights>().with_poses(poses),
+            lights,
+            first_shaded,
+            emission,
             is_physical: is_physical(scene),
             softens,
-            sampler: Sampler::new(scene.settings.generator, scene.settings.seed, number),
+            sampler: sampler(number),
+            photon_sampler: sampler(photon_frame),
             settings: scene.settings.clone(),
             isa,
             clever: true,
@@ -128,14 +161,13 @@ fn skies(lights: &[Light]) -> Vec<u32> {
     (0..).zip(lights).filter(|(_, light)| is_sky(light)).map(|(number, _)| number).collect()
 }
 
-/// Builds the tree that chooses among lights, wherever they are during the shutter.
-fn light_tree(lights: &[Light], poses: &[Vec<Pose>]) -> LightTree {
-    let none = Vec::new();
-    let bounds = lights.iter().enumerate().map(|(number, light)| {
-        let poses = poses.get(number).unwrap_or(&none).iter();
+/// Returns the bounds of each light, wherever it is during the shutter.
+fn light_bounds(lights: &[Light], poses: &Poses) -> Vec<LightBounds> {
+    let bounds = (0..).zip(lights).map(|(number, light)| {
+        let poses = poses.of(number).iter();
         light.bounds().in_poses(poses.map(|pose| (pose.rotation, pose.translation)))
     });
-    LightTree::new(&bounds.collect::<Vec<_>>())
+    bounds.collect()
 }
 
 /// Chooses how the light of lamps is shared. Rays to lamps pass straight through transparent objects if

@@ -1,44 +1,168 @@
 //! Objects that emit light, as lights that rays are sent toward.
+//!
+//! Where a surface emits the same light everywhere and in all directions, a ray to it carries this
+//! light. Toward other surfaces, rays are sent that are shaded where they arrive: their lights are
+//! the last of a frame, from [`FrameScene::first_shaded`](super::scene::FrameScene) on.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
+use super::glow::Glow;
 use super::parts::Parts;
 use super::shapes::Geometry;
 use crate::shading::Light;
-use crate::shading::light::Triangle;
+use crate::shading::light::{MOST_SHADED, Pose, Poses, Shaded, SphereLamp, Triangle};
+use slo_accel::Curved;
 use slo_scene::material::Principled;
 use slo_scene::{MaterialKind, Object, SceneDescription};
 
-/// Returns the radiance of a material that emits the same light everywhere on its surface and in
-/// all directions.
-fn even_radiance(scene: &SceneDescription, object: &Object) -> Option<Vec3> {
+/// Places of images that are looked up for all triangles of an object together, about.
+const LOOK_UPS: u32 = 1 << 18;
+
+/// Fewest and most places that are looked up for one triangle.
+const LOOK_UPS_OF_ONE: [u32; 2] = [16, 4096];
+
+/// Whether a surface emits the same light everywhere and in all directions.
+fn is_even(scene: &SceneDescription, object: &Object) -> bool {
     let MaterialKind::Principled(of) = &scene.materials[object.material.0 as usize].kind else {
-        return None;
+        return false;
     };
     let Principled { emission_color, emission_strength, coat, sheen, alpha, .. } = of;
-    let is_even = [emission_strength, coat, sheen, alpha].iter().all(|of| of.image.is_none())
+    [emission_strength, coat, sheen, alpha].iter().all(|of| of.image.is_none())
         && emission_color.image.is_none()
         && coat.value == 0.0
         && sheen.value == 0.0
-        && alpha.value == 1.0;
-    let radiance = Vec3::from(emission_color.value) * emission_strength.value;
-    (is_even && radiance != Vec3::ZERO).then_some(radiance)
+        && alpha.value == 1.0
 }
 
-/// Adds the triangles of still objects that emit light to the lights of a frame.
-///
-/// The light of other emitters is found by rays that hit them.
-pub(super) fn add_emitters(scene: &SceneDescription, parts: &mut Parts, lights: &mut Vec<Light>) {
-    for (number, object) in scene.objects.iter().enumerate() {
-        let Some(radiance) = even_radiance(scene, object).filter(|_| object.sampled) else {
-            continue;
+/// What an object is made of, in the space in which it rests, with the poses of this space.
+struct Body {
+    primitives: Primitives,
+    poses: Vec<Pose>,
+}
+
+enum Primitives {
+    Triangles(Vec<[Vec3; 3]>),
+    Sphere(Vec3, f32),
+}
+
+impl Body {
+    /// Returns what an object is made of; `None` if rays are not sent toward such a shape.
+    fn of(parts: &Parts, object: usize) -> Option<Self> {
+        let is_object = |number: &u32| *number as usize == object;
+        let geometry = &parts.objects[object].geometry;
+        let moving = parts.instances.iter().find(|instance| is_object(&instance.object));
+        if let Some(instance) = moving {
+            let structure = &instance.structure;
+            let primitives = match (geometry, structure.curved()) {
+                (Geometry::Curved(_), [Curved::Sphere { center, radius }]) => {
+                    Primitives::Sphere(*center, *radius)
+                }
+                (Geometry::Curved(_), _) => return None,
+                (Geometry::Mesh(..), _) => {
+                    let ids = 0..structure.triangle_count() as u32;
+                    Primitives::Triangles(ids.map(|id| structure.triangle(id)).collect())
+                }
+            };
+            let pose = |at: &super::rigid::Rigid| Pose {
+                rotation: at.rotation,
+                translation: at.translation,
+            };
+            return Some(Self { primitives, poses: instance.poses.iter().map(pose).collect() });
+        }
+        let primitives = match geometry {
+            Geometry::Mesh(..) => Primitives::Triangles(parts.still_triangles(object)?.to_vec()),
+            Geometry::Curved(_) => {
+                let place = parts.curved_objects.iter().position(is_object)?;
+                match parts.still.curved[place] {
+                    Curved::Sphere { center, radius } => Primitives::Sphere(center, radius),
+                    _ => return None,
+                }
+            }
         };
-        let Some(triangles) = parts.still_triangles(number) else { continue };
-        let first_light = lights.len() as u32;
-        let light = |corners: &[Vec3; 3]| Light::Triangle(Triangle::new(*corners, radiance));
-        lights.extend(triangles.iter().map(light));
-        parts.objects[number].first_light = Some(first_light);
+        Some(Self { primitives, poses: Vec::new() })
     }
+
+    fn count(&self) -> usize {
+        match &self.primitives {
+            Primitives::Triangles(triangles) => triangles.len(),
+            Primitives::Sphere(..) => 1,
+        }
+    }
+}
+
+/// Adds objects that emit light to the lights of a frame: triangles and spheres. Returns the number
+/// of the first light that is shaded where rays arrive.
+///
+/// The light of other shapes is found by rays that hit them.
+pub(super) fn add_emitters(
+    scene: &SceneDescription,
+    parts: &mut Parts,
+    lights: &mut Vec<Light>,
+    poses: &mut Poses,
+) -> u32 {
+    let glows: Vec<Glow> =
+        (0..scene.materials.len()).map(|number| Glow::of(scene, number as u32)).collect();
+    let glow_of = |object: &Object| &glows[object.material.0 as usize];
+    let emits = |object: &Object| object.sampled && !matches!(glow_of(object), Glow::Dark);
+    let most = MOST_SHADED as usize;
+    let mut first_shaded = lights.len();
+    for is_plain in [true, false] {
+        for (number, object) in scene.objects.iter().enumerate() {
+            if !emits(object) || is_even(scene, object) != is_plain {
+                continue;
+            }
+            let Some(body) = Body::of(parts, number) else { continue };
+            if !is_plain && lights.len() - first_shaded + body.count() > most {
+                continue;
+            }
+            parts.objects[number].first_light = Some(lights.len() as u32);
+            let geometry = &parts.objects[number].geometry;
+            add(scene, glow_of(object), geometry, &body.primitives, is_plain, lights);
+            poses.add(body.count(), body.poses);
+        }
+        if is_plain {
+            first_shaded = lights.len();
+        }
+    }
+    first_shaded as u32
+}
+
+/// Adds the lights of an object.
+fn add(
+    scene: &SceneDescription,
+    glow: &Glow,
+    geometry: &Geometry,
+    primitives: &Primitives,
+    is_plain: bool,
+    lights: &mut Vec<Light>,
+) {
+    let textures = &scene.textures;
+    let triangles = match primitives {
+        Primitives::Triangles(triangles) => triangles,
+        Primitives::Sphere(center, radius) => {
+            let radiance = glow.mean(textures, LOOK_UPS_OF_ONE[1]);
+            let sphere = SphereLamp::even(*center, *radius, radiance);
+            lights.push(if is_plain {
+                Light::SphereLamp(sphere)
+            } else {
+                Light::ShadedSphere(Shaded(sphere))
+            });
+            return;
+        }
+    };
+    let [least, most] = LOOK_UPS_OF_ONE;
+    let count = (LOOK_UPS / triangles.len().max(1) as u32).clamp(least, most);
+    let uvs = |face: usize| match geometry {
+        Geometry::Mesh(mesh, _) => mesh.face_uvs.get(face).map_or([Vec2::ZERO; 3], |corners| {
+            corners.map(|corner| Vec2::from(mesh.uvs[corner as usize]))
+        }),
+        Geometry::Curved(_) => [Vec2::ZERO; 3],
+    };
+    lights.extend(triangles.iter().enumerate().map(|(face, corners)| {
+        let radiance = glow.mean_in(textures, uvs(face), count);
+        let triangle = Triangle::new(*corners, radiance);
+        if is_plain { Light::Triangle(triangle) } else { Light::ShadedTriangle(Shaded(triangle)) }
+    }));
 }
 
 /// Finds the groups of all objects, and returns those of all lights, as numbers: 0 for the light
@@ -51,8 +175,12 @@ pub(super) fn light_groups(scene: &SceneDescription, parts: &mut Parts, lights: 
     all.resize(lights, 0);
     for (object, to) in scene.objects.iter().zip(&mut parts.objects) {
         to.light_group = number(object.light_group.as_deref());
-        if let (Some(first), Geometry::Mesh(mesh, _)) = (to.first_light, &to.geometry) {
-            all[first as usize..][..mesh.faces.len()].fill(to.light_group);
+        if let Some(first) = to.first_light {
+            let count = match &to.geometry {
+                Geometry::Mesh(mesh, _) => mesh.faces.len(),
+                Geometry::Curved(_) => 1,
+            };
+            all[first as usize..][..count].fill(to.light_group);
         }
     }
     all

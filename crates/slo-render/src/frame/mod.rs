@@ -4,6 +4,7 @@
 mod build;
 mod emitters;
 mod error;
+mod glow;
 mod looks;
 mod parts;
 mod rigid;
@@ -12,6 +13,7 @@ mod sampled_camera;
 mod sampled_motion;
 mod scene;
 mod shapes;
+mod sharp;
 mod surfaces;
 mod world;
 

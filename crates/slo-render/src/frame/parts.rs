@@ -12,8 +12,8 @@ use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::FrameObject;
 use super::shapes::{Geometry, geometry, lamp_geometry};
 use super::world::Instance;
-use crate::shading::light::Pose;
-use crate::shading::{Light, Lights};
+use crate::shading::Light;
+use crate::shading::light::{Pose, Skies};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
 use slo_scene::animation::{DRigid, KeyFrames, Shutter};
 use slo_scene::{Object, SceneDescription, Settings};
@@ -83,9 +83,9 @@ impl Parts {
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
-        before: Option<&Lights>,
+        skies: Skies<'_>,
     ) -> Result<(Light, Vec<Pose>), FrameError> {
-        let ready = |origin: DVec3| Light::new(light, origin, &scene.textures, before);
+        let ready = |origin: DVec3| Light::new(light, origin, &scene.textures, skies);
         let surface = lamp_geometry(&light.kind);
         if light.key_frames.is_empty() {
             if let Some(surface) = surface {

@@ -9,6 +9,7 @@ use super::rigid::Rigid;
 use super::shapes::Geometry;
 use super::world::{World, WorldHits};
 use crate::camera::Camera;
+use crate::photons::Emission;
 use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
@@ -29,8 +30,10 @@ pub struct FrameScene {
     /// The materials in columns.
     pub(crate) material_table: MaterialTable,
     pub(crate) lights: Lights,
-    /// Chooses one of the lights.
+    /// Chooses one of the lights from [`first_chosen`](Self::first_chosen) on.
     pub(crate) light_tree: LightTree,
+    /// The first light that hits ask by choice. They ask each of those before it.
+    pub(crate) first_chosen: u32,
     /// For each light, whether camera rays pass through it; empty if none does.
     pub(crate) hidden: Vec<bool>,
     /// For each light, whether all rays pass through it; empty if none does.
@@ -41,7 +44,14 @@ pub struct FrameScene {
     pub(crate) skies: Vec<u32>,
     /// How the light of lamps is shared between techniques, for physical shading.
     pub(crate) techniques: Techniques,
+    /// Index of the first of the lights that are shaded where rays to them arrive; see
+    /// [`Lamp::IS_SHADED`](crate::shading::Lamp::IS_SHADED).
+    pub(crate) first_shaded: u32,
+    /// Where photons start; `None` if the frame has none.
+    pub(crate) emission: Option<Emission>,
     pub(crate) sampler: Sampler,
+    /// Sampler of photons.
+    pub(crate) photon_sampler: Sampler,
     pub(crate) settings: Settings,
     /// Instruction set of all vectorized code.
     pub(crate) isa: Isa,
@@ -143,12 +153,21 @@ impl FrameScene {
             || !self.passable.is_empty()
     }
 
+    /// Whether any lights are shaded where rays to them arrive.
+    pub(crate) fn has_shaded_lights(&self) -> bool {
+        (self.first_shaded as usize) < self.lights.len()
+    }
+
     /// Returns the light that the surface which a ray hit belongs to; `None` if no rays are sent
     /// toward it.
     pub(crate) fn emitter(&self, found: &WorldHits, ray: usize) -> Option<u32> {
         let (primitive, instance) = (found.hits.primitive[ray], found.instance[ray]);
         let object = &self.objects[self.object_of(primitive, instance) as usize];
-        object.first_light.map(|first| first + (primitive - object.first_triangle))
+        let place = match object.geometry {
+            Geometry::Mesh(..) => primitive - object.first_triangle,
+            Geometry::Curved(_) => 0,
+        };
+        object.first_light.map(|first| first + place)
     }
 
     /// Finds the looks of what the rays of a batch hit, as words.
@@ -163,6 +182,18 @@ impl FrameScene {
         self.world.memory()
             + self.still_objects.len() * size_of::<u32>()
             + normals * size_of::<Vec3>()
+    }
+
+    /// Returns where a point of a surface, which is there at one time of the shutter, is at another;
+    /// `instance` is the instance that was hit.
+    pub(crate) fn moved(&self, instance: u32, point: Vec3, [from, to]: [f32; 2]) -> Vec3 {
+        let Some(instance) = self.world.instances.get(instance as usize) else { return point };
+        instance.pose(to).point(instance.pose(from).inverse_point(point))
+    }
+
+    /// Whether anything but the camera moves within the shutter.
+    pub(crate) fn moves(&self) -> bool {
+        !self.world.instances.is_empty() || self.lights.move_about()
     }
 
     /// Returns the number of objects that move within the shutter.

@@ -50,7 +50,7 @@ impl Instance {
     }
 
     /// Returns the bounding box of all poses.
-    fn bounds(&self) -> Bounds {
+    pub(super) fn bounds(&self) -> Bounds {
         let corners = self.structure.bounds().corners();
         let at = |pose: &Rigid| Bounds::of_points(corners.map(|c| pose.point(c)));
         let bounds = self.poses.iter().map(at).fold(Bounds::EMPTY, Bounds::union);
@@ -182,6 +182,11 @@ impl World {
         entering.resize_with(self.instances.len(), Vec::new);
         reach.resize(rays.len().next_multiple_of(LANES), -1.0);
         self.boxes.gather(self.isa, rays, reach, entering, boxes);
+    }
+
+    /// Returns the bounding box of everything.
+    pub(super) fn bounds(&self) -> Bounds {
+        self.instances.iter().map(Instance::bounds).fold(self.still.bounds(), Bounds::union)
     }
 
     /// Returns the memory, in bytes, of all structures and poses.

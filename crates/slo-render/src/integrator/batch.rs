@@ -32,21 +32,84 @@ pub(super) struct Past {
     pub(super) normal: Column<u32>,
     /// See [`marks`].
     pub(super) marks: Column<u32>,
+    /// How this path and photons share what it finds; means nothing in a frame without photons.
+    pub(super) rough: RoughStart,
+}
+
+/// What a path remembers of the last rough lobe that it left, for sharing light with photons; see
+/// [`Merging`](super::stages::merging::Merging).
+#[derive(Debug)]
+pub(super) struct RoughStart {
+    /// Density of the path where it left the lobe, per projected solid angle, divided by the number of
+    /// light paths whose photon the hit would have found. 0: it has left none.
+    pub(super) rival: Column<f32>,
+    /// Width of the pixel's footprint where the ray starts.
+    pub(super) width: Column<f32>,
+    /// By how much the footprint grows with distance.
+    pub(super) spread: Column<f32>,
+    /// Whether the frame has photons, so that queues keep the columns.
+    pub(super) is_kept: bool,
+}
+
+impl RoughStart {
+    pub(super) fn columns(&self) -> [&Column<f32>; 3] {
+        [&self.rival, &self.width, &self.spread]
+    }
+
+    pub(super) fn columns_mut(&mut self) -> [&mut Column<f32>; 3] {
+        [&mut self.rival, &mut self.width, &mut self.spread]
+    }
+}
+
+impl Default for RoughStart {
+    fn default() -> Self {
+        let zeros = [0.0; BATCH];
+        Self { rival: zeros, width: zeros, spread: zeros, is_kept: false }
+    }
 }
 
 /// Bits of [`Past::marks`].
 pub(super) mod marks {
     /// The ray follows a diffuse lobe.
     pub(in crate::integrator) const DIFFUSE: u32 = 1;
+    /// The ray follows a sharp lobe.
+    pub(in crate::integrator) const SHARP: u32 = 2;
     /// One more surface that the ray passed through since it left.
-    pub(in crate::integrator) const PASS: u32 = 2;
+    pub(in crate::integrator) const PASS: u32 = 4;
     /// Most surfaces in a row that a ray passes through.
     pub(in crate::integrator) const MOST_PASSES: u32 = 256;
+    /// The ray asks a light that is shaded where the ray arrives: the light's number among these,
+    /// plus 1, in the bits from here on.
+    const ASK: u32 = PASS << 9;
+    const _: () = assert!(crate::shading::light::MOST_SHADED <= u32::MAX / ASK);
+
+    /// Returns the marks of a ray that asks a light.
+    #[inline(always)]
+    pub(in crate::integrator) fn asking(number: u32) -> u32 {
+        (number + 1) * ASK
+    }
+
+    /// Returns the number of the light that a ray asks, plus 1; 0 if it asks none.
+    #[inline(always)]
+    pub(in crate::integrator) fn asked(marks: u32) -> u32 {
+        marks / ASK
+    }
+
+    /// Returns the number of surfaces that the ray passed through.
+    #[inline(always)]
+    pub(in crate::integrator) fn passed(marks: u32) -> u32 {
+        marks % ASK / PASS
+    }
 }
 
 impl Default for Past {
     fn default() -> Self {
-        Self { from: Vec3s::default(), normal: [0; BATCH], marks: [0; BATCH] }
+        Self {
+            from: Vec3s::default(),
+            normal: [0; BATCH],
+            marks: [0; BATCH],
+            rough: RoughStart::default(),
+        }
     }
 }
 

@@ -36,7 +36,9 @@ pub(super) fn glossy_samples(settings: &Settings, purpose: Purpose, depth: u32) 
         | Purpose::AnyLight
         | Purpose::Continuation
         | Purpose::Survival
-        | Purpose::Surface => 1,
+        | Purpose::Surface
+        | Purpose::Departure
+        | Purpose::Heading => 1,
     }
 }
 

@@ -81,6 +81,16 @@ impl Machine {
         self.queue_at(0);
     }
 
+    /// Begins work without sums: rays of slot `i` start at light `i` of `lights`, and all have the same
+    /// seed.
+    pub(super) fn begin_light_paths(&mut self, seed: PixelSeed, lights: usize) {
+        self.counts = Statistics::default();
+        self.seeds.clear();
+        self.seeds.resize(lights, seed);
+        self.sums.reset(0);
+        self.queue_at(0);
+    }
+
     /// Runs an integrator until no ray is left. If the work is given up, all queues are empty
     /// afterwards, and the result is `None`.
     pub(super) fn run(&mut self, integrator: &mut impl Integrator, job: &Job<'_>) -> Option<()> {

@@ -14,6 +14,7 @@ mod batch;
 mod branching;
 mod chosen;
 mod distributed;
+mod light_paths;
 mod machine;
 mod path;
 mod queue;
@@ -23,5 +24,6 @@ mod sums;
 mod tracer;
 mod work;
 
+pub use light_paths::{PhotonPass, PhotonTracer};
 pub use tracer::Tracer;
 pub use work::{Beside, SampleSum, Statistics, Traced, Work};

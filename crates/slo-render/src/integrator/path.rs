@@ -22,8 +22,10 @@ use super::stages::emission::Emission;
 use super::stages::features::FeatureSums;
 use super::stages::hits::Hits;
 use super::stages::lamp_light::LampLight;
+use super::stages::merging::Merging;
 use super::stages::passing::Passing;
 use super::stages::points::Points;
+use super::stages::to_shaded::ToShaded;
 use super::stages::visibility::Visibility;
 use super::work::Job;
 use crate::frame::WorldScratch;
@@ -42,6 +44,8 @@ pub(super) struct Path {
     features: FeatureSums,
     bsdfs: Box<Bsdfs>,
     lamp_light: Box<LampLight>,
+    to_shaded: Box<ToShaded>,
+    merging: Box<Merging>,
     visibility: Box<Visibility>,
     continuation: Box<Continuation>,
     /// Distance between the slots of two groups of lights; 0 if groups are not told apart.
@@ -97,7 +101,7 @@ impl Path {
             return Some(());
         }
         points.find(frame, batch, hits, machine.seeds());
-        points.choose_materials(frame, depth);
+        points.choose_materials(frame, &frame.sampler, depth);
         bsdfs.look_up(frame, points);
         points.find_receivers(frame);
         if table.absorbs {
@@ -117,6 +121,9 @@ impl Path {
         if is_last {
             return Some(());
         }
+        if frame.has_shaded_lights() {
+            Emission::end(batch, points, depth);
+        }
         if table.has_ambient && frame.settings.integrator == Kind::Distributed {
             points.look_up_phong(frame);
             machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
@@ -124,6 +131,15 @@ impl Path {
         if features.are_wanted() {
             bsdfs.find_own(frame, points);
             features.add(frame, batch, hits, points, |i| bsdfs.own(i));
+        }
+        if let Some(maps) = job.maps {
+            let Self { batch, hits, points, bsdfs, merging, stride, .. } = self;
+            points.find_footprints(batch, hits);
+            merging.reach(frame, maps, points, depth);
+            while merging.find(frame, maps, points, bsdfs, (depth, *stride)) {
+                machine.add(frame.isa, &merging.light, &merging.slot, merging.len);
+                job.goes_on()?;
+            }
         }
         self.ask_lamps(machine, job, depth)?;
         self.follow(machine, job, depth)
@@ -137,6 +153,12 @@ impl Path {
             lamp_light.ask(job, points, bsdfs, question, depth);
             lamp_light.name(job.frame, points, *stride);
             machine.connect(kind, &lamp_light.sent, &lamp_light.labels, &lamp_light.chosen);
+            let Self { points, lamp_light, to_shaded, features, .. } = self;
+            if job.frame.has_shaded_lights() {
+                to_shaded.find(job.frame, points, lamp_light, features.first_behind());
+                let ToShaded { sent, labels, past, chosen, .. } = &**to_shaded;
+                machine.extend_path(depth + 1, sent, labels, past, chosen);
+            }
             machine.relieve(self, job, kind);
             job.goes_on()?;
         }

@@ -62,6 +62,8 @@ struct PastColumns {
     from: [Vec<f32>; 3],
     normal: Vec<u32>,
     marks: Vec<u32>,
+    /// See [`RoughStart`](super::batch::RoughStart).
+    rough: [Vec<f32>; 3],
 }
 
 impl RayQueue {
@@ -116,6 +118,11 @@ impl RayQueue {
         }
         chosen.append(&past.normal, &mut self.past.normal);
         chosen.append(&past.marks, &mut self.past.marks);
+        if past.rough.is_kept {
+            for (to, from) in self.past.rough.iter_mut().zip(past.rough.columns()) {
+                chosen.append(from, to);
+            }
+        }
     }
 
     /// Moves the last rays, at most [`BATCH`], to `batch` in their order.
@@ -135,7 +142,7 @@ impl RayQueue {
             move_to(&mut self.names.index, start, &mut labels.index);
         }
         if !self.past.normal.is_empty() {
-            let Past { from, normal, marks } = &mut batch.past;
+            let Past { from, normal, marks, rough } = &mut batch.past;
             for (column, to) in
                 self.past.from.iter_mut().zip([&mut from.x, &mut from.y, &mut from.z])
             {
@@ -143,6 +150,12 @@ impl RayQueue {
             }
             move_to(&mut self.past.normal, start, normal);
             move_to(&mut self.past.marks, start, marks);
+            rough.is_kept = !self.past.rough[0].is_empty();
+            if rough.is_kept {
+                for (column, to) in self.past.rough.iter_mut().zip(rough.columns_mut()) {
+                    move_to(column, start, to);
+                }
+            }
         }
     }
 }

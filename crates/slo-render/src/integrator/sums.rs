@@ -10,12 +10,12 @@ use super::work::SampleSum;
 #[derive(Debug)]
 pub(super) struct Sums {
     sums: Vec<SampleSum>,
-    rounded: [Column<Fixed>; 3],
+    rounded: [Column<u64>; 3],
 }
 
 impl Default for Sums {
     fn default() -> Self {
-        Self { sums: Vec::new(), rounded: [[Fixed::ZERO; BATCH]; 3] }
+        Self { sums: Vec::new(), rounded: [[0; BATCH]; 3] }
     }
 }
 
@@ -64,7 +64,8 @@ impl Sums {
         let Self { sums, rounded: [red, green, blue] } = self;
         // Neighbours mostly share a slot, so their sum stays in registers.
         let mut at = 0;
-        let mut sum = SampleSum::default();
+        // That sum can't overflow: no number of a batch is larger than 2^48.
+        let mut sum = [0u64; 3];
         for i in 0..len.min(BATCH) {
             let slot = slot[i] as usize;
             if slot != at {
@@ -78,14 +79,15 @@ impl Sums {
     }
 }
 
+#[inline(always)]
 fn add(to: &mut SampleSum, more: SampleSum) {
     to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
 }
 
 #[inline(always)]
-fn put(sums: &mut [SampleSum], slot: usize, sum: SampleSum) {
+fn put(sums: &mut [SampleSum], slot: usize, sum: [u64; 3]) {
     if let Some(to) = sums.get_mut(slot) {
-        to.iter_mut().zip(sum).for_each(|(to, sum)| *to += sum);
+        add(to, sum.map(Fixed::from_units));
     }
 }
 
@@ -94,7 +96,7 @@ fn put(sums: &mut [SampleSum], slot: usize, sum: SampleSum) {
 struct Round<'a> {
     radiance: &'a Vec3s,
     len: usize,
-    to: &'a mut [Column<Fixed>; 3],
+    to: &'a mut [Column<u64>; 3],
 }
 
 impl Lanewise for Round<'_> {
@@ -112,9 +114,9 @@ impl Lanewise for Round<'_> {
 }
 
 #[inline(always)]
-fn round(from: &Column<f32>, len: usize, to: &mut Column<Fixed>) -> u64 {
+fn round(from: &Column<f32>, len: usize, to: &mut Column<u64>) -> u64 {
     for i in lanes(len) {
-        to[i] = Fixed::clamped(from[i]);
+        to[i] = Fixed::clamped(from[i]).units();
     }
     let mut refused = 0;
     for x in &from[..len.min(BATCH)] {

@@ -8,12 +8,13 @@ use super::path::Path;
 use super::work::{Beside, Job, Traced, Work};
 use crate::frame::FrameScene;
 
-/// Working memory of one thread, allocated once and used for tile after tile.
+/// Working memory of one thread, allocated once and used for tile after tile. An integrator gets its
+/// own when it is first needed.
 #[derive(Debug, Default)]
 pub struct Tracer {
     machine: Machine,
-    distributed: Distributed,
-    path: Path,
+    distributed: Option<Distributed>,
+    path: Option<Path>,
 }
 
 impl Tracer {
@@ -23,20 +24,22 @@ impl Tracer {
         &mut self,
         frame: &FrameScene,
         work: &[Work],
-        beside: Beside,
+        beside: Beside<'_>,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Traced<'_>> {
-        let job = Job { frame, work, gives_up };
+        let job = Job { frame, work, maps: beside.maps, gives_up };
         let Self { machine, distributed, path } = self;
         let copies = if beside.features { 2 } else { 1 };
         let groups = if frame.is_physical { beside.light_groups } else { 0 };
         machine.begin(&job, copies * (groups + 1));
         let feature_slots = if beside.features { work.len() } else { 0 };
         let features: &[Features] = if frame.is_physical {
+            let path = path.get_or_insert_default();
             path.restart(feature_slots, if groups > 0 { copies * work.len() } else { 0 });
             machine.run(path, &job)?;
             path.features()
         } else {
+            let distributed = distributed.get_or_insert_default();
             distributed.restart(feature_slots);
             machine.run(distributed, &job)?;
             distributed.features()

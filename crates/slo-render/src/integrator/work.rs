@@ -3,6 +3,7 @@
 use slo_picture::film::{Features, Fixed};
 
 use crate::frame::FrameScene;
+use crate::photons::PhotonMaps;
 
 /// Samples `first..first + count` of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,9 +36,11 @@ pub struct Traced<'a> {
     pub statistics: Statistics,
 }
 
-/// What is collected beside the sums of radiance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Beside {
+/// What the samples of some work use and collect, besides the frame and the sums of radiance.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Beside<'a> {
+    /// The photons of the passes that the samples use, if the frame has photons.
+    pub maps: Option<&'a PhotonMaps>,
     /// Whether surface features are.
     pub features: bool,
     /// How many named groups of lights there are whose light is collected by itself; see
@@ -72,6 +75,8 @@ impl std::ops::AddAssign for Statistics {
 pub(super) struct Job<'a> {
     pub(super) frame: &'a FrameScene,
     pub(super) work: &'a [Work],
+    /// The photons that the work uses, if the frame has any.
+    pub(super) maps: Option<&'a PhotonMaps>,
     /// Whether to stop at once and lose the work.
     pub(super) gives_up: &'a dyn Fn() -> bool,
 }

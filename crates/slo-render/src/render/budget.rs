@@ -7,6 +7,7 @@ use std::time::Instant;
 use super::clock::Clock;
 use super::lock::lock;
 use super::observer::{Exposed, Observer};
+use super::photons::{Stretch, Stretches};
 use super::plan::Plan;
 use super::run::Run;
 use super::tile::TileRenderer;
@@ -45,32 +46,72 @@ pub fn render_until(
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
     let mut reached = Steps::default();
+    let gives_up = || observer.gives_up() || observer.should_stop();
     for step in least.done.min(last)..=last {
-        let pass = Pass {
-            run: &run,
-            clock: &clock,
-            tiles: &tiles,
-            plan: plan.at_step(step),
-            step,
-            must: must(least, step, tiles.len()),
-            next: AtomicUsize::new(0),
-            is_over: AtomicBool::new(false),
-            is_stopped: AtomicBool::new(false),
-        };
-        rayon::broadcast(|thread| pass.work(&mut lock(&memory[thread.index()])));
-        let handed = pass.next.into_inner().min(tiles.len());
-        if step > 0 {
-            reached = Steps { done: step - 1, tiles: handed as u32 };
+        let plan = plan.at_step(step);
+        let mut must = must(least, step, tiles.len());
+        let (mut first, mut before) = (None, None);
+        if frame.emission.is_some() {
+            // Photons serve all tiles, so a step is taken by all tiles or by none.
+            if must == 0 {
+                if !clock.allows_all(memory.len()) {
+                    break;
+                }
+                before = run.film();
+            }
+            must = tiles.len();
+            first = run.first_open(|_| plan.clone(), &tiles, &memory);
         }
-        if pass.is_stopped.into_inner() {
+        let mut stretches = Stretches::new(frame, first);
+        let (mut handed, mut is_open) = (0, true);
+        while let Some(stretch) = stretches.next(&plan, &gives_up) {
+            let pass = Pass {
+                run: &run,
+                clock: &clock,
+                tiles: &tiles,
+                plan: &plan,
+                stretch,
+                step,
+                must,
+                next: AtomicUsize::new(0),
+                is_over: AtomicBool::new(false),
+                is_stopped: AtomicBool::new(false),
+                is_open: AtomicBool::new(false),
+            };
+            rayon::broadcast(|thread| pass.work(&mut lock(&memory[thread.index()])));
+            handed = pass.next.into_inner().min(tiles.len());
+            is_open = pass.is_open.into_inner();
+            if pass.is_stopped.into_inner() {
+                reached = so_far(step, handed, reached);
+                return (run.exposed(false), reached);
+            }
+            if !is_open {
+                break;
+            }
+            // The step takes longer than was expected: the picture is that of the step before.
+            if clock.is_over()
+                && let Some(film) = before.take()
+            {
+                run.restore(film);
+                return (run.exposed(true), reached);
+            }
+        }
+        if is_open {
+            // The observer stopped the tracing of photons.
             return (run.exposed(false), reached);
         }
+        reached = so_far(step, handed, reached);
         if handed < tiles.len() {
             break;
         }
         reached = Steps { done: step, tiles: 0 };
     }
     (run.exposed(true), reached)
+}
+
+/// Returns how far a picture has come if so many tiles were handed out for a step.
+fn so_far(step: u32, handed: usize, before: Steps) -> Steps {
+    if step > 0 { Steps { done: step - 1, tiles: handed as u32 } } else { before }
 }
 
 /// Returns how many tiles must take a step.
@@ -88,7 +129,8 @@ struct Pass<'a> {
     run: &'a Run<'a>,
     clock: &'a Clock,
     tiles: &'a [Area],
-    plan: Plan,
+    plan: &'a Plan,
+    stretch: Stretch,
     step: u32,
     must: usize,
     /// Number of tiles that were handed out.
@@ -96,6 +138,8 @@ struct Pass<'a> {
     /// Whether to hand out no more tiles.
     is_over: AtomicBool,
     is_stopped: AtomicBool,
+    /// Whether any tile needs samples of a later stretch.
+    is_open: AtomicBool,
 }
 
 impl Pass<'_> {
@@ -111,11 +155,12 @@ impl Pass<'_> {
             let Some(&tile) = self.tiles.get(i) else { return };
             self.run.note_step(Steps { done: self.step.saturating_sub(1), tiles: i as u32 + 1 });
             let start = Instant::now();
-            if self.run.expose(renderer, tile, &self.plan).is_err() {
+            let Ok(is_done) = self.run.expose(renderer, tile, self.plan, &self.stretch) else {
                 self.is_stopped.store(true, Ordering::Relaxed);
                 self.is_over.store(true, Ordering::Relaxed);
                 return;
-            }
+            };
+            self.is_open.fetch_or(!is_done, Ordering::Relaxed);
             self.clock.add(i, start.elapsed(), renderer.samples());
             self.run.observer.advanced(self.clock.share());
         }

@@ -54,6 +54,18 @@ impl Clock {
         left.is_some_and(|left| expected <= left.as_secs_f64())
     }
 
+    /// Whether all tiles together have time for another step on so many threads.
+    pub(super) fn allows_all(&self, threads: usize) -> bool {
+        let expected: f64 = self.tiles.iter().map(|spent| lock(spent).next(self.most)).sum();
+        let left = self.deadline.checked_duration_since(Instant::now());
+        left.is_some_and(|left| expected / threads.max(1) as f64 <= left.as_secs_f64())
+    }
+
+    /// Whether the time is over.
+    pub(super) fn is_over(&self) -> bool {
+        Instant::now() >= self.deadline
+    }
+
     /// Adds the cost of a step of a tile; `samples` are the samples per pixel before and after it.
     pub(super) fn add(&self, tile: usize, cost: Duration, samples: [f64; 2]) {
         lock(&self.tiles[tile]).add(cost, samples);

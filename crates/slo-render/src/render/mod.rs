@@ -4,6 +4,7 @@ mod budget;
 mod clock;
 mod lock;
 mod observer;
+mod photons;
 mod plan;
 mod run;
 mod sections;

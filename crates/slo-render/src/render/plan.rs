@@ -148,6 +148,12 @@ impl Plan {
         self.most
     }
 
+    /// Returns up to which number of samples, of those of this run, pixels go on that have `taken`
+    /// samples, before it is decided which of them need more.
+    pub(super) fn next_border(&self, taken: u32) -> u32 {
+        self.uniform().unwrap_or_else(|| self.rung_after(taken))
+    }
+
     /// Whether this run takes a tile.
     pub(super) fn includes(&self, tile: Area, width: u32) -> bool {
         self.part.is_none_or(|Part { number, of }| {

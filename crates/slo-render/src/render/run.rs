@@ -3,10 +3,12 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use rayon::prelude::*;
 use slo_picture::film::{Area, Film, Steps};
 
 use super::lock::lock;
 use super::observer::{Exposed, Observer};
+use super::photons::Stretch;
 use super::plan::Plan;
 use super::tile::TileRenderer;
 use crate::frame::FrameScene;
@@ -40,23 +42,34 @@ impl<'a> Run<'a> {
         self.steps.fetch_max(packed, Ordering::SeqCst);
     }
 
+    /// A copy of the film as it is; `None` if there is no memory for it.
+    pub(super) fn film(&self) -> Option<Film> {
+        lock(&self.result).0.try_clone()
+    }
+
+    /// Returns to an earlier copy of the film.
+    pub(super) fn restore(&self, film: Film) {
+        lock(&self.result).0 = film;
+    }
+
     pub(super) fn exposed(self, is_complete: bool) -> Exposed {
         let (film, statistics) = self.result.into_inner().unwrap_or_else(|p| p.into_inner());
         Exposed { film, statistics, is_complete }
     }
 
-    /// Exposes one tile as a plan asks. The film receives the samples of each step, so that at most
-    /// one step is lost.
+    /// Exposes one tile as a plan asks, for a stretch of samples. The film receives the samples of each
+    /// step, so that at most one step is lost. Returns whether the tile has all samples.
     pub(super) fn expose(
         &self,
         renderer: &mut TileRenderer,
         tile: Area,
         plan: &Plan,
-    ) -> Result<(), Stopped> {
+        stretch: &Stretch,
+    ) -> Result<bool, Stopped> {
         let share = tile.len() as f64 / self.pixels;
-        let before = renderer.begin(self.frame.isa, &lock(&self.result).0, tile, plan);
+        let before = renderer.begin(self.frame.isa, &lock(&self.result).0, tile, plan, stretch);
         let mut shown = before * share;
-        if before > 0.0 {
+        if before > 0.0 && stretch.is_first {
             self.resumed(shown);
         }
         while renderer.plan_step(self.frame.isa, plan) {
@@ -77,8 +90,30 @@ impl<'a> Run<'a> {
             }
             self.show_film();
         }
-        self.advanced(share - shown);
-        Ok(())
+        if renderer.is_done() {
+            self.advanced(share - shown);
+        }
+        Ok(renderer.is_done())
+    }
+
+    /// Returns the number of the next sample of the pixel that has the fewest among those that need more;
+    /// `None` if none does.
+    pub(super) fn first_open(
+        &self,
+        plan: impl Fn(Area) -> Plan + Sync,
+        tiles: &[Area],
+        memory: &[Mutex<TileRenderer>],
+    ) -> Option<u32> {
+        let isa = self.frame.isa;
+        let of = |tile: &Area| {
+            let thread = rayon::current_thread_index().unwrap_or(0);
+            let mut renderer = lock(&memory[thread]);
+            let film = &lock(&self.result).0;
+            let plan = plan(*tile);
+            renderer.begin(isa, film, *tile, &plan, &Stretch::WHOLE);
+            renderer.first_open(isa, &plan)
+        };
+        tiles.par_iter().filter_map(of).min()
     }
 
     /// Reports progress, except for a picture in steps: their number is unknown, so the clock

@@ -1,10 +1,13 @@
 //! Renders one tile: its pixels take samples in steps until each has enough.
 
 use std::ops::Range;
+use std::sync::Arc;
 
+use super::photons::Stretch;
 use super::plan::Plan;
 use crate::frame::FrameScene;
 use crate::integrator::{Beside, SampleSum, Statistics, Traced, Tracer, Work};
+use crate::photons::PhotonMaps;
 use slo_accel::Isa;
 use slo_picture::film::{Area, BLOCK, Film, base_end, split};
 use slo_scene::LightGroups;
@@ -35,6 +38,10 @@ pub(super) struct TileRenderer {
     pixels: Vec<u32>,
     /// Number of samples in `work`.
     queued: u32,
+    /// The photons that the samples use, if the frame has any.
+    maps: Option<Arc<PhotonMaps>>,
+    /// The number of the sample before which all pixels stop for now.
+    end: u32,
     /// Samples per pixel at the beginning.
     before: f64,
     statistics: Statistics,
@@ -49,18 +56,39 @@ struct Step {
 }
 
 impl TileRenderer {
-    /// Begins a tile with the samples that `film` has of it. Returns the share of the tile that is
-    /// done.
-    pub(super) fn begin(&mut self, isa: Isa, film: &Film, tile: Area, plan: &Plan) -> f64 {
+    /// Begins a tile with the samples that `film` has of it, for a stretch of samples. Returns the share
+    /// of the tile that is done.
+    pub(super) fn begin(
+        &mut self,
+        isa: Isa,
+        film: &Film,
+        tile: Area,
+        plan: &Plan,
+        stretch: &Stretch,
+    ) -> f64 {
+        (self.maps, self.end) = (stretch.maps.clone(), stretch.end);
         film.copy_to(tile, &mut self.film);
         self.clear_work();
         self.arrange(plan);
         self.before = self.mean_samples();
         match plan.uniform() {
             Some(all) => self.before / f64::from(all.max(1)),
-            None if self.plan_step(isa, plan) => 0.0,
+            None if self.plan_step(isa, plan) || !self.is_done() => 0.0,
             None => 1.0,
         }
+    }
+
+    /// Returns the number of the next sample of the pixel that has the fewest among those that need
+    /// more; `None` if none does.
+    pub(super) fn first_open(&mut self, isa: Isa, plan: &Plan) -> Option<u32> {
+        self.plan_step(isa, plan);
+        let first = plan.samples().map_or(0, |share| share.start);
+        self.steps.iter().map(|step| first + step.from).min()
+    }
+
+    /// Whether no pixel needs more samples, in this stretch or a later one.
+    pub(super) fn is_done(&self) -> bool {
+        self.groups.is_empty()
     }
 
     /// Returns the samples per pixel of the tile at its beginning and now.
@@ -74,15 +102,17 @@ impl TileRenderer {
         all as f64 / pixels.len().max(1) as f64
     }
 
-    /// Plans the next step. Returns false if the tile is done.
+    /// Plans the next step. Returns false if the tile is done with the stretch.
     pub(super) fn plan_step(&mut self, isa: Isa, plan: &Plan) -> bool {
-        let Self { film, order, groups, steps, .. } = self;
+        let first = plan.samples().map_or(0, |share| share.start);
+        let Self { film, order, groups, steps, end, .. } = self;
         steps.clear();
         // A group that is done stays done, since only its own samples decide.
         groups.retain(|(group, quarters)| {
             let group = &order[group.clone()];
             let next = plan.next(isa, film, group, quarters);
             if let Some(to) = next {
+                let to = to.min(end.saturating_sub(first));
                 let from = |i: u32| film.pixels()[i as usize].samples;
                 let step = |&pixel: &u32| Step { pixel, from: from(pixel), to };
                 steps.extend(group.iter().map(step).filter(|step| step.from < to));
@@ -170,6 +200,7 @@ impl TileRenderer {
         gives_up: &dyn Fn() -> bool,
     ) -> Option<()> {
         let beside = Beside {
+            maps: self.maps.as_deref(),
             features: !self.film.features().is_empty(),
             light_groups: self.film.light_groups().map_or(0, LightGroups::len),
         };
@@ -258,7 +289,8 @@ mod tests {
         let sums: Vec<SampleSum> = (1..=6).map(|i| [Fixed::from_units(i); 3]).collect();
         // Three entries of work; two of them are of pixel 3.
         add_lights(&mut film, &[3, 0, 3], &sums);
-        let units = |i: usize| film.lights(i).iter().map(|sum| sum[1].units()).collect::<Vec<_>>();
+        let units =
+            |i: usize| film.lights(i).iter().map(|sum| sum[1].units()).collect::<Vec<u64>>();
         assert_eq!([units(0), units(1), units(3)], [vec![2, 5], vec![0, 0], vec![1 + 3, 4 + 6]]);
         add_lights(&mut film, &[3, 0, 3], &[]);
         assert_eq!(film.lights(1), &[[Fixed::ZERO; 3]; 2]);

@@ -1,14 +1,16 @@
 //! All tiles of a picture over all threads.
 
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use slo_picture::film::{Area, Film, TILE};
 
 use super::lock::lock;
 use super::observer::{Exposed, Observer};
+use super::photons::Stretches;
 use super::plan::Plan;
-use super::run::Run;
+use super::run::{Run, Stopped};
 use super::sections::Sections;
 use super::tile::TileRenderer;
 use crate::frame::FrameScene;
@@ -22,19 +24,46 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
     let (width, height) = (frame.camera.width(), frame.camera.height());
-    let expose = |tile: Area| {
-        let thread = rayon::current_thread_index().unwrap_or(0);
-        run.expose(&mut lock(&memory[thread]), tile, &plan.at(tile, width, height))
+    let sections = Sections::new(&frame.settings, width, height);
+    let tiles = || {
+        let of = |section: Area| section.cells(TILE).filter(|&t| plan.includes(t, width));
+        let tiles = sections.areas().into_iter().flat_map(of).map(|tile| tile.common(&area));
+        tiles.filter(|tile| !tile.is_empty()).collect::<Vec<_>>()
     };
-    // Threads take sections. When none is left, they steal tiles from the sections of others.
-    let stopped = Sections::new(&frame.settings, width, height)
-        .areas()
-        .into_par_iter()
-        .with_max_len(frame.settings.sections_per_thread.max(1) as usize)
-        .try_for_each(|section| {
-            let tiles: Vec<_> = section.cells(TILE).filter(|&t| plan.includes(t, width)).collect();
-            let tiles = tiles.into_par_iter().map(|tile| tile.common(&area)).with_max_len(1);
-            tiles.filter(|tile| !tile.is_empty()).try_for_each(expose)
-        });
-    run.exposed(stopped.is_ok())
+    let has_photons = frame.emission.is_some();
+    let first = if has_photons {
+        run.first_open(|tile| plan.at(tile, width, height), &tiles(), &memory)
+    } else {
+        None
+    };
+    let mut stretches = Stretches::new(frame, first);
+    let mut is_complete = false;
+    let gives_up = || observer.gives_up() || observer.should_stop();
+    while !is_complete {
+        let Some(stretch) = stretches.next(plan, &gives_up) else { break };
+        let is_open = AtomicBool::new(false);
+        let expose = |tile: Area| {
+            let thread = rayon::current_thread_index().unwrap_or(0);
+            let plan = plan.at(tile, width, height);
+            let is_done = run.expose(&mut lock(&memory[thread]), tile, &plan, &stretch)?;
+            is_open.fetch_or(!is_done, Ordering::Relaxed);
+            Ok(())
+        };
+        // Threads take sections. When none is left, they steal tiles from the sections of others.
+        let stopped: Result<(), Stopped> = sections
+            .areas()
+            .into_par_iter()
+            .with_max_len(frame.settings.sections_per_thread.max(1) as usize)
+            .try_for_each(|section| {
+                let tiles: Vec<_> =
+                    section.cells(TILE).filter(|&t| plan.includes(t, width)).collect();
+                let tiles = tiles.into_par_iter().map(|tile| tile.common(&area)).with_max_len(1);
+                tiles.filter(|tile| !tile.is_empty()).try_for_each(expose)
+            });
+        if stopped.is_err() {
+            break;
+        }
+        is_complete = !is_open.into_inner();
+    }
+    run.exposed(is_complete)
 }

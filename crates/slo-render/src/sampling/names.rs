@@ -71,6 +71,10 @@ pub enum Purpose {
     Survival,
     /// Whether a ray passes through, and which of two mixed materials it meets.
     Surface,
+    /// Where a light path starts: a lamp, and a place on it.
+    Departure,
+    /// In which direction a light path starts, and when.
+    Heading,
 }
 
 /// A [`Purpose`] as a word, so that loops over many hits need no branches.
@@ -86,6 +90,8 @@ impl From<Purpose> for Use {
             Purpose::Continuation => u32::MAX,
             Purpose::Survival => u32::MAX - 1,
             Purpose::Surface => u32::MAX - 2,
+            Purpose::Departure => u32::MAX - 3,
+            Purpose::Heading => u32::MAX - 4,
             Purpose::Light(number) => number.wrapping_add(4),
         })
     }

@@ -54,12 +54,18 @@ fn sample_stored(texture: &Texture, curve: Curve, u: f32, v: f32) -> [f32; 3] {
 /// centres of the first and last row, colours are those of the row. The texture's [`Wrap`] has no
 /// effect, its filter has. Colours that are multiplied by alpha stay so.
 pub fn sample_equirect(texture: &Texture, curve: Curve, direction: [f32; 3]) -> [f32; 3] {
-    let [u, v] = equirect_uv(direction);
-    let at = Neighbours {
-        columns: neighbours(u, texture.width(), Wrap::Repeat, texture.filter()),
-        rows: neighbours(v, texture.height(), Wrap::Clamp, texture.filter()),
-    };
-    at.interpolate(texture, |x, y| texture.decoded(x, y, curve))
+    sample_around(texture, curve, equirect_uv(direction))
+}
+
+/// As [`sample_equirect`], in the direction that the image shows at `(u, v)`.
+#[inline(always)]
+pub fn sample_around(texture: &Texture, curve: Curve, [u, v]: [f32; 2]) -> [f32; 3] {
+    let (left, right, fx) = neighbours(u, texture.width(), Wrap::Repeat, texture.filter());
+    let (below, above, fy) = neighbours(v, texture.height(), Wrap::Clamp, texture.filter());
+    let [below, above] = [below, above].map(|from_bottom| texture.height() - 1 - from_bottom);
+    let places = [(left, below), (right, below), (left, above), (right, above)];
+    let [a, b, c, d] = texture.decoded_each(places, curve);
+    mix(mix(a, b, fx), mix(c, d, fx), fy)
 }
 
 /// Returns where an equirectangular image shows a direction: `u` from 0 at its left edge, `v` from
@@ -67,7 +73,14 @@ pub fn sample_equirect(texture: &Texture, curve: Curve, direction: [f32; 3]) -> 
 #[inline(always)]
 pub fn equirect_uv([x, y, z]: [f32; 3]) -> [f32; 2] {
     let horizontal = (x * x + y * y).sqrt();
-    [0.5 - atan2_turns(y, x), 0.5 + 2.0 * atan2_turns(z, horizontal)]
+    [0.5 - atan2_turns(y, x), elevation_v(z, horizontal)]
+}
+
+/// Returns where an equirectangular image shows directions with a height and a length in the
+/// horizontal plane, from 0 at its bottom edge to 1.
+#[inline(always)]
+pub fn elevation_v(z: f32, horizontal: f32) -> f32 {
+    0.5 + 2.0 * atan2_turns(z, horizontal)
 }
 
 /// Returns the direction, of length 1, that an equirectangular image shows at `(u, v)`.

@@ -143,6 +143,8 @@ const PHYSICAL: &str = "
 fn one_file_in_all_light() {
     let mut scene = everything_with(PHYSICAL, "integrator PATH");
     assert_one_file(&scene);
+    scene.settings.photons = 0.5;
+    assert_one_file(&scene);
     scene.settings.light_sampling = Some(LightSampling::All);
     scene.camera.film.layers = vec![Layer::Lights];
     assert_one_file(&scene);

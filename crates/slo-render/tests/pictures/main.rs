@@ -5,4 +5,5 @@ mod any_split;
 mod determinism;
 mod estimators;
 mod oracle;
+mod photons;
 mod support;

@@ -5,7 +5,7 @@ use std::path::Path;
 use slo_accel::Isa;
 use slo_picture::film::{Area, FileLayer, Film, Image};
 use slo_render::frame::FrameScene;
-use slo_render::render::{Observer, Plan, render};
+use slo_render::render::{Observer, Plan, Statistics, render};
 use slo_scene::{Files, Layer, SceneDescription, load};
 
 struct Unwatched;
@@ -29,6 +29,11 @@ pub(crate) fn expose(scene: &SceneDescription, isa: Isa) -> Film {
 
 /// Renders a frame of a scene.
 pub(crate) fn expose_frame(scene: &SceneDescription, frame: &FrameScene) -> Film {
+    expose_counted(scene, frame).0
+}
+
+/// Renders a frame of a scene, and counts its rays.
+pub(crate) fn expose_counted(scene: &SceneDescription, frame: &FrameScene) -> (Film, Statistics) {
     let (plan, picture) = (Plan::new(scene), &scene.camera.film);
     let area = Area::whole(picture.width, picture.height);
     let film = Film::new(area, plan.needs_spreads()).expect("small enough");
@@ -36,7 +41,7 @@ pub(crate) fn expose_frame(scene: &SceneDescription, frame: &FrameScene) -> Film
     let exposed = render(frame, &plan, film, &Unwatched);
     assert!(exposed.is_complete);
     assert_eq!(exposed.statistics.refused_contributions, 0);
-    exposed.film
+    (exposed.film, exposed.statistics)
 }
 
 /// View and sampling of a test scene. x is to the right, y into the picture, z up. Pictures have 64
@@ -121,6 +126,16 @@ impl Shot {
         let film = self.film(&scene);
         let layer = |layer| Picture(film.layer_of(film.area(), layer));
         [Picture(film.image()), layer(&FileLayer::Albedo), layer(&FileLayer::Normal)]
+    }
+
+    /// Like `take`, with the light of two groups of lamps, named `a` and `b`.
+    pub(crate) fn take_groups(&self, elements: &str) -> [Picture; 3] {
+        let mut scene = describe(&self.of(elements));
+        scene.camera.film.layers = vec![Layer::Lights];
+        let film = self.film(&scene);
+        let group =
+            |name: &str| Picture(film.layer_of(film.area(), &FileLayer::Light(name.into())));
+        [Picture(film.image()), group("a"), group("b")]
     }
 
     fn film(&self, scene: &SceneDescription) -> Film {

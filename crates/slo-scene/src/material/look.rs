@@ -14,6 +14,11 @@ pub(super) trait Look {
     /// Hands each image that the material shows to `put`; one may come several times.
     fn for_images(&self, put: &mut dyn FnMut(TextureId));
 
+    /// Whether photons follow it: it reflects or refracts sharply somewhere.
+    fn is_sharp(&self) -> bool {
+        false
+    }
+
     /// Whether an image bends its normals, for which meshes need tangents.
     fn bends_normals(&self) -> bool {
         false

@@ -31,6 +31,10 @@ pub(crate) use contained::{Whole, check_contained, wholes};
 pub(crate) use palette::Palette;
 pub(crate) use phong_info::{PHONG_INFO, phong_info};
 
+/// Width alpha of microfacets, the square of the roughness, below which photons follow what a
+/// surface reflects or refracts, and above which they end there.
+pub const SHARP: f32 = 0.2;
+
 /// How an element becomes a material.
 pub(crate) type ReadMaterial =
     for<'a> fn(&mut Fields<'_, 'a, '_>, &mut Palette<'_, 'a>) -> Option<MaterialKind>;
@@ -61,6 +65,11 @@ impl MaterialKind {
     /// Whether a surface can be seen without light on it, apart from what it contains.
     pub(crate) fn glows(&self) -> bool {
         self.common().glows()
+    }
+
+    /// Whether photons follow what a surface reflects or refracts, apart from what it contains.
+    pub fn is_sharp(&self) -> bool {
+        self.common().is_sharp()
     }
 
     /// Whether an image bends its normals, apart from what it contains.

@@ -1,5 +1,6 @@
 //! `material_phong`, `material_texture`: the thesis's lighting model.
 
+use super::SHARP;
 use super::look::{Look, WrittenMaterial};
 use super::palette::Palette;
 use super::phong_info::PhongInfo;
@@ -45,6 +46,16 @@ impl WrittenMaterial for Phong {
 impl Look for Phong {
     fn glows(&self) -> bool {
         self.info.ambient != [0.0; 3]
+    }
+
+    fn is_sharp(&self) -> bool {
+        // A lobe cos^n is as wide as microfacets with alpha² = 2 / (n + 2), and n is 1 / spread².
+        let is_narrow =
+            |spread: f32| 2.0 * spread * spread < SHARP * SHARP * (1.0 + spread * spread);
+        let PhongInfo { reflectance, diffuse_reflection, refraction, diffuse_refraction, .. } =
+            self.info;
+        (reflectance > 0.0 && is_narrow(diffuse_reflection))
+            || (refraction > 0.0 && is_narrow(diffuse_refraction))
     }
 
     fn for_images(&self, put: &mut dyn FnMut(TextureId)) {

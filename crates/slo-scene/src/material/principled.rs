@@ -1,5 +1,6 @@
 //! `material_principled`: metal, dielectrics, coats, sheen, glass and glowing surfaces.
 
+use super::SHARP;
 use super::inputs::{inputs, warn_idle};
 use super::look::{Look, WrittenMaterial};
 use super::palette::Palette;
@@ -178,6 +179,18 @@ const fn concatenated<const N: usize>(a: &[Attribute], b: &[Attribute]) -> [Attr
 impl Look for Principled {
     fn glows(&self) -> bool {
         self.emission_strength.value > 0.0 && self.emission_color.value != [0.0; 3]
+    }
+
+    fn is_sharp(&self) -> bool {
+        // An image may darken a roughness to 0.
+        let is_narrow = |roughness: &Varying<f32>| {
+            roughness.image.is_some() || roughness.value * roughness.value < SHARP
+        };
+        let shines = self.metallic.value > 0.0
+            || self.transmission.value > 0.0
+            || (self.specular_ior_level.value > 0.0 && self.ior.value != 1.0);
+        (shines && is_narrow(&self.roughness))
+            || (self.coat.value > 0.0 && is_narrow(&self.coat_roughness))
     }
 
     fn for_images(&self, put: &mut dyn FnMut(TextureId)) {

@@ -7,6 +7,7 @@ mod key_frames;
 mod lights;
 mod oddities;
 mod overlaps;
+mod photons;
 mod resolver;
 mod settings;
 mod tangents;

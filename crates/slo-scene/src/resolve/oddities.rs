@@ -3,10 +3,11 @@
 use std::collections::HashSet;
 
 use crate::attributes::Fields;
-use crate::description::{CamSegment, Camera, KeyFrame, SceneDescription};
+use crate::description::{CamSegment, Camera, KeyFrame, LightGroups, SceneDescription};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
+use crate::format::syntax::Word;
 use crate::material::{Material, MaterialKind};
-use crate::settings::Integrator;
+use crate::settings::{Integrator, Layer, Settings, ShadowMode};
 
 /// Warns of a shutter that is open for `blur` seconds if its segment takes less.
 pub(super) fn check_shutter(
@@ -66,8 +67,32 @@ fn scene_time(segment: &CamSegment) -> [f64; 2] {
     [start.min(end), start.max(end)]
 }
 
+/// Where a scene says what may have no effect.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Said<'a> {
+    /// `shadow`
+    pub(super) shadow: Option<Span>,
+    /// `photons` and `photonSeed`
+    pub(super) photons: [Option<Span>; 2],
+    /// Each `ambient` that is not black.
+    pub(super) ambient: Vec<Span>,
+    /// Names of groups of lights.
+    pub(super) groups: Vec<Word<'a>>,
+    /// What objects say about the light that they emit.
+    pub(super) emission: Vec<Emission>,
+}
+
+/// Warns of what has no effect in a scene without errors, and of a scene without light.
+pub(super) fn check(said: &Said<'_>, scene: &SceneDescription, diagnostics: &mut Diagnostics) {
+    check_ambient(&said.ambient, scene.settings.integrator, diagnostics);
+    check_shadow(said.shadow, &scene.settings, diagnostics);
+    check_light(scene, diagnostics);
+    check_emission(&said.emission, &scene.materials, diagnostics);
+    check_groups(&said.groups, scene, diagnostics);
+}
+
 /// Warns of a scene without any light.
-pub(super) fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostics) {
+fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostics) {
     let SceneDescription { settings, lights, materials, objects, .. } = scene;
     let is_path = settings.integrator == Integrator::Path;
     let glows = |kind: &MaterialKind| match kind {
@@ -97,11 +122,7 @@ pub(super) fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostic
 
 /// Warns of `ambient` light under an integrator that computes what it stands in for; `places` are
 /// where it is written.
-pub(super) fn check_ambient(
-    places: &[Span],
-    integrator: Integrator,
-    diagnostics: &mut Diagnostics,
-) {
+fn check_ambient(places: &[Span], integrator: Integrator, diagnostics: &mut Diagnostics) {
     let [first, others @ ..] = places else { return };
     if integrator == Integrator::Distributed {
         return;
@@ -115,6 +136,52 @@ pub(super) fn check_ambient(
     let warning = Diagnostic::warning(message).at(*first, label);
     diagnostics
         .push(warning.help("it stands in for light between surfaces, which is computed here"));
+}
+
+/// Warns of transparent shadows under an integrator that has none; `place` is where they are asked
+/// for.
+fn check_shadow(place: Option<Span>, settings: &Settings, diagnostics: &mut Diagnostics) {
+    let Settings { integrator, shadow, .. } = *settings;
+    let Some(place) = place else { return };
+    if integrator == Integrator::Distributed || shadow == ShadowMode::Opaque {
+        return;
+    }
+    let message = format!("`shadow {shadow}` does nothing under `integrator {integrator}`");
+    let help = "refracted rays bring the light behind glass: of lamps with an area, and of skies";
+    diagnostics.push(Diagnostic::warning(message).at(place, "").help(help));
+}
+
+/// Warns of names of groups that differ only in case, and if the light of groups is asked for where
+/// there are none.
+fn check_groups(groups: &[Word<'_>], scene: &SceneDescription, diagnostics: &mut Diagnostics) {
+    let mut known: Vec<Word<'_>> = Vec::new();
+    for group in groups {
+        if known.iter().any(|other| other.text == group.text) {
+            continue;
+        }
+        let lower = group.text.to_lowercase();
+        let twin = known.iter().find(|other| other.text.to_lowercase() == lower);
+        if let Some(twin) = twin {
+            let (one, other) = (twin.text, group.text);
+            let message = format!("the light groups `{one}` and `{other}` differ only in case");
+            let warning = Diagnostic::warning(message).at(group.span, "a group of its own");
+            diagnostics.push(warning.also(twin.span, "first here"));
+        } else if lower == LightGroups::REST && group.text != LightGroups::REST {
+            let (name, rest) = (group.text, LightGroups::REST);
+            let message = format!("the light group `{name}` is not `{rest}`");
+            let warning = Diagnostic::warning(message).at(group.span, "a group of its own");
+            let help = format!("`{rest}` is the group of all lights that name none");
+            diagnostics.push(warning.help(help));
+        }
+        known.push(*group);
+    }
+    if scene.camera.film.layers.contains(&Layer::Lights) && scene.light_groups().is_empty() {
+        let message = "there is no light group to keep apart: the layer `lights.rest` is the \
+                       whole picture";
+        let help = "write `light_group NAME` in lamps, in an `environment`, and in objects that \
+                    emit light";
+        diagnostics.push(Diagnostic::warning(message).help(help));
+    }
 }
 
 /// What an object says about the light that it emits.
@@ -139,11 +206,7 @@ pub(super) fn emission(fields: &Fields<'_, '_, '_>, material: usize) -> Vec<Emis
 }
 
 /// Warns of what objects say about the light that they emit if they emit none.
-pub(super) fn check_emission(
-    said: &[Emission],
-    materials: &[Material],
-    diagnostics: &mut Diagnostics,
-) {
+fn check_emission(said: &[Emission], materials: &[Material], diagnostics: &mut Diagnostics) {
     let emits = |kind: &MaterialKind| !matches!(kind, MaterialKind::Phong(_)) && kind.glows();
     for Emission { name, place, object, material } in said {
         if any_part(materials, std::iter::once(*material), emits) {
@@ -157,7 +220,7 @@ pub(super) fn check_emission(
 }
 
 /// Whether some of these materials, or something that they are mixed from, has a property.
-fn any_part(
+pub(super) fn any_part(
     materials: &[Material],
     of: impl Iterator<Item = usize>,
     has: impl Fn(&MaterialKind) -> bool,

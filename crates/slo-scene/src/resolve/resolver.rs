@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
-use super::oddities::Emission;
+use super::oddities::Said;
 use super::texture::{Image, texture, warn_of_alpha};
-use super::{camera, key_frames, lights, oddities, overlaps, settings, tangents};
+use super::{camera, key_frames, lights, oddities, overlaps, photons, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
@@ -17,17 +17,18 @@ use crate::light::Light;
 use crate::material::{
     Material, Palette, PhongInfo, ReadMaterial, Whole, check_contained, phong_info, wholes,
 };
-use crate::settings::{Integrator, Settings};
+use crate::settings::Settings;
 use crate::shape::ReadShape;
 use crate::texture::Texture;
 
-/// The scene of a text that is a source of `diagnostics`; its content means nothing if there are
-/// errors.
+/// The scene of a text that is a source of `diagnostics`, changed by `adapt`; its content means
+/// nothing if there are errors.
 pub(crate) fn resolve(
     text: &str,
     source: SourceId,
     files: &Files,
     hash: ContentHash,
+    adapt: &dyn Fn(&mut SceneDescription),
     diagnostics: &mut Diagnostics,
 ) -> Option<SceneDescription> {
     let tree = parse(text, source, &*LANGUAGE, diagnostics);
@@ -36,9 +37,9 @@ pub(crate) fn resolve(
     let scale = scaling(&scene, diagnostics);
     let references = scene.references(diagnostics);
     let assets = Assets::new(files, &name, hash);
-    let emission = Vec::new();
-    let mut resolver = Resolver { scene, scale, references, assets, emission, diagnostics };
-    let description = resolver.description();
+    let said = Said::default();
+    let mut resolver = Resolver { scene, scale, references, assets, said, diagnostics };
+    let description = resolver.description(adapt);
     resolver.references.report_dangling(resolver.diagnostics);
     if !resolver.diagnostics.has_errors() {
         resolver.warn_unused();
@@ -75,24 +76,23 @@ struct Resolver<'t, 'a, 'd> {
     scale: f64,
     references: References<'a>,
     assets: Assets<'d>,
-    /// What objects say about the light that they emit.
-    emission: Vec<Emission>,
+    said: Said<'a>,
     diagnostics: &'d mut Diagnostics,
 }
 
 impl<'t, 'a> Resolver<'t, 'a, '_> {
-    fn description(&mut self) -> Option<SceneDescription> {
+    fn description(&mut self, adapt: &dyn Fn(&mut SceneDescription)) -> Option<SceneDescription> {
         let (settings, background) = self.settings();
         let camera = self.camera();
         let lights = self.lights(camera.as_ref());
         lights::check_sky(&lights, background, self.diagnostics);
-        let phong_infos = self.phong_infos(settings.integrator);
+        let phong_infos = self.phong_infos();
         let images = self.textures();
         let textures: Vec<_> = images.iter().map(|image| image.texture.clone()).collect();
         let materials = self.materials(&phong_infos, &textures);
         warn_of_alpha(&images, &materials, self.diagnostics);
         let objects = self.objects(camera.as_ref(), &wholes(&materials));
-        let scene = SceneDescription {
+        let mut scene = SceneDescription {
             settings,
             camera: camera?,
             lights: lights.iter().map(|(light, _)| light.clone()).collect(),
@@ -102,8 +102,10 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             content_hash: self.assets.hash.finish(),
         };
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
-            oddities::check_light(&scene, self.diagnostics);
-            oddities::check_emission(&self.emission, &scene.materials, self.diagnostics);
+            adapt(&mut scene);
+            oddities::check(&self.said, &scene, self.diagnostics);
+            let places: Vec<Span> = lights.iter().map(|(_, place)| *place).collect();
+            photons::check(self.said.photons, &scene, &places, self.diagnostics);
             overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
         }
         Some(scene)
@@ -118,8 +120,12 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         match self.scene.only(|role| matches!(role, Role::Settings), self.diagnostics) {
             Some(element) => {
                 let mut fields = self.fields(element);
-                let background = fields.get("background").map(|field| field.keyword.span);
-                (settings::settings(&mut fields), background)
+                let place = |name| Some(fields.get(name)?.keyword.span);
+                let (background, shadow) = (place("background"), place("shadow"));
+                let photons = [place("photons"), place("photonSeed")];
+                let settings = settings::settings(&mut fields);
+                (self.said.shadow, self.said.photons) = (shadow, photons);
+                (settings, background)
             }
             None => (Settings::default(), None),
         }
@@ -152,14 +158,15 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
             let references = &mut self.references;
             let mut palette = Palette { references, phong_infos: &[], textures: &[] };
+            self.said.groups.extend(fields.word("light_group"));
             lights::light(read, &mut fields, &mut palette, camera)
         };
         elements.into_iter().filter_map(light).collect()
     }
 
-    fn phong_infos(&mut self, integrator: Integrator) -> Vec<PhongInfo> {
+    fn phong_infos(&mut self) -> Vec<PhongInfo> {
         let elements = self.scene.of(|role| matches!(role, Role::PhongInfo).then_some(()));
-        let mut ambient = Vec::new();
+        let ambient = &mut self.said.ambient;
         let mut read = |(_, element)| {
             let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
             let info = phong_info(&mut fields);
@@ -167,9 +174,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             ambient.extend(field.map(|field| field.keyword.span));
             info
         };
-        let infos = elements.into_iter().map(&mut read).collect();
-        oddities::check_ambient(&ambient, integrator, self.diagnostics);
-        infos
+        elements.into_iter().map(&mut read).collect()
     }
 
     fn textures(&mut self) -> Vec<Image<'a>> {
@@ -239,13 +244,15 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             oddities::check_key_times(&mut fields, &key_frames, camera);
         }
         let sampled = fields.count("sampled", 0, 1).is_none_or(|flag| flag.value == 1);
-        let light_group = fields.word("light_group").map(|group| group.text.to_owned());
+        let light_group = fields.word("light_group");
+        self.said.groups.extend(light_group);
+        let light_group = light_group.map(|group| group.text.to_owned());
         let shape = read(&mut fields, &mut self.assets);
         let files = fields.words("filename").unwrap_or_default();
         let find = |name| self.references.find(Referred::Material, name);
         let material = material.and_then(find);
         if let Some(material) = material {
-            self.emission.extend(oddities::emission(&fields, material));
+            self.said.emission.extend(oddities::emission(&fields, material));
         }
         if material.and_then(|index| materials.get(index)).is_some_and(|m| m.has_images) {
             self.assets.warn_without_uvs(&files, self.diagnostics);

@@ -3,7 +3,7 @@
 use super::entry::{Effect, choice, color, count, double, entries, flag, single, whole};
 use super::value::{Bound, Value};
 use super::words::{
-    Accelerator, Contrast, Encoding, Generator, Integrator, LightSampling, ShadowMode,
+    Accelerator, Contrast, Encoding, Generator, Integrator, LightSampling, PhotonSeed, ShadowMode,
 };
 
 /// Most camera samples of a pixel, `imageSamples` times `dofSamples`: the film can add up so many.
@@ -82,6 +82,11 @@ entries! {
         shadow: ShadowMode = ShadowMode::Opaque, choice("shadow", Effect::Samples);
         /// Error at which a pixel is done; `None`: off.
         noise: Option<f32> = None, single("noise", Bound::Error, Effect::Count).unless_default();
+        /// Light paths from lamps through mirrors and glass, for each camera sample; PATH only.
+        photons: f32 = 0.0, single("photons", Bound::PerSample, Effect::Samples).unless_default();
+        /// Whether the numbers of photons change from frame to frame.
+        photon_seed: PhotonSeed = PhotonSeed::Frame,
+            choice("photonSeed", Effect::Samples).unless_default();
         /// Sampled transforms per millisecond of shutter, at least.
         transform_samples_per_ms: f64 = 2.0,
             double("transformSamplesPerMs", Bound::Positive, Effect::Samples);

@@ -21,7 +21,7 @@ pub use list::{MOST_CAMERA_SAMPLES, Settings};
 pub use value::{Bound, Form, Value};
 pub use words::{
     Accelerator, Contrast, Curve, Encoding, Filter, Generator, Integrator, Layer, LightSampling,
-    ShadowMode, ToneMap, Wrap,
+    PhotonSeed, ShadowMode, ToneMap, Wrap,
 };
 
 #[cfg(test)]

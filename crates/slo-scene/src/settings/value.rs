@@ -84,6 +84,8 @@ pub enum Bound {
     Share,
     /// 1 or more.
     AtLeastOne,
+    /// From 0 to 100: things of which a sample takes a few.
+    PerSample,
 }
 
 impl Bound {
@@ -98,6 +100,7 @@ impl Bound {
             Self::Stops => (value.abs() <= 32.0, "must be from -32 to 32"),
             Self::Share => ((0.0..=1.0).contains(&value), "must be from 0 to 1"),
             Self::AtLeastOne => (value >= 1.0, "must be 1 or more"),
+            Self::PerSample => ((0.0..=100.0).contains(&value), "must be from 0 to 100"),
         };
         (!is_kept).then_some(rule)
     }

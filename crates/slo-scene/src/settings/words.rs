@@ -91,6 +91,18 @@ choices! {
 }
 
 choices! {
+    /// What the random numbers of photons depend on.
+    #[derive(Default)]
+    pub enum PhotonSeed {
+        /// The seed and the frame.
+        #[default]
+        Frame = "FRAME",
+        /// The seed alone: what is left of their noise stands still where the scene does.
+        Fixed = "FIXED",
+    }
+}
+
+choices! {
     /// How radiance becomes an encoded value of a file, such as a PNG's.
     #[derive(Default)]
     pub enum Encoding {

@@ -192,6 +192,16 @@ impl Texture {
         self.texels.decoded(self.index(x, y), curve)
     }
 
+    /// As [`decoded`](Self::decoded), of the texels in several places.
+    #[inline(always)]
+    pub fn decoded_each<const N: usize>(
+        &self,
+        places: [(u32, u32); N],
+        curve: Curve,
+    ) -> [[f32; 3]; N] {
+        self.texels.decoded_each(places.map(|(x, y)| self.index(x, y)), curve)
+    }
+
     /// As [`texel_rgba`](Self::texel_rgba), with the curve removed from the colour.
     #[inline(always)]
     pub fn decoded_rgba(&self, x: u32, y: u32, curve: Curve) -> [f32; 4] {

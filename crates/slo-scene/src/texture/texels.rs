@@ -116,6 +116,27 @@ impl Texels {
         }
     }
 
+    /// As [`decoded`](Self::decoded), of several texels.
+    #[inline(always)]
+    pub(super) fn decoded_each<const N: usize>(
+        &self,
+        indices: [usize; N],
+        curve: Curve,
+    ) -> [[f32; 3]; N] {
+        let (count, step) = (self.layout.channels(), self.layout.color_step());
+        let at = |index: usize| [0, step, 2 * step].map(|channel| count * index + channel);
+        // Images of skies, mostly: one decision for all.
+        match (&self.samples, curve) {
+            (Samples::Float(samples), Curve::Raw) => {
+                indices.map(|index| at(index).map(|i| samples[i]))
+            }
+            (Samples::Half(samples), Curve::Raw) => {
+                indices.map(|index| at(index).map(|i| half(samples[i])))
+            }
+            _ => indices.map(|index| self.decoded(index, curve)),
+        }
+    }
+
     /// As [`color`](Self::color), of sRGB values.
     #[inline]
     fn linear(&self, index: usize) -> [f32; 3] {

@@ -6,7 +6,8 @@ use glam::DVec3;
 use slo_scene::light::{DiscLamp, Environment, PointLamp, RectangleLamp, Sky, SpotLamp, SunLamp};
 use slo_scene::settings::{Entries, recorded, restore};
 use slo_scene::{
-    Files, Integrator, Light, LightKind, LightSampling, SceneDescription, Settings, load,
+    Files, Integrator, Layer, Light, LightKind, LightSampling, SceneDescription, Settings, load,
+    load_adapted,
 };
 
 const PLAIN: &str = include_str!("../scenes/minimal.txt");
@@ -234,6 +235,56 @@ fn what_glows_in_a_mix_is_seen() {
         let has_no_effect = report.contains("`light_group` has no effect");
         assert_eq!(has_no_effect, !is_lamp, "{settings} {parts}: {report}");
     }
+}
+
+#[test]
+fn groups_that_differ_in_case_are_told() {
+    let lamp = |group: &str| {
+        format!(
+            "lamp_point {group} {{ power {{ 1 1 1 }} position {{ 0 0 3 }} light_group {group} }}"
+        )
+    };
+    let report =
+        |groups: &[&str]| report(&groups.iter().map(|group| lamp(group)).collect::<String>());
+    assert_eq!(report(&["key", "rim", "rest"]), "");
+    let two = report(&["key", "rim", "Key", "KEY"]);
+    assert!(two.contains("the light groups `key` and `Key` differ only in case"), "{two}");
+    assert_eq!(two.matches("differ only in case").count(), 2, "{two}");
+    let rest = report(&["Rest"]);
+    assert!(rest.contains("the light group `Rest` is not `rest`"), "{rest}");
+}
+
+#[test]
+fn settings_without_effect_are_those_of_the_picture() {
+    let warnings = |text: &str, adapt: &dyn Fn(&mut SceneDescription)| {
+        let text = format!(
+            "{text} phong_info p {{ ambient {{ 1 1 1 }} }} material_phong p {{ phong_info p }}
+            sphere s {{ center {{ 0 0 3 }} radius 1 material p }} {}",
+            include_str!("../scenes/minimal.txt")
+        );
+        let loaded = load_adapted("scene.txt", &text, &Files::built_in("", &[]), adapt);
+        assert!(loaded.scene.is_some(), "{}", loaded.diagnostics.render(false));
+        loaded.diagnostics.render(false)
+    };
+    let with =
+        |integrator| move |scene: &mut SceneDescription| scene.settings.integrator = integrator;
+    let ambient = "`ambient` does nothing under `integrator PATH`";
+    let shadow = "`shadow TRANSPARENT` does nothing under `integrator PATH`";
+    for (settings, integrator, expected) in [
+        ("shadow TRANSPARENT", Integrator::Distributed, [false, false]),
+        ("shadow TRANSPARENT", Integrator::Path, [true, true]),
+        ("shadow OPAQUE", Integrator::Path, [true, false]),
+        ("integrator PATH shadow TRANSPARENT", Integrator::Distributed, [false, false]),
+    ] {
+        let report = warnings(&format!("settings s {{ {settings} }}"), &with(integrator));
+        assert_eq!([ambient, shadow].map(|what| report.contains(what)), expected, "{report}");
+    }
+    let lights = |scene: &mut SceneDescription| scene.camera.film.layers = vec![Layer::Lights];
+    let none = "there is no light group to keep apart";
+    assert!(warnings("", &lights).contains(none));
+    assert!(!warnings("", &|_| {}).contains(none));
+    let lamp = "lamp_point k { power { 1 1 1 } position { 0 0 3 } light_group key }";
+    assert!(!warnings(lamp, &lights).contains(none));
 }
 
 #[test]

@@ -75,6 +75,8 @@ def path_settings_element(scene):
         ("recursion", cycles.max_bounces if has_bounces else values.bounces),
         ("generatorType", values.generator),
     ]
+    if values.photons > 0.0:
+        body.append(("photons", values.photons))
     if not _is_auto(values):
         body.append(("lightSamplingType", values.light_sampling))
     body.append(("accelerator", values.accelerator))

@@ -682,6 +682,14 @@ class SettingsTest(PhysicalTest):
         view.gamma, view.view_transform = 1.0, "Raw"
         self.assertEqual(film(), {"encoding": "RAW", "exposure": "0.5"})
 
+    def test_photons_are_written_if_there_are_any(self):
+        blend.lamp()
+        self.assertNotIn("photons", self.exported().one("settings").values)
+        self.scene.slo_rt.photons = 0.5
+        self.assertEqual(self.exported().one("settings").values["photons"], [["0.5"]])
+        self.scene.slo_rt.integrator = "DISTRIBUTED"
+        self.assertNotIn("photons", self.exported().one("settings").values)
+
     def test_distributed_is_as_ever(self):
         self.scene.slo_rt.integrator = "DISTRIBUTED"
         blend.lamp()

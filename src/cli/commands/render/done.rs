@@ -58,6 +58,8 @@ pub(super) struct Done {
     pub(super) times: Times,
     pub(super) statistics: Statistics,
     pub(super) size: Size,
+    /// Pixels that are brighter than the film can say.
+    pub(super) full_pixels: usize,
     pub(super) outcome: Outcome,
     /// Problem of a file beside the picture that could not be written.
     pub(super) missing: Option<Problem>,

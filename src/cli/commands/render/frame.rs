@@ -87,11 +87,13 @@ impl Studio<'_> {
         end.release();
         let path = self.target.path(frame, rendering);
         let Exposed { film, statistics, .. } = exposed;
+        let full_pixels = film.full_pixels();
         let (outcome, beside) = self.put_in_place(frame, film, steps, &path, &checkpoint)?;
         let times =
             Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
         *before = Some(built);
-        Ok(Done { path, times, statistics, size, outcome, missing: beside.err(), steps })
+        let missing = beside.err();
+        Ok(Done { path, times, statistics, size, full_pixels, outcome, missing, steps })
     }
 
     /// Writes the files that are made from a film, and the film itself if it is still needed. Also

@@ -19,6 +19,8 @@ pub(super) struct Summary {
     statistics: Statistics,
     /// Size of the last frame.
     size: Size,
+    /// Pixels that are brighter than the film can say, of all frames.
+    full_pixels: usize,
     /// Largest error of a frame.
     error: Option<f64>,
     isa: Isa,
@@ -29,7 +31,7 @@ impl Summary {
     pub(super) fn new(loading: Duration, isa: Isa) -> Self {
         let times = Times { loading, ..Times::default() };
         let (statistics, size) = (Statistics::default(), Size::default());
-        Self { frames: 0, times, statistics, size, error: None, isa }
+        Self { frames: 0, times, statistics, size, full_pixels: 0, error: None, isa }
     }
 
     /// Adds a frame.
@@ -38,6 +40,7 @@ impl Summary {
         self.times.add(&done.times);
         self.statistics += done.statistics;
         self.size = done.size;
+        self.full_pixels += done.full_pixels;
         self.error = self.error.into_iter().chain(done.outcome.error).reduce(f64::max);
     }
 
@@ -50,6 +53,9 @@ impl Summary {
                 1 => format!("{samples} was too bright for the film and was clamped, or was no number and was left out"),
                 _ => format!("{samples} were too bright for the film and were clamped, or were no numbers and were left out"),
             });
+        }
+        if self.full_pixels > 0 {
+            terminal.warn(too_bright(self.full_pixels));
         }
         let what = match self.frames {
             1 => "rendered".into(),
@@ -101,6 +107,12 @@ impl Summary {
     }
 }
 
+/// Says how many pixels are brighter than the film can say.
+fn too_bright(pixels: usize) -> String {
+    let verb = if pixels == 1 { "is" } else { "are" };
+    format!("{} {verb} brighter than the film can add up", counted(pixels, "pixel"))
+}
+
 fn line(rendering: Duration, rays: &Statistics, peak: Option<u64>) -> String {
     let rate = |rays: u64| rays as f64 / 1e6 / rendering.as_secs_f64().max(1e-6);
     let mut line = format!(
@@ -147,6 +159,12 @@ mod tests {
     #[test]
     fn no_time_is_no_division_by_zero() {
         assert!(!line(Duration::ZERO, &RAYS, None).contains("inf"));
+    }
+
+    #[test]
+    fn pixels_that_are_too_bright_are_counted() {
+        insta::assert_snapshot!(too_bright(1), @"1 pixel is brighter than the film can add up");
+        insta::assert_snapshot!(too_bright(12), @"12 pixels are brighter than the film can add up");
     }
 
     #[test]

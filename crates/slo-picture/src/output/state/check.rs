@@ -12,8 +12,12 @@ use crate::output::recipe::{layers_of, restore_settings, steps_of};
 
 /// Largest mean of a pixel's samples, in multiples of the largest contribution.
 const MOST_CONTRIBUTIONS: u64 = 1024;
-/// Larger sums leave no room for more samples.
-const LARGEST_SUM: u64 = 1 << 62;
+/// The largest contribution, in units of a sum.
+const LARGEST_CONTRIBUTION: u64 = 1 << 48;
+/// Larger sums of features leave no room for more samples.
+const LARGEST_FEATURE: u64 = 1 << 62;
+/// Samples of a pixel in the states of other versions, which are not read further.
+const MOST_SAMPLES: u32 = (1 << 22) - 1;
 
 /// What must hold for each pixel of a state.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,8 +47,8 @@ impl Bounds {
         }
         if recipe["version"] != env!("CARGO_PKG_VERSION") {
             return Ok(Self {
-                all: Fixed::MOST,
-                samples: 0..Fixed::MOST,
+                all: MOST_SAMPLES,
+                samples: 0..MOST_SAMPLES,
                 is_share: subject.samples.is_some(),
                 is_full: false,
             });
@@ -87,13 +91,13 @@ impl Bounds {
     ) -> Result<(), &'static str> {
         let Pixel { sum, base, samples } = *pixel;
         let in_base = self.in_base(samples);
-        let largest = u64::from(samples).saturating_mul(MOST_CONTRIBUTIONS << 41).min(LARGEST_SUM);
-        let is_small =
-            |sums: [Fixed; 3]| sums.iter().all(|sum| sum.units().unsigned_abs() <= largest);
+        let largest = u64::from(samples).saturating_mul(MOST_CONTRIBUTIONS * LARGEST_CONTRIBUTION);
+        let mut sums = [sum, base].into_iter().chain(lights.iter().copied()).flatten();
         let features = features.map(|features| [features.albedo, features.normal]);
-        let features = features.into_iter().flatten();
-        let mut sums = [sum, base].into_iter().chain(features).chain(lights.iter().copied());
-        if !sums.all(is_small) {
+        let mut features = features.into_iter().flatten().flatten();
+        if !sums.all(|sum| sum.units() <= largest)
+            || !features.all(|sum| sum.units().unsigned_abs() <= largest.min(LARGEST_FEATURE))
+        {
             return Err("its sums are larger than rendered ones");
         }
         let is_base = match in_base {
@@ -122,11 +126,10 @@ impl Bounds {
 /// Whether the sums of a channel lie between those of as many of its smallest and of its largest
 /// sample.
 fn is_between(pixel: &Pixel, in_base: u32, spread: &Spread, c: usize) -> bool {
-    let [least, most] = [spread.least[c], spread.most[c]].map(|sample| i128::from(sample.units()));
-    let holds = |sum: Fixed, count: u32| {
-        let (sum, count) = (i128::from(sum.units()), i128::from(count));
-        (least * count..=most * count).contains(&sum)
-    };
+    let [least, most] = [spread.least[c], spread.most[c]];
+    let times = |sample: Fixed, count: u32| sample.units().saturating_mul(count.into());
+    let holds =
+        |sum: Fixed, count: u32| (times(least, count)..=times(most, count)).contains(&sum.units());
     least <= most && holds(pixel.sum[c], pixel.samples) && holds(pixel.base[c], in_base)
 }
 

@@ -23,7 +23,7 @@ use std::path::Path;
 use slo_scene::LightGroups;
 
 use super::check::Bounds;
-use crate::film::{Area, Features, Film, Fixed, Pixel, Spread, State, Subject};
+use crate::film::{Area, Features, Film, Fixed, Pixel, SignedFixed, Spread, State, Subject};
 use crate::output::file::{open_regular, write_atomically};
 
 /// Changes with the layout of the file.
@@ -94,8 +94,8 @@ fn write_pixels(out: &mut impl Write, state: &State) -> io::Result<()> {
             put_color(out, spread.most)?;
         }
         if let Some(features) = state.film.features().get(i) {
-            put_color(out, features.albedo)?;
-            put_color(out, features.normal)?;
+            put_signed(out, features.albedo)?;
+            put_signed(out, features.normal)?;
         }
         state.film.lights(i).iter().try_for_each(|light| put_color(out, *light))?;
     }
@@ -111,11 +111,15 @@ fn put(out: &mut impl Write, number: u32) -> io::Result<()> {
 }
 
 fn put_color(out: &mut impl Write, color: [Fixed; 3]) -> io::Result<()> {
-    let mut bytes = [0; 24];
-    for (to, from) in bytes.chunks_exact_mut(8).zip(color) {
-        to.copy_from_slice(&from.units().to_le_bytes());
-    }
-    out.write_all(&bytes)
+    put_three(out, color.map(|c| c.units().to_le_bytes()))
+}
+
+fn put_signed(out: &mut impl Write, numbers: [SignedFixed; 3]) -> io::Result<()> {
+    put_three(out, numbers.map(|n| n.units().to_le_bytes()))
+}
+
+fn put_three(out: &mut impl Write, numbers: [[u8; 8]; 3]) -> io::Result<()> {
+    out.write_all(numbers.as_flattened())
 }
 
 /// Reads the state at `path`. Nothing in the file is trusted: a file that is truncated, damaged, of
@@ -230,7 +234,7 @@ fn read_film(input: &mut impl Read, subject: &Subject, bounds: &Bounds) -> io::R
         }
         read_pixel(input, pixel, spread, subject.samples.is_some())?;
         if let Some(features) = film.features_mut(i) {
-            *features = Features { albedo: get_color(input)?, normal: get_color(input)? };
+            *features = Features { albedo: get_signed(input)?, normal: get_signed(input)? };
         }
         for light in film.lights_mut(i) {
             *light = get_color(input)?;
@@ -289,13 +293,17 @@ fn get_groups(input: &mut impl Read) -> io::Result<LightGroups> {
 }
 
 fn get_color(input: &mut impl Read) -> io::Result<[Fixed; 3]> {
-    let mut bytes = [0; 24];
-    input.read_exact(&mut bytes)?;
-    let mut color = [Fixed::default(); 3];
-    for (to, from) in color.iter_mut().zip(bytes.as_chunks::<8>().0) {
-        *to = Fixed::from_units(i64::from_le_bytes(*from));
-    }
-    Ok(color)
+    Ok(get_three(input)?.map(|bytes| Fixed::from_units(u64::from_le_bytes(bytes))))
+}
+
+fn get_signed(input: &mut impl Read) -> io::Result<[SignedFixed; 3]> {
+    Ok(get_three(input)?.map(|bytes| SignedFixed::from_units(i64::from_le_bytes(bytes))))
+}
+
+fn get_three(input: &mut impl Read) -> io::Result<[[u8; 8]; 3]> {
+    let mut numbers = [[0; 8]; 3];
+    input.read_exact(numbers.as_flattened_mut())?;
+    Ok(numbers)
 }
 
 fn damaged(why: &str) -> io::Error {

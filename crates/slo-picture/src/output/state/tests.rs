@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use slo_scene::LightGroups;
 
 use super::file::*;
-use crate::film::{Area, Features, Fixed, Merger, State, Subject, base_end};
+use crate::film::{Area, Features, Fixed, Merger, SignedFixed, State, Subject, base_end};
 
 /// What a state of a test is about.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,9 @@ fn state(kind: Kind) -> State {
     let mut film = subject.film().unwrap();
     for i in 0..subject.area.len() {
         for number in numbers(kind, i) {
-            let value = |k: u32| [Fixed::from_units(i64::from(k * number) + i as i64 - 20); 3];
+            let value = |k: u32| [Fixed::from_units(u64::from(k * number) + i as u64); 3];
+            let signed =
+                |k: u32| [SignedFixed::from_units(i64::from(k * number) + i as i64 - 20); 3];
             let (pixel, spread) = film.at_mut(i);
             match kind {
                 Kind::Share if number < base_end(8) => pixel.add_base(value(7), 1),
@@ -68,7 +70,7 @@ fn state(kind: Kind) -> State {
             }
             spread.into_iter().for_each(|spread| spread.add(value(7)));
             if let Some(features) = film.features_mut(i) {
-                *features += Features { albedo: value(5), normal: value(11) };
+                *features += Features { albedo: signed(5), normal: signed(11) };
             }
             film.lights_mut(i).iter_mut().for_each(|light| *light = value(3));
         }
@@ -164,14 +166,14 @@ fn numbers_that_can_not_be_are_refused() {
         assert!(error.starts_with("it is damaged: ") && error.contains(why), "{kind:?}: {error}");
     };
     let last = |state: &State| state.film.pixels().iter().rposition(|p| p.samples > 2).unwrap();
-    let units = |units: i64| [Fixed::from_units(units); 3];
+    let units = |units: u64| [Fixed::from_units(units); 3];
     for kind in KINDS {
         check(kind, "more samples than were asked for", &|s| {
             s.film.at_mut(last(s)).0.samples = 9;
         });
-        check(kind, "larger than rendered", &|s| s.film.at_mut(last(s)).0.sum = units(1 << 61));
+        check(kind, "larger than rendered", &|s| s.film.at_mut(last(s)).0.sum = units(1 << 62));
         check(kind, "larger than rendered", &|s| {
-            s.film.at_mut(last(s)).0.sum[2] = Fixed::MIN;
+            s.film.at_mut(last(s)).0.sum[2] = Fixed::MAX;
         });
         check(kind, "recipe", &|s| {
             s.subject.recipe = s.subject.recipe.replace("\"dofSamples\": 2, ", "");
@@ -213,7 +215,7 @@ fn numbers_that_can_not_be_are_refused() {
         s.film.at_mut(last(s)).0.sum = units(1 << 30);
     });
     check(Kind::Contrast, "do not fit its samples", &|s| {
-        s.film.at_mut(last(s)).1.unwrap().most = units(-1000);
+        s.film.at_mut(last(s)).1.unwrap().most = units(1);
     });
     check(Kind::Share, "contradict each other", &|s| {
         // The first samples of all are in the base, and this pixel has one.
@@ -257,7 +259,7 @@ fn whatever_is_taken_can_be() {
 fn check_use(state: &State) {
     let Subject { area, region, .. } = state.subject;
     assert!(area.holds(&region) && state.film.area() == area);
-    assert!(state.film.pixels().iter().all(|pixel| pixel.samples <= Fixed::MOST));
+    assert!(state.film.pixels().iter().all(|pixel| pixel.samples < 1 << 22));
     let image = state.film.image_of(region);
     assert!(image.rgb.as_flattened().iter().all(|value| value.is_finite()));
     let mut merger = Merger::new(&state.subject, 8).unwrap();

@@ -2,11 +2,10 @@
 
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
-use slo_scene::LightSampling;
 
 use super::hits::Hits;
 use crate::frame::{FrameScene, Look};
-use crate::integrator::batch::{Batch, marks};
+use crate::integrator::batch::{Batch, Past, marks};
 use crate::integrator::branching::rays_to;
 
 /// Light of the rays that are not shaded.
@@ -46,6 +45,9 @@ impl Arrived {
         let skies = if stride > 0 { frame.skies.get(part..=part) } else { Some(&frame.skies[..]) };
         let skies = skies.unwrap_or_default();
         for i in hits.shaded.others(batch.len()) {
+            if depth > 0 && marks::asked(batch.past.marks[i]) != 0 {
+                continue;
+            }
             let (light, first) = match Look::of_word(hits.looks[i]) {
                 Look::Light(number) if depth == 0 && frame.is_hidden(number) => continue,
                 Look::Light(_) if part > 0 => continue,
@@ -74,36 +76,76 @@ fn lamp(frame: &FrameScene, number: u32, batch: &Batch, hits: &Hits, i: usize, d
     if frame.lights.enclose(number, time, batch.rays.origin(i)) {
         return Vec3::ZERO;
     }
-    let radiance = frame.lights.radiance(number, time, way);
-    radiance * share(frame, number, way, batch, i, depth)
+    light(frame, number, [from, way], batch, i, depth)
 }
 
 /// Returns the light of skies.
 fn sky(frame: &FrameScene, skies: &[u32], batch: &Batch, i: usize, depth: u32) -> Vec3 {
     let direction = batch.rays.direction(i);
-    let mut light = Vec3::ZERO;
+    let from = batch.past.from.get(i);
+    let mut sum = Vec3::ZERO;
     for &number in skies {
         if depth == 0 && frame.is_hidden(number) {
             continue;
         }
-        let radiance = frame.lights.radiance(number, batch.labels.time[i], direction);
-        if radiance != Vec3::ZERO {
-            light += radiance * share(frame, number, direction, batch, i, depth);
-        }
+        sum += light(frame, number, [from, direction], batch, i, depth);
     }
-    light
+    sum
 }
 
-/// Returns the weight, by the balance heuristic, of ray `i`, which ends on a lamp after `depth`
-/// bounces at the end of the vector `way` from the hit that it left.
-pub(super) fn share(
+/// Where a ray ends on a light.
+#[derive(Clone, Copy)]
+pub(super) struct End {
+    /// Index of the light.
+    pub(super) light: u32,
+    /// Vector from the hit that the ray left.
+    pub(super) way: Vec3,
+    /// See [`Lamp::density`](crate::shading::Lamp::density).
+    pub(super) density: f32,
+}
+
+/// Returns the light of a lamp at the end of the vector `way`, weighted by its share.
+fn light(
     frame: &FrameScene,
     number: u32,
-    way: Vec3,
+    [from, way]: [Vec3; 2],
     batch: &Batch,
     i: usize,
     depth: u32,
-) -> f32 {
+) -> Vec3 {
+    let time = batch.labels.time[i];
+    if depth == 0 {
+        return frame.lights.radiance(number, time, way);
+    }
+    let (radiance, density) = frame.lights.found(number, time, from, way);
+    if radiance == Vec3::ZERO {
+        return radiance;
+    }
+    radiance * share(frame, End { light: number, way, density }, batch, i, depth)
+}
+
+/// Returns the weight, by the balance heuristic, of ray `i`, which ends on a lamp after `depth`
+/// bounces.
+pub(super) fn share(frame: &FrameScene, end: End, batch: &Batch, i: usize, depth: u32) -> f32 {
+    share_of_hit(frame, end, batch, i, depth) * left_by_photons(frame, end, batch, i)
+}
+
+/// Returns the share of a lamp's light that photons leave to ray `i`, which ends on it.
+fn left_by_photons(frame: &FrameScene, end: End, batch: &Batch, i: usize) -> f32 {
+    let Past { from, marks, rough, .. } = &batch.past;
+    let Some(emission) = frame.emission.as_ref().filter(|_| rough.is_kept) else { return 1.0 };
+    if marks[i] & marks::SHARP == 0 || rough.rival[i] == 0.0 {
+        return 1.0;
+    }
+    let (point, time) = (from.get(i) + end.way, batch.labels.time[i]);
+    let toward = -batch.rays.direction(i);
+    let density = emission.density(&frame.lights, end.light, time, point, toward);
+    rough.rival[i] / (rough.rival[i] + density)
+}
+
+/// Like [`share`], among techniques that start at the camera.
+fn share_of_hit(frame: &FrameScene, end: End, batch: &Batch, i: usize, depth: u32) -> f32 {
+    let number = end.light;
     let (density, is_diffuse) = (batch.density[i], batch.past.marks[i] & marks::DIFFUSE != 0);
     if depth == 0 {
         return 1.0;
@@ -116,13 +158,12 @@ pub(super) fn share(
         return 1.0;
     }
     let rays = rays_to(frame, light, depth - 1) as f32;
-    let chance = match frame.settings.light_sampling() {
-        LightSampling::All => 1.0,
-        LightSampling::One => {
-            frame.light_tree.chance(number, batch.past.from.get(i), batch.past.normal[i])
+    let chance = match number.checked_sub(frame.first_chosen) {
+        None => 1.0,
+        Some(chosen) => {
+            frame.light_tree.chance(chosen, batch.past.from.get(i), batch.past.normal[i])
         }
     };
-    let (from, time) = (batch.past.from.get(i), batch.labels.time[i]);
-    let by_light = rays * chance * frame.lights.density(number, time, from, way);
+    let by_light = rays * chance * end.density;
     frame.techniques.hit(is_diffuse, density, by_light)
 }

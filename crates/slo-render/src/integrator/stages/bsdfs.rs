@@ -10,7 +10,7 @@ use super::features::Own;
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::batch::Batch;
-use crate::shading::bsdf::{Bsdf, Lobe, WithLobe, WithLobeMut, principled};
+use crate::shading::bsdf::{At, Bsdf, Lobe, WithLobe, WithLobeMut, principled};
 use crate::shading::light::receiver;
 use crate::shading::material::Kind;
 use crate::shading::material::principled::Parameters;
@@ -33,6 +33,20 @@ pub(in crate::integrator) struct Bsdfs {
     own: Vec3s,
     /// Estimates of the shares of light of perfect lobes.
     perfect: Column<f32>,
+}
+
+/// Lobes of physical materials as they look from elsewhere.
+#[derive(Debug)]
+pub(super) struct LookBack {
+    pub(super) bsdf: Bsdf,
+    from_outside: Column<u32>,
+    emitted: Vec3s,
+}
+
+impl Default for LookBack {
+    fn default() -> Self {
+        Self { bsdf: Bsdf::default(), from_outside: [0; BATCH], emitted: Vec3s::default() }
+    }
 }
 
 impl Default for Bsdfs {
@@ -88,8 +102,23 @@ impl Bsdfs {
         Own { albedo, share: (1.0 - self.perfect[i]).max(0.0) }
     }
 
+    /// Finds the points that have a rough lobe which rays follow: 1, or 0.
+    pub(in crate::integrator) fn find_rough(
+        &self,
+        frame: &FrameScene,
+        points: &Points,
+        is_rough: &mut Column<u32>,
+    ) {
+        *is_rough = [0; BATCH];
+        self.bsdf.for_each(&mut FindRough { frame, points, is_rough });
+    }
+
     /// Lets light from all directions count at points that light passes through.
     pub(in crate::integrator) fn open_receivers(&self, points: &mut Points) {
+        let Bsdf { glass, refraction, .. } = &self.bsdf;
+        if !glass.share().is_present && !refraction.share().is_present {
+            return;
+        }
         for i in 0..points.len() {
             let is_glass = self.is_principled[i] == 1 && self.parameters.transmission[i] > 0.0;
             let refracts = self.bsdf.refraction.share().is_present
@@ -132,24 +161,56 @@ impl Bsdfs {
         }
     }
 
+    /// Sets up the lobes of physical materials as they look from where `way` leads to, in `to`. Returns
+    /// false, and does nothing, if all lobes that are sharp look alike from everywhere.
+    pub(super) fn look_back(
+        &self,
+        frame: &FrameScene,
+        points: &Points,
+        way: &Vec3s,
+        to: &mut LookBack,
+    ) -> bool {
+        let p = &self.parameters;
+        let depends = |i: usize| {
+            self.is_principled[i] == 1
+                && (p.roughness[i] > 0.0 || p.coat[i] > 0.0 || p.sheen[i] > 0.0)
+        };
+        if !(0..points.len()).any(depends) {
+            return false;
+        }
+        sides(points, way, &mut to.from_outside);
+        to.bsdf.clear();
+        let at = |i: usize| {
+            let (at, eye) = (points.at(i), way.get(i));
+            let side = if at.n_geo.dot(eye) < 0.0 { -1.0 } else { 1.0 };
+            At { eye, n: at.n * side, n_geo: at.n_geo * side, floor: at.floor * side, ..at }
+        };
+        let is_mine = |i: usize| self.is_principled[i] == 1;
+        let LookBack { bsdf, from_outside, emitted } = to;
+        principled(p, at, from_outside, is_mine, points.len(), frame.isa, bsdf, emitted);
+        true
+    }
+
     /// Sets up the lobes of all points, and the chance with which a ray follows each.
     pub(in crate::integrator) fn find(&mut self, frame: &FrameScene, points: &Points) {
         self.bsdf.clear();
-        frame.isa.run(Phong { table: &frame.material_table, points, to: self });
-        let table = &frame.material_table;
+        let (table, len) = (&frame.material_table, points.len());
+        let physical = self.is_principled[..len].iter().filter(|is| **is == 1).count();
+        if physical < len {
+            frame.isa.run(Phong { table, points, to: self });
+        }
         let Self { bsdf, parameters, is_principled, emitted, .. } = self;
-        if table.is_physical() {
+        if physical > 0 {
             let (at, from_outside) = (|i| points.at(i), &points.surfaces.from_outside);
             let is_mine = |i: usize| is_principled[i] == 1;
-            let (len, isa) = (points.len(), frame.isa);
-            principled(parameters, at, from_outside, is_mine, len, isa, bsdf, emitted);
+            principled(parameters, at, from_outside, is_mine, len, frame.isa, bsdf, emitted);
         }
         // The chances of all lobes that rays follow sum to 1.
         self.total = [0.0; BATCH];
         let diffuse = frame.settings.integrator == Integrator::Path;
         let Self { bsdf, total, .. } = self;
-        bsdf.for_each(&mut AddUp { frame, len: points.len(), diffuse, total });
-        bsdf.for_each_mut(&mut Divide { frame, len: points.len(), diffuse, total });
+        bsdf.for_each(&mut AddUp { frame, len, diffuse, total });
+        bsdf.for_each_mut(&mut Divide { frame, len, diffuse, total });
     }
 }
 
@@ -229,6 +290,7 @@ fn phong(table: &MaterialTable, points: &Points, to: &mut Bsdfs) {
         let reflected = reflection.share().chance[i] + mirrored;
         refraction.axis.set(i, axis);
         refraction.side.set(i, -n_geo);
+        refraction.eta[i] = eta;
         refraction.share_mut().weight.set(i, Vec3::splat(refracted));
         refraction.share_mut().chance[i] = refracted;
         reflection.axis.set(i, lobe::reflect(direction, n_shade));
@@ -318,6 +380,49 @@ impl<L: Lobe> Lanewise for AddOwnOf<'_, L> {
             own.set(i, own.get(i) + albedo);
             perfect[i] += if is_perfect { sampled.weight.max_element() } else { 0.0 };
         }
+    }
+}
+
+/// Finds the points with rough lobes that rays follow.
+struct FindRough<'a> {
+    frame: &'a FrameScene,
+    points: &'a Points,
+    is_rough: &'a mut Column<u32>,
+}
+
+impl WithLobe for FindRough<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &L) {
+        if L::IS_FOLLOWED {
+            let Self { frame, points, is_rough } = self;
+            frame.isa.run(FindRoughOf { lobe, points, is_rough });
+        }
+    }
+}
+
+struct FindRoughOf<'a, L> {
+    lobe: &'a L,
+    points: &'a Points,
+    is_rough: &'a mut Column<u32>,
+}
+
+impl<L: Lobe> Lanewise for FindRoughOf<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lobe, points, is_rough } = self;
+        for i in lanes(points.surfaces.len) {
+            let is_there = lobe.share().weight.get(i) != Vec3::ZERO;
+            is_rough[i] |= u32::from(is_there & !lobe.is_sharp(i));
+        }
+    }
+}
+
+/// The sides of surfaces that `way` leads to: 1 for the outside, 0 for the inside.
+fn sides(points: &Points, way: &Vec3s, to: &mut Column<u32>) {
+    for i in 0..points.len() {
+        let passes = points.surfaces.n_geo.get(i).dot(way.get(i)) < 0.0;
+        to[i] = points.surfaces.from_outside[i] ^ u32::from(passes);
     }
 }
 

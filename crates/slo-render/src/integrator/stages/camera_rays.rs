@@ -70,6 +70,13 @@ impl CameraRays {
         self.samples.take(&frame.sampler, frame.isa, &names);
         frame.isa.run(Expose { camera: &frame.camera, rays: self, len });
         self.put(len, batch);
+        let rough = &mut batch.past.rough;
+        rough.is_kept = frame.emission.is_some();
+        if rough.is_kept {
+            rough.rival[..len].fill(0.0);
+            rough.width[..len].fill(0.0);
+            rough.spread[..len].fill(frame.camera.pixel_angle());
+        }
     }
 
     fn put(&self, len: usize, batch: &mut Batch) {
@@ -83,6 +90,7 @@ impl CameraRays {
         batch.rays.t_max[..len].fill(f32::INFINITY);
         batch.labels.time.copy_from_slice(self.samples.time());
         batch.density[..len].fill(0.0);
+        batch.past.marks[..len].fill(0);
         batch.labels.path[..len].fill(0);
         for weight in [&mut batch.weight.x, &mut batch.weight.y, &mut batch.weight.z] {
             weight[..len].fill(1.0);

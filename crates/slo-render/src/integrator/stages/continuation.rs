@@ -68,6 +68,10 @@ impl Continuation {
         bsdfs.bsdf.for_each(&mut Follow { frame, points, set, count, below, sent, past });
         let always = depth == 0 || !frame.clever;
         frame.isa.run(Finish { points, survival, always, count, sent, past });
+        past.rough.is_kept = points.rough.is_kept;
+        if past.rough.is_kept {
+            frame.isa.run(Remember { points, sent, past });
+        }
         frame.isa.run(Name { points, place, next: labels });
         let len = points.len();
         if let Some(first) = first_behind {
@@ -134,7 +138,9 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             sent.direction.set(i, keep(sampled.direction, sent.direction.get(i)));
             sent.weight.set(i, keep(weight, sent.weight.get(i)));
             sent.density[i] = if is_chosen { density } else { sent.density[i] };
+            let is_sharp = lobe.is_sharp(i);
             let mark = if L::IS_DIFFUSE { marks::DIFFUSE } else { 0 };
+            let mark = mark | if is_sharp { marks::SHARP } else { 0 };
             past.marks[i] = if is_chosen { mark } else { past.marks[i] };
         }
     }
@@ -174,12 +180,47 @@ impl Lanewise for Finish<'_> {
     }
 }
 
+/// By how much the footprint of a ray that left a rough lobe grows with distance, at least. Light that
+/// comes that way is spread so widely that details in it don't show.
+const ROUGH_SPREAD: f32 = 0.005;
+
+/// Notes what the paths share with photons.
+pub(super) struct Remember<'a> {
+    pub(super) points: &'a Points,
+    pub(super) sent: &'a Sent,
+    pub(super) past: &'a mut Past,
+}
+
+impl Lanewise for Remember<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { points, sent, past } = self;
+        let (before, rough) = (&points.rough, &mut past.rough);
+        for i in lanes(points.surfaces.len) {
+            let is_sharp = past.marks[i] & marks::SHARP != 0;
+            let cos = points.surfaces.n_geo.get(i).dot(sent.direction.get(i)).abs();
+            let rival = sent.density[i] / (cos * points.caught[i]);
+            let is_real = points.at(i).is_real(sent.direction.get(i));
+            let is_shared = (points.caught[i] > 0.0) & (cos > 0.0) & is_real;
+            let rival = if is_shared { rival.min(f32::MAX) } else { 0.0 };
+            let is_two_way = points.at(i).is_two_way(sent.direction.get(i));
+            let kept = if is_two_way { before.rival[i] } else { 0.0 };
+            rough.rival[i] = if is_sharp { kept } else { rival };
+            rough.width[i] = before.width[i];
+            let spread = before.spread[i];
+            rough.spread[i] = if is_sharp { spread } else { spread.max(ROUGH_SPREAD) };
+        }
+    }
+}
+
 /// Sets the labels of the rays.
-struct Name<'a> {
-    points: &'a Points,
+pub(super) struct Name<'a> {
+    pub(super) points: &'a Points,
     /// Number of the ray, and the number of rays.
-    place: [u32; 2],
-    next: &'a mut Labels,
+    pub(super) place: [u32; 2],
+    pub(super) next: &'a mut Labels,
 }
 
 impl Lanewise for Name<'_> {

@@ -3,7 +3,6 @@
 use glam::Vec3;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{Column, lanes};
-use slo_scene::LightSampling;
 
 use super::light_choice::LightChoice;
 use super::lobes::{Lobe, Lobes};
@@ -33,13 +32,11 @@ pub(in crate::integrator) fn questions(
     frame: &FrameScene,
     depth: u32,
 ) -> impl Iterator<Item = Question> {
-    let (asked, all) = match frame.settings.light_sampling() {
-        LightSampling::All => (frame.lights.len(), true),
-        LightSampling::One => (frame.lights.len().min(1), false),
-    };
-    (0..asked).flat_map(move |number| {
-        let count = rays_to(frame, &frame.lights[number], depth);
-        let light = all.then_some(number as u32);
+    let each = (0..frame.first_chosen).map(|number| (Some(number), number));
+    let has_choice = (frame.first_chosen as usize) < frame.lights.len();
+    let chosen = has_choice.then_some((None, frame.first_chosen));
+    each.chain(chosen).flat_map(move |(light, like)| {
+        let count = rays_to(frame, &frame.lights[like as usize], depth);
         (0..count).map(move |i| Question { light, place: [i, count] })
     })
 }
@@ -147,7 +144,8 @@ impl WithLamps for AskChosen<'_> {
         place: impl Fn(u32) -> usize,
     ) {
         let (light, times) = (self.choice.light(), self.choice.times());
-        let choose = |i: usize| (lamps[place(light[i])], times[i], mine(light[i]));
+        let Some(last) = lamps.len().checked_sub(1) else { return };
+        let choose = |i: usize| (lamps[place(light[i]).min(last)], times[i], mine(light[i]));
         ask(self.frame, self.glossy, self.from, choose, self.to);
     }
 }

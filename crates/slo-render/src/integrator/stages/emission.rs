@@ -3,12 +3,12 @@
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
-use super::arrived::share;
+use super::arrived::{End, share};
 use super::bsdfs::Bsdfs;
 use super::hits::Hits;
 use super::points::Points;
 use crate::frame::FrameScene;
-use crate::integrator::batch::Batch;
+use crate::integrator::batch::{Batch, marks};
 
 /// Emitted light, weighted, one entry for each point.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ impl Default for Emission {
 
 impl Emission {
     /// Computes the light that the points of a batch emit, after `depth` bounces. Returns whether
-    /// there is any.
+    /// there is any. Rays that ask a light bring that of this light alone.
     pub(in crate::integrator) fn find(
         &mut self,
         frame: &FrameScene,
@@ -42,15 +42,36 @@ impl Emission {
             if emitted != Vec3::ZERO {
                 any = true;
                 let ray = points.surfaces.ray[i] as usize;
-                let share = frame.emitter(&hits.found, ray).map_or(1.0, |number| {
-                    let way = points.surfaces.point.get(i) - batch.past.from.get(ray);
-                    share(frame, number, way, batch, ray, depth)
-                });
+                let emitter = frame.emitter(&hits.found, ray);
+                let asked = if depth > 0 { marks::asked(batch.past.marks[ray]) } else { 0 };
+                let share = if asked > 0 {
+                    let is_asked = emitter == Some(frame.first_shaded + asked - 1);
+                    if is_asked { 1.0 } else { 0.0 }
+                } else {
+                    emitter.map_or(1.0, |light| {
+                        let (from, time) = (batch.past.from.get(ray), batch.labels.time[ray]);
+                        let way = points.surfaces.point.get(i) - from;
+                        let density = frame.lights.density(light, time, from, way);
+                        // Rays from inside of a sphere don't ask it.
+                        let density = if density.is_finite() { density } else { 0.0 };
+                        share(frame, End { light, way, density }, batch, ray, depth)
+                    })
+                };
                 light = points.weight.get(i) * emitted * share;
             }
             self.light.set(i, light);
         }
         any
+    }
+
+    /// Ends the paths of rays that ask a light.
+    pub(in crate::integrator) fn end(batch: &Batch, points: &mut Points, depth: u32) {
+        for i in 0..points.len() {
+            let ray = points.surfaces.ray[i] as usize;
+            if depth > 0 && marks::asked(batch.past.marks[ray]) != 0 {
+                points.weight.set(i, Vec3::ZERO);
+            }
+        }
     }
 
     /// Finds the slots of the light: those of the points, in the groups of the objects, at a distance

@@ -9,7 +9,7 @@
 use glam::Vec3;
 
 use slo_accel::math::columns::BATCH;
-use slo_picture::film::{Features, Fixed};
+use slo_picture::film::{Features, SignedFixed};
 
 use super::hits::Hits;
 use super::points::Points;
@@ -77,7 +77,7 @@ impl FeatureSums {
 
     fn add_to(&mut self, slot: u32, albedo: Vec3, normal: Vec3) {
         if let Some(sum) = self.0.get_mut(slot as usize) {
-            let fixed = |v: Vec3| v.to_array().map(Fixed::clamped);
+            let fixed = |v: Vec3| v.to_array().map(SignedFixed::clamped);
             *sum += Features { albedo: fixed(albedo), normal: fixed(normal) };
         }
     }

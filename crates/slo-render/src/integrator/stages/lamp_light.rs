@@ -14,10 +14,14 @@ use crate::integrator::work::Job;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{Lobe, WithLobe};
-use crate::shading::light::{Choices, Moving};
+use crate::shading::light::{Choices, Moving, Sampled};
 use crate::shading::{Lamp, WithLamp, WithLamps};
 
 use super::direct_light::Question;
+
+/// So many lights are asked one after the other, in loops that are vector code. Of more lights, each
+/// point fetches its own.
+const FEW: usize = 8;
 
 /// Rays of one question from all points.
 #[derive(Debug)]
@@ -25,11 +29,11 @@ pub(in crate::integrator) struct LampLight {
     set: SetPoints,
     choices: Choices,
     /// Index of the light of each point.
-    light: Column<u32>,
+    pub(super) light: Column<u32>,
     /// Number of rays to the light: the probability of the choice, times the number of rays.
     tries: Column<f32>,
     /// Unit directions to the points of lamps.
-    toward: Vec3s,
+    pub(super) toward: Vec3s,
     /// Radiance of the lamp, or irradiance if it has no area.
     radiance: Vec3s,
     /// `pdf_solid_angle` of all rays to the lamp; `tries` if it has no area.
@@ -38,6 +42,8 @@ pub(in crate::integrator) struct LampLight {
     hittable: Column<f32>,
     /// Factor of lobes that the thesis's lights reach without falloff; 0 for other lamps.
     flat: Column<f32>,
+    /// Share of light in sharp lobes that photons leave to the rays.
+    left: Column<f32>,
     /// Light that all lobes scatter, for a radiance of 1.
     scattered: Vec3s,
     pub(in crate::integrator) sent: Sent,
@@ -59,6 +65,7 @@ impl Default for LampLight {
             by_light: zeros,
             hittable: zeros,
             flat: zeros,
+            left: [1.0; BATCH],
             scattered: Vec3s::default(),
             sent: Sent::default(),
             labels: Labels::default(),
@@ -81,7 +88,9 @@ impl LampLight {
         let Question { light, place } = question;
         let purpose = light.map_or(Purpose::AnyLight, Purpose::Light);
         let names = points.names(&frame.settings, depth, purpose, place);
-        if let Some(number) = light {
+        // A light that is alone is always chosen.
+        let alone = (frame.lights.len() == 1).then_some(0);
+        if let Some(number) = light.or(alone) {
             self.set.take::<2>(&frame.sampler, frame.isa, &names);
             self.tries[..].fill(place[1] as f32);
             self.light[..].fill(number);
@@ -89,16 +98,25 @@ impl LampLight {
         } else {
             self.set.take::<3>(&frame.sampler, frame.isa, &names);
             self.choose(frame, points, place[1] as f32);
-            frame.lights.for_each_kind(&mut AskChosen { frame, points, to: self });
+            if frame.lights.len() <= FEW {
+                for (number, light) in (0..).zip(frame.lights.iter()) {
+                    light.with(AskOne { frame, points, number, to: self });
+                }
+            } else {
+                frame.lights.for_each_kind(&mut AskChosen { frame, points, to: self });
+            }
         }
-        let Self { scattered, toward, by_light, hittable, flat, .. } = self;
+        self.share_with_photons(frame, points);
+        let Self { scattered, toward, by_light, hittable, flat, left, .. } = self;
         *scattered = Vec3s::default();
         let rays = continuations(&frame.settings, depth) as f32;
-        let arriving = Arriving { points, toward, by_light, hittable, flat, rays };
+        let arriving = Arriving { points, toward, by_light, hittable, flat, left, rays };
         bsdfs.bsdf.for_each(&mut Scatter { frame, arriving, to: scattered });
         frame.isa.run(Finish { points, to: self });
         let weight = &self.sent.weight;
-        self.chosen.set(frame.isa, points.len(), |i| weight.get(i) != Vec3::ZERO);
+        let (light, shaded) = (&self.light, frame.first_shaded);
+        let is_sent = |i: usize| (weight.get(i) != Vec3::ZERO) & (light[i] < shaded);
+        self.chosen.set(frame.isa, points.len(), is_sent);
     }
 
     /// Labels the rays: like the points, but with the slots of the groups that the lights belong to,
@@ -114,13 +132,33 @@ impl LampLight {
         }
     }
 
+    /// Finds which share of the light in sharp lobes photons leave to the rays: of paths that left a
+    /// rough lobe before.
+    fn share_with_photons(&mut self, frame: &FrameScene, points: &Points) {
+        let Some(emission) = &frame.emission else { return };
+        let last = frame.lights.len().saturating_sub(1) as u32;
+        for i in 0..points.len() {
+            let rival = points.rough.rival[i];
+            self.left[i] = 1.0;
+            if rival > 0.0 && self.light[i] <= last {
+                let point = self.sent.origin.get(i) + self.sent.direction.get(i);
+                let (light, time) = (self.light[i], points.labels.time[i]);
+                let toward = self.toward.get(i);
+                let density = emission.density(&frame.lights, light, time, point, -toward);
+                self.left[i] = rival / (rival + density);
+            }
+        }
+    }
+
     /// Chooses a light for each point.
     fn choose(&mut self, frame: &FrameScene, points: &Points, rays: f32) {
         let Self { set, choices, light, tries, radiance, .. } = self;
         let Points { surfaces, receiver, .. } = points;
         let (point, u) = (surfaces.starts(), &set.numbers[2]);
         frame.light_tree.choose_all(frame.isa, points.len(), point, receiver, u, choices);
-        *light = choices.light;
+        for (light, &chosen) in light.iter_mut().zip(&choices.light) {
+            *light = frame.first_chosen.saturating_add(chosen);
+        }
         for (tries, chance) in tries.iter_mut().zip(&choices.chance) {
             *tries = chance * rays;
         }
@@ -145,10 +183,16 @@ impl WithLamp for AskOne<'_> {
         let Self { frame, points, number, to } = self;
         if frame.lights.move_about() {
             let pose = |i: usize| frame.lights.pose(number, points.labels.time[i]);
-            let choose = |_: u32, i: usize| (Moving { lamp, pose: pose(i) }, true);
-            frame.isa.run(Ask { points, choose, to });
+            let choose = |light: u32, i: usize| (Moving { lamp, pose: pose(i) }, light == number);
+            frame.isa.run(Ask::<_, true> { points, choose, to });
+            return;
+        }
+        // A copy of the lamp cannot alias a column.
+        let choose = move |light: u32, _: usize| (lamp, light == number);
+        if L::LOOKS_UP {
+            frame.isa.run(Ask::<_, true> { points, choose, to });
         } else {
-            frame.isa.run(Ask { points, choose: |_: u32, _: usize| (lamp, true), to });
+            frame.isa.run(Ask::<_, false> { points, choose, to });
         }
     }
 }
@@ -168,34 +212,33 @@ impl WithLamps for AskChosen<'_> {
         place: impl Fn(u32) -> usize,
     ) {
         let (frame, points) = (self.frame, self.points);
-        let last = frame.lights.len() as u32 - 1;
-        let choose = |light: u32| {
-            let known = light.min(last);
-            (lamps[place(known)], mine(known) & (light <= last))
-        };
+        let count = frame.lights.len() as u32;
+        let Some(last) = lamps.len().checked_sub(1) else { return };
+        let choose = |light: u32| (lamps[place(light).min(last)], mine(light) & (light < count));
         if frame.lights.move_about() {
             let pose = |light: u32, i: usize| frame.lights.pose(light, points.labels.time[i]);
             let choose = |light: u32, i: usize| {
                 let (lamp, is_asked) = choose(light);
                 (Moving { lamp, pose: pose(light, i) }, is_asked)
             };
-            frame.isa.run(Ask { points, choose, to: self.to });
+            frame.isa.run(Ask::<_, true> { points, choose, to: self.to });
         } else {
             let choose = |light: u32, _: usize| choose(light);
-            frame.isa.run(Ask { points, choose, to: self.to });
+            frame.isa.run(Ask::<_, true> { points, choose, to: self.to });
         }
     }
 }
 
 /// Creates a ray from every point to a light. `choose(light, i)` returns the light with an index
-/// as point `i` sees it, and whether to ask it. If not, the point keeps the ray that it has.
-struct Ask<'a, C> {
+/// as point `i` sees it, and whether to ask it. If not, the point keeps the ray that it has, and is
+/// skipped if `SKIPS`; otherwise the loop has no branches.
+struct Ask<'a, C, const SKIPS: bool> {
     points: &'a Points,
     choose: C,
     to: &'a mut LampLight,
 }
 
-impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
+impl<L: Lamp, C: Fn(u32, usize) -> (L, bool), const SKIPS: bool> Lanewise for Ask<'_, C, SKIPS> {
     type Output = ();
 
     #[inline(always)]
@@ -204,8 +247,12 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
         let (surfaces, starts) = (&points.surfaces, points.surfaces.starts());
         for i in lanes(surfaces.len) {
             let (lamp, is_asked) = choose(to.light[i], i);
+            if SKIPS && !is_asked {
+                continue;
+            }
             let hit = starts.get(i);
-            let way = lamp.way(hit, [to.set.numbers[0][i], to.set.numbers[1][i]]);
+            let u = [to.set.numbers[0][i], to.set.numbers[1][i]];
+            let Sampled { way, radiance, density } = lamp.sample(hit, u);
             let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };
             let origin = surfaces.depart(i, toward);
             let (direction, t_max) = if L::IS_DISTANT {
@@ -213,9 +260,8 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool)> Lanewise for Ask<'_, C> {
             } else {
                 lamp.shadow_ray(origin, hit + way)
             };
-            let radiance = lamp.radiance(way);
             let tries = to.tries[i];
-            let by_light = if L::IS_DELTA { tries } else { tries * lamp.density(hit, way) };
+            let by_light = if L::IS_DELTA { tries } else { tries * density };
             let flat = if L::IS_OF_THESIS { std::f32::consts::PI / tries } else { 0.0 };
             let keep = |new: Vec3, old: Vec3| if is_asked { new } else { old };
             to.sent.origin.set(i, keep(origin, to.sent.origin.get(i)));
@@ -239,6 +285,7 @@ struct Arriving<'a> {
     by_light: &'a Column<f32>,
     hittable: &'a Column<f32>,
     flat: &'a Column<f32>,
+    left: &'a Column<f32>,
     /// Number of continuations of each hit.
     rays: f32,
 }
@@ -273,10 +320,11 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
     #[inline(always)]
     fn run(self) {
         let Self { lobe, arriving, asked, partner, to } = self;
-        let Arriving { points, toward, by_light, hittable, flat, rays } = arriving;
+        let Arriving { points, toward, by_light, hittable, flat, left, rays } = arriving;
         let chance = &lobe.share().chance;
         for i in lanes(points.surfaces.len) {
-            let scattered = lobe.evaluate(i, &points.at(i), toward.get(i));
+            let (at, toward) = (points.at(i), toward.get(i));
+            let scattered = lobe.evaluate(i, &at, toward);
             let by_lobe = hittable[i] * partner * rays * chance[i] * scattered.density;
             let share = 1.0 / (by_light[i] + by_lobe);
             // Lamps without an area are found by asking only, whatever the techniques.
@@ -284,7 +332,9 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
             let is_flat = (flat[i] > 0.0) & (L::IS_DIFFUSE | (hittable[i] == 0.0));
             let share = if is_flat { flat[i] } else { share * asked };
             let shows = L::SHOWS_POINTS | (hittable[i] != 0.0);
-            let value = scattered.value * if shows { share } else { 0.0 };
+            let is_shared = lobe.is_sharp(i) & at.is_two_way(toward);
+            let left = if is_shared { left[i] } else { 1.0 };
+            let value = scattered.value * if shows { share * left } else { 0.0 };
             to.set(i, to.get(i) + value);
         }
     }

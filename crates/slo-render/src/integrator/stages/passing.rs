@@ -74,8 +74,7 @@ impl Passing {
     }
 
     fn push(&mut self, batch: &Batch, ray: usize, origin: Vec3, weight: Vec3) {
-        let passed = batch.past.marks[ray] / marks::PASS;
-        if passed >= marks::MOST_PASSES || self.len >= BATCH {
+        if marks::passed(batch.past.marks[ray]) >= marks::MOST_PASSES || self.len >= BATCH {
             return;
         }
         let Self { sent, labels, past, len, .. } = self;
@@ -92,6 +91,14 @@ impl Passing {
         past.from.set(i, batch.past.from.get(ray));
         past.normal[i] = batch.past.normal[ray];
         past.marks[i] = batch.past.marks[ray] + marks::PASS;
+        past.rough.is_kept = batch.past.rough.is_kept;
+        if past.rough.is_kept {
+            let (rough, before) = (&mut past.rough, &batch.past.rough);
+            let way = (origin - batch.rays.origin(ray)).length();
+            rough.rival[i] = before.rival[ray];
+            rough.width[i] = before.width[ray] + before.spread[ray] * way;
+            rough.spread[i] = before.spread[ray];
+        }
         *len += 1;
     }
 

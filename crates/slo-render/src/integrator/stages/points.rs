@@ -6,10 +6,10 @@ use slo_scene::Settings;
 
 use super::hits::Hits;
 use crate::frame::{FrameScene, SurfaceScratch, Surfaces};
-use crate::integrator::batch::{Batch, Labels};
+use crate::integrator::batch::{Batch, Labels, RoughStart};
 use crate::integrator::chosen::Chosen;
 use crate::sampling::batch::{SetNames, SetPoints};
-use crate::sampling::{PixelSeed, Purpose};
+use crate::sampling::{PixelSeed, Purpose, Sampler};
 use crate::shading::MaterialTable;
 use crate::shading::bsdf::At;
 use crate::shading::light::receiver;
@@ -36,6 +36,13 @@ pub(in crate::integrator) struct Points {
     pub(super) shines: bool,
     /// Packed normals; see [`receiver`].
     pub(super) receiver: Column<u32>,
+    /// What the paths remember, with the widths of the footprints at the points.
+    pub(super) rough: RoughStart,
+    /// Number of light paths of the point's map, times the area in which it finds photons; 0 where
+    /// photons add nothing.
+    pub(super) caught: Column<f32>,
+    /// The instances that were hit, for frames with photons.
+    pub(super) instance: Column<u32>,
     /// 1 for points that the ray passes through, whose weight is 0; otherwise 0.
     pub(super) passes: Column<u32>,
     /// A random number for the choice among mixed materials, and then for the choice of passing
@@ -59,6 +66,9 @@ impl Default for Points {
             shininess: [0.0; BATCH],
             shines: false,
             receiver: [receiver::ANY; BATCH],
+            rough: RoughStart::default(),
+            caught: [0.0; BATCH],
+            instance: [0; BATCH],
             passes: [0; BATCH],
             surface: [0.0; BATCH],
             set: SetPoints::default(),
@@ -91,8 +101,29 @@ impl Points {
         frame.isa.run(Seeds { seeds, to: self });
     }
 
-    /// Chooses a material at points where several are mixed.
-    pub(in crate::integrator) fn choose_materials(&mut self, frame: &FrameScene, depth: u32) {
+    /// Finds the footprints of pixels on the points, for frames with photons.
+    pub(in crate::integrator) fn find_footprints(&mut self, batch: &Batch, hits: &Hits) {
+        let (chosen, len) = (&hits.shaded, self.len());
+        self.rough.is_kept = batch.past.rough.is_kept;
+        for (from, to) in batch.past.rough.columns().into_iter().zip(self.rough.columns_mut()) {
+            chosen.copy(from, &mut to[..len]);
+        }
+        for i in 0..len {
+            let ray = self.surfaces.ray[i] as usize;
+            self.instance[i] = hits.found.instance[ray];
+            let origin = batch.rays.origin(ray);
+            let distance = (self.surfaces.point.get(i) - origin).length();
+            self.rough.width[i] += self.rough.spread[i] * distance;
+        }
+    }
+
+    /// Chooses a material at points where several are mixed, by random numbers of `sampler`.
+    pub(in crate::integrator) fn choose_materials(
+        &mut self,
+        frame: &FrameScene,
+        sampler: &Sampler,
+        depth: u32,
+    ) {
         let (table, len) = (&frame.material_table, self.len());
         self.passes[..len].fill(0);
         if !table.has_mixes && !table.images.any_passes() {
@@ -100,7 +131,7 @@ impl Points {
         }
         let mut set = std::mem::take(&mut self.set);
         let names = self.names(&frame.settings, depth, Purpose::Surface, [0, 1]);
-        set.take::<2>(&frame.sampler, frame.isa, &names);
+        set.take::<2>(sampler, frame.isa, &names);
         self.surface = set.numbers[0];
         self.set = set;
         if table.has_mixes {
@@ -108,9 +139,11 @@ impl Points {
         }
     }
 
-    /// Packs the normals.
+    /// Packs the normals, if lights are chosen by them.
     pub(in crate::integrator) fn find_receivers(&mut self, frame: &FrameScene) {
-        frame.isa.run(Receivers(self));
+        if frame.light_tree.len() > 1 {
+            frame.isa.run(Receivers(self));
+        }
     }
 
     /// Looks up the numbers of Phong materials.
@@ -179,8 +212,11 @@ impl Points {
             path: &self.labels.path,
             index: &self.labels.index,
             depth,
-            // Surfaces that a ray passes through one after the other must not decide alike.
-            split: count > 1 || (depth > 0 && split_before) || purpose == Purpose::Surface,
+            // Surfaces that a ray passes through one after the other must not decide alike, and the
+            // numbers of the roulette must not depend on those of the direction.
+            split: count > 1
+                || (depth > 0 && split_before)
+                || matches!(purpose, Purpose::Surface | Purpose::Survival),
             purpose: purpose.into(),
             place: [i, count],
             len: self.surfaces.len,
@@ -283,6 +319,40 @@ impl Lanewise for Weighted<'_> {
             points.ambient.set(i, weight * points.ambient.get(i) * tint);
             points.diffuse.set(i, points.diffuse.get(i) * tint * weight);
             points.specular.set(i, points.specular.get(i) * weight);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use slo_accel::Isa;
+    use slo_scene::Generator;
+
+    use super::*;
+    use crate::sampling::Sampler;
+
+    #[test]
+    fn roulette_does_not_depend_on_the_direction_of_the_same_bounce() {
+        let sampler = Sampler::new(Generator::Quasi, 1, 0);
+        let mut points = Points::default();
+        points.surfaces.len = 1008;
+        points.seed = [sampler.pixel(3, 5).word(); BATCH];
+        points.labels.index = NUMBERS;
+        let settings = Settings::default();
+        for depth in 0..4 {
+            let numbers = |purpose| {
+                let mut set = SetPoints::default();
+                let names = points.names(&settings, depth, purpose, [0, 1]);
+                set.take::<3>(&sampler, Isa::Portable, &names);
+                set.numbers[0]
+            };
+            let [direction, survival] = [Purpose::Continuation, Purpose::Survival].map(numbers);
+            let mut cells = [[0; 4]; 4];
+            for (a, b) in direction.iter().zip(&survival).take(1000) {
+                cells[(a * 4.0) as usize][(b * 4.0) as usize] += 1;
+            }
+            // 62 or 63 of independent numbers.
+            assert!(cells.iter().flatten().all(|count| *count > 30), "{depth}: {cells:?}");
         }
     }
 }

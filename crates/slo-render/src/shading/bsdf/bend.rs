@@ -28,6 +28,15 @@ pub(super) fn bent(eye: Vec3, n: Vec3, n_geo: Vec3) -> Vec3 {
     if height < least { normal } else { n }
 }
 
+/// Whether [`bent`] leaves a shading normal as it is for an eye in unit direction `way`, which may be on
+/// either side of the surface.
+#[inline(always)]
+pub(super) fn is_kept(way: Vec3, n: Vec3, n_geo: Vec3) -> bool {
+    let b = way.dot(n_geo);
+    let height = (2.0 * way.dot(n) * n.dot(n_geo) - b) * 1f32.copysign(b);
+    height >= (0.9 * b.abs()).min(0.01)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,6 +63,8 @@ mod tests {
             assert!((to.length() - 1.0).abs() < 1e-5, "{eye} {n}: {to}");
             assert!(height(to) > least - 1e-4, "{eye} {n}: {}", height(to));
             assert!(to.dot(eye) > 0.0);
+            assert_eq!(is_kept(eye, n, n_geo), to == n, "{eye} {n}");
+            assert_eq!(is_kept(eye, n, n_geo), is_kept(eye, -n, -n_geo), "{eye} {n}");
             if height(n) >= least {
                 assert_eq!(to, n);
             } else {

@@ -32,6 +32,11 @@ impl Coat {
 impl Lobe for Coat {
     const IS_DIFFUSE: bool = false;
 
+    #[inline(always)]
+    fn is_sharp(&self, i: usize) -> bool {
+        self.facets.is_sharp(i)
+    }
+
     fn share(&self) -> &Share {
         &self.facets.share
     }

@@ -4,7 +4,7 @@ use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
 use super::ggx::{Frame, Seen};
-use super::lobe::{At, Sampled, Scattered, Share};
+use super::lobe::{At, SHARP, Sampled, Scattered, Share};
 use crate::shading::lobe::reflect;
 
 /// Microfacets of the hits of a batch.
@@ -41,6 +41,12 @@ impl Facets {
         // The numbers of a perfect lobe are not used, but should be finite.
         let alpha = if is_perfect { [1.0; 2] } else { alpha };
         (frame, Seen::new(frame.to_local(at.eye), alpha), is_perfect)
+    }
+
+    /// See [`Lobe::is_sharp`](super::Lobe::is_sharp).
+    #[inline(always)]
+    pub(super) fn is_sharp(&self, i: usize) -> bool {
+        self.alpha[0][i].max(self.alpha[1][i]) < SHARP
     }
 
     /// See [`Lobe::evaluate`](super::Lobe::evaluate). `fresnel` is the share of light that a

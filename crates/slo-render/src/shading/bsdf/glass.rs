@@ -5,7 +5,7 @@ use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
 use super::fresnel::{between, cos_refracted};
 use super::ggx::{Frame, Seen};
-use super::lobe::{At, Lobe, Sampled, Scattered, Share};
+use super::lobe::{At, Lobe, SHARP, Sampled, Scattered, Share};
 use crate::shading::lobe::reflect;
 
 /// Microfacets that reflect and refract. Radiance is divided by the square of the relative index
@@ -84,15 +84,20 @@ impl Border {
         let [reflected, passed] =
             if self.is_thin { pane } else { [once, (Vec3::ONE - once) * self.tint] };
         let sum = |v: Vec3| v.x + v.y + v.z;
-        let (r, t) = (sum(reflected), sum(passed));
+        let (r, t) = (sum(reflected).sqrt(), sum(passed).sqrt());
         Parts { reflected, passed, chance: r / (r + t).max(f32::MIN_POSITIVE) }
     }
 
     /// The radiance of light that passes, in the medium of the eye, for a radiance of 1 beyond.
     #[inline(always)]
     fn compression(&self) -> f32 {
-        if self.is_thin { 1.0 } else { 1.0 / (self.eta * self.eta) }
+        compression(self.eta, self.is_thin)
     }
+}
+
+#[inline(always)]
+fn compression(eta: f32, is_thin: bool) -> f32 {
+    if is_thin { 1.0 } else { 1.0 / (eta * eta) }
 }
 
 impl Glass {
@@ -117,6 +122,17 @@ impl Glass {
 
 impl Lobe for Glass {
     const IS_DIFFUSE: bool = false;
+
+    #[inline(always)]
+    fn is_sharp(&self, i: usize) -> bool {
+        self.alpha[i] < SHARP
+    }
+
+    #[inline(always)]
+    fn of_photon(&self, i: usize, at: &At, direction: Vec3) -> f32 {
+        let passed = 1.0 / compression(self.eta[i], self.thin[i] != 0.0);
+        if at.n_geo.dot(direction) < 0.0 { passed } else { 1.0 }
+    }
 
     fn share(&self) -> &Share {
         &self.share

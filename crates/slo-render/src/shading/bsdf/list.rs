@@ -14,6 +14,12 @@ pub trait WithLobeMut {
     fn run<L: Lobe>(&mut self, lobe: &mut L);
 }
 
+/// Work for the lobes of one kind in two sets.
+pub trait WithLobes {
+    /// Does the work for a lobe that some hits of the first set have.
+    fn run<L: Lobe>(&mut self, lobe: &L, other: &L);
+}
+
 /// Defines the struct that holds the columns of every kind of lobe. Each kind is a type that
 /// implements [`Lobe`] and `Default`.
 macro_rules! lobes {
@@ -41,6 +47,16 @@ macro_rules! lobes {
                 $(
                     if self.$lobe.share().is_present {
                         work.run(&*self.$lobe);
+                    }
+                )+
+            }
+
+            /// Calls `work` once for each kind of lobe that is present here, with that of `other`.
+            #[inline(always)]
+            pub fn for_each_with(&self, other: &Self, work: &mut impl WithLobes) {
+                $(
+                    if self.$lobe.share().is_present {
+                        work.run(&*self.$lobe, &*other.$lobe);
                     }
                 )+
             }

@@ -3,6 +3,12 @@
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
+use super::bend::is_kept;
+
+/// Width below which a lobe is sharp: photons follow it, and paths from the camera rarely find small
+/// lamps in it. It decides how the work is shared, not what is found.
+pub use slo_scene::material::SHARP;
+
 /// One kind of lobe at the hits of a batch. Its functions are free of branches, for use on whole
 /// columns of hits, and give finite results for hits that do not have the lobe.
 pub trait Lobe {
@@ -15,6 +21,19 @@ pub trait Lobe {
 
     /// Whether the lobe shows lamps without an area.
     const SHOWS_POINTS: bool = true;
+
+    /// Whether the lobe of hit `i` is so narrow that photons follow it, instead of ending there; see
+    /// [`SHARP`].
+    fn is_sharp(&self, _i: usize) -> bool {
+        false
+    }
+
+    /// Returns the weight of a photon that came from the eye of hit `i` and follows a sample of the lobe
+    /// to a unit direction, as a share of the weight of light that goes the other way. Radiance is
+    /// compressed where the index of refraction grows, for example, and power is not.
+    fn of_photon(&self, _i: usize, _at: &At, _direction: Vec3) -> f32 {
+        1.0
+    }
 
     /// Returns the weights and chances of the lobe.
     fn share(&self) -> &Share;
@@ -47,6 +66,23 @@ pub struct At {
     /// Where anisotropic surfaces have their long axis: any length, not along `n`. If it is 0, an
     /// arbitrary one is taken.
     pub tangent: Vec3,
+}
+
+impl At {
+    /// Whether lobes use the same normal for light from `toward` to the eye as for a photon that goes the
+    /// other way: no normal is bent. Photons leave all other light to paths from the camera.
+    #[inline(always)]
+    pub fn is_two_way(&self, toward: Vec3) -> bool {
+        let Self { eye, n, n_geo, .. } = *self;
+        is_kept(eye, n, n_geo) & is_kept(toward, n, n_geo) & self.is_real(toward)
+    }
+
+    /// Whether light from `toward` arrives on the same side of the surface as of the plane above which
+    /// it counts. Photons arrive at the surface itself, and leave all other light to paths.
+    #[inline(always)]
+    pub fn is_real(&self, toward: Vec3) -> bool {
+        (self.n_geo.dot(toward) > 0.0) == (self.floor.dot(toward) > 0.0)
+    }
 }
 
 /// What a lobe makes of light from one direction.

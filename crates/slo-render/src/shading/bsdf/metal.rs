@@ -28,6 +28,11 @@ impl Metal {
 impl Lobe for Metal {
     const IS_DIFFUSE: bool = false;
 
+    #[inline(always)]
+    fn is_sharp(&self, i: usize) -> bool {
+        self.facets.is_sharp(i)
+    }
+
     fn share(&self) -> &Share {
         &self.facets.share
     }

@@ -59,35 +59,100 @@ impl<A: Fn(usize) -> At, M: Fn(usize) -> bool> Lanewise for Set<'_, A, M> {
     #[inline(always)]
     fn run(self) {
         let Self { parameters, at, from_outside, is_mine, len, tables, to, emitted } = self;
-        let mut views = Views::default();
-        look(parameters, &at, &is_mine, len, &mut views);
-        let glass_eta = &mut to.glass.eta;
-        indices(parameters, from_outside, len, &mut to.specular.eta, &mut to.coat.eta, glass_eta);
-        let mut found = Found::default();
-        found.look_up(tables, parameters, &views, to, len);
-        let left = &mut views.left;
-        *emitted = Vec3s::default();
-        sheen(parameters, &views.cos_shading, len, left, &mut to.sheen);
-        coat(parameters, &views.cos, &found, len, left, &mut to.coat);
+        gloss_index(parameters, len, &mut to.specular.eta);
+        let layers = Layers::of(parameters, &to.specular.eta, &is_mine, len);
+        let (mut views, mut found) = (Views::default(), Found::default());
+        look(&at, &is_mine, len, &mut views);
+        if layers.any_facets() {
+            look_at_facets(parameters, &at, len, &mut views);
+        }
+        let Views { left, cos, cos_shading, .. } = &mut views;
+        if layers.sheen {
+            sheen(parameters, cos_shading, len, left, &mut to.sheen);
+        }
+        if layers.coat {
+            found.look_up_coat(tables, parameters, cos, len, &mut to.coat.eta);
+            coat(parameters, cos, &found, len, left, &mut to.coat);
+        }
         for i in lanes(len) {
             emitted.set(i, left.get(i));
         }
-        metal(parameters, &found, &views.cos, len, left, &mut to.metal);
-        glass(parameters, &found, &views.cos, len, left, &mut to.glass);
-        specular(parameters, &found, &views.cos, len, left, &mut to.specular);
-        diffuse(parameters, &views, &is_mine, len, &mut to.diffuse, &mut to.rough_diffuse);
-        place(parameters, &views, len, to);
-        for share in [
-            to.sheen.share_mut(),
-            to.coat.share_mut(),
-            to.metal.share_mut(),
-            to.glass.share_mut(),
-            to.specular.share_mut(),
-            to.rough_diffuse.share_mut(),
-            to.diffuse.share_mut(),
-        ] {
-            share.is_present = is_any(share, len);
+        if layers.any_base() {
+            single(tables, &parameters.roughness, cos, len, &mut found.base);
         }
+        if layers.metal {
+            metal(parameters, &found, cos, len, left, &mut to.metal);
+        }
+        if layers.glass {
+            found.look_up_glass(tables, parameters, from_outside, cos, len, &mut to.glass.eta);
+            glass(parameters, &found, cos, len, left, &mut to.glass);
+        }
+        if layers.gloss {
+            let eta = &to.specular.eta;
+            curve(tables, eta, &parameters.roughness, cos, len, &mut found.base_curve);
+            specular(parameters, &found, cos, len, left, &mut to.specular);
+        }
+        if layers.rough {
+            rough_diffuse(parameters, &views, len, &mut to.rough_diffuse);
+        }
+        diffuse(parameters, &views, &is_mine, len, &mut to.diffuse);
+        place(parameters, &views, layers, len, to);
+        for (share, is_layer) in [
+            (to.sheen.share_mut(), layers.sheen),
+            (to.coat.share_mut(), layers.coat),
+            (to.metal.share_mut(), layers.metal),
+            (to.glass.share_mut(), layers.glass),
+            (to.specular.share_mut(), layers.gloss),
+            (to.rough_diffuse.share_mut(), layers.rough),
+            (to.diffuse.share_mut(), true),
+        ] {
+            share.is_present = is_layer && is_any(share, len);
+        }
+    }
+}
+
+/// Which layers any hit of a batch has. The others would change nothing, and are left out.
+#[derive(Clone, Copy, Debug, Default)]
+struct Layers {
+    sheen: bool,
+    coat: bool,
+    metal: bool,
+    glass: bool,
+    gloss: bool,
+    /// Whether any diffuse base is rough.
+    rough: bool,
+}
+
+impl Layers {
+    /// Finds the layers of hits for which `is_mine`. `eta` are the indices of their gloss.
+    #[inline(always)]
+    fn of(
+        parameters: &Parameters,
+        eta: &Column<f32>,
+        is_mine: &impl Fn(usize) -> bool,
+        len: usize,
+    ) -> Self {
+        let mut any = Self::default();
+        for i in 0..len.min(BATCH) {
+            let is_mine = is_mine(i);
+            any.sheen |= is_mine & (parameters.sheen[i] != 0.0);
+            any.coat |= is_mine & (parameters.coat[i] != 0.0);
+            any.metal |= is_mine & (parameters.metallic[i] != 0.0);
+            any.glass |= is_mine & (parameters.transmission[i] != 0.0);
+            any.gloss |= is_mine & (eta[i] != 1.0);
+            any.rough |= is_mine & (parameters.diffuse_roughness[i] > 0.0);
+        }
+        any
+    }
+
+    /// Whether any layer is made of microfacets.
+    fn any_facets(self) -> bool {
+        self.coat || self.any_base()
+    }
+
+    /// Whether any layer is made of microfacets of the material's own roughness.
+    fn any_base(self) -> bool {
+        self.metal || self.glass || self.gloss
     }
 }
 
@@ -116,13 +181,17 @@ impl Default for Numbers {
 }
 
 #[inline(always)]
-fn look(
-    parameters: &Parameters,
-    at: &impl Fn(usize) -> At,
-    is_mine: &impl Fn(usize) -> bool,
-    len: usize,
-    to: &mut Views,
-) {
+fn look(at: &impl Fn(usize) -> At, is_mine: &impl Fn(usize) -> bool, len: usize, to: &mut Views) {
+    for i in lanes(len) {
+        let At { eye, n, .. } = at(i);
+        to.cos_shading.0[i] = n.dot(eye).clamp(0.0, 1.0);
+        to.left.set(i, if is_mine(i) { Vec3::ONE } else { Vec3::ZERO });
+    }
+}
+
+/// Finds the frames of microfacets.
+#[inline(always)]
+fn look_at_facets(parameters: &Parameters, at: &impl Fn(usize) -> At, len: usize, to: &mut Views) {
     for i in lanes(len) {
         let At { eye, n, n_geo, tangent, .. } = at(i);
         let normal = bent(eye, n, n_geo);
@@ -134,30 +203,24 @@ fn look(
         to.x.set(i, along * c + normal.cross(along) * s);
         to.normal.set(i, normal);
         to.cos.0[i] = normal.dot(eye).clamp(0.0, 1.0);
-        to.cos_shading.0[i] = n.dot(eye).clamp(0.0, 1.0);
-        to.left.set(i, if is_mine(i) { Vec3::ONE } else { Vec3::ZERO });
     }
 }
 
-/// Computes the relative indices of refraction of all layers.
+/// The index of refraction of a material.
 #[inline(always)]
-fn indices(
-    parameters: &Parameters,
-    from_outside: &Column<u32>,
-    len: usize,
-    specular: &mut Column<f32>,
-    coat: &mut Column<f32>,
-    glass: &mut Column<f32>,
-) {
+fn ior(parameters: &Parameters, i: usize) -> f32 {
+    parameters.ior[i].clamp(0.01, 100.0)
+}
+
+/// Computes the relative indices of refraction of gloss; 1 where there is none.
+#[inline(always)]
+fn gloss_index(parameters: &Parameters, len: usize, to: &mut Column<f32>) {
     for i in lanes(len) {
-        let ior = parameters.ior[i].clamp(0.01, 100.0);
-        let is_inside = (from_outside[i] == 0) & (parameters.thin[i] == 0.0);
-        glass[i] = if is_inside { 1.0 / ior } else { ior };
-        coat[i] = parameters.coat_ior[i].clamp(1.0, 100.0);
+        let ior = ior(parameters, i);
         let level = parameters.specular_ior_level[i];
         let levelled = index_of(normal_incidence(ior) * 2.0 * level);
         let levelled = if level == 0.5 { ior.max(1.0 / ior) } else { levelled };
-        specular[i] = if ior < 1.0 { 1.0 / levelled } else { levelled };
+        to[i] = if ior < 1.0 { 1.0 / levelled } else { levelled };
     }
 }
 
@@ -177,30 +240,46 @@ struct Found {
 }
 
 impl Found {
+    /// Looks up the albedos of coats, and sets their indices.
     #[inline(always)]
-    fn look_up(
+    fn look_up_coat(
         &mut self,
         tables: &Tables,
         parameters: &Parameters,
-        views: &Views,
-        bsdf: &Bsdf,
+        cos: &Numbers,
         len: usize,
+        eta: &mut Column<f32>,
     ) {
-        let cos = &views.cos.0;
-        single(tables, &parameters.roughness, cos, len, &mut self.base);
-        single(tables, &parameters.coat_roughness, cos, len, &mut self.coat);
-        let (specular, coat) = (&bsdf.specular.eta, &bsdf.coat.eta);
-        curve(tables, specular, &parameters.roughness, cos, len, &mut self.base_curve);
-        curve(tables, coat, &parameters.coat_roughness, cos, len, &mut self.coat_curve);
-        let eta = &bsdf.glass.eta;
+        let roughness = &parameters.coat_roughness;
+        for i in lanes(len) {
+            eta[i] = parameters.coat_ior[i].clamp(1.0, 100.0);
+        }
+        single(tables, roughness, cos, len, &mut self.coat);
+        curve(tables, eta, roughness, cos, len, &mut self.coat_curve);
+    }
+
+    /// Looks up the albedos of glass, and sets its indices. Those of gloss must be known.
+    #[inline(always)]
+    fn look_up_glass(
+        &mut self,
+        tables: &Tables,
+        parameters: &Parameters,
+        from_outside: &Column<u32>,
+        cos: &Numbers,
+        len: usize,
+        eta: &mut Column<f32>,
+    ) {
+        let (cos, roughness) = (&cos.0, &parameters.roughness);
         let mut any_inside = false;
         for i in lanes(len) {
-            let is_inside = (eta[i] < 1.0) & (parameters.transmission[i] > 0.0);
-            any_inside |= is_inside & (parameters.roughness[i] >= LEAST_ROUGHNESS) & (i < len);
+            let (ior, is_thin) = (ior(parameters, i), parameters.thin[i] != 0.0);
+            let is_inside = (from_outside[i] == 0) & !is_thin;
+            eta[i] = if is_inside { 1.0 / ior } else { ior };
+            let is_seen = (i < len) & (parameters.transmission[i] > 0.0) & !is_thin;
+            any_inside |= is_seen & (eta[i] < 1.0) & (roughness[i] >= LEAST_ROUGHNESS);
             let body = tables.outside();
-            let is_thin = parameters.thin[i] != 0.0;
-            let single = body.single(eta[i], parameters.roughness[i], cos[i]);
-            let mean = body.mean(eta[i], parameters.roughness[i]);
+            let single = body.single(eta[i], roughness[i], cos[i]);
+            let mean = body.mean(eta[i], roughness[i]);
             self.glass_curve.0[i] = tables.curve_mean(eta[i]);
             self.glass[0].0[i] = if is_thin { self.base[0].0[i] } else { single };
             self.glass[1].0[i] = if is_thin { self.base[1].0[i] } else { mean };
@@ -209,15 +288,15 @@ impl Found {
             let inside = &*INSIDE;
             for i in lanes(len) {
                 let is_inside = (eta[i] < 1.0) & (parameters.thin[i] == 0.0);
-                let single = inside.single(eta[i], parameters.roughness[i], cos[i]);
-                let mean = inside.mean(eta[i], parameters.roughness[i]);
+                let single = inside.single(eta[i], roughness[i], cos[i]);
+                let mean = inside.mean(eta[i], roughness[i]);
                 let [before, mean_before] = at_hit(&self.glass, i);
                 self.glass[0].0[i] = if is_inside { single } else { before };
                 self.glass[1].0[i] = if is_inside { mean } else { mean_before };
             }
         }
         for i in lanes(len) {
-            let alpha = widths(parameters.roughness[i], 0.0)[0];
+            let alpha = widths(roughness[i], 0.0)[0];
             let is_perfect = is_perfect(alpha, eta[i], parameters.thin[i] != 0.0);
             let found = self.glass[0].0[i].max(0.01);
             self.glass[0].0[i] = if is_perfect { 1.0 } else { found };
@@ -229,13 +308,13 @@ impl Found {
 fn single(
     tables: &Tables,
     roughness: &Column<f32>,
-    cos: &Column<f32>,
+    cos: &Numbers,
     len: usize,
     [single, mean]: &mut [Numbers; 2],
 ) {
     for i in lanes(len) {
         let is_perfect = roughness[i] < LEAST_ROUGHNESS;
-        let found = tables.single(roughness[i], cos[i]).max(0.01);
+        let found = tables.single(roughness[i], cos.0[i]).max(0.01);
         single.0[i] = if is_perfect { 1.0 } else { found };
         mean.0[i] = tables.mean(roughness[i]);
     }
@@ -246,13 +325,13 @@ fn curve(
     tables: &Tables,
     eta: &Column<f32>,
     roughness: &Column<f32>,
-    cos: &Column<f32>,
+    cos: &Numbers,
     len: usize,
     [curve, mean]: &mut [Numbers; 2],
 ) {
     for i in lanes(len) {
-        let perfect = between(cos[i], eta[i]);
-        let found = tables.curve(eta[i], roughness[i], cos[i]);
+        let perfect = between(cos.0[i], eta[i]);
+        let found = tables.curve(eta[i], roughness[i], cos.0[i]);
         let is_perfect = (roughness[i] < LEAST_ROUGHNESS) | (eta[i] < 1.0);
         curve.0[i] = if is_perfect { perfect } else { found };
         mean.0[i] = tables.curve_mean(eta[i]);
@@ -420,24 +499,36 @@ fn specular(
     }
 }
 
+/// The roughness of a diffuse base.
+#[inline(always)]
+fn diffuse_roughness(parameters: &Parameters, i: usize) -> f32 {
+    parameters.diffuse_roughness[i].clamp(0.0, 1.0)
+}
+
+#[inline(always)]
+fn rough_diffuse(parameters: &Parameters, views: &Views, len: usize, to: &mut RoughDiffuse) {
+    for i in lanes(len) {
+        let color = parameters.base_color.get(i);
+        let roughness = diffuse_roughness(parameters, i);
+        let albedo = to.set(i, color, roughness, views.cos_shading.0[i]);
+        let weight = if roughness > 0.0 { views.left.get(i) * color } else { Vec3::ZERO };
+        set(&mut to.share, i, weight, albedo);
+    }
+}
+
 #[inline(always)]
 fn diffuse(
     parameters: &Parameters,
     views: &Views,
     is_mine: &impl Fn(usize) -> bool,
     len: usize,
-    smooth: &mut Diffuse,
-    rough: &mut RoughDiffuse,
+    to: &mut Diffuse,
 ) {
-    let share = &mut smooth.0;
+    let share = &mut to.0;
     let kept = if share.is_present { 1.0 } else { 0.0 };
     for i in lanes(len) {
-        let color = parameters.base_color.get(i);
-        let weight = views.left.get(i) * color;
-        let roughness = parameters.diffuse_roughness[i].clamp(0.0, 1.0);
-        let is_rough = roughness > 0.0;
-        let albedo = rough.set(i, color, roughness, views.cos_shading.0[i]);
-        set(&mut rough.share, i, if is_rough { weight } else { Vec3::ZERO }, albedo);
+        let weight = views.left.get(i) * parameters.base_color.get(i);
+        let is_rough = diffuse_roughness(parameters, i) > 0.0;
         let before = (share.weight.get(i) * kept, share.chance[i] * kept);
         set(share, i, if is_rough { Vec3::ZERO } else { weight }, Vec3::ONE);
         let now = (share.weight.get(i), share.chance[i]);
@@ -449,25 +540,35 @@ fn diffuse(
 
 /// Copies frames and widths to the lobes of microfacets.
 #[inline(always)]
-fn place(parameters: &Parameters, views: &Views, len: usize, to: &mut Bsdf) {
+fn place(parameters: &Parameters, views: &Views, layers: Layers, len: usize, to: &mut Bsdf) {
     let Bsdf { coat, metal, glass, specular, .. } = to;
-    for i in lanes(len) {
-        let (normal, x) = (views.normal.get(i), views.x.get(i));
-        let base = widths(parameters.roughness[i], parameters.anisotropic[i]);
-        let isotropic = widths(parameters.coat_roughness[i], 0.0);
-        put(&mut coat.facets, i, normal, x, isotropic);
-        put(&mut metal.facets, i, normal, x, base);
-        put(&mut specular.facets, i, normal, x, base);
-        glass.normal.set(i, normal);
+    let base = |i: usize| widths(parameters.roughness[i], parameters.anisotropic[i]);
+    if layers.coat {
+        let isotropic = |i: usize| widths(parameters.coat_roughness[i], 0.0);
+        put(views, len, isotropic, &mut coat.facets);
+    }
+    if layers.metal {
+        put(views, len, base, &mut metal.facets);
+    }
+    if layers.gloss {
+        put(views, len, base, &mut specular.facets);
+    }
+    if layers.glass {
+        for i in lanes(len) {
+            glass.normal.set(i, views.normal.get(i));
+        }
     }
 }
 
 #[inline(always)]
-fn put(to: &mut Facets, i: usize, normal: Vec3, x: Vec3, alpha: [f32; 2]) {
-    to.normal.set(i, normal);
-    to.x.set(i, x);
-    to.alpha[0][i] = alpha[0];
-    to.alpha[1][i] = alpha[1];
+fn put(views: &Views, len: usize, alpha: impl Fn(usize) -> [f32; 2], to: &mut Facets) {
+    for i in lanes(len) {
+        let alpha = alpha(i);
+        to.normal.set(i, views.normal.get(i));
+        to.x.set(i, views.x.get(i));
+        to.alpha[0][i] = alpha[0];
+        to.alpha[1][i] = alpha[1];
+    }
 }
 
 /// Whether any hit has the lobe.

@@ -35,6 +35,11 @@ impl Specular {
 impl Lobe for Specular {
     const IS_DIFFUSE: bool = false;
 
+    #[inline(always)]
+    fn is_sharp(&self, i: usize) -> bool {
+        self.facets.is_sharp(i)
+    }
+
     fn share(&self) -> &Share {
         &self.facets.share
     }

@@ -12,7 +12,7 @@ use crate::shading::lobe::pair;
 /// Samples a direction, uniformly by solid angle, of the cone about unit `axis` whose rim has this
 /// versine, by a point `u` of the unit square. Returns the unit direction and its own versine.
 #[inline(always)]
-pub(super) fn about(axis: Vec3, rim: f32, u: [f32; 2]) -> (Vec3, f32) {
+pub(crate) fn about(axis: Vec3, rim: f32, u: [f32; 2]) -> (Vec3, f32) {
     let [a, b] = concentric_disc(u);
     let versine = (a * a + b * b) * rim;
     // The sine is sqrt(versine (2 - versine)); a and b share the root of a^2 + b^2.
@@ -23,7 +23,7 @@ pub(super) fn about(axis: Vec3, rim: f32, u: [f32; 2]) -> (Vec3, f32) {
 
 /// Returns the `pdf_solid_angle` of [`about`].
 #[inline(always)]
-pub(super) fn density(rim: f32) -> f32 {
+pub(crate) fn density(rim: f32) -> f32 {
     (0.5 * FRAC_1_PI) / rim
 }
 

@@ -16,8 +16,8 @@ pub trait WithLamp {
 /// Work for all lights of one kind, compiled for each kind.
 pub trait WithLamps {
     /// Does the work for the lights of one table. `mine` tells whether light `i` of the frame is in
-    /// the table, and `place` returns its index there; `place` may be called for any light of the
-    /// frame.
+    /// the table, and `place` returns its index there, or any number if it is not. Both may be called
+    /// with any number.
     fn run<L: Lamp>(
         &mut self,
         lamps: &[L],
@@ -132,9 +132,14 @@ macro_rules! lamps {
                 if lamps.len() == self.all.len() {
                     work.run(lamps, |_| true, |light| light as usize);
                 } else {
-                    let mine = |light: u32| self.table[light as usize] == table;
-                    let place =
-                        |light: u32| (self.place[light as usize] as usize).min(lamps.len() - 1);
+                    // The compiler sees that the places lie inside the lists.
+                    let last = |list: &[u32]| list.len().checked_sub(1);
+                    let (Some(tables), Some(places)) = (last(&self.table), last(&self.place))
+                    else {
+                        return;
+                    };
+                    let mine = |light: u32| self.table[(light as usize).min(tables)] == table;
+                    let place = |light: u32| self.place[(light as usize).min(places)] as usize;
                     work.run(lamps, mine, place);
                 }
             }

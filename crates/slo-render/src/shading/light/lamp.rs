@@ -4,6 +4,17 @@ use glam::Vec3;
 
 use super::bounds::LightBounds;
 
+/// A sampled point of a light, as a hit sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampled {
+    /// See [`Lamp::way`].
+    pub way: Vec3,
+    /// See [`Lamp::radiance`].
+    pub radiance: Vec3,
+    /// See [`Lamp::density`].
+    pub density: f32,
+}
+
 /// A light of one kind, in render space. All functions but [`bounds`](Self::bounds) are free of
 /// branches, for use on whole columns of hits.
 pub trait Lamp: Copy {
@@ -20,6 +31,15 @@ pub trait Lamp: Copy {
     /// Whether the light is infinitely far away. Vectors from hits to its points are then unit
     /// directions, and rays to it have no end.
     const IS_DISTANT: bool = false;
+
+    /// Whether its surface encloses a body, and emits light to the outside only.
+    const IS_CLOSED: bool = false;
+
+    /// Whether its functions look up tables, so that loops over them do not become vector code.
+    const LOOKS_UP: bool = false;
+
+    /// Whether the material of its surface tells its radiance where rays to it arrive.
+    const IS_SHADED: bool = false;
 
     /// Returns the radiance that reaches a hit from a point of the light if nothing blocks it;
     /// `way` is the vector from the hit to the point.
@@ -42,6 +62,20 @@ pub trait Lamp: Copy {
     /// light and gets nothing of it.
     fn density(&self, from: Vec3, way: Vec3) -> f32;
 
+    /// Samples a point of the light, and returns its radiance and density too.
+    #[inline(always)]
+    fn sample(&self, from: Vec3, u: [f32; 2]) -> Sampled {
+        let way = self.way(from, u);
+        Sampled { way, radiance: self.radiance(way), density: self.density(from, way) }
+    }
+
+    /// Returns the radiance and the density of the point of the light at the end of the vector
+    /// `way` from a hit.
+    #[inline(always)]
+    fn found(&self, from: Vec3, way: Vec3) -> (Vec3, f32) {
+        (self.radiance(way), self.density(from, way))
+    }
+
     /// Returns the direction of a shadow ray from `from` to a `point` of the light, not normalized,
     /// and the t at which it ends: 1, minus a margin that keeps it from hitting the light's own
     /// surface. A ray to a distant light goes in the direction `point` without an end.
@@ -50,6 +84,22 @@ pub trait Lamp: Copy {
     /// Whether a point lies inside the light, from where nothing of it can be seen.
     fn encloses(&self, _point: Vec3) -> bool {
         false
+    }
+
+    /// Returns the area of its surface; 0 for a light without one.
+    fn area(&self) -> f32 {
+        0.0
+    }
+
+    /// Returns a point of its surface, uniformly by area, by a point `u` of the unit square. Means
+    /// nothing for a distant light.
+    fn place(&self, u: [f32; 2]) -> Vec3 {
+        self.point(Vec3::ZERO, u)
+    }
+
+    /// Returns the unit normal of its surface at a point of it; of a flat light, on the front.
+    fn normal(&self, _point: Vec3) -> Vec3 {
+        Vec3::Z
     }
 
     /// Returns where the light is, where it shines, and how much.

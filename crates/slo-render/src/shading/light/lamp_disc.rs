@@ -69,6 +69,14 @@ impl Lamp for DiscLamp {
         flat::shadow_ray(from, point, self.normal, self.center, size)
     }
 
+    fn area(&self) -> f32 {
+        self.area
+    }
+
+    fn normal(&self, _point: Vec3) -> Vec3 {
+        self.normal
+    }
+
     fn bounds(&self) -> LightBounds {
         let [x, y] = self.radii;
         // A disc reaches as far along an axis as the two radii together.

@@ -33,6 +33,11 @@ impl SphereLamp {
         Self::new(intensity(lamp.power, rim), lamp.position - origin, lamp.radius, beam)
     }
 
+    /// A sphere in render space that glows evenly in all directions.
+    pub fn even(center: Vec3, radius: f32, radiance: Vec3) -> Self {
+        Self { radiance, center, radius, beam: Beam::ALL }
+    }
+
     fn new(intensity: Vec3, center: DVec3, radius: f64, beam: Beam) -> Self {
         let radius = radius as f32;
         let radiance = intensity / (PI * radius * radius);
@@ -53,6 +58,7 @@ impl SphereLamp {
 impl Lamp for SphereLamp {
     const IS_AREA: bool = true;
     const IS_DELTA: bool = false;
+    const IS_CLOSED: bool = true;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
@@ -100,6 +106,18 @@ impl Lamp for SphereLamp {
 
     fn encloses(&self, point: Vec3) -> bool {
         (point - self.center).length_squared() < self.radius * self.radius
+    }
+
+    fn area(&self) -> f32 {
+        4.0 * PI * self.radius * self.radius
+    }
+
+    fn place(&self, u: [f32; 2]) -> Vec3 {
+        self.center + cone::about(Vec3::Z, 2.0, u).0 * self.radius
+    }
+
+    fn normal(&self, point: Vec3) -> Vec3 {
+        (point - self.center).normalize_or(Vec3::Z)
     }
 
     fn bounds(&self) -> LightBounds {

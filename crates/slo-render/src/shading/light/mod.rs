@@ -1,7 +1,7 @@
 //! Lights in render space: one file for each kind.
 
 mod bounds;
-mod cone;
+pub(crate) mod cone;
 mod environment;
 mod flat;
 mod kinds;
@@ -15,6 +15,8 @@ mod moving;
 mod point;
 pub mod receiver;
 mod rectangle;
+mod shaded;
+mod spherical_rectangle;
 mod techniques;
 mod tree;
 mod triangle;
@@ -25,22 +27,22 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use kinds::lamps;
-use moving::Poses;
 use slo_scene::light::Sky;
 use slo_scene::{LightKind, Texture};
 
 pub use bounds::LightBounds;
-pub use environment::{EvenSky, ImageSky, ImageView, SkyTable};
+pub use environment::{EvenSky, ImageSky, ImageView, SkyShare, SkyTable};
 pub use kinds::{WithLamp, WithLamps};
-pub use lamp::Lamp;
+pub use lamp::{Lamp, Sampled};
 pub use lamp_disc::DiscLamp;
 pub use lamp_point::PointLamp;
 pub use lamp_rectangle::RectangleLamp;
 pub use lamp_sphere::SphereLamp;
 pub use lamp_sun::{ParallelLamp, SunLamp};
-pub use moving::{Moving, Pose};
+pub use moving::{Moving, Pose, Poses};
 pub use point::Point;
 pub use rectangle::Rectangle;
+pub use shaded::{MOST_SHADED, Shaded};
 pub use techniques::Techniques;
 pub use tree::{Choices, Chosen, LightTree, NO_LIGHT};
 pub use triangle::Triangle;
@@ -70,17 +72,30 @@ lamps! {
         ImageSky(ImageSky) in image_skies,
         /// A triangle of a surface that emits light
         Triangle(Triangle) in triangles,
+        /// A triangle of a surface that emits light unevenly
+        ShadedTriangle(Shaded<Triangle>) in shaded_triangles,
+        /// A sphere that emits light unevenly
+        ShadedSphere(Shaded<SphereLamp>) in shaded_spheres,
     }
+}
+
+/// How images are sampled that show a sky.
+#[derive(Clone, Copy, Debug)]
+pub struct Skies<'a> {
+    /// Which light rays to the sky are to find.
+    pub share: SkyShare,
+    /// The lights of another frame, whose tables are used again.
+    pub before: Option<&'a Lights>,
 }
 
 impl Light {
     /// Converts a light of the scene; `origin` is the origin of render space in scene space.
-    /// `before` are the lights of another frame, whose tables of `textures` are used again.
+    /// `skies` says how images of `textures` are sampled that show a sky.
     pub fn new(
         light: &slo_scene::Light,
         origin: DVec3,
         textures: &[Arc<Texture>],
-        before: Option<&Lights>,
+        skies: Skies<'_>,
     ) -> Self {
         match &light.kind {
             LightKind::Point(lamp) => Self::Point(Point::new(lamp, origin)),
@@ -103,9 +118,9 @@ impl Light {
                 }
                 Sky::Image(image) => {
                     let texture = &textures[image.0 as usize];
-                    let skies = before.map_or(&[][..], |lights| &lights.image_skies);
-                    let same = skies.iter().find(|sky| Arc::ptr_eq(sky.texture(), texture));
-                    Self::ImageSky(ImageSky::new(texture, lamp.strength, lamp.turn_deg, same))
+                    let before = skies.before.map_or(&[][..], |lights| &lights.image_skies);
+                    let (strength, turn) = (lamp.strength, lamp.turn_deg);
+                    Self::ImageSky(ImageSky::new(texture, strength, turn, skies.share, before))
                 }
             },
         }
@@ -121,11 +136,10 @@ impl Deref for Lights {
 }
 
 impl Lights {
-    /// The same lights, with the poses of each over the shutter: evenly spaced, and none for a
-    /// light that stays where it is.
+    /// The same lights, with the poses of each over the shutter.
     #[must_use]
-    pub fn with_poses(self, poses: Vec<Vec<Pose>>) -> Self {
-        Self { poses: Poses::new(poses), ..self }
+    pub fn with_poses(self, poses: Poses) -> Self {
+        Self { poses, ..self }
     }
 
     /// Whether any light has poses.
@@ -151,6 +165,19 @@ impl Lights {
             }
         }
         self[light as usize].with(Radiance(self.pose(light, time), way))
+    }
+
+    /// Returns the radiance and the density of a light at a time; see [`Lamp::found`].
+    pub fn found(&self, light: u32, time: f32, from: Vec3, way: Vec3) -> (Vec3, f32) {
+        struct Found(Pose, Vec3, Vec3);
+        impl WithLamp for Found {
+            type Output = (Vec3, f32);
+
+            fn run<L: Lamp>(self, lamp: L) -> (Vec3, f32) {
+                Moving { lamp, pose: self.0 }.found(self.1, self.2)
+            }
+        }
+        self[light as usize].with(Found(self.pose(light, time), from, way))
     }
 
     /// Whether a point lies inside a light at a time; see [`Lamp::encloses`].
@@ -257,6 +284,19 @@ impl Light {
             }
         }
         self.with(IsOfThesis)
+    }
+
+    /// See [`Lamp::IS_SHADED`].
+    pub fn is_shaded(&self) -> bool {
+        struct IsShaded;
+        impl WithLamp for IsShaded {
+            type Output = bool;
+
+            fn run<L: Lamp>(self, _: L) -> bool {
+                L::IS_SHADED
+            }
+        }
+        self.with(IsShaded)
     }
 
     /// See [`Lamp::IS_DISTANT`].

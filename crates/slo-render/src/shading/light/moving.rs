@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3};
 
 use super::bounds::LightBounds;
-use super::lamp::Lamp;
+use super::lamp::{Lamp, Sampled};
 use slo_accel::math::rounding::gamma;
 
 /// Where a lamp is at a time: turned by an orthonormal rotation, then moved.
@@ -43,25 +43,44 @@ impl Pose {
 /// The poses of the lights of a frame, evenly spaced over the shutter. A ray uses the pose nearest
 /// to its time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Poses {
-    /// For each light; none: it stays in render space. Empty if all stay.
-    all: Vec<Vec<Pose>>,
+pub struct Poses {
+    /// Poses of lights that move together; none: they stay in render space.
+    paths: Vec<Vec<Pose>>,
+    /// For each light, its path.
+    of: Vec<u32>,
+    /// Whether any light has poses.
+    any: bool,
 }
 
 impl Poses {
-    pub(super) fn new(all: Vec<Vec<Pose>>) -> Self {
-        let any = all.iter().any(|poses| !poses.is_empty());
-        Self { all: if any { all } else { Vec::new() } }
+    /// Adds the poses of the next `count` lights.
+    pub fn add(&mut self, count: usize, path: Vec<Pose>) {
+        self.any |= !path.is_empty();
+        let number = match self.paths.last() {
+            Some(last) if last.is_empty() && path.is_empty() => self.paths.len() - 1,
+            _ => {
+                self.paths.push(path);
+                self.paths.len() - 1
+            }
+        };
+        self.of.extend(std::iter::repeat_n(number as u32, count));
+    }
+
+    /// Returns the poses of a light; none if it stays in render space.
+    #[inline(always)]
+    pub fn of(&self, light: u32) -> &[Pose] {
+        let path = self.of.get(light as usize).and_then(|path| self.paths.get(*path as usize));
+        path.map_or(&[], |path| path)
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.all.is_empty()
+        !self.any
     }
 
     /// Returns the pose of a light at a time of the shutter, in `[0, 1]`.
     #[inline(always)]
     pub(super) fn at(&self, light: u32, time: f32) -> Pose {
-        let poses = self.all.get(light as usize).map_or(&[][..], |poses| poses);
+        let poses = self.of(light);
         let last = poses.len().saturating_sub(1);
         let nearest = ((time * last as f32 + 0.5) as usize).min(last);
         poses.get(nearest).copied().unwrap_or(Pose::IDENTITY)
@@ -82,6 +101,9 @@ impl<L: Lamp> Lamp for Moving<L> {
     const IS_DELTA: bool = L::IS_DELTA;
     const IS_OF_THESIS: bool = L::IS_OF_THESIS;
     const IS_DISTANT: bool = L::IS_DISTANT;
+    const IS_CLOSED: bool = L::IS_CLOSED;
+    const LOOKS_UP: bool = L::LOOKS_UP;
+    const IS_SHADED: bool = L::IS_SHADED;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
@@ -104,6 +126,17 @@ impl<L: Lamp> Lamp for Moving<L> {
         self.lamp.density(self.pose.inverse_point(from), self.pose.inverse_vector(way))
     }
 
+    #[inline(always)]
+    fn sample(&self, from: Vec3, u: [f32; 2]) -> Sampled {
+        let sampled = self.lamp.sample(self.pose.inverse_point(from), u);
+        Sampled { way: self.pose.vector(sampled.way), ..sampled }
+    }
+
+    #[inline(always)]
+    fn found(&self, from: Vec3, way: Vec3) -> (Vec3, f32) {
+        self.lamp.found(self.pose.inverse_point(from), self.pose.inverse_vector(way))
+    }
+
     /// The ray ends a little earlier than the lamp's margin asks for, since the transform to the
     /// lamp's space rounds coordinates of render space.
     #[inline(always)]
@@ -120,6 +153,18 @@ impl<L: Lamp> Lamp for Moving<L> {
 
     fn encloses(&self, point: Vec3) -> bool {
         self.lamp.encloses(self.pose.inverse_point(point))
+    }
+
+    fn area(&self) -> f32 {
+        self.lamp.area()
+    }
+
+    fn place(&self, u: [f32; 2]) -> Vec3 {
+        self.pose.vector(self.lamp.place(u)) + self.pose.translation
+    }
+
+    fn normal(&self, point: Vec3) -> Vec3 {
+        self.pose.vector(self.lamp.normal(self.pose.inverse_point(point)))
     }
 
     fn bounds(&self) -> LightBounds {

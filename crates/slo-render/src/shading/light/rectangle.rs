@@ -92,6 +92,14 @@ impl Lamp for Rectangle {
         (direction, (1.0 - error / direction.dot(self.normal).abs()).max(0.5))
     }
 
+    fn area(&self) -> f32 {
+        self.area
+    }
+
+    fn normal(&self, _point: Vec3) -> Vec3 {
+        self.normal
+    }
+
     /// It shines all round, since the cosine at the light does not count.
     fn bounds(&self) -> LightBounds {
         let energy = PI * luminance(self.color);

@@ -59,6 +59,14 @@ impl Lamp for Triangle {
         flat::shadow_ray(from, point, self.normal, self.corner, size)
     }
 
+    fn area(&self) -> f32 {
+        self.area
+    }
+
+    fn normal(&self, _point: Vec3) -> Vec3 {
+        self.normal
+    }
+
     fn bounds(&self) -> LightBounds {
         let corners = [self.corner, self.corner + self.sides[0], self.corner + self.sides[1]];
         let energy = luminance(self.radiance) * self.area;

@@ -1,9 +1,12 @@
 //! `material_principled`: its numbers at hits.
 
 use glam::Vec3;
-use slo_accel::math::columns::{BATCH, Column, Vec3s, look_up_each};
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up_each};
 use slo_accel::math::elementary::log2;
 use slo_scene::material::Principled;
+
+/// Columns of numbers of principled materials.
+const COLUMNS: usize = 34;
 
 /// The numbers of a principled material where no image changes them; see
 /// [`Principled`] for their meaning.
@@ -114,6 +117,8 @@ pub struct PrincipledTable {
     sheen: Vec<f32>,
     sheen_roughness: Vec<f32>,
     thin: Vec<f32>,
+    /// Whether the materials differ in a column.
+    varies: Vec<bool>,
 }
 
 /// The numbers at the hits of a batch, in columns.
@@ -201,7 +206,7 @@ impl PrincipledTable {
         let color = |of: fn(&Constants) -> Vec3| {
             [0, 1, 2].map(|axis| materials.iter().map(|m| of(m)[axis]).collect::<Vec<f32>>())
         };
-        Self {
+        let mut table = Self {
             base_color: color(|m| m.base_color),
             specular_tint: color(|m| m.specular_tint),
             coat_tint: color(|m| m.coat_tint),
@@ -224,111 +229,105 @@ impl PrincipledTable {
             sheen: number(|m| m.sheen),
             sheen_roughness: number(|m| m.sheen_roughness),
             thin: number(|m| m.thin),
-        }
+            varies: Vec::new(),
+        };
+        let varies = |column: &[f32]| column.iter().any(|x| *x != column[0]);
+        table.varies = table.columns().map(varies).to_vec();
+        table
+    }
+
+    /// All columns, in the order of [`Parameters::columns`].
+    fn columns(&self) -> [&[f32]; COLUMNS] {
+        [
+            &self.base_color[0],
+            &self.base_color[1],
+            &self.base_color[2],
+            &self.specular_tint[0],
+            &self.specular_tint[1],
+            &self.specular_tint[2],
+            &self.coat_tint[0],
+            &self.coat_tint[1],
+            &self.coat_tint[2],
+            &self.sheen_tint[0],
+            &self.sheen_tint[1],
+            &self.sheen_tint[2],
+            &self.emission[0],
+            &self.emission[1],
+            &self.emission[2],
+            &self.absorption[0],
+            &self.absorption[1],
+            &self.absorption[2],
+            &self.metallic,
+            &self.roughness,
+            &self.diffuse_roughness,
+            &self.ior,
+            &self.alpha,
+            &self.normal_strength,
+            &self.specular_ior_level,
+            &self.anisotropic,
+            &self.anisotropic_rotation,
+            &self.transmission,
+            &self.coat,
+            &self.coat_roughness,
+            &self.coat_ior,
+            &self.sheen,
+            &self.sheen_roughness,
+            &self.thin,
+        ]
     }
 
     /// Looks up the numbers of the materials of a batch of hits.
     #[inline(always)]
     pub fn look_up(&self, material: &Column<u32>, len: usize, to: &mut Parameters) {
-        let Parameters {
-            base_color: base_color_to,
-            specular_tint: specular_tint_to,
-            coat_tint: coat_tint_to,
-            sheen_tint: sheen_tint_to,
-            emission: emission_to,
-            absorption: absorption_to,
-            metallic: metallic_to,
-            roughness: roughness_to,
-            diffuse_roughness: diffuse_roughness_to,
-            ior: ior_to,
-            alpha: alpha_to,
-            normal_strength: normal_strength_to,
-            specular_ior_level: specular_ior_level_to,
-            anisotropic: anisotropic_to,
-            anisotropic_rotation: anisotropic_rotation_to,
-            transmission: transmission_to,
-            coat: coat_to,
-            coat_roughness: coat_roughness_to,
-            coat_ior: coat_ior_to,
-            sheen: sheen_to,
-            sheen_roughness: sheen_roughness_to,
-            thin: thin_to,
-        } = to;
-        look_up_each(
-            [
-                &self.base_color[0],
-                &self.base_color[1],
-                &self.base_color[2],
-                &self.specular_tint[0],
-                &self.specular_tint[1],
-                &self.specular_tint[2],
-                &self.coat_tint[0],
-                &self.coat_tint[1],
-                &self.coat_tint[2],
-                &self.sheen_tint[0],
-                &self.sheen_tint[1],
-                &self.sheen_tint[2],
-                &self.emission[0],
-                &self.emission[1],
-                &self.emission[2],
-                &self.absorption[0],
-                &self.absorption[1],
-                &self.absorption[2],
-                &self.metallic,
-                &self.roughness,
-                &self.diffuse_roughness,
-                &self.ior,
-                &self.alpha,
-                &self.normal_strength,
-                &self.specular_ior_level,
-                &self.anisotropic,
-                &self.anisotropic_rotation,
-                &self.transmission,
-                &self.coat,
-                &self.coat_roughness,
-                &self.coat_ior,
-                &self.sheen,
-                &self.sheen_roughness,
-                &self.thin,
-            ],
-            material,
-            len,
-            [
-                &mut base_color_to.x,
-                &mut base_color_to.y,
-                &mut base_color_to.z,
-                &mut specular_tint_to.x,
-                &mut specular_tint_to.y,
-                &mut specular_tint_to.z,
-                &mut coat_tint_to.x,
-                &mut coat_tint_to.y,
-                &mut coat_tint_to.z,
-                &mut sheen_tint_to.x,
-                &mut sheen_tint_to.y,
-                &mut sheen_tint_to.z,
-                &mut emission_to.x,
-                &mut emission_to.y,
-                &mut emission_to.z,
-                &mut absorption_to.x,
-                &mut absorption_to.y,
-                &mut absorption_to.z,
-                metallic_to,
-                roughness_to,
-                diffuse_roughness_to,
-                ior_to,
-                alpha_to,
-                normal_strength_to,
-                specular_ior_level_to,
-                anisotropic_to,
-                anisotropic_rotation_to,
-                transmission_to,
-                coat_to,
-                coat_roughness_to,
-                coat_ior_to,
-                sheen_to,
-                sheen_roughness_to,
-                thin_to,
-            ],
-        );
+        let columns = self.columns().into_iter().zip(to.columns());
+        for ((table, to), varies) in columns.zip(&self.varies) {
+            if *varies {
+                look_up_each([table], material, len, [to]);
+            } else if let Some(&number) = table.first() {
+                to[lanes(len)].fill(number);
+            }
+        }
+    }
+}
+
+impl Parameters {
+    /// All columns, in the order of [`PrincipledTable::columns`].
+    fn columns(&mut self) -> [&mut Column<f32>; COLUMNS] {
+        [
+            &mut self.base_color.x,
+            &mut self.base_color.y,
+            &mut self.base_color.z,
+            &mut self.specular_tint.x,
+            &mut self.specular_tint.y,
+            &mut self.specular_tint.z,
+            &mut self.coat_tint.x,
+            &mut self.coat_tint.y,
+            &mut self.coat_tint.z,
+            &mut self.sheen_tint.x,
+            &mut self.sheen_tint.y,
+            &mut self.sheen_tint.z,
+            &mut self.emission.x,
+            &mut self.emission.y,
+            &mut self.emission.z,
+            &mut self.absorption.x,
+            &mut self.absorption.y,
+            &mut self.absorption.z,
+            &mut self.metallic,
+            &mut self.roughness,
+            &mut self.diffuse_roughness,
+            &mut self.ior,
+            &mut self.alpha,
+            &mut self.normal_strength,
+            &mut self.specular_ior_level,
+            &mut self.anisotropic,
+            &mut self.anisotropic_rotation,
+            &mut self.transmission,
+            &mut self.coat,
+            &mut self.coat_roughness,
+            &mut self.coat_ior,
+            &mut self.sheen,
+            &mut self.sheen_roughness,
+            &mut self.thin,
+        ]
     }
 }

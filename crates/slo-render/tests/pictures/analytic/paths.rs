@@ -183,3 +183,13 @@ fn light_fades_in_glass_by_the_law_of_beer() {
     let shot = Shot { fov: 0.02, settings, recursion: 4, ..Shot::default() };
     shot.take(&(glass.to_owned() + slab)).assert_mean([0.25, 0.0625, 1.0], 0.002);
 }
+
+#[test]
+fn camera_rays_pass_clear_panes_however_many_came_before() {
+    let clear =
+        "material_principled pane { base_color { 0 0 0 } ior 1 specular_ior_level 0 alpha 0 }
+        rectangle p { material pane vertex0 { -9 -9 2 } vertex1 { 9 -9 2 } vertex2 { 9 9 2 } } ";
+    let shot = floor("integrator PATH background { 1 1 1 }");
+    // Many more batches than a ray may pass surfaces in a row.
+    Shot { samples: 300, ..shot }.take(clear).assert_mean([1.0; 3], 0.0);
+}

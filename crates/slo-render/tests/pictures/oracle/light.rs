@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use slo_render::sampling::{Hit as Vertex, Key, PixelSeed, Purpose, Sampler};
 use slo_render::shading::Light as PreparedLight;
-use slo_render::shading::light::{LightTree, NO_LIGHT, receiver};
+use slo_render::shading::light::{LightTree, NO_LIGHT, Skies, SkyShare, receiver};
 use slo_scene::material::Phong;
 use slo_scene::{
     KeyFrame, Light, LightKind, LightSampling, Material, MaterialKind, SceneDescription, ShadowMode,
@@ -122,7 +122,8 @@ impl<'a> Oracle<'a> {
             look: Look::Light(i),
             open: true,
         });
-        let bounds = |light| PreparedLight::new(light, DVec3::ZERO, &[], None).bounds();
+        let skies = Skies { share: SkyShare::All, before: None };
+        let bounds = |light| PreparedLight::new(light, DVec3::ZERO, &[], skies).bounds();
         let bounds: Vec<_> = scene.lights.iter().map(bounds).collect();
         Self {
             scene,

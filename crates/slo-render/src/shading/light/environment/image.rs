@@ -5,14 +5,14 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::even::bounds;
-use super::table::{SkyTable, TableView};
+use super::table::{SkyShare, SkyTable, TableSample, TableView};
 use crate::shading::light::bounds::LightBounds;
-use crate::shading::light::lamp::Lamp;
-use crate::shading::texture::sample_equirect;
+use crate::shading::light::lamp::{Lamp, Sampled};
+use crate::shading::texture::{equirect_uv, sample_around};
 use slo_scene::{Curve, Texture};
 
-/// A sky that an image shows. It is sampled by the image's luminance. A sky has no density less
-/// than its light asks for to leave more to rays of lobes: integrators may have none of these.
+/// A sky that an image shows. It is sampled by the image's luminance, or by what exceeds the mean;
+/// see [`SkyShare`].
 #[derive(Clone, Debug)]
 pub struct ImageSky {
     texture: Arc<Texture>,
@@ -23,26 +23,25 @@ pub struct ImageSky {
 }
 
 impl ImageSky {
-    /// The sky of an image. The table is taken from `before`, a sky of another frame, if it is that
-    /// of the same image.
+    /// The sky of an image. The table is taken from one of `before`, skies of another frame, if it
+    /// is that of the same image.
     pub fn new(
         texture: &Arc<Texture>,
         strength: f32,
         turn_deg: f32,
-        before: Option<&Self>,
+        share: SkyShare,
+        before: &[Self],
     ) -> Self {
-        let table = before.filter(|sky| Arc::ptr_eq(&sky.texture, texture));
-        let table =
-            table.map_or_else(|| Arc::new(SkyTable::new(texture)), |sky| Arc::clone(&sky.table));
+        let is_same =
+            |sky: &&Self| Arc::ptr_eq(&sky.texture, texture) && sky.table.share() == share;
+        let table = before
+            .iter()
+            .find(is_same)
+            .map_or_else(|| Arc::new(SkyTable::new(texture, share)), |sky| Arc::clone(&sky.table));
         // In degrees, whole turns are exact.
         let (sin, cos) = libm::sincos(f64::from(turn_deg % 360.0).to_radians());
         let turn = [cos as f32, sin as f32];
         Self { texture: Arc::clone(texture), table, strength, turn }
-    }
-
-    /// Returns the image.
-    pub fn texture(&self) -> &Arc<Texture> {
-        &self.texture
     }
 
     /// Whether another sky has the same table.
@@ -85,15 +84,29 @@ impl ImageView<'_> {
     }
 }
 
+impl ImageView<'_> {
+    /// Returns where the image shows a direction of render space.
+    #[inline(always)]
+    fn uv(&self, way: Vec3) -> [f32; 2] {
+        equirect_uv(self.turned_back(way).to_array())
+    }
+
+    /// Returns the radiance of what the image shows at a place.
+    #[inline(always)]
+    fn shown(&self, uv: [f32; 2]) -> Vec3 {
+        Vec3::from(sample_around(self.texture, self.curve, uv)) * self.strength
+    }
+}
+
 impl Lamp for ImageView<'_> {
     const IS_AREA: bool = true;
     const IS_DELTA: bool = false;
     const IS_DISTANT: bool = true;
+    const LOOKS_UP: bool = true;
 
     #[inline(always)]
     fn radiance(&self, way: Vec3) -> Vec3 {
-        let way = self.turned_back(way).to_array();
-        Vec3::from(sample_equirect(self.texture, self.curve, way)) * self.strength
+        self.shown(self.uv(way))
     }
 
     #[inline(always)]
@@ -103,12 +116,24 @@ impl Lamp for ImageView<'_> {
 
     #[inline(always)]
     fn way(&self, _from: Vec3, u: [f32; 2]) -> Vec3 {
-        self.turned(self.table.sample(u))
+        self.turned(self.table.sample(u).way)
     }
 
     #[inline(always)]
     fn density(&self, _from: Vec3, way: Vec3) -> f32 {
-        self.table.density(self.turned_back(way))
+        self.table.density(self.uv(way))
+    }
+
+    #[inline(always)]
+    fn sample(&self, _from: Vec3, u: [f32; 2]) -> Sampled {
+        let TableSample { way, uv, density } = self.table.sample(u);
+        Sampled { way: self.turned(way), radiance: self.shown(uv), density }
+    }
+
+    #[inline(always)]
+    fn found(&self, _from: Vec3, way: Vec3) -> (Vec3, f32) {
+        let uv = self.uv(way);
+        (self.shown(uv), self.table.density(uv))
     }
 
     #[inline(always)]

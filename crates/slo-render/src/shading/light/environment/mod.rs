@@ -6,4 +6,4 @@ mod table;
 
 pub use even::EvenSky;
 pub use image::{ImageSky, ImageView};
-pub use table::SkyTable;
+pub use table::{SkyShare, SkyTable};

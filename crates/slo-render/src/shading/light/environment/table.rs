@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use glam::Vec3;
 
 use crate::shading::light::lamp::luminance;
-use crate::shading::texture::{equirect_direction, equirect_uv, sample_equirect};
+use crate::shading::texture::{elevation_v, equirect_direction, sample_equirect};
 use slo_accel::math::elementary::sin_cos_turns;
 use slo_scene::Texture;
 
@@ -22,23 +22,46 @@ const LEAST_ROWS: u32 = 64;
 /// Chances are multiples of 1 over this, so that their sums are exact in f32.
 const UNITS: u32 = 1 << 24;
 
+/// Intervals of equal length in which the search among so many sums begins.
+const SUMS_PER_START: usize = 4;
+
+/// An image counts as even if no cell is brighter than this times the mean: there is nothing to aim
+/// at.
+const EVEN: f32 = 1.01;
+
 /// The least chance of a row, and of a cell in its row, in units. It keeps light from being lost
 /// where the table says that it is dark.
 const LEAST_UNITS: u32 = 16;
 
+/// Which light of an image rays to it are to find.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkyShare {
+    /// All: no rays follow diffuse lobes.
+    All,
+    /// What exceeds the mean. The rest is found by rays that follow lobes, which need no help where
+    /// the sky is even.
+    ///
+    /// Source: O. Karlik et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple
+    /// Importance Sampling" (2019).
+    AboveMean,
+}
+
 /// The density of an equirectangular image, by its luminance times its solid angle.
 #[derive(Clone, Debug)]
 pub struct SkyTable {
+    share: SkyShare,
     columns: u32,
     rows: u32,
     /// Sum of the chances of the rows above each row, from the top, and 1.
     row_sums: Vec<f32>,
+    row_starts: Vec<u16>,
     /// For each row, the sum of the chances of the cells to the left of each cell, and 1.
     cell_sums: Vec<f32>,
+    cell_starts: Vec<u16>,
     /// For each row, its upper edge and its lower edge minus this: versines of the angle from +z,
     /// in the lower half from -z.
     edges: Vec<[f32; 2]>,
-    /// Luminance of the mean radiance.
+    /// Luminance of the mean radiance that rays are to find.
     mean: f32,
 }
 
@@ -50,8 +73,8 @@ pub(super) struct TableView<'a> {
 
 impl SkyTable {
     /// Makes the table of an image.
-    pub fn new(texture: &Texture) -> Self {
-        let (columns, rows, weights) = weights(texture);
+    pub fn new(texture: &Texture, share: SkyShare) -> Self {
+        let (columns, rows, mut weights) = weights(texture);
         let edge = |row: u32| {
             let is_upper = 2 * row < rows;
             let versine = |from_top: u32| {
@@ -62,6 +85,16 @@ impl SkyTable {
             let (start, end) = (versine(row), versine(row + 1));
             [start, end - start]
         };
+        if share == SkyShare::AboveMean {
+            let lines = weights.chunks_exact(columns as usize).zip(0..rows);
+            let sums = lines.map(|(cells, row)| {
+                cells.iter().map(|w| f64::from(*w)).sum::<f64>() * edge(row)[1].abs()
+            });
+            let mean = (sums.sum::<f64>() / (2.0 * f64::from(columns))) as f32;
+            if weights.iter().any(|weight| *weight > EVEN * mean) {
+                weights.iter_mut().for_each(|weight| *weight = (*weight - mean).max(0.0));
+            }
+        }
         let (mut cell_sums, mut row_weights) = (Vec::new(), Vec::new());
         for (row, cells) in weights.chunks_exact(columns as usize).enumerate() {
             let sum = push_sums(cells.iter().map(|w| f64::from(*w)), &mut cell_sums);
@@ -71,7 +104,17 @@ impl SkyTable {
         let sum = push_sums(row_weights.iter().copied(), &mut row_sums);
         let edges = (0..rows).map(|row| edge(row).map(|x| x as f32)).collect();
         let mean = (sum / (2.0 * f64::from(columns))) as f32;
-        Self { columns, rows, row_sums, cell_sums, edges, mean }
+        let (mut row_starts, mut cell_starts) = (Vec::new(), Vec::new());
+        push_starts(&row_sums, &mut row_starts);
+        for sums in cell_sums.chunks_exact(columns as usize + 1) {
+            push_starts(sums, &mut cell_starts);
+        }
+        Self { share, columns, rows, row_sums, row_starts, cell_sums, cell_starts, edges, mean }
+    }
+
+    /// Returns which light rays are to find.
+    pub(super) fn share(&self) -> SkyShare {
+        self.share
     }
 
     pub(super) fn view(&self) -> TableView<'_> {
@@ -80,7 +123,9 @@ impl SkyTable {
 
     /// Returns the bytes that it takes.
     pub fn memory(&self) -> usize {
-        (self.row_sums.len() + self.cell_sums.len()) * 4 + self.edges.len() * 8
+        (self.row_sums.len() + self.cell_sums.len()) * 4
+            + (self.row_starts.len() + self.cell_starts.len()) * 2
+            + self.edges.len() * 8
     }
 }
 
@@ -164,23 +209,58 @@ fn covered(i: u32, of: u32, to: u32) -> std::ops::RangeInclusive<u32> {
     cell(u64::from(i))..=(last / u64::from(of)) as u32
 }
 
-/// Returns the last index whose sum is not above `u`, and where `u` lies between this sum and the
-/// next. `sums` begins with 0 and ends with 1.
-#[inline(always)]
-fn find(sums: &[f32], u: f32) -> (usize, f32) {
-    let last = sums.len() - 2;
+/// Appends where to begin the search among sums for each of several intervals of equal length: the
+/// last index whose sum is not above the interval's lower end, and the same for its upper end, 1.
+fn push_starts(sums: &[f32], to: &mut Vec<u16>) {
+    let count = starts(sums.len());
     let mut at = 0;
-    let mut step = sums.len().next_power_of_two() / 2;
-    while step > 0 {
-        let next = (at + step).min(last);
-        at = if sums[next] <= u { next } else { at };
-        step /= 2;
+    for number in 0..=count {
+        let low = number as f32 / count as f32;
+        while at + 2 < sums.len() && sums[at + 1] <= low {
+            at += 1;
+        }
+        to.push(at as u16);
+    }
+}
+
+/// The number of intervals for so many sums: a power of two, so that their ends are exact.
+#[inline(always)]
+fn starts(sums: usize) -> usize {
+    ((sums - 1) / SUMS_PER_START).next_power_of_two()
+}
+
+/// Returns the last index whose sum is not above `u`, and where `u` lies between this sum and the
+/// next. `sums` begins with 0 and ends with 1; `starts` says where to search.
+#[inline(always)]
+fn find(sums: &[f32], starts: &[u16], u: f32) -> (usize, f32) {
+    let count = starts.len() - 1;
+    let interval = ((u * count as f32) as usize).min(count - 1);
+    let (mut at, mut end) = (starts[interval] as usize, starts[interval + 1] as usize + 1);
+    // The sum at `end` is above `u`, or the last.
+    while end - at > 1 {
+        let middle = (at + end) / 2;
+        if sums[middle] <= u {
+            at = middle;
+        } else {
+            end = middle;
+        }
     }
     (at, (u - sums[at]) / (sums[at + 1] - sums[at]))
 }
 
+/// A sampled direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TableSample {
+    /// The unit direction.
+    pub(super) way: Vec3,
+    /// Where the image shows it.
+    pub(super) uv: [f32; 2],
+    /// Its `pdf_solid_angle`.
+    pub(super) density: f32,
+}
+
 impl TableView<'_> {
-    /// Returns the luminance of the mean radiance.
+    /// Returns the luminance of the mean radiance that rays are to find.
     pub(super) fn mean(&self) -> f32 {
         self.table.mean
     }
@@ -191,28 +271,44 @@ impl TableView<'_> {
         &self.table.cell_sums[row * stride..][..stride]
     }
 
+    #[inline(always)]
+    fn starts(&self, row: usize) -> &[u16] {
+        let stride = starts(self.table.columns as usize + 1) + 1;
+        &self.table.cell_starts[row * stride..][..stride]
+    }
+
     /// Samples a direction by a point `u` of the unit square.
     #[inline(always)]
-    pub(super) fn sample(&self, u: [f32; 2]) -> Vec3 {
+    pub(super) fn sample(&self, u: [f32; 2]) -> TableSample {
         let table = self.table;
-        let (row, below) = find(&table.row_sums, u[1]);
-        let (column, right) = find(self.cells(row), u[0]);
+        let (row, below) = find(&table.row_sums, &table.row_starts, u[1]);
+        let (column, right) = find(self.cells(row), self.starts(row), u[0]);
         let [start, height] = table.edges[row];
         let versine = (start + height * below.clamp(0.0, 1.0)).clamp(0.0, 2.0);
         let sine = (versine * (2.0 - versine)).sqrt();
         let z = if 2 * row < table.rows as usize { 1.0 - versine } else { versine - 1.0 };
         let across = (column as f32 + right.clamp(0.0, 1.0)) / table.columns as f32;
         let (s, c) = sin_cos_turns(0.5 - across);
-        Vec3::new(sine * c, sine * s, z)
+        let uv = [across, elevation_v(z, sine)];
+        TableSample {
+            way: Vec3::new(sine * c, sine * s, z),
+            uv,
+            density: self.density_in(row, column),
+        }
     }
 
-    /// Returns the `pdf_solid_angle` of a direction.
+    /// Returns the `pdf_solid_angle` of the direction that the image shows at `(u, v)`.
     #[inline(always)]
-    pub(super) fn density(&self, way: Vec3) -> f32 {
-        let [u, v] = equirect_uv(way.to_array());
+    pub(super) fn density(&self, [u, v]: [f32; 2]) -> f32 {
         let table = self.table;
         let cell = |x: f32, count: u32| ((x * count as f32) as usize).min(count as usize - 1);
-        let (column, row) = (cell(u, table.columns), cell(1.0 - v, table.rows));
+        self.density_in(cell(1.0 - v, table.rows), cell(u, table.columns))
+    }
+
+    /// Returns the `pdf_solid_angle` of the directions in a cell.
+    #[inline(always)]
+    fn density_in(&self, row: usize, column: usize) -> f32 {
+        let table = self.table;
         let cells = self.cells(row);
         let chance =
             (table.row_sums[row + 1] - table.row_sums[row]) * (cells[column + 1] - cells[column]);

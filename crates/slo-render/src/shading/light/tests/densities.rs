@@ -122,6 +122,29 @@ fn rectangles_discs_and_triangles() {
     assert_fits(&disc(a.as_dvec3(), normal.as_dvec3(), 1.5), from, &find, "disc");
 }
 
+/// Close to it, behind it, beside it, and at a grazing angle.
+#[test]
+fn rectangles_nearby() {
+    let corners = [DVec3::ZERO, DVec3::new(1.2, 0.9, 0.0), DVec3::new(0.6, 1.7, 0.0)];
+    let [a, b, c] = corners.map(|c| c.as_vec3());
+    let (x, y) = (b - a, c - b);
+    for from in [
+        Vec3::new(0.5, 0.7, 0.03),
+        Vec3::new(0.5, 0.7, -0.1),
+        Vec3::new(1.3, 0.9, 0.05),
+        Vec3::new(-0.4, 0.5, 0.02),
+        Vec3::new(4.0, 0.5, 1.0),
+    ] {
+        let find = |way: Vec3| {
+            let way = to_plane(way, from, a, Vec3::Z)?;
+            let at = from + way - a;
+            let shares = [at.dot(x) / x.length_squared(), at.dot(y) / y.length_squared()];
+            shares.iter().all(|at| (0.0..=1.0).contains(at)).then_some(way)
+        };
+        assert_fits(&rectangle(corners, true), from, &find, "rectangle");
+    }
+}
+
 #[test]
 fn suns_and_skies() {
     let sun = sun(DVec3::new(0.48, -0.6, -0.64), 80.0);

@@ -164,6 +164,34 @@ fn rectangles_and_triangles_follow_lamberts_formula() {
     close(found, expected, 1e-3, "over the middle");
 }
 
+/// At any distance and slant; and all points of a lamp that is not small are as likely.
+#[test]
+fn rectangles_follow_lamberts_formula_near_and_far() {
+    let (a, b) = (DVec3::new(0.8, 0.0, 0.6), DVec3::new(0.0, 0.3, 0.0));
+    for place in [DVec3::ZERO, DVec3::new(70.0, -30.0, 20.0)] {
+        for height in [2e-3, 0.02, 0.3, 2.0, 20.0, 900.0] {
+            for aside in [0.5, 1.02, 3.0] {
+                let corner = place - a * aside - b * 0.4;
+                let (corners, up) = ([corner, corner + a, corner + a + b], a.cross(b).normalize());
+                let from = (place - up * height).as_vec3();
+                let normal = if aside < 1.0 { up } else { (up - a * 0.4).normalize() };
+                let lamp = rectangle(corners, true);
+                let four = [corner, corner + a, corner + a + b, corner + b];
+                let expected = polygon(&four, from.as_dvec3(), normal, 7.0);
+                let found = irradiance(&lamp, from, normal.as_vec3(), 1 << 18);
+                // Corners far from the origin are rounded.
+                let slack = 3e-3 + 2e-7 * place.length() / height;
+                close(found, expected, slack, &format!("{height} below, {aside} aside"));
+                if aside < 1.0 && height < 10.0 {
+                    let density = |u| lamp.with(Sample(from, u)).2;
+                    let first = density([0.5; 2]);
+                    assert!(points(100).all(|u| density(u) == first), "{height} below");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn discs_follow_their_formula() {
     for normal in [DVec3::NEG_Z, DVec3::new(0.6, 0.0, 0.8)] {

@@ -19,7 +19,7 @@ fn light(kind: LightKind, textures: &[Arc<Texture>]) -> Light {
     let (name, key_frames, group) = ("l".into(), Vec::new(), None);
     let (camera_visible, solid) = (true, true);
     let light = slo_scene::Light { name, kind, key_frames, camera_visible, solid, group };
-    Light::new(&light, DVec3::ZERO, textures, None)
+    Light::new(&light, DVec3::ZERO, textures, Skies { share: SkyShare::All, before: None })
 }
 
 pub(super) fn sphere(position: DVec3, radius: f64) -> Light {

@@ -68,12 +68,17 @@ fn a_ray_finds_the_pose_of_its_time() {
     let pose = |x: f32| Pose { translation: Vec3::X * x, ..Pose::IDENTITY };
     let lights: Lights = [sphere(DVec3::ZERO, 0.0), sphere(DVec3::ZERO, 0.0)].into_iter().collect();
     assert!(!lights.move_about());
-    let lights = lights.with_poses(vec![vec![], vec![pose(0.0), pose(1.0), pose(2.0)]]);
+    let of = |paths: [Vec<Pose>; 2]| {
+        let mut poses = Poses::default();
+        paths.into_iter().for_each(|path| poses.add(1, path));
+        poses
+    };
+    let lights = lights.with_poses(of([vec![], vec![pose(0.0), pose(1.0), pose(2.0)]]));
     assert!(lights.move_about());
     for (light, time, x) in [(0, 0.7, 0.0), (1, 0.0, 0.0), (1, 0.3, 1.0), (1, 1.0, 2.0)] {
         assert_eq!(lights.pose(light, time).translation.x, x);
     }
-    let still = lights.clone().with_poses(vec![vec![], vec![]]);
+    let still = lights.clone().with_poses(of([vec![], vec![]]));
     assert!(!still.move_about());
     // The lamp moves away from a hit at x = 4: from 4 to 2 units away.
     let way = |x: f32| Vec3::X * (x - 4.0);

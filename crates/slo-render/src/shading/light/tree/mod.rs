@@ -10,6 +10,7 @@
 
 mod build;
 mod node;
+mod sums;
 #[cfg(test)]
 mod tests;
 
@@ -20,12 +21,10 @@ use super::receiver;
 use node::{Node, WIDTH};
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 use slo_accel::{Isa, Lanewise};
+use sums::Sums;
 
 /// Number of a light that does not exist: none may bring light.
 pub const NO_LIGHT: u32 = u32::MAX;
-
-/// The largest number below 1.
-const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
 
 /// Chooses one of many lights for a hit.
 #[derive(Clone, Debug, Default)]
@@ -79,10 +78,11 @@ impl LightTree {
         let none = Chosen { light: NO_LIGHT, chance: 0.0, rest: u };
         loop {
             let Some(node) = self.nodes.get(at as usize) else { return none };
-            let Some((parts, total)) = node.parts(from, normal, at == 0) else { return none };
-            let (child, [before, part]) = find(&parts, total, rest);
-            chance *= part / total;
-            rest = ((rest * total - before) / part).clamp(0.0, BELOW_ONE);
+            let Some(parts) = node.parts(from, normal, at == 0) else { return none };
+            let sums = Sums::new(parts);
+            let (child, left) = sums.find(rest);
+            chance *= sums.chance(child);
+            rest = left;
             match node.light(child) {
                 Some(light) => return Chosen { light, chance, rest },
                 None => at = node.child(child),
@@ -102,9 +102,9 @@ impl LightTree {
         let (mut at, mut chance, mut path) = (0, 1.0, path);
         loop {
             let node = &self.nodes[at as usize];
-            let Some((parts, total)) = node.parts(from, normal, at == 0) else { return 0.0 };
+            let Some(parts) = node.parts(from, normal, at == 0) else { return 0.0 };
             let child = path as usize % WIDTH;
-            chance *= parts[child] / total;
+            chance *= Sums::new(parts).chance(child);
             if node.light(child).is_some() {
                 return chance;
             }
@@ -154,23 +154,6 @@ impl LightTree {
     pub fn memory(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.paths[..])
     }
-}
-
-/// Finds the child in whose interval `u` lies, if the intervals are as long as the parts. Returns
-/// its number, the sum of the parts before it, and its part, which is more than 0.
-#[inline(always)]
-fn find(parts: &[f32; WIDTH], total: f32, u: f32) -> (usize, [f32; 2]) {
-    // Below the total, so that there is a child whose interval ends above it.
-    let x = (u * total).min(total.next_down());
-    let (mut child, mut before, mut sum) = (0, 0.0, 0.0);
-    for part in parts {
-        sum += part;
-        let is_past = sum <= x;
-        child += usize::from(is_past);
-        before = if is_past { sum } else { before };
-    }
-    let child = child.min(WIDTH - 1);
-    (child, [before, parts[child]])
 }
 
 struct ChooseAll<'a> {

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::super::bounds::LightBounds;
 use super::super::receiver;
+use super::sums::sum;
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 16;
@@ -35,6 +36,8 @@ pub(super) struct Node {
     half: [[f32; WIDTH]; 3],
     /// Half of the diagonal of the box.
     radius: [f32; WIDTH],
+    /// Falloff inside the ball about the box: 1 over the square of `radius`.
+    most_falloff: [f32; WIDTH],
     axis: [[f32; WIDTH]; 3],
     /// Cosine and sine of the spread of the directions.
     spread: [[f32; WIDTH]; 2],
@@ -60,6 +63,7 @@ impl Node {
             center: [zeros; 3],
             half: [zeros; 3],
             radius: zeros,
+            most_falloff: zeros,
             axis: [zeros; 3],
             spread: [zeros; 2],
             least: zeros,
@@ -83,7 +87,9 @@ impl Node {
             self.half[i][k] = half[i];
             self.axis[i][k] = lights.axis[i];
         }
-        self.radius[k] = half.length();
+        let radius = half.length();
+        self.radius[k] = radius;
+        self.most_falloff[k] = (1.0 / (radius * radius)).min(MOST);
         self.spread[0][k] = cos;
         self.spread[1][k] = sin.max(0.0);
         self.least[k] = if lights.is_flat { 0.0 } else { 1.0 };
@@ -125,39 +131,22 @@ impl Node {
         self.child[k]
     }
 
-    /// Estimates what each child brings to a hit, and returns the estimates and their sum. If
-    /// nothing may reach the hit, a root returns `None`, and another node returns the energies, so
-    /// that chances always sum to 1.
+    /// Estimates what each child brings to a hit. If nothing may reach the hit, a root returns
+    /// `None`, and another node returns the energies, so that chances always sum to 1.
     #[inline(always)]
-    pub(super) fn parts(
-        &self,
-        from: Vec3,
-        normal: Vec3,
-        is_root: bool,
-    ) -> Option<([f32; WIDTH], f32)> {
+    pub(super) fn parts(&self, from: Vec3, normal: Vec3, is_root: bool) -> Option<[f32; WIDTH]> {
         let mut parts = [0.0; WIDTH];
         for (k, part) in parts.iter_mut().enumerate() {
             *part = self.estimate(k, from, normal);
         }
-        let mut total = 0.0;
-        for part in &parts {
-            total += part;
-        }
+        let total = sum(&parts);
         if total > 0.0 {
             if is_root && self.has_classes() {
                 self.share_among_classes(&mut parts, total);
-                total = 0.0;
-                for part in &parts {
-                    total += part;
-                }
             }
-            return Some((parts, total));
+            return Some(parts);
         }
-        let mut sum = 0.0;
-        for part in &self.energy {
-            sum += part;
-        }
-        (!is_root && sum > 0.0).then_some((self.energy, sum))
+        (!is_root && sum(&self.energy) > 0.0).then_some(self.energy)
     }
 
     /// Whether there are distant lights, beside each other or beside others.
@@ -194,14 +183,15 @@ impl Node {
         let way = center - here;
         let square = way.length_squared().max(f32::MIN_POSITIVE);
         let distance = square.sqrt();
-        let toward = way * (1.0 / distance);
+        let inverse = 1.0 / distance;
+        let toward = way * inverse;
         let radius = self.radius[k];
         let is_inside = radius >= distance;
         // The angle that a ball about the box subtends.
-        let sin = (radius / distance).min(1.0);
+        let sin = (radius * inverse).min(1.0);
         let ball = [(1.0 - sin * sin).sqrt(), sin];
 
-        let at_surface = closer(toward.dot(normal), ball)[0];
+        let at_surface = closer(with_sine(toward.dot(normal)), ball)[0];
         let at_surface = if is_inside { 1.0 } else { at_surface };
         let height = way.dot(normal) + half.dot(normal.abs());
         let rounding = 1e-6 * (center.abs().max_element() + here.abs().max_element());
@@ -210,23 +200,28 @@ impl Node {
 
         let cos = -toward.dot(axis);
         let cos = if self.two_sided[k] > 0.0 { cos.abs() } else { cos };
-        let at_light = closer(cos, [self.spread[0][k], self.spread[1][k]]);
-        let at_light = closer(at_light[0], ball)[0];
+        let at_light = closer(with_sine(cos), [self.spread[0][k], self.spread[1][k]]);
+        let at_light = closer(at_light, ball)[0];
         let at_light = if is_inside { 1.0 } else { at_light };
         let is_lit = at_light + SLACK >= self.least[k];
         let sent = if is_lit { at_light.max(SLACK) } else { 0.0 };
 
-        let falloff = 1.0 / square.max(radius * radius);
+        let falloff = (inverse * inverse).min(self.most_falloff[k]);
         let falloff = if self.falls_off[k] > 0.0 { falloff } else { 1.0 };
         (self.energy[k] * received * sent * falloff).min(MOST)
     }
 }
 
-/// Returns the cosine and the sine of an angle, given by its cosine, minus another, given by its
-/// cosine and its sine; 0 if the other is larger.
+/// Returns a cosine with its sine, which is not negative.
 #[inline(always)]
-fn closer(cos: f32, [other_cos, other_sin]: [f32; 2]) -> [f32; 2] {
-    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+fn with_sine(cos: f32) -> [f32; 2] {
+    [cos, (1.0 - cos * cos).max(0.0).sqrt()]
+}
+
+/// Returns the cosine and the sine of an angle minus another, both given by their cosines and sines;
+/// those of 0 if the other is larger.
+#[inline(always)]
+fn closer([cos, sin]: [f32; 2], [other_cos, other_sin]: [f32; 2]) -> [f32; 2] {
     let is_within = cos >= other_cos;
     let less = [cos * other_cos + sin * other_sin, sin * other_cos - cos * other_sin];
     if is_within { [1.0, 0.0] } else { less }

@@ -1,0 +1,255 @@
+//! Light paths: photons, from lamps through sharp lobes to rough ones.
+
+use std::ops::Range;
+
+use super::batch::Batch;
+use super::machine::{Connection, Integrator, Machine};
+use super::stages::bsdfs::Bsdfs;
+use super::stages::departure::Departure;
+use super::stages::hits::Hits;
+use super::stages::landing::Landing;
+use super::stages::passing::Passing;
+use super::stages::points::Points;
+use super::stages::sharp_bounce::SharpBounce;
+use super::work::Job;
+use crate::frame::{FrameScene, WorldScratch};
+use crate::photons::{Photon, samples_of};
+
+/// The light paths of one pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PhotonPass {
+    /// Number of light paths in all passes before, modulo 2^32.
+    pub(super) first: u32,
+    /// Number of light paths.
+    pub(super) paths: u32,
+    /// Number of slabs of time that they are dealt to.
+    pub(super) slabs: u32,
+}
+
+/// Most light paths of a pass, and so most photons of a slab: they are numbered by 32 bits, and take
+/// 48 bytes each.
+const MOST_PATHS: u64 = 1 << 23;
+
+/// Slabs of time of the first pass, if anything moves.
+const SLABS: f64 = 4.0;
+
+impl PhotonPass {
+    /// Returns a pass of a frame.
+    pub fn new(frame: &FrameScene, pass: u32) -> Self {
+        let samples = samples_of(pass);
+        let pixels = f64::from(frame.camera.width()) * f64::from(frame.camera.height());
+        let before =
+            |pass: u32| (f64::from(frame.settings.photons) * pixels * f64::from(pass)) as u64;
+        let first = before(pass);
+        // The error of a slab's length falls like that of the radius.
+        let slabs = SLABS * libm::pow(f64::from(samples.start) + 1.0, 1.0 / 6.0);
+        let slabs = if frame.moves() { slabs as u32 } else { 1 };
+        let paths =
+            (before(pass.saturating_add(1)) - first).clamp(u64::from(slabs), MOST_PATHS) as u32;
+        // All slabs have the same number.
+        let paths = paths - paths % slabs;
+        Self { first: first as u32, paths, slabs }
+    }
+
+    /// Number of light paths.
+    pub fn paths(&self) -> u32 {
+        self.paths
+    }
+
+    /// Number of slabs of time.
+    pub fn slabs(&self) -> u32 {
+        self.slabs
+    }
+
+    /// Memory that its map takes at most, in bytes.
+    pub fn most_memory(&self) -> usize {
+        self.paths as usize * (size_of::<Photon>() + 16)
+    }
+}
+
+/// The stages, in the order in which a batch passes them.
+#[derive(Debug, Default)]
+struct LightPaths {
+    departure: Departure,
+    batch: Box<Batch>,
+    hits: Box<Hits>,
+    points: Box<Points>,
+    passing: Box<Passing>,
+    bsdfs: Box<Bsdfs>,
+    landing: Box<Landing>,
+    bounce: Box<SharpBounce>,
+    scratch: WorldScratch,
+}
+
+/// Traces the light paths of one thread.
+#[derive(Debug, Default)]
+pub struct PhotonTracer {
+    machine: Machine,
+    paths: LightPaths,
+}
+
+impl PhotonTracer {
+    /// Traces light paths of a pass, by their numbers. Returns the photons with their times, in an
+    /// order that depends on the range alone; `None` if `gives_up` says to give up.
+    pub fn trace(
+        &mut self,
+        frame: &FrameScene,
+        pass: PhotonPass,
+        range: Range<u32>,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<Vec<(f32, Photon)>> {
+        let job = Job { frame, work: &[], maps: None, gives_up };
+        let Self { machine, paths } = self;
+        let seed = frame.photon_sampler.pixel(u32::MAX, u32::MAX);
+        machine.begin_light_paths(seed, frame.lights.len());
+        paths.departure.restart(pass, range, seed);
+        let done = machine.run(paths, &job);
+        let found = paths.landing.take();
+        done.map(|()| found)
+    }
+}
+
+impl LightPaths {
+    /// Traces the batch, stores its photons, and queues the rays that go on.
+    fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) {
+        let frame = job.frame;
+        let Self { departure, batch, hits, points, passing, bsdfs, landing, bounce, scratch } =
+            self;
+        hits.trace(frame, batch, machine.habit(depth), scratch);
+        // Only the camera passes through lamps that it does not see.
+        if frame.has_passable_lamps(depth + 1) {
+            passing.lamps(frame, batch, hits, depth + 1);
+            passing.queue(machine, depth);
+        }
+        let table = &frame.material_table;
+        points.find(frame, batch, hits, machine.seeds());
+        points.choose_materials(frame, &frame.photon_sampler, depth + NAMED);
+        bsdfs.look_up(frame, points);
+        if table.absorbs {
+            bsdfs.absorb(batch, points);
+        }
+        if table.images.any_passes() {
+            bsdfs.let_pass(points);
+            passing.surfaces(frame, batch, points);
+            passing.queue(machine, depth);
+        }
+        bsdfs.find(frame, points);
+        if depth > 0 {
+            let slabs = departure.slabs();
+            landing.store(frame, (batch, hits), points, bsdfs, (depth, slabs));
+        }
+        if depth < frame.settings.recursion() {
+            bounce.send(frame, batch, points, bsdfs, depth + NAMED);
+            let SharpBounce { sent, labels, past, chosen, .. } = &**bounce;
+            machine.extend_path(depth + 1, sent, labels, past, chosen);
+        }
+    }
+}
+
+/// The numbers of hits are those of paths after so many bounces more: those of the first two belong
+/// to the departure.
+const NAMED: u32 = 2;
+
+impl Integrator for LightPaths {
+    fn start_paths(&mut self, machine: &mut Machine, job: &Job<'_>) -> Option<bool> {
+        if !self.departure.fill(job.frame, &mut self.batch) {
+            return Some(false);
+        }
+        self.trace(machine, job, 0);
+        Some(true)
+    }
+
+    fn extend_paths(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        machine.take_paths(depth, &mut self.batch);
+        self.trace(machine, job, depth);
+        Some(())
+    }
+
+    fn trace_connections(&mut self, _: &mut Machine, _: &Job<'_>, _: Connection) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use slo_accel::Isa;
+    use slo_scene::{Files, load};
+
+    use super::*;
+
+    fn frame(elements: &str) -> FrameScene {
+        let text = format!(
+            "settings s {{ integrator PATH photons 1 imageSamples 1 recursion 30 }}
+             Camera c {{ fps 25 Film f {{ width 64 height 64 }}
+                 CamSegment a {{ videoStart 0 videoEnd 1 addPosition {{ 0 -3.9 0 }} addTarget {{ 0 0 0 }} fovStart .3 }} }}
+             material_principled wall {{ base_color {{ .5 .5 .5 }} ior 1 specular_ior_level 0 }}
+             material_principled glass {{ base_color {{ 1 1 1 }} roughness 0 transmission 1 }}
+             material_principled mirror {{ base_color {{ 1 1 1 }} roughness 0 metallic 1 }}
+             box room {{ vertex0 {{ -4 -4 -4 }} vertex1 {{ 4 -4 -4 }} vertex2 {{ 4 4 -4 }} height 8 material wall }}
+             {elements}"
+        );
+        build(&text)
+    }
+
+    fn build(text: &str) -> FrameScene {
+        let loaded = load("scene.txt", text.as_bytes(), &Files::built_in("", &[]));
+        let scene = loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
+        FrameScene::build(&scene, 0, Isa::best()).unwrap()
+    }
+
+    fn photons(frame: &FrameScene, paths: u32) -> Vec<(f32, Photon)> {
+        let pass = PhotonPass { paths, ..PhotonPass::new(frame, 0) };
+        PhotonTracer::default().trace(frame, pass, 0..paths, &|| false).unwrap()
+    }
+
+    /// Light of power 8 pi that meets a ball of radius 0.5 in a distance of 2.
+    #[test]
+    fn all_light_that_meets_something_sharp_is_stored_once() {
+        let share = 0.5 * (1.0 - (1.0f64 - 0.25 * 0.25).sqrt());
+        for lamp in [
+            "lamp_point l { power { 8 8 8 } position { 2 0 0 } }",
+            "lamp_point l { power { 8 8 8 } position { 2 0 0 } radius .001 }",
+        ] {
+            for material in ["mirror", "glass"] {
+                let ball =
+                    format!("sphere b {{ center {{ 0 0 0 }} radius .5 material {material} }}");
+                let frame = frame(&format!("{lamp} {ball}"));
+                let found = photons(&frame, 1 << 16);
+                let power: f64 = found.iter().map(|(_, p)| f64::from(p.power.x)).sum();
+                let power = power / f64::from(1 << 16);
+                let expected = 8.0 * share;
+                assert!(
+                    (power / expected - 1.0).abs() < 0.01,
+                    "{lamp}, {material}: {power}, expected {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn light_of_the_sky_does_not_pass_walls() {
+        // The room is as large as everything that rays can hit.
+        for lamp in [
+            "lamp_sun l { irradiance { 3 3 3 } direction { .2 .3 -1 } }",
+            "lamp_sun l { irradiance { 3 3 3 } direction { 0 0 -1 } angle_deg 0 }",
+            "environment l { radiance { 1 1 1 } }",
+        ] {
+            let ball = "sphere b { center { 0 0 0 } radius .5 material mirror }";
+            let frame = frame(&format!("{lamp} {ball}"));
+            assert!(photons(&frame, 1 << 12).is_empty(), "{lamp}");
+        }
+    }
+
+    #[test]
+    fn a_glossy_ground_leaves_photons_for_small_things() {
+        let text = "settings s { integrator PATH photons 1 imageSamples 1 }
+            Camera c { fps 25 Film f { width 64 height 64 }
+                CamSegment a { videoStart 0 videoEnd 1 addPosition { 0 -6 3 } addTarget { 0 0 0 } fovStart .3 } }
+            material_principled ground { roughness .3 }
+            material_principled glass { base_color { 1 1 1 } roughness 0 transmission 1 }
+            lamp_sun l { irradiance { 3 3 3 } direction { 0 .3 -1 } }
+            plane g { normal { 0 0 1 } position { 0 0 0 } material ground }
+            sphere b { center { 0 0 1 } radius .5 material glass }";
+        let frame = build(text);
+        let found = photons(&frame, 1 << 12);
+        assert!(found.len() > 1 << 10, "{} of 4096 light paths", found.len());
+    }
+}
