@@ -130,7 +130,8 @@ const LEAST: f32 = 0.01;
 fn facing(n: Vec3, n_geo: Vec3, eye: Vec3) -> Vec3 {
     let (along, most) = (n.dot(eye), n_geo.dot(eye));
     let least = LEAST.min(0.9 * most);
-    let share = ((least - along) / most.max(1e-6)).max(0.0);
+    // The sum is at most 1 + share long.
+    let share = ((least - along) / (most - least).max(1e-6)).max(0.0);
     let turned = n + n_geo * share;
     let turned = turned * (1.0 / turned.length().max(1e-6));
     if along < least { turned } else { n }
@@ -140,9 +141,9 @@ fn facing(n: Vec3, n_geo: Vec3, eye: Vec3) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// Corners and normals of a triangle inscribed in the unit sphere.
+    /// Corners and normals of a small triangle inscribed in the unit sphere.
     fn inscribed() -> [Vec3; 3] {
-        [Vec3::new(0.3, 0.0, 1.0), Vec3::new(-0.2, 0.3, 1.0), Vec3::new(-0.1, -0.4, 1.0)]
+        [Vec3::new(0.15, 0.0, 1.0), Vec3::new(-0.1, 0.15, 1.0), Vec3::new(-0.05, -0.2, 1.0)]
             .map(Vec3::normalize)
     }
 

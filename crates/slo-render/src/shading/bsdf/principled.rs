@@ -18,7 +18,7 @@ use super::fresnel::{self, between, cos_refracted, index_of, normal_incidence};
 use super::ggx::{LEAST_ROUGHNESS, widths};
 use super::glass::is_perfect;
 use super::lobe::{At, Lobe, Share};
-use super::tables::{INSIDE, TABLES, Tables};
+use super::tables::{TABLES, Tables};
 use super::{Bsdf, Coat, Diffuse, Glass, Metal, RoughDiffuse, Sheen, Specular};
 use crate::shading::lobe::pair;
 use crate::shading::material::principled::Parameters;
@@ -285,7 +285,7 @@ impl Found {
             self.glass[1].0[i] = if is_thin { self.base[1].0[i] } else { mean };
         }
         if any_inside {
-            let inside = &*INSIDE;
+            let inside = tables.inside();
             for i in lanes(len) {
                 let is_inside = (eta[i] < 1.0) & (parameters.thin[i] == 0.0);
                 let single = inside.single(eta[i], roughness[i], cos[i]);
