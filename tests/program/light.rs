@@ -6,7 +6,7 @@ use super::{Folder, SCENE};
 
 /// A camera that sees nothing but the disc of a sun of this radiance.
 fn sun(radiance: f64) -> Folder {
-    let sine = 5f64.to_radians().sin();
+    let sine = libm::sin(5f64.to_radians());
     let irradiance = radiance * std::f64::consts::PI * sine * sine;
     let lamp = format!(
         "lamp_sun l {{ irradiance {{ {irradiance} {irradiance} 1 }} direction {{ 0 5 -1 }} angle_deg 10 }}"

@@ -28,7 +28,7 @@ impl Fixed {
     /// Whether a number lies between 0 and [`LIMIT`](Self::LIMIT).
     #[inline(always)]
     pub fn holds(x: f32) -> bool {
-        (x >= 0.0) & (x <= Self::LIMIT)
+        (0.0..=Self::LIMIT).contains(&x)
     }
 
     /// The nearest multiple of 2^-24: [`LIMIT`](Self::LIMIT) for larger numbers, and 0 for negative

@@ -42,7 +42,7 @@ impl Target {
     }
 }
 
-/// Returns at most [`MOST`] spheres about some things. What lies close together shares one.
+/// Returns at most 16 spheres about some things. What lies close together shares one.
 pub fn targets(things: &[Sharp]) -> Vec<Target> {
     let mut clusters: Vec<Vec<Sharp>> =
         if things.is_empty() { vec![] } else { vec![things.into()] };

@@ -226,7 +226,8 @@ impl Lanewise for LookUp<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { table, points, to } = self;
-        table.principled.look_up(&points.surfaces.material, points.surfaces.len, to);
+        let (surfaces, multiplied) = (&points.surfaces, table.images.any_needs_uv());
+        table.principled.look_up(&surfaces.material, surfaces.len, multiplied, to);
     }
 }
 
@@ -420,9 +421,9 @@ impl<L: Lobe> Lanewise for FindRoughOf<'_, L> {
 
 /// The sides of surfaces that `way` leads to: 1 for the outside, 0 for the inside.
 fn sides(points: &Points, way: &Vec3s, to: &mut Column<u32>) {
-    for i in 0..points.len() {
+    for (i, to) in to.iter_mut().enumerate().take(points.len()) {
         let passes = points.surfaces.n_geo.get(i).dot(way.get(i)) < 0.0;
-        to[i] = points.surfaces.from_outside[i] ^ u32::from(passes);
+        *to = points.surfaces.from_outside[i] ^ u32::from(passes);
     }
 }
 

@@ -36,6 +36,7 @@ pub use principled::principled;
 pub use rough_diffuse::RoughDiffuse;
 pub use sheen::Sheen;
 pub use specular::Specular;
+pub use tables::facet_albedos;
 
 lobes! {
     /// The lobes of a batch of hits.

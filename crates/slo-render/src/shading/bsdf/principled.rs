@@ -133,13 +133,13 @@ impl Layers {
         len: usize,
     ) -> Self {
         let mut any = Self::default();
-        for i in 0..len.min(BATCH) {
+        for (i, eta) in eta.iter().enumerate().take(len) {
             let is_mine = is_mine(i);
             any.sheen |= is_mine & (parameters.sheen[i] != 0.0);
             any.coat |= is_mine & (parameters.coat[i] != 0.0);
             any.metal |= is_mine & (parameters.metallic[i] != 0.0);
             any.glass |= is_mine & (parameters.transmission[i] != 0.0);
-            any.gloss |= is_mine & (eta[i] != 1.0);
+            any.gloss |= is_mine & (*eta != 1.0);
             any.rough |= is_mine & (parameters.diffuse_roughness[i] > 0.0);
         }
         any

@@ -10,6 +10,7 @@ use std::sync::LazyLock;
 use slo_accel::{Isa, Lanewise};
 
 use super::fresnel::between;
+use super::ggx::LEAST_ROUGHNESS;
 
 /// Nodes of roughness and cosine of the albedo of microfacets that reflect all light.
 const FINE: usize = 32;
@@ -67,6 +68,15 @@ pub(super) struct Body<const N: usize> {
 
 /// The tables. No thread pool integrates them: its threads may wait for them at the same time.
 pub(super) static TABLES: LazyLock<Tables> = LazyLock::new(|| Isa::best().run(Integrate(POINTS)));
+
+/// Returns the share of light that microfacets of a roughness return at the first scattering if they
+/// reflect all of it, seen at a cosine, and the mean of this over all directions, weighted by the
+/// cosine.
+pub fn facet_albedos(roughness: f32, cos: f32) -> [f32; 2] {
+    let single =
+        if roughness < LEAST_ROUGHNESS { 1.0 } else { TABLES.single(roughness, cos).max(0.01) };
+    [single, TABLES.mean(roughness)]
+}
 
 /// Sets up the tables, and integrates those that need it with this number of points.
 struct Integrate(usize);

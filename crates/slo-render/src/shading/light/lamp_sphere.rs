@@ -45,12 +45,15 @@ impl SphereLamp {
     }
 
     /// Returns the vector from a hit to the centre, its length, and the versine of the cone that
-    /// the sphere subtends: 1 if the hit lies inside.
+    /// the sphere subtends: 1 if the hit lies inside, or so close to the surface that rounding decides.
     #[inline(always)]
     fn cap(&self, from: Vec3) -> (Vec3, f32, f32) {
         let way = self.center - from;
         let square = way.length_squared().max(f32::MIN_POSITIVE);
-        let sin2 = (self.radius * self.radius / square).min(1.0);
+        let far = (from.abs() + self.center.abs() + self.radius).max_element();
+        let reach = self.radius + gamma(64) * far;
+        let sin2 = self.radius * self.radius / square;
+        let sin2 = if square <= reach * reach { 1.0 } else { sin2 };
         (way, square.sqrt(), sin2 / (1.0 + (1.0 - sin2).sqrt()))
     }
 }

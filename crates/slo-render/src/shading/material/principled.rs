@@ -1,7 +1,7 @@
 //! `material_principled`: its numbers at hits.
 
 use glam::Vec3;
-use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up_each};
+use slo_accel::math::columns::{BATCH, Column, Vec3s, look_up_each};
 use slo_accel::math::elementary::log2;
 use slo_scene::material::Principled;
 
@@ -168,6 +168,8 @@ pub struct Parameters {
     pub sheen_roughness: Column<f32>,
     /// See [`Constants::thin`].
     pub thin: Column<f32>,
+    /// The number that a whole column holds, as bits, if it is known.
+    filled: [Option<u32>; COLUMNS],
 }
 
 impl Default for Parameters {
@@ -195,6 +197,7 @@ impl Default for Parameters {
             sheen: [0.0; BATCH],
             sheen_roughness: [0.0; BATCH],
             thin: [0.0; BATCH],
+            filled: [None; COLUMNS],
         }
     }
 }
@@ -276,17 +279,30 @@ impl PrincipledTable {
         ]
     }
 
-    /// Looks up the numbers of the materials of a batch of hits.
+    /// Looks up the numbers of the materials of a batch of hits. `multiplied` tells that images
+    /// change them afterwards.
     #[inline(always)]
-    pub fn look_up(&self, material: &Column<u32>, len: usize, to: &mut Parameters) {
+    pub fn look_up(
+        &self,
+        material: &Column<u32>,
+        len: usize,
+        multiplied: bool,
+        to: &mut Parameters,
+    ) {
+        let mut filled = to.filled;
         let columns = self.columns().into_iter().zip(to.columns());
-        for ((table, to), varies) in columns.zip(&self.varies) {
+        for (((table, to), varies), filled) in columns.zip(&self.varies).zip(&mut filled) {
             if *varies {
                 look_up_each([table], material, len, [to]);
+                *filled = None;
             } else if let Some(&number) = table.first() {
-                to[lanes(len)].fill(number);
+                if *filled != Some(number.to_bits()) {
+                    to.fill(number);
+                }
+                *filled = (!multiplied).then_some(number.to_bits());
             }
         }
+        to.filled = filled;
     }
 }
 
@@ -329,5 +345,40 @@ impl Parameters {
             &mut self.sheen_roughness,
             &mut self.thin,
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Batches of several tables, one after the other, with and without images.
+    #[test]
+    fn numbers_are_those_of_the_table() {
+        let material = |ior: f32, roughness: f32| Constants {
+            ior,
+            roughness,
+            ..Constants::new(&Principled::default())
+        };
+        let tables = [
+            PrincipledTable::new(&[material(1.5, 0.2), material(1.5, 0.7)]),
+            PrincipledTable::new(&[material(1.2, 0.3), material(1.5, 0.3)]),
+            PrincipledTable::new(&[material(1.5, 0.2)]),
+        ];
+        let index = std::array::from_fn(|i| i as u32 % 2);
+        let mut to = Parameters::default();
+        for turn in 0..60 {
+            let (table, len) = (&tables[turn * 7 % 11 % 3], [40, 700][turn % 2]);
+            let multiplied = turn % 5 < 2;
+            table.look_up(&index, len, multiplied, &mut to);
+            for i in 0..len {
+                let row = i % 2 % table.ior.len();
+                assert_eq!([to.ior[i], to.roughness[i]], [table.ior[row], table.roughness[row]]);
+                if multiplied {
+                    to.ior[i] *= 0.5;
+                    to.roughness[i] *= 0.5;
+                }
+            }
+        }
     }
 }

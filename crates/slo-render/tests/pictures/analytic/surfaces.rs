@@ -108,7 +108,7 @@ fn an_even_image_is_a_factor_of_every_input() {
         let numbers = numbers.join(" ");
         format!(
             "{RAW} material_principled m {{ {numbers} {image} }}
-             sphere s {{ material m center {{ 0 0 0 }} radius 1.4 }}
+             sphere s {{ material m center {{ 0 0 0 }} radius 1.4 sampled 0 }}
              lamp_point l {{ power {{ 40 40 40 }} position {{ 2 -3 2 }} radius .5 }}"
         )
     };

@@ -7,39 +7,22 @@ use slo_render::shading::Light as PreparedLight;
 use slo_render::shading::light::{LightTree, NO_LIGHT, Skies, SkyShare, receiver};
 use slo_scene::material::Phong;
 use slo_scene::{
-    KeyFrame, Light, LightKind, LightSampling, Material, MaterialKind, SceneDescription, ShadowMode,
+    Light, LightKind, LightSampling, Material, MaterialKind, SceneDescription, ShadowMode,
 };
 
-use super::motion::{Shutter, camera_ray};
+use super::lamps::color;
+use super::motion::camera_ray;
 use super::points::{lobe, next_path};
-use super::solid::{Meeting, Ray, Solid, light_solids, solids};
-
-/// Distance within which a ray meets the surface that it leaves, by rounding in f64. No two
-/// surfaces of the scenes are as close as this.
-const NEAR: f64 = 1e-7;
+use super::solid::{Meeting, Ray};
+use super::world::{Look, World};
 
 /// A scene prepared for plain recursive rendering.
 pub(super) struct Oracle<'a> {
     scene: &'a SceneDescription,
-    shutter: Shutter,
+    world: World<'a>,
     sampler: Sampler,
-    things: Vec<Thing<'a>>,
     /// Chooses lights; it has tests of its own.
     tree: LightTree,
-}
-
-struct Thing<'a> {
-    solids: Vec<Solid>,
-    keys: &'a [KeyFrame],
-    look: Look,
-    /// Whether the object has no inside.
-    open: bool,
-}
-
-#[derive(Clone, Copy)]
-enum Look {
-    Material(usize),
-    Light(usize),
 }
 
 /// Identity of a ray of a pixel.
@@ -90,10 +73,6 @@ struct Hit<'a> {
     tint: DVec3,
 }
 
-fn color(rgb: [f32; 3]) -> DVec3 {
-    DVec3::from_array(rgb.map(f64::from))
-}
-
 fn light_color(light: &Light) -> DVec3 {
     color(match &light.kind {
         LightKind::Point(light) => light.color,
@@ -111,26 +90,14 @@ fn phong_of(material: &Material) -> &Phong {
 
 impl<'a> Oracle<'a> {
     pub(super) fn new(scene: &'a SceneDescription, frame: i64) -> Self {
-        let objects = scene.objects.iter().map(|object| {
-            let (solids, open) = solids(&object.shape);
-            let look = Look::Material(object.material.0 as usize);
-            Thing { solids, keys: &object.key_frames, look, open }
-        });
-        let lights = scene.lights.iter().enumerate().map(|(i, light)| Thing {
-            solids: light_solids(&light.kind),
-            keys: &[],
-            look: Look::Light(i),
-            open: true,
-        });
         let skies = Skies { share: SkyShare::All, before: None };
         let bounds = |light| PreparedLight::new(light, DVec3::ZERO, &[], skies).bounds();
         let bounds: Vec<_> = scene.lights.iter().map(bounds).collect();
         Self {
             scene,
             tree: LightTree::new(&bounds),
-            shutter: Shutter::new(scene, frame),
+            world: World::new(scene, frame),
             sampler: Sampler::new(scene.settings.generator, scene.settings.seed, frame),
-            things: objects.chain(lights).collect(),
         }
     }
 
@@ -141,7 +108,7 @@ impl<'a> Oracle<'a> {
         let seed = self.sampler.pixel(x, y);
         let radiance = |index| {
             let sample = self.sampler.camera(seed, index);
-            let ray = camera_ray(self.scene, &self.shutter, [x, y], &sample);
+            let ray = camera_ray(self.scene, &self.world.shutter, [x, y], &sample);
             self.radiance(
                 &ray,
                 Branch { seed, path: 0, index, depth: 0, density: 0.0, weight: 1.0 },
@@ -151,7 +118,7 @@ impl<'a> Oracle<'a> {
     }
 
     fn radiance(&self, ray: &Ray, branch: Branch) -> DVec3 {
-        let Some((thing, meeting)) = self.nearest(ray, None) else {
+        let Some((thing, meeting)) = self.world.nearest(ray, None) else {
             return color(self.scene.settings.background);
         };
         match thing.look {
@@ -167,27 +134,6 @@ impl<'a> Oracle<'a> {
                 ambient + self.lights(&hit, branch, &lobes) + bounces.sum::<DVec3>()
             }
         }
-    }
-
-    /// Returns the first object on a ray, leaving out the rectangle of light `but`.
-    fn nearest(&self, ray: &Ray, but: Option<usize>) -> Option<(&Thing<'a>, Meeting)> {
-        let counts =
-            |thing: &&Thing<'_>| !matches!((thing.look, but), (Look::Light(a), Some(b)) if a == b);
-        let meet = |thing| self.meet(thing, ray).map(|meeting| (thing, meeting));
-        let by_t = |a: &(&Thing<'a>, Meeting), b: &(&Thing<'a>, Meeting)| a.1.t.total_cmp(&b.1.t);
-        self.things.iter().filter(counts).filter_map(meet).min_by(by_t)
-    }
-
-    fn meet(&self, thing: &Thing<'a>, ray: &Ray) -> Option<Meeting> {
-        let pose = self.shutter.pose(thing.keys, ray.time);
-        let local = pose.inverse(ray);
-        let meetings = thing.solids.iter().filter_map(|solid| solid.meet(&local, NEAR));
-        let meeting = meetings.min_by(|a, b| a.t.total_cmp(&b.t))?;
-        Some(Meeting {
-            outward: pose.rotation * meeting.outward,
-            smooth: meeting.smooth.map(|n| pose.rotation * n),
-            ..meeting
-        })
     }
 
     fn hit(&self, ray: &Ray, material: &'a Phong, meeting: &Meeting) -> Hit<'a> {
@@ -347,7 +293,7 @@ impl<'a> Oracle<'a> {
 
     /// Returns the share of light that passes between a hit and a point of a light.
     fn passed(&self, ray: Ray, distance: f64, light: usize) -> f64 {
-        let Some((thing, meeting)) = self.nearest(&ray, Some(light)) else { return 1.0 };
+        let Some((thing, meeting)) = self.world.nearest(&ray, Some(light)) else { return 1.0 };
         if meeting.t >= distance {
             return 1.0;
         }

@@ -2,10 +2,15 @@
 //! ray at a time, in f64, without any acceleration structure. Both use the same sample points, so
 //! they differ only by rounding.
 
+mod lamps;
 mod light;
 mod motion;
+mod path;
+mod paths;
 mod points;
 mod solid;
+mod surface;
+mod world;
 
 use std::fs;
 use std::path::Path;
@@ -13,10 +18,11 @@ use std::path::Path;
 use glam::DVec3;
 
 use slo_accel::Isa;
-use slo_scene::{Files, LightKind, MaterialKind, SceneDescription, load};
+use slo_scene::{Files, Integrator, LightKind, MaterialKind, SceneDescription, load};
 
 use crate::support::{describe, expose, material};
 use light::Oracle;
+use path::PathOracle;
 
 /// Largest difference of a channel caused by rounding.
 ///
@@ -58,15 +64,35 @@ fn scene_seen(segment: &str, settings: &str, elements: &str) -> String {
 /// Differences of all pixels, in rising order.
 fn differences(scene: &SceneDescription) -> Vec<f64> {
     let image = expose(scene, Isa::best()).image();
-    let oracle = Oracle::new(scene, 0);
+    let expected: Box<dyn Fn(u32, u32) -> DVec3> = match scene.settings.integrator {
+        Integrator::Distributed => {
+            let oracle = Oracle::new(scene, 0);
+            Box::new(move |x, y| oracle.pixel(x, y))
+        }
+        Integrator::Path => {
+            let oracle = PathOracle::new(scene, 0);
+            Box::new(move |x, y| oracle.pixel(x, y))
+        }
+    };
     let mut differences: Vec<f64> = (0..WIDTH * HEIGHT)
         .map(|i| {
             let found = DVec3::from_array(image.rgb[i as usize].map(f64::from));
-            (found - oracle.pixel(i % WIDTH, i / WIDTH)).abs().max_element()
+            (found - expected(i % WIDTH, i / WIDTH)).abs().max_element()
         })
         .collect();
     differences.sort_by(f64::total_cmp);
     differences
+}
+
+/// Differences of all pixels of the renderer's pictures of two scenes, in rising order.
+fn differences_between(a: &SceneDescription, b: &SceneDescription) -> Vec<f64> {
+    let [a, b] = [a, b].map(|scene| expose(scene, Isa::best()).image());
+    let difference = |(a, b): (&[f32; 3], &[f32; 3])| {
+        (0..3).map(|c| f64::from((a[c] - b[c]).abs())).fold(0.0, f64::max)
+    };
+    let mut all: Vec<f64> = a.rgb.iter().zip(&b.rgb).map(difference).collect();
+    all.sort_by(f64::total_cmp);
+    all
 }
 
 /// Whether sorted differences are explained by rounding.
@@ -241,7 +267,6 @@ fn shipped_scenes() {
 #[test]
 fn the_comparison_finds_small_mistakes() {
     let right = describe(&everything(""));
-    let image = |scene: &SceneDescription| expose(scene, Isa::best()).image();
     let changes: [fn(&mut SceneDescription); 4] = [
         |scene| scene.settings.seed = 1,
         |scene| scene.settings.recursion = Some(2),
@@ -258,12 +283,6 @@ fn the_comparison_finds_small_mistakes() {
     for (number, change) in changes.into_iter().enumerate() {
         let mut wrong = right.clone();
         change(&mut wrong);
-        let (a, b) = (image(&right), image(&wrong));
-        let difference = |(a, b): (&[f32; 3], &[f32; 3])| {
-            (0..3).map(|c| f64::from((a[c] - b[c]).abs())).fold(0.0, f64::max)
-        };
-        let mut all: Vec<f64> = a.rgb.iter().zip(&b.rgb).map(difference).collect();
-        all.sort_by(f64::total_cmp);
-        assert!(!agrees(&all), "change {number}");
+        assert!(!agrees(&differences_between(&right, &wrong)), "change {number}");
     }
 }

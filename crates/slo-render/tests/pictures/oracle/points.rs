@@ -20,10 +20,16 @@ pub(super) fn lobe(axis: DVec3, spread: f64, u: [f64; 2]) -> DVec3 {
     x * (sin * c) + y * (sin * s) + axis * cos
 }
 
-/// Returns the name of the path that continues `path` by a reflection or refraction.
+/// Returns the name of the path that continues `path` by a ray for a purpose.
 pub(super) fn next_path(path: u32, branch: Purpose) -> u32 {
-    let word = if branch == Purpose::Reflection { 2 } else { 3 };
-    mix(path.wrapping_mul(0x9e37_79b1) ^ mix(word + 0x7f4a_7c15))
+    let word: u32 = match branch {
+        Purpose::Reflection => 2,
+        Purpose::Refraction => 3,
+        Purpose::Continuation => u32::MAX,
+        Purpose::Surface => u32::MAX - 2,
+        other => panic!("no path continues by {other:?}"),
+    };
+    mix(path.wrapping_mul(0x9e37_79b1) ^ mix(word.wrapping_add(0x7f4a_7c15)))
 }
 
 /// The bijection of words of Wellons and Ettinger.

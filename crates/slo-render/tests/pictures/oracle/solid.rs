@@ -29,6 +29,8 @@ pub(super) struct Meeting {
     /// Interpolated normal, not unit.
     pub(super) smooth: Option<DVec3>,
     pub(super) uv: DVec2,
+    /// Index of the surface among those of its object.
+    pub(super) part: usize,
 }
 
 /// A surface in object space.
@@ -37,6 +39,7 @@ pub(super) enum Solid {
     Sphere { center: DVec3, radius: f64 },
     Cylinder { base: DVec3, top: DVec3, radius: f64 },
     Cone { base: DVec3, apex: DVec3, radius: f64 },
+    Disc { center: DVec3, normal: DVec3, radius: f64 },
 }
 
 /// Returns the surfaces of a shape, and whether the shape has no inside.
@@ -70,7 +73,18 @@ pub(super) fn light_solids(light: &LightKind) -> Vec<Solid> {
     match light {
         LightKind::Point(_) => vec![],
         LightKind::Rectangle(light) => rectangle(light.rectangle.vertices),
-        other => panic!("the oracle does not know {other:?}"),
+        LightKind::RectangleLamp(lamp) => rectangle(lamp.rectangle.vertices),
+        LightKind::DiscLamp(lamp) => {
+            let (center, normal, radius) = (lamp.center, lamp.normal, lamp.radius);
+            vec![Solid::Disc { center, normal, radius }]
+        }
+        LightKind::PointLamp(lamp) if lamp.radius > 0.0 => {
+            vec![Solid::Sphere { center: lamp.position, radius: lamp.radius }]
+        }
+        LightKind::PointLamp(_)
+        | LightKind::SpotLamp(_)
+        | LightKind::SunLamp(_)
+        | LightKind::Environment(_) => vec![],
     }
 }
 
@@ -132,6 +146,7 @@ impl Solid {
             Self::Sphere { center, radius } => sphere(ray, center, radius),
             Self::Cylinder { base, top, radius } => cylinder(ray, base, top, radius),
             Self::Cone { base, apex, radius } => cone(ray, base, apex, radius),
+            Self::Disc { center, normal, radius } => disc(ray, center, normal, radius),
         };
         all.into_iter().flatten().filter(|m| m.t > least).min_by(|a, b| a.t.total_cmp(&b.t))
     }
@@ -155,6 +170,7 @@ fn triangle(
         outward: e.cross(f).normalize(),
         smooth: normals.map(|n| n[0] * w + n[1] * u + n[2] * v),
         uv: uvs[0] * w + uvs[1] * u + uvs[2] * v,
+        part: 0,
     };
     [(u >= 0.0 && v >= 0.0 && w >= 0.0).then(meeting), None, None, None]
 }
@@ -178,11 +194,18 @@ fn sphere(ray: &Ray, center: DVec3, radius: f64) -> [Option<Meeting>; 4] {
         let outward = (ray.at(t) - center).normalize();
         let latitude = libm::asin(outward.z.clamp(-1.0, 1.0)) / std::f64::consts::PI;
         let uv = DVec2::new(turns(outward, DVec3::Z, DVec3::X), latitude + 0.5);
-        Meeting { t, outward, smooth: None, uv }
+        Meeting { t, outward, smooth: None, uv, part: 0 }
     };
     let [near, far] = roots(1.0, b, from.length_squared() - radius * radius);
     let meeting = |t: f64| (!t.is_nan()).then(|| meeting(t));
     [meeting(near), meeting(far), None, None]
+}
+
+fn disc(ray: &Ray, center: DVec3, normal: DVec3, radius: f64) -> [Option<Meeting>; 4] {
+    let t = normal.dot(center - ray.origin) / normal.dot(ray.direction);
+    let is_hit = ray.at(t).distance(center) <= radius;
+    let meeting = || Meeting { t, outward: normal, smooth: None, uv: DVec2::ZERO, part: 0 };
+    [is_hit.then(meeting), None, None, None]
 }
 
 /// The common part of a cylinder and a cone: a ray split into its parts along the axis and across
@@ -226,7 +249,7 @@ impl Axial {
         let outward = (across.normalize_or_zero() + self.axis * lean).normalize();
         let uv = DVec2::new(turns(across, self.axis, self.x()), s / self.height);
         let inside = 0.0 <= s && s <= self.height;
-        inside.then_some(Meeting { t, outward, smooth: None, uv })
+        inside.then_some(Meeting { t, outward, smooth: None, uv, part: 0 })
     }
 
     /// Returns an intersection with the disc at height `s`.
@@ -239,6 +262,7 @@ impl Axial {
             outward,
             smooth: None,
             uv: (uv + DVec2::ONE) / 2.0,
+            part: 0,
         })
     }
 }
