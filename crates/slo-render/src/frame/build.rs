@@ -97,6 +97,7 @@ impl FrameScene {
                 flags.clear();
             }
         }
+        let softens = softens(scene, &parts);
         let uses_photons =
             scene.settings.photons > 0.0 && scene.settings.integrator == Integrator::Path;
         let targets = uses_photons.then(|| targets(&sharp_objects(scene, &parts)));
@@ -142,6 +143,7 @@ impl FrameScene {
             first_shaded,
             emission,
             is_physical: is_physical(scene),
+            softens,
             sampler: sampler(number),
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
@@ -189,6 +191,14 @@ fn is_physical(scene: &SceneDescription) -> bool {
     scene.settings.integrator == Integrator::Path
         || scene.lights.iter().any(|light| !light.kind.is_of_thesis())
         || scene.materials.iter().any(|material| Kind::of(material) != Kind::Phong)
+}
+
+/// Whether any smooth mesh may have a physical material.
+fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
+    parts.objects.iter().zip(&parts.looks).any(|(object, look)| {
+        let is_physical = |index| Kind::of(&scene.materials[index as usize]) != Kind::Phong;
+        !object.normals.is_empty() && look.material().is_some_and(is_physical)
+    })
 }
 
 /// Structures of another frame, to be reused.

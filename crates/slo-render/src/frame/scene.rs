@@ -64,6 +64,9 @@ pub struct FrameScene {
     pub(crate) clever: bool,
     /// Whether the scene says anything that the thesis's integrator does not know.
     pub(crate) is_physical: bool,
+    /// Whether light may arrive above the triangles of smooth meshes: whether any has a physical
+    /// material.
+    pub(crate) softens: bool,
     pub(super) textures: Vec<Arc<Texture>>,
     pub(super) objects: Vec<FrameObject>,
     pub(super) looks: Looks,

@@ -105,9 +105,9 @@ impl Path {
             return Some(());
         }
         points.find(frame, batch, hits, machine.seeds());
-        points.find_receivers(frame);
         points.choose_materials(frame, &frame.sampler, depth);
         bsdfs.look_up(frame, points);
+        points.find_receivers(frame);
         if table.absorbs {
             bsdfs.absorb(batch, points);
         }

@@ -170,6 +170,8 @@ fn physical_scene(seed: u32) -> String {
          sphere m {{ material metal center {{ -2 0 .5 }} radius 1 }}
          sphere g {{ material glass center {{ 0 0 .5 }} radius 1 }}
          sphere c {{ material coated center {{ 2 0 .5 }} radius 1 }}
+         mesh s {{ material coated filename files/ball.obj smooth_normals 1
+                  addKframe {{ time 0 key {{ pivot {{ 1 -2.5 .2 }} }} }} }}
          box lit {{ material glow vertex0 {{ -1 3 0 }} vertex1 {{ 1 3 0 }} vertex2 {{ 1 4 0 }} height 1 }}
          lamp_rectangle r {{ radiance {{ 3 3 3 }} vertex0 {{ -3 -2 4 }} vertex1 {{ -3 2 4 }} vertex2 {{ -1 2 4 }} }}
          lamp_point b {{ power {{ 60 50 40 }} position {{ 3 2 3 }} radius 1 }}

@@ -39,6 +39,21 @@ pub(crate) struct Surfaces {
     pub(crate) uv: [Column<f32>; 2],
     /// Bounds of the absolute coordinates from which points were computed.
     pub(super) magnitude: Vec3s,
+    /// The way from each point to the surface that the vertices' tangent planes span, if it lies on
+    /// the ray's side of the triangle; otherwise 0. Of scenes with [`FrameScene::softens`].
+    ///
+    /// [`FrameScene::softens`]: crate::frame::FrameScene::softens
+    pub(super) lift: Vec3s,
+    /// See [`starts`](Self::starts).
+    pub(super) start: Vec3s,
+    /// See [`floors`](Self::floors).
+    pub(super) floor: Vec3s,
+    /// Whether `start` and `floor` are set.
+    pub(super) is_softened: bool,
+    /// 1 if an image bends `n_shade`, otherwise 0; if `any_is_bent`.
+    pub(crate) is_bent: Column<u32>,
+    /// Whether images bend normals at all.
+    pub(crate) any_is_bent: bool,
 }
 
 impl Default for Surfaces {
@@ -57,6 +72,12 @@ impl Default for Surfaces {
             bitangent: [1.0; BATCH],
             uv: [[0.0; BATCH]; 2],
             magnitude: Vec3s::default(),
+            lift: Vec3s::default(),
+            start: Vec3s::default(),
+            floor: Vec3s::default(),
+            is_softened: false,
+            is_bent: [0; BATCH],
+            any_is_bent: false,
         }
     }
 }
@@ -76,6 +97,20 @@ impl Surfaces {
         Vec2::new(self.uv[0][i], self.uv[1][i])
     }
 
+    /// Where light arrives, as far as lamps and rays that leave are concerned: the points, or points
+    /// above them on coarse smooth meshes. See `soften`.
+    #[inline(always)]
+    pub(crate) fn starts(&self) -> &Vec3s {
+        if self.is_softened { &self.start } else { &self.point }
+    }
+
+    /// Unit normals of the planes above which light arrives that surfaces scatter: the geometric
+    /// normals, or others on the ray's side on coarse smooth meshes. See `soften`.
+    #[inline(always)]
+    pub(crate) fn floors(&self) -> &Vec3s {
+        if self.is_softened { &self.floor } else { &self.n_geo }
+    }
+
     /// Returns the origin of a ray from hit `i` toward `direction`, such that the ray cannot hit
     /// the surface that it leaves.
     ///
@@ -83,9 +118,22 @@ impl Surfaces {
     /// offset is the error bound of this hit, not a constant.
     #[inline(always)]
     pub(crate) fn leave(&self, i: usize, direction: Vec3) -> Vec3 {
+        self.moved(i, self.point.get(i), direction.dot(self.n_geo.get(i)) < 0.0)
+    }
+
+    /// Like [`leave`](Self::leave), for rays from [`starts`](Self::starts): a ray above the floor
+    /// leaves on the side of `n_geo`.
+    #[inline(always)]
+    pub(crate) fn depart(&self, i: usize, direction: Vec3) -> Vec3 {
+        self.moved(i, self.starts().get(i), direction.dot(self.floors().get(i)) < 0.0)
+    }
+
+    /// Moves a point by the error bound of hit `i` to one side of the surface.
+    #[inline(always)]
+    fn moved(&self, i: usize, point: Vec3, below: bool) -> Vec3 {
         let n_geo = self.n_geo.get(i);
-        let side = if direction.dot(n_geo) < 0.0 { -n_geo } else { n_geo };
-        let moved = self.point.get(i) + side * self.offset[i];
+        let side = if below { -n_geo } else { n_geo };
+        let moved = point + side * self.offset[i];
         // The sum is rounded too, so it is rounded away from the surface.
         Vec3::new(away(moved.x, side.x), away(moved.y, side.y), away(moved.z, side.z))
     }

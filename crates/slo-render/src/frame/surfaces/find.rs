@@ -34,6 +34,10 @@ impl FrameScene {
         if let [Some(x), Some(y), Some(z)] = rays.direction.each_ref().map(|d| d.first_chunk()) {
             self.isa.run(Facing { directions: [x, y, z], to: surfaces });
         }
+        surfaces.is_softened = false;
+        if self.softens {
+            self.lift(time, found, gathered, surfaces);
+        }
     }
 }
 

@@ -30,9 +30,9 @@ pub(super) struct Gathered {
     pub(super) u: Column<f32>,
     pub(super) v: Column<f32>,
     /// Indices of hits on curved primitives.
-    curved: Vec<u16>,
+    pub(super) curved: Vec<u16>,
     /// Indices of hits on moving objects.
-    moving: Vec<u16>,
+    pub(super) moving: Vec<u16>,
 }
 
 impl Default for Gathered {

@@ -73,11 +73,14 @@ impl FrameScene {
     /// Bends the shading normals of hits whose materials have an image of normals.
     pub(crate) fn bend_normals(&self, parameters: &Parameters, to: &mut Surfaces) {
         let images = &self.material_table.images;
-        if !images.any_bends() {
+        to.any_is_bent = images.any_bends();
+        if !to.any_is_bent {
             return;
         }
         for i in 0..to.len.min(BATCH) {
-            let Some(image) = images.normals(to.material[i]) else { continue };
+            let image = images.normals(to.material[i]);
+            to.is_bent[i] = u32::from(image.is_some());
+            let Some(image) = image else { continue };
             let n = to.n_shade.get(i);
             let facing = if to.from_outside[i] == 1 { 1.0 } else { -1.0 };
             // The side of the surface that the image is meant for.
@@ -89,10 +92,10 @@ impl FrameScene {
             let z = 1.0 + (map.z - 1.0) * strength.clamp(0.0, 1.0);
             let bent = tangent * (map.x * strength) + bitangent * (map.y * strength) + outward * z;
             let bent = (bent * facing).try_normalize().unwrap_or(n);
-            let n_geo = to.n_geo.get(i);
-            // On the side of the geometric normal.
-            let below = bent.dot(n_geo);
-            let bent = if below < 0.0 { bent - 2.0 * below * n_geo } else { bent };
+            // On the side from which light arrives.
+            let floor = to.floors().get(i);
+            let below = bent.dot(floor);
+            let bent = if below < 0.0 { bent - 2.0 * below * floor } else { bent };
             to.n_shade.set(i, bent);
         }
     }

@@ -80,6 +80,10 @@ impl Bsdfs {
         if table.is_physical() {
             frame.isa.run(LookUp { table, points, to: &mut self.parameters });
             frame.multiply_images(&points.surfaces, &mut self.parameters);
+            let Self { is_principled, parameters, .. } = self;
+            let is_opaque =
+                |i: usize| (is_principled[i] == 1) & (parameters.transmission[i] <= 0.0);
+            frame.soften(&points.direction, is_opaque, &mut points.surfaces);
             frame.bend_normals(&self.parameters, &mut points.surfaces);
         }
     }
@@ -179,7 +183,7 @@ impl Bsdfs {
         let at = |i: usize| {
             let (at, eye) = (points.at(i), way.get(i));
             let side = if at.n_geo.dot(eye) < 0.0 { -1.0 } else { 1.0 };
-            At { eye, n: at.n * side, n_geo: at.n_geo * side, ..at }
+            At { eye, n: at.n * side, n_geo: at.n_geo * side, floor: at.floor * side, ..at }
         };
         let is_mine = |i: usize| self.is_principled[i] == 1;
         let LookBack { bsdf, from_outside, emitted } = to;

@@ -335,12 +335,12 @@ impl Lanewise for Finish<'_> {
             let weight = points.weight.get(i) * sent.weight.get(i);
             let kept = follows(weight, count, survival.numbers[0][i]);
             let weight = if always { weight } else { kept };
-            let origin = surfaces.leave(i, direction);
+            let origin = surfaces.depart(i, direction);
             sent.origin.set(i, origin);
             sent.t_max[i] = f32::INFINITY;
             let is_ray = (weight.max_element() > 0.0) & sent.is_ray(i);
             sent.weight.set(i, if is_ray { weight } else { Vec3::ZERO });
-            past.from.set(i, surfaces.point.get(i));
+            past.from.set(i, surfaces.starts().get(i));
             past.normal[i] = points.receiver[i];
         }
     }
@@ -368,7 +368,8 @@ impl Lanewise for Remember<'_> {
             let is_sharp = past.marks[i] & marks::SHARP != 0;
             let cos = points.surfaces.n_geo.get(i).dot(sent.direction.get(i)).abs();
             let rival = sent.density[i] / (cos * points.caught[i]);
-            let is_shared = (points.caught[i] > 0.0) & (cos > 0.0);
+            let is_real = points.at(i).is_real(sent.direction.get(i));
+            let is_shared = (points.caught[i] > 0.0) & (cos > 0.0) & is_real;
             let rival = if is_shared { rival.min(f32::MAX) } else { 0.0 };
             let is_two_way = points.at(i).is_two_way(sent.direction.get(i));
             let kept = if is_two_way { before.rival[i] } else { 0.0 };

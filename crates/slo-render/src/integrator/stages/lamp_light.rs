@@ -159,7 +159,7 @@ impl LampLight {
     fn choose(&mut self, frame: &FrameScene, points: &Points, rays: f32) {
         let Self { set, choices, light, tries, radiance, .. } = self;
         let Points { surfaces, receiver, .. } = points;
-        let (point, u) = (&surfaces.point, &set.numbers[2]);
+        let (point, u) = (surfaces.starts(), &set.numbers[2]);
         frame.light_tree.choose_all(frame.isa, points.len(), point, receiver, u, choices);
         for (light, &chosen) in light.iter_mut().zip(&choices.light) {
             *light = frame.first_chosen.saturating_add(chosen);
@@ -249,17 +249,17 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool), const SKIPS: bool> Lanewise for As
     #[inline(always)]
     fn run(self) {
         let Self { points, choose, to } = self;
-        let surfaces = &points.surfaces;
+        let (surfaces, starts) = (&points.surfaces, points.surfaces.starts());
         for i in lanes(surfaces.len) {
             let (lamp, is_asked) = choose(to.light[i], i);
             if SKIPS && !is_asked {
                 continue;
             }
-            let hit = surfaces.point.get(i);
+            let hit = starts.get(i);
             let u = [to.set.numbers[0][i], to.set.numbers[1][i]];
             let Sampled { way, radiance, density } = lamp.sample(hit, u);
             let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };
-            let origin = surfaces.leave(i, toward);
+            let origin = surfaces.depart(i, toward);
             let (direction, t_max) = if L::IS_DISTANT {
                 (way, f32::INFINITY)
             } else {

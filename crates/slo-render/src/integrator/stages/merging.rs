@@ -266,7 +266,8 @@ impl<L: Lobe> Lanewise for ScatterOne<'_, L> {
             let by_lobe = rays * chance[i] * both / cos;
             let share = 1.0 / (1.0 + by_lobe / (points.caught[i] * density[k]));
             let value = scattered.value * (share / cos);
-            to.set(k, to.get(k) + if lobe.is_sharp(i) { Vec3::ZERO } else { value });
+            let counts = !lobe.is_sharp(i) & at.is_real(toward);
+            to.set(k, to.get(k) + if counts { value } else { Vec3::ZERO });
         }
     }
 }

@@ -185,10 +185,13 @@ impl Points {
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> At {
         let Surfaces { n_shade, n_geo, tangent, .. } = &self.surfaces;
+        let Surfaces { is_bent, any_is_bent, .. } = &self.surfaces;
         At {
             eye: -self.direction.get(i),
             n: n_shade.get(i),
             n_geo: n_geo.get(i),
+            floor: self.surfaces.floors().get(i),
+            is_bent: *any_is_bent & (is_bent[i] == 1),
             tangent: tangent.get(i),
         }
     }
@@ -259,7 +262,7 @@ impl Lanewise for Receivers<'_> {
     fn run(self) {
         let points = self.0;
         for i in lanes(points.surfaces.len) {
-            points.receiver[i] = receiver::pack(points.surfaces.n_geo.get(i));
+            points.receiver[i] = receiver::pack(points.surfaces.floors().get(i));
         }
     }
 }

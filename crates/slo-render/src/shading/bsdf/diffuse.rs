@@ -16,7 +16,18 @@ pub struct Diffuse(pub Share);
 #[inline(always)]
 pub(super) fn spread(at: &At, toward: Vec3) -> f32 {
     let density = at.n.dot(toward).max(0.0) * FRAC_1_PI;
-    if at.n_geo.dot(toward) > 0.0 { density } else { 0.0 }
+    if at.floor.dot(toward) > 0.0 { density } else { 0.0 }
+}
+
+/// The share of light from a direction that a diffuse lobe scatters although an image bends the
+/// normal: it falls to 0 evenly toward the surface instead of ending there. 1 if no image does.
+///
+/// Source: M. Chiang, Y. Li and B. Burley, "Taming the Shadow Terminator" (2019).
+#[inline(always)]
+pub(super) fn unshadowed(at: &At, toward: Vec3) -> f32 {
+    let along = at.n.dot(toward) * at.n.dot(at.floor);
+    let lit = (at.floor.dot(toward) / along.max(1e-6)).clamp(0.0, 1.0);
+    if at.is_bent { lit * (1.0 + lit * (1.0 - lit)) } else { 1.0 }
 }
 
 /// Samples a unit direction about the shading normal, in proportion to the cosine. Also returns the
@@ -42,14 +53,16 @@ impl Lobe for Diffuse {
     #[inline(always)]
     fn evaluate(&self, i: usize, at: &At, toward: Vec3) -> Scattered {
         let density = spread(at, toward);
-        Scattered { value: self.0.weight.get(i) * density, density }
+        let value = self.0.weight.get(i) * (density * unshadowed(at, toward));
+        Scattered { value, density }
     }
 
     #[inline(always)]
     fn sample(&self, i: usize, at: &At, u: [f32; 3]) -> Sampled {
         let (direction, cos) = sample_cosine(at, u);
-        let is_outside = at.n_geo.dot(direction) > 0.0;
-        let weight = if is_outside { self.0.weight.get(i) } else { Vec3::ZERO };
+        let is_outside = at.floor.dot(direction) > 0.0;
+        let weight = self.0.weight.get(i) * unshadowed(at, direction);
+        let weight = if is_outside { weight } else { Vec3::ZERO };
         Sampled { direction, weight, density: cos * FRAC_1_PI }
     }
 }

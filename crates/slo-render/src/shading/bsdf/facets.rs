@@ -64,7 +64,7 @@ impl Facets {
         let sum = seen.eye + light;
         let h = sum * (1.0 / sum.length().max(f32::MIN_POSITIVE));
         let density = 0.25 * seen.density(h);
-        let is_lit = (light.z > 0.0) & (at.n_geo.dot(toward) > 0.0) & !is_perfect;
+        let is_lit = (light.z > 0.0) & (at.floor.dot(toward) > 0.0) & !is_perfect;
         let density = if is_lit { density } else { 0.0 };
         let reflected = fresnel(seen.eye.dot(h).clamp(0.0, 1.0)) * seen.passed(light, light.z);
         Scattered { value: self.share.weight.get(i) * reflected * density, density }
@@ -85,7 +85,7 @@ impl Facets {
         let light = reflect(-seen.eye, h);
         let direction = frame.to_world(light);
         let direction = direction * (1.0 / direction.length().max(f32::MIN_POSITIVE));
-        let is_lit = (light.z > 0.0) & (at.n_geo.dot(direction) > 0.0);
+        let is_lit = (light.z > 0.0) & (at.floor.dot(direction) > 0.0);
         let passed = if is_perfect { 1.0 } else { seen.passed(light, light.z) };
         let reflected = fresnel(seen.eye.dot(h).clamp(0.0, 1.0)) * passed;
         let weight = self.share.weight.get(i) * reflected;

@@ -234,7 +234,14 @@ mod tests {
             },
             ..Glass::default()
         };
-        let at = At { eye: Vec3::Z, n: Vec3::Z, n_geo: Vec3::Z, tangent: Vec3::ZERO };
+        let at = At {
+            eye: Vec3::Z,
+            n: Vec3::Z,
+            n_geo: Vec3::Z,
+            floor: Vec3::Z,
+            is_bent: false,
+            tangent: Vec3::ZERO,
+        };
         let parts = glass.border(0, &at).parts(1.0);
         assert!((parts.reflected - 0.076_923).abs().max_element() < 1e-5, "{}", parts.reflected);
         assert!((parts.passed - 0.923_077).abs().max_element() < 1e-5, "{}", parts.passed);

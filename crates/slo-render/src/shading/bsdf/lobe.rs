@@ -58,6 +58,11 @@ pub struct At {
     pub n: Vec3,
     /// Geometric normal, on the side of `eye`.
     pub n_geo: Vec3,
+    /// Normal of the plane above which light arrives that the surface reflects, on the side of
+    /// `eye`: `n_geo`, or a normal near `n` on coarse smooth meshes.
+    pub floor: Vec3,
+    /// Whether an image bends `n`.
+    pub is_bent: bool,
     /// Where anisotropic surfaces have their long axis: any length, not along `n`. If it is 0, an
     /// arbitrary one is taken.
     pub tangent: Vec3,
@@ -69,7 +74,14 @@ impl At {
     #[inline(always)]
     pub fn is_two_way(&self, toward: Vec3) -> bool {
         let Self { eye, n, n_geo, .. } = *self;
-        is_kept(eye, n, n_geo) & is_kept(toward, n, n_geo)
+        is_kept(eye, n, n_geo) & is_kept(toward, n, n_geo) & self.is_real(toward)
+    }
+
+    /// Whether light from `toward` arrives on the same side of the surface as of the plane above which
+    /// it counts. Photons arrive at the surface itself, and leave all other light to paths.
+    #[inline(always)]
+    pub fn is_real(&self, toward: Vec3) -> bool {
+        (self.n_geo.dot(toward) > 0.0) == (self.floor.dot(toward) > 0.0)
     }
 }
 

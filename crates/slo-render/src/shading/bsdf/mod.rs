@@ -18,6 +18,7 @@ mod power;
 mod principled;
 mod rough_diffuse;
 mod sheen;
+mod sheen_nodes;
 mod specular;
 mod tables;
 

@@ -193,7 +193,7 @@ fn look(at: &impl Fn(usize) -> At, is_mine: &impl Fn(usize) -> bool, len: usize,
 #[inline(always)]
 fn look_at_facets(parameters: &Parameters, at: &impl Fn(usize) -> At, len: usize, to: &mut Views) {
     for i in lanes(len) {
-        let At { eye, n, n_geo, tangent } = at(i);
+        let At { eye, n, n_geo, tangent, .. } = at(i);
         let normal = bent(eye, n, n_geo);
         let along = tangent - normal * tangent.dot(normal);
         let length = along.length();
@@ -233,8 +233,10 @@ struct Found {
     /// See [`Tables::curve`] and [`Tables::curve_mean`].
     base_curve: [Numbers; 2],
     coat_curve: [Numbers; 2],
-    /// See [`Tables::glass`].
-    glass: Numbers,
+    /// Of glass, see [`Body::single`](super::tables::Body::single), and its mean.
+    glass: [Numbers; 2],
+    /// See [`Tables::curve_mean`].
+    glass_curve: Numbers,
 }
 
 impl Found {
@@ -267,16 +269,37 @@ impl Found {
         len: usize,
         eta: &mut Column<f32>,
     ) {
+        let (cos, roughness) = (&cos.0, &parameters.roughness);
+        let mut any_inside = false;
         for i in lanes(len) {
             let (ior, is_thin) = (ior(parameters, i), parameters.thin[i] != 0.0);
             let is_inside = (from_outside[i] == 0) & !is_thin;
             eta[i] = if is_inside { 1.0 / ior } else { ior };
-            let (roughness, eta) = (parameters.roughness[i], eta[i]);
-            let pane = self.base[0].0[i];
-            let body = tables.glass(eta, roughness, cos.0[i]);
-            let found = if is_thin { pane } else { body };
-            let alpha = widths(roughness, 0.0)[0];
-            self.glass.0[i] = if is_perfect(alpha, eta, is_thin) { 1.0 } else { found.max(0.01) };
+            let is_seen = (i < len) & (parameters.transmission[i] > 0.0) & !is_thin;
+            any_inside |= is_seen & (eta[i] < 1.0) & (roughness[i] >= LEAST_ROUGHNESS);
+            let body = tables.outside();
+            let single = body.single(eta[i], roughness[i], cos[i]);
+            let mean = body.mean(eta[i], roughness[i]);
+            self.glass_curve.0[i] = tables.curve_mean(eta[i]);
+            self.glass[0].0[i] = if is_thin { self.base[0].0[i] } else { single };
+            self.glass[1].0[i] = if is_thin { self.base[1].0[i] } else { mean };
+        }
+        if any_inside {
+            let inside = tables.inside();
+            for i in lanes(len) {
+                let is_inside = (eta[i] < 1.0) & (parameters.thin[i] == 0.0);
+                let single = inside.single(eta[i], roughness[i], cos[i]);
+                let mean = inside.mean(eta[i], roughness[i]);
+                let [before, mean_before] = at_hit(&self.glass, i);
+                self.glass[0].0[i] = if is_inside { single } else { before };
+                self.glass[1].0[i] = if is_inside { mean } else { mean_before };
+            }
+        }
+        for i in lanes(len) {
+            let alpha = widths(roughness[i], 0.0)[0];
+            let is_perfect = is_perfect(alpha, eta[i], parameters.thin[i] != 0.0);
+            let found = self.glass[0].0[i].max(0.01);
+            self.glass[0].0[i] = if is_perfect { 1.0 } else { found };
         }
     }
 }
@@ -422,10 +445,17 @@ fn glass(
         to.thin[i] = parameters.thin[i];
         to.alpha[i] = widths(parameters.roughness[i], 0.0)[0];
         let amount = parameters.transmission[i];
-        let single = found.glass.0[i];
+        let albedos = at_hit(&found.glass, i);
+        // What the surface keeps in the mean of what a microfacet scatters. From inside, only the
+        // cone that total reflection leaves passes.
+        let eta = to.eta[i].min(1.0);
+        let passed = (Vec3::ONE - f0) * ((1.0 - found.glass_curve.0[i]) * eta * eta);
+        let kept = passed * (Vec3::ONE - tint);
+        let kept = if parameters.thin[i] != 0.0 { Vec3::ZERO } else { kept };
+        let boost = boost(Vec3::ONE - kept, albedos);
         let reflected = f0 + (Vec3::ONE - f0) * between(cos.0[i], to.eta[i]);
-        let albedo = (reflected + (Vec3::ONE - reflected) * tint) * single;
-        set(&mut to.share, i, above * (amount / single), albedo);
+        let albedo = (reflected + (Vec3::ONE - reflected) * tint) * albedos[0];
+        set(&mut to.share, i, above * boost * amount, albedo);
         left.set(i, above * (1.0 - amount));
     }
 }

@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
-use super::diffuse::{sample_cosine, spread};
+use super::diffuse::{sample_cosine, spread, unshadowed};
 use super::lobe::{At, Lobe, Sampled, Scattered, Share};
 
 /// Fujii's Oren-Nayar model and the light that is scattered several times; its weight contains the
@@ -92,7 +92,8 @@ impl Lobe for RoughDiffuse {
     #[inline(always)]
     fn evaluate(&self, i: usize, at: &At, toward: Vec3) -> Scattered {
         let density = spread(at, toward);
-        let value = self.share.weight.get(i) * self.relative(i, at, toward) * density;
+        let lit = density * unshadowed(at, toward);
+        let value = self.share.weight.get(i) * self.relative(i, at, toward) * lit;
         Scattered { value, density }
     }
 
@@ -100,7 +101,8 @@ impl Lobe for RoughDiffuse {
     fn sample(&self, i: usize, at: &At, u: [f32; 3]) -> Sampled {
         let (direction, cos) = sample_cosine(at, u);
         let weight = self.share.weight.get(i) * self.relative(i, at, direction);
-        let is_outside = at.n_geo.dot(direction) > 0.0;
+        let weight = weight * unshadowed(at, direction);
+        let is_outside = at.floor.dot(direction) > 0.0;
         let weight = if is_outside { weight } else { Vec3::ZERO };
         Sampled { direction, weight, density: cos * FRAC_1_PI }
     }

@@ -1,8 +1,9 @@
 //! Directional albedos of surfaces of microfacets, for the light that single scattering loses and
 //! for what layers leave to those below.
 //!
-//! The tables are integrated when they are first used, in f64 and with nothing but sums, products,
-//! quotients and roots: they are the same on every machine.
+//! Tables that depend on the index of refraction take too long to integrate for a small picture:
+//! `tables.bin` has them, and a test writes it. The others are integrated when they are first used, in
+//! f64 and with nothing but sums, products, quotients and roots: they are the same on every machine.
 
 use std::sync::LazyLock;
 
@@ -14,16 +15,23 @@ use super::ggx::LEAST_ROUGHNESS;
 /// Nodes of roughness and cosine of the albedo of microfacets that reflect all light.
 const FINE: usize = 32;
 /// Nodes of roughness, of tables that depend on the index of refraction too.
-const ROUGH: usize = 16;
+const ROUGH: usize = 24;
 /// Nodes of the root of the cosine of these tables.
-const COS: usize = 16;
+const COS: usize = 22;
 /// Nodes of the index of refraction of these tables.
 const ETA: usize = 16;
+/// Nodes of the index of refraction of the table of bodies seen from inside: total reflection makes
+/// it vary more.
+const ETA_INSIDE: usize = 24;
 /// The largest value of [`place`] that has a node of its own.
 const LAST: f64 = 0.8;
 
-/// Points to integrate with: for tables of microfacets that reflect all light, and for the others.
-const POINTS: [usize; 2] = [256, 256];
+/// Points to integrate with.
+const POINTS: usize = 256;
+
+/// The nodes of [`Tables::curve`], times 32767, and those of bodies seen from outside and from inside,
+/// times 65535: 16 bits each, the low byte first.
+static NODES: &[u8] = include_bytes!("tables.bin");
 
 /// Where an index of refraction stands among the nodes, 0 to 1; the same for its reciprocal.
 #[inline(always)]
@@ -32,9 +40,9 @@ fn place(eta: f32) -> f32 {
     ((eta - 1.0) / (eta + 1.0)).sqrt() / LAST as f32
 }
 
-/// The index of refraction of a node, at least 1.
-fn index(node: usize) -> f64 {
-    let root = LAST * node as f64 / (ETA - 1) as f64;
+/// The index of refraction of a node of `count`, at least 1.
+fn index(node: usize, count: usize) -> f64 {
+    let root = LAST * node as f64 / (count - 1) as f64;
     (1.0 + root * root) / (1.0 - root * root)
 }
 
@@ -44,9 +52,18 @@ pub(super) struct Tables {
     single: [[f32; FINE]; FINE],
     mean: [f32; FINE],
     /// Differences from smooth surfaces, which are smaller and smoother than what they correct.
-    curve: [[[f32; COS]; ROUGH]; ETA],
+    curve: Nodes<ETA>,
     curve_mean: [f32; ETA],
-    glass: [[[[f32; COS]; ROUGH]; ETA]; 2],
+    outside: Body<ETA>,
+    inside: Body<ETA_INSIDE>,
+}
+
+/// The share of light that microfacets which reflect and refract let go at the first scattering, by
+/// the index of refraction, the roughness and the cosine; and its mean over all directions.
+#[derive(Debug, PartialEq)]
+pub(super) struct Body<const N: usize> {
+    nodes: Nodes<N>,
+    mean: [[f32; ROUGH]; N],
 }
 
 /// The tables. No thread pool integrates them: its threads may wait for them at the same time.
@@ -61,8 +78,8 @@ pub fn facet_albedos(roughness: f32, cos: f32) -> [f32; 2] {
     [single, TABLES.mean(roughness)]
 }
 
-/// Integrates the tables with these numbers of points.
-struct Integrate([usize; 2]);
+/// Sets up the tables, and integrates those that need it with this number of points.
+struct Integrate(usize);
 
 impl Lanewise for Integrate {
     type Output = Tables;
@@ -86,15 +103,67 @@ fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
+/// Returns the number at two coordinates of 0 to 1, linear between the nodes of a table.
 #[inline(always)]
-fn plane<const A: usize, const B: usize>(of: &[[f32; B]; A], a: f32, b: f32) -> f32 {
+pub(super) fn plane<const A: usize, const B: usize>(of: &[[f32; B]; A], a: f32, b: f32) -> f32 {
     let ((i, s), (j, t)) = (split::<A>(a), split::<B>(b));
     mix(mix(of[i][j], of[i][j + 1], t), mix(of[i + 1][j], of[i + 1][j + 1], t), s)
 }
 
+type Nodes<const N: usize> = [[[f32; COS]; ROUGH]; N];
+
+/// Takes nodes from bytes, two each, and makes numbers of them.
+fn read<const N: usize>(bytes: &[u8], number: impl Fn([u8; 2]) -> f32) -> Nodes<N> {
+    let mut nodes = [[[0.0; COS]; ROUGH]; N];
+    let (pairs, _) = bytes.as_chunks();
+    for (node, pair) in nodes.iter_mut().flatten().flatten().zip(pairs) {
+        *node = number(*pair);
+    }
+    nodes
+}
+
+impl<const N: usize> Body<N> {
+    fn new(bytes: &[u8]) -> Self {
+        let nodes = read(bytes, |pair| f32::from(u16::from_le_bytes(pair)) / 65535.0);
+        let mut body = Self { nodes, mean: [[0.0; ROUGH]; N] };
+        body.find_means();
+        body
+    }
+
+    /// Computes the means from the nodes.
+    fn find_means(&mut self) {
+        const STEPS: usize = 8 * (COS - 1);
+        for (row, mean) in self.nodes.iter().flatten().zip(self.mean.iter_mut().flatten()) {
+            // Linear between the nodes of the root x of the cosine: the weight is 4 x³ dx.
+            let (mut sum, mut all) = (0.0, 0.0);
+            for i in 0..STEPS {
+                let x = (i as f32 + 0.5) / STEPS as f32;
+                let (j, t) = split::<COS>(x);
+                let weight = x * x * x;
+                sum += mix(row[j], row[j + 1], t) * weight;
+                all += weight;
+            }
+            *mean = sum / all;
+        }
+    }
+
+    /// Returns the share of light that microfacets let go at the first scattering. `eta` may be the
+    /// index or its reciprocal.
+    #[inline(always)]
+    pub(super) fn single(&self, eta: f32, roughness: f32, cos: f32) -> f32 {
+        space(&self.nodes, eta, roughness, cos)
+    }
+
+    /// Returns the mean of [`single`](Self::single) over all directions, weighted by the cosine.
+    #[inline(always)]
+    pub(super) fn mean(&self, eta: f32, roughness: f32) -> f32 {
+        plane(&self.mean, place(eta), roughness)
+    }
+}
+
 #[inline(always)]
-fn space(of: &[[[f32; COS]; ROUGH]; ETA], eta: f32, roughness: f32, cos: f32) -> f32 {
-    let (i, t) = split::<ETA>(place(eta));
+fn space<const N: usize>(of: &Nodes<N>, eta: f32, roughness: f32, cos: f32) -> f32 {
+    let (i, t) = split::<N>(place(eta));
     let cos = cos.max(0.0).sqrt();
     mix(plane(&of[i], roughness, cos), plane(&of[i + 1], roughness, cos), t)
 }
@@ -130,23 +199,29 @@ impl Tables {
         mix(self.curve_mean[i], self.curve_mean[i + 1], t)
     }
 
-    /// The share of light that microfacets which reflect and refract let go at the first
-    /// scattering; `eta` is less than 1 where the eye is in the denser medium.
+    /// The table of bodies that the eye sees from the less dense medium.
     #[inline(always)]
-    pub(super) fn glass(&self, eta: f32, roughness: f32, cos: f32) -> f32 {
-        let side = usize::from(eta < 1.0);
-        space(&self.glass[side], eta, roughness, cos)
+    pub(super) fn outside(&self) -> &Body<ETA> {
+        &self.outside
+    }
+
+    /// The table of bodies that the eye sees from the denser medium.
+    #[inline(always)]
+    pub(super) fn inside(&self) -> &Body<ETA_INSIDE> {
+        &self.inside
     }
 
     #[inline(always)]
-    fn new([fine, coarse]: [usize; 2]) -> Self {
-        let normals = Normals::new(fine);
+    fn new(points: usize) -> Self {
+        const SIZE: usize = 2 * ETA * ROUGH * COS;
+        let normals = Normals::new(points);
         let mut tables = Self {
             single: [[0.0; FINE]; FINE],
             mean: [0.0; FINE],
-            curve: [[[0.0; COS]; ROUGH]; ETA],
-            curve_mean: std::array::from_fn(|e| curve_mean(index(e)) as f32),
-            glass: [[[[0.0; COS]; ROUGH]; ETA]; 2],
+            curve: read(NODES, |pair| f32::from(i16::from_le_bytes(pair)) / 32767.0),
+            curve_mean: std::array::from_fn(|e| curve_mean(index(e, ETA)) as f32),
+            outside: Body::new(&NODES[SIZE..]),
+            inside: Body::new(&NODES[2 * SIZE..]),
         };
         let step = 1.0 / (FINE - 1) as f64;
         for (r, row) in tables.single.iter_mut().enumerate() {
@@ -160,29 +235,8 @@ impl Tables {
             tables.mean[r] = exact.windows(2).enumerate().map(part).sum::<f64>() as f32;
             *row = exact.map(|x| x as f32);
         }
-        let normals = Normals::new(coarse);
-        for r in 0..ROUGH {
-            for m in 0..COS {
-                let [roughness, cos] = [r as f64 / (ROUGH - 1) as f64, m as f64 / (COS - 1) as f64];
-                let cos = cos * cos;
-                let row = normals.row(roughness, cos);
-                for e in 0..ETA {
-                    let smooth = between_ends(dielectric(cos, index(e)).0, index(e));
-                    tables.curve[e][r][m] = (row.curve[e] - smooth) as f32;
-                    tables.glass[0][e][r][m] = row.glass[e] as f32;
-                    tables.glass[1][e][r][m] = row.glass[ETA + e] as f32;
-                }
-            }
-        }
         tables
     }
-}
-
-/// The values of all indices of refraction at one roughness and cosine: from outside, and then from
-/// inside.
-struct Row {
-    curve: [f64; 2 * ETA],
-    glass: [f64; 2 * ETA],
 }
 
 /// Points that the visible normals of microfacets are sampled by.
@@ -282,30 +336,6 @@ impl Normals {
         };
         self.points.iter().map(part).sum()
     }
-
-    #[inline(always)]
-    fn row(&self, roughness: f64, cos: f64) -> Row {
-        let view = View::new(roughness, cos);
-        let etas: [f64; 2 * ETA] =
-            std::array::from_fn(|e| if e < ETA { index(e) } else { 1.0 / index(e - ETA) });
-        let mut row = Row { curve: [0.0; 2 * ETA], glass: [0.0; 2 * ETA] };
-        let mut all = 0.0;
-        for &point in &self.points {
-            let h = view.normal(point);
-            let along = (view.eye[0] * h[0] + view.eye[1] * h[2]).clamp(0.0, 1.0);
-            let weight = point[3];
-            let reflected = weight * view.passed(2.0 * along * h[2] - view.eye[1]);
-            all += reflected;
-            for (e, &eta) in etas.iter().enumerate() {
-                let (share, cos_t) = dielectric(along, eta);
-                let z = (view.eye[1] - (along - eta * cos_t) * h[2]) / eta;
-                row.curve[e] += reflected * between_ends(share, eta);
-                row.glass[e] += share * reflected + (1.0 - share) * weight * view.passed(z);
-            }
-        }
-        row.curve = row.curve.map(|sum| sum / all);
-        row
-    }
 }
 
 #[cfg(test)]
@@ -313,46 +343,112 @@ mod tests {
     use super::*;
     use crate::shading::bsdf::fresnel::normal_incidence;
 
+    /// Points that `tables.bin` was integrated with.
+    const BAKED: usize = 4096;
+
+    /// The roughness and the cosine of a node.
+    fn node(r: usize, m: usize) -> [f64; 2] {
+        let root = m as f64 / (COS - 1) as f64;
+        [r as f64 / (ROUGH - 1) as f64, root * root]
+    }
+
+    /// The values of all indices of refraction at one roughness and cosine.
+    struct Row<const N: usize> {
+        curve: [f64; N],
+        glass: [f64; N],
+    }
+
+    impl Normals {
+        #[inline(always)]
+        fn row<const N: usize>(&self, roughness: f64, cos: f64, etas: &[f64; N]) -> Row<N> {
+            let view = View::new(roughness, cos);
+            let mut row = Row { curve: [0.0; N], glass: [0.0; N] };
+            let mut all = 0.0;
+            for &point in &self.points {
+                let h = view.normal(point);
+                let along = (view.eye[0] * h[0] + view.eye[1] * h[2]).clamp(0.0, 1.0);
+                let weight = point[3];
+                let reflected = weight * view.passed(2.0 * along * h[2] - view.eye[1]);
+                all += reflected;
+                for (e, &eta) in etas.iter().enumerate() {
+                    let (share, cos_t) = dielectric(along, eta);
+                    let z = (view.eye[1] - (along - eta * cos_t) * h[2]) / eta;
+                    row.curve[e] += reflected * between_ends(share, eta);
+                    row.glass[e] += share * reflected + (1.0 - share) * weight * view.passed(z);
+                }
+            }
+            row.curve = row.curve.map(|sum| sum / all);
+            row
+        }
+    }
+
+    /// Integrates all nodes of a roughness and a cosine: those of the curve, and of bodies seen from
+    /// outside and from inside.
+    fn integrate(normals: &Normals, r: usize, m: usize) -> [Vec<f64>; 3] {
+        let [roughness, cos] = node(r, m);
+        let etas: [f64; ETA] = std::array::from_fn(|e| index(e, ETA));
+        let outside = normals.row(roughness, cos, &etas);
+        let smooth = etas.map(|eta| between_ends(dielectric(cos, eta).0, eta));
+        let curve = outside.curve.iter().zip(smooth).map(|(curve, smooth)| curve - smooth);
+        let etas: [f64; ETA_INSIDE] = std::array::from_fn(|e| 1.0 / index(e, ETA_INSIDE));
+        let inside = normals.row(roughness, cos, &etas);
+        [curve.collect(), outside.glass.to_vec(), inside.glass.to_vec()]
+    }
+
+    /// Writes `tables.bin`.
     #[test]
-    fn tables_are_integrated_finely_enough() {
-        let tables = &*TABLES;
-        let finer = Tables::new([2048, 1024]);
-        let again = Tables::new(POINTS);
-        assert!(tables.glass == again.glass && tables.curve == again.curve);
-        let mut worst = [0.0f32; 4];
-        for r in 0..FINE {
-            for m in 1..FINE {
-                let off = (tables.single[r][m] / finer.single[r][m] - 1.0).abs();
-                worst[0] = worst[0].max(off);
+    #[ignore = "writes a source file"]
+    fn bake() {
+        let normals = Normals::new(BAKED);
+        let mut tables: [Vec<u8>; 3] =
+            [ETA, ETA, ETA_INSIDE].map(|count| vec![0; 2 * count * ROUGH * COS]);
+        for (r, m) in (0..ROUGH * COS).map(|i| (i / COS, i % COS)) {
+            for (k, (table, values)) in tables.iter_mut().zip(integrate(&normals, r, m)).enumerate()
+            {
+                for (e, value) in values.into_iter().enumerate() {
+                    let bytes = if k == 0 {
+                        ((value * 32767.0).round() as i16).to_le_bytes()
+                    } else {
+                        ((value * 65535.0).round() as u16).to_le_bytes()
+                    };
+                    let at = 2 * ((e * ROUGH + r) * COS + m);
+                    table[at..at + 2].copy_from_slice(&bytes);
+                }
             }
         }
-        for (e, r, m) in (0..ETA * ROUGH * COS).map(|i| (i / ROUGH / COS, i / COS % ROUGH, i % COS))
-        {
-            let off = |a: &Tables, b: &Tables, side: usize| {
-                (a.glass[side][e][r][m] / b.glass[side][e][r][m] - 1.0).abs()
-            };
-            worst[1] = worst[1].max((tables.curve[e][r][m] - finer.curve[e][r][m]).abs());
-            // Lower cosines are hardly ever seen.
-            if m > 2 {
-                worst[2] = worst[2].max(off(tables, &finer, 0));
-                worst[3] = worst[3].max(off(tables, &finer, 1));
-            }
-        }
-        assert!(worst[0] < 0.003 && worst[1] < 0.003, "{worst:?}");
-        assert!(worst[2] < 0.003 && worst[3] < 0.025, "{worst:?}");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/shading/bsdf/tables.bin");
+        std::fs::write(path, tables.concat()).unwrap();
     }
 
     #[test]
-    fn single_scattering_loses_what_it_should() {
-        let single = |cos| TABLES.single(1.0, cos);
-        assert!((single(1.0) - (1.0 - std::f32::consts::LN_2)).abs() < 2e-4, "{}", single(1.0));
-        assert!((single(0.5) - 0.4507).abs() < 5e-4, "{}", single(0.5));
-        assert!((single(0.173_648_18) - 0.6682).abs() < 5e-4, "{}", single(0.173_648_18));
-        for (cos, expected) in [(1.0, 0.9157), (0.5, 0.8572), (0.173_648_18, 0.8555)] {
-            let found = TABLES.single(0.5, cos);
-            assert!((found - expected).abs() < 1e-3, "{found} is not {expected}");
+    fn tables_are_integrated_finely_enough() {
+        let (tables, finer) = (&*TABLES, Tables::new(2048));
+        let (mut worst, mut worst_baked) = (0.0f32, [0.0f32; 3]);
+        for r in 0..FINE {
+            for m in 1..FINE {
+                worst = worst.max((tables.single[r][m] / finer.single[r][m] - 1.0).abs());
+            }
         }
-        assert_eq!(TABLES.single(0.0, 0.3), 1.0);
+        assert!(worst < 0.003, "{worst}");
+        // Every seventh node, as it was integrated and with other points.
+        assert_eq!(NODES.len(), 2 * (2 * ETA + ETA_INSIDE) * ROUGH * COS);
+        for (points, most) in [(BAKED, 2e-5), (3 * BAKED, 0.004)] {
+            let normals = Normals::new(points);
+            for (r, m) in (0..ROUGH * COS).step_by(7).map(|i| (i / COS, i % COS)) {
+                let values = integrate(&normals, r, m);
+                let found = [
+                    tables.curve.each_ref().map(|nodes| nodes[r][m]).to_vec(),
+                    tables.outside.nodes.each_ref().map(|nodes| nodes[r][m]).to_vec(),
+                    tables.inside.nodes.each_ref().map(|nodes| nodes[r][m]).to_vec(),
+                ];
+                for k in 0..3 {
+                    for (found, value) in found[k].iter().zip(&values[k]) {
+                        worst_baked[k] = worst_baked[k].max((found - *value as f32).abs());
+                    }
+                }
+            }
+            assert!(worst_baked.iter().all(|worst| *worst < most), "{points}: {worst_baked:?}");
+        }
     }
 
     #[test]
@@ -369,7 +465,9 @@ mod tests {
         for x in [-1.0, 0.0, 0.5, 1.0, 7.0, f32::INFINITY] {
             assert!(TABLES.single(x, x).is_finite() && TABLES.mean(x).is_finite());
             for eta in [0.01, 0.7, 1.0, 1.5, 100.0] {
-                assert!(TABLES.glass(eta, x, x).is_finite(), "{eta} {x}");
+                let inside = [TABLES.inside.single(eta, x, x), TABLES.inside.mean(eta, x)];
+                let outside = [TABLES.outside.single(eta, x, x), TABLES.outside.mean(eta, x)];
+                assert!(inside.into_iter().chain(outside).all(f32::is_finite), "{eta} {x}");
                 assert!(TABLES.curve(eta, x, x.clamp(0.0, 1.0)).is_finite(), "{eta} {x}");
             }
         }

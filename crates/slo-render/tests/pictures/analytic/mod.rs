@@ -12,3 +12,4 @@ mod paths;
 mod refraction;
 mod shadow;
 mod surfaces;
+mod terminator;

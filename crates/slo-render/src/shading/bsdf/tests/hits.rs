@@ -54,7 +54,9 @@ impl Hits {
         let (n, tangent) = (Vec3::Z, Vec3::X);
         Self::of(
             parameters,
-            eyes.iter().map(|&eye| At { eye, n, n_geo: n, tangent }).collect(),
+            eyes.iter()
+                .map(|&eye| At { eye, n, n_geo: n, floor: n, is_bent: false, tangent })
+                .collect(),
             outside,
         )
     }

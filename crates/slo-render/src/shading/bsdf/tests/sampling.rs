@@ -190,8 +190,18 @@ fn samples_have_their_density() {
 /// The weight of a sample is its value over its density, and its density is that of its direction.
 #[test]
 fn weights_are_values_over_densities() {
-    for Case(name, parameters, outside) in cases() {
-        let hits = Hits::new(&parameters, &eyes(), outside);
+    let straight = cases().into_iter().map(|case| (case, Vec3::Z));
+    let bent = cases().into_iter().map(|case| (case, direction(35.0, 0.6)));
+    for (Case(name, parameters, outside), n) in straight.chain(bent) {
+        let at = |eye| At {
+            eye,
+            n,
+            n_geo: Vec3::Z,
+            floor: Vec3::Z,
+            is_bent: n != Vec3::Z,
+            tangent: Vec3::X,
+        };
+        let hits = Hits::of(&parameters, eyes().map(at).to_vec(), outside);
         each(&hits, |i, at, lobe| {
             for k in 0..2000 {
                 let sampled = lobe.sample(i, at, point(k, 2000));
@@ -223,8 +233,15 @@ fn lobes_are_reciprocal() {
             let passes = parameters.transmission[0] > 0.0 && k % 2 == 0;
             let b = if passes { b * Vec3::new(1.0, 1.0, -1.0) } else { b };
             let n = if passes { -Vec3::Z } else { Vec3::Z };
-            let up = At { eye: a, n: Vec3::Z, n_geo: Vec3::Z, tangent: Vec3::X };
-            let down = At { eye: b, n, n_geo: n, tangent: Vec3::X };
+            let up = At {
+                eye: a,
+                n: Vec3::Z,
+                n_geo: Vec3::Z,
+                floor: Vec3::Z,
+                is_bent: false,
+                tangent: Vec3::X,
+            };
+            let down = At { eye: b, n, n_geo: n, floor: n, is_bent: false, tangent: Vec3::X };
             let there = Hits::of(&parameters, vec![up], outside);
             let back = Hits::of(&parameters, vec![down], outside != passes);
             let values = |hits: &Hits, toward: Vec3| {
@@ -254,7 +271,14 @@ fn shading_normals_send_nothing_through_the_surface() {
             continue;
         }
         let n = direction(40.0, 0.6);
-        let at = |eye| At { eye, n, n_geo: Vec3::Z, tangent: Vec3::ZERO };
+        let at = |eye| At {
+            eye,
+            n,
+            n_geo: Vec3::Z,
+            floor: Vec3::Z,
+            is_bent: false,
+            tangent: Vec3::ZERO,
+        };
         let hits = Hits::of(&parameters, eyes().map(at).to_vec(), outside);
         each(&hits, |i, at, lobe| {
             for k in 0..500 {
@@ -267,6 +291,30 @@ fn shading_normals_send_nothing_through_the_surface() {
                 }
             }
         });
+    }
+}
+
+/// Diffuse light fades out toward the surface that an image bends, and not elsewhere.
+#[test]
+fn bent_normals_end_softly() {
+    let parameters = material(|p| p.specular_ior_level = [0.0; BATCH]);
+    let n = direction(40.0, 0.0);
+    let [plain, bent] = [false, true].map(|is_bent| {
+        let at = At { eye: Vec3::Z, n, n_geo: Vec3::Z, floor: Vec3::Z, is_bent, tangent: Vec3::X };
+        let hits = Hits::of(&parameters, vec![at], true);
+        move |degrees: f64| {
+            let toward =
+                if degrees < 0.0 { direction(-degrees, 0.5) } else { direction(degrees, 0.0) };
+            let mut value = 0.0;
+            each(&hits, |i, at, lobe| value += lobe.evaluate(i, at, toward).0.x);
+            value
+        }
+    });
+    // The image's normal faces these directions, so the surface would end suddenly.
+    assert!(plain(89.9) > 0.1 && bent(89.9) < 0.01 * plain(89.9));
+    assert!(bent(80.0) > 0.3 * plain(80.0) && bent(80.0) < 0.9 * plain(80.0));
+    for degrees in [0.0, -30.0, -49.0] {
+        assert_eq!(bent(degrees), plain(degrees), "{degrees}");
     }
 }
 
@@ -314,7 +362,14 @@ fn all_numbers_give_finite_results_and_the_same_everywhere() {
         let eye = if eye.dot(n_geo) < 0.0 { -eye } else { eye };
         let n = direction(180.0 * f64::from(random(i, 35)), f64::from(random(i, 36)));
         let n = if n.dot(n_geo) < 0.0 { -n } else { n };
-        At { eye, n, n_geo, tangent: if i % 5 == 0 { Vec3::ZERO } else { n.cross(eye) } }
+        At {
+            eye,
+            n,
+            n_geo,
+            floor: n_geo,
+            is_bent: i % 3 == 0,
+            tangent: if i % 5 == 0 { Vec3::ZERO } else { n.cross(eye) },
+        }
     };
     let from_outside = std::array::from_fn(|i| u32::from(i % 4 != 0));
     struct All<'a>(&'a dyn Fn(usize) -> At, Vec<u32>);
@@ -358,7 +413,14 @@ fn other_materials_keep_their_lobes() {
     share.weight.set(1, Vec3::new(0.1, 0.2, 0.3));
     share.chance[1] = 0.2;
     let p = material(|p| p.coat = [1.0; BATCH]);
-    let at = |_| At { eye: Vec3::Z, n: Vec3::Z, n_geo: Vec3::Z, tangent: Vec3::ZERO };
+    let at = |_| At {
+        eye: Vec3::Z,
+        n: Vec3::Z,
+        n_geo: Vec3::Z,
+        floor: Vec3::Z,
+        is_bent: false,
+        tangent: Vec3::ZERO,
+    };
     let mut emitted = Box::<Vec3s>::default();
     let isa = Isa::best();
     principled(&p, at, &[1; BATCH], |i| i != 1, 3, isa, &mut bsdf, &mut emitted);
