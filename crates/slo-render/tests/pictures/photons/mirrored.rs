@@ -139,8 +139,11 @@ fn groups_of_lamps_keep_their_own_photons() {
         format!("lamp_{lamp} {name} {{ {at} light_group {name} }} ")
     };
     let first = group("point", "a", "power { 400 9 9 } position { -3 0 1.5 }");
-    let second =
-        group("disc", "b", "radiance { 450 9 9 } center { -3.5 .5 1.5 } normal { 0 0 1 } radius .3");
+    let second = group(
+        "disc",
+        "b",
+        "radiance { 450 9 9 } center { -3.5 .5 1.5 } normal { 0 0 1 } radius .3",
+    );
     let scene = [MATTE, MIRROR, FLOOR, CEILING, SCREEN, &first, &second].concat();
     let [all, a, b] = shot(30.0, 12, "").take_groups(&scene);
     let alone = |lamp: &str| {
