@@ -100,9 +100,6 @@ fn assert_agreement(cases: &[Case]) {
                 (b - a) / sigma,
                 100.0 * sigma / a
             );
-            if std::env::var_os("SHOW").is_some() {
-                eprint!("{found}");
-            }
             if (b - a).abs() > APART * sigma + BLUR * a {
                 wrong.push_str(&found);
             }
@@ -231,53 +228,4 @@ fn skies_and_suns() {
             light_rectangle o { color { .2 .2 .2 } vertex0 { -3 -4 4 } vertex1 { -3 -2 4 } vertex2 { -1 -2 4 } }
             sphere b { material glass center { 0 0 -.4 } radius 1 } sphere c { material mirror center { 2 0 -.4 } radius .8 }" },
     ]);
-}
-
-#[test]
-#[ignore]
-fn explore() {
-    let get = |name: &str, default: &str| std::env::var(name).unwrap_or(default.into());
-    let text_of = std::fs::read_to_string(get("SCENE", "")).unwrap();
-    let (settings, elements) = text_of.split_once('\n').unwrap();
-    let case = Case {
-        name: "explore",
-        settings: Box::leak(settings.to_owned().into_boxed_str()),
-        elements: Box::leak(elements.to_owned().into_boxed_str()),
-    };
-    let seeds: u32 = get("SEEDS", "16").parse().unwrap();
-    let size = get("SIZE", "64 48");
-    let (w, h) = size.split_once(' ').unwrap();
-    let (w, h): (usize, usize) = (w.parse().unwrap(), h.parse().unwrap());
-    let take = |photons: f64, first: u32| -> Vec<[f64; 6]> {
-        let of = |seed| {
-            let text = text(&case, photons, seed)
-                .replace("imageSamples 4", &get("SAMPLES", "imageSamples 4"));
-            let mut description = describe(&text);
-            (description.camera.film.width, description.camera.film.height) = (w as u32, h as u32);
-            let frame = FrameScene::build(&description, 0, Isa::best()).unwrap();
-            let image = expose_frame(&description, &frame).image();
-            let mut sums = [0.0; 6];
-            for (i, pixel) in image.rgb.iter().enumerate() {
-                let half = usize::from(i % w >= w / 2);
-                (0..3)
-                    .for_each(|c| sums[3 * half + c] += f64::from(pixel[c]) / ((w / 2 * h) as f64));
-            }
-            sums
-        };
-        (first..first + seeds).map(of).collect()
-    };
-    let without = take(get("P0", "0").parse().unwrap(), 0);
-    let with = take(get("P1", "4").parse().unwrap(), seeds);
-    for k in 0..6 {
-        let of = |all: &[[f64; 6]]| moments(&all.iter().map(|s| s[k]).collect::<Vec<_>>());
-        let ((a, va), (b, vb)) = (of(&without), of(&with));
-        let sigma = (va + vb).sqrt();
-        eprintln!(
-            "{k}: {a:.5} {b:.5} {:+.2} % {:+.1} dev of {:.2} %, var {:.2}",
-            100.0 * (b / a - 1.0),
-            (b - a) / sigma,
-            100.0 * sigma / a,
-            vb / va
-        );
-    }
 }
