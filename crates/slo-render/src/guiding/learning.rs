@@ -167,7 +167,7 @@ fn longest(grid: Grid, records: &[Record]) -> Option<(usize, u32)> {
     // The variance of all lengths, not of steps, times the square of their number.
     let spread = |axis: usize| {
         let variance = count * squares[axis] - u128::from(sum[axis]).pow(2);
-        variance as f64 / f64::from(grid.scale[axis]).powi(2)
+        variance as f64 / (f64::from(grid.scale[axis]) * f64::from(grid.scale[axis]))
     };
     let axis = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b)))?;
     let split = (u128::from(sum[axis]).div_ceil(count.max(1))) as u32;

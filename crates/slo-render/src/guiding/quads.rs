@@ -65,8 +65,7 @@ fn half(u: f32, first: f32) -> (usize, f32) {
 pub(super) fn sample(tree: &[Quad], [mut u, mut v]: [f32; 2]) -> [f32; 2] {
     let (mut at, mut size) = ([0.0f32; 2], 1.0f32);
     let (mut node, mut level) = (0, 0);
-    loop {
-        let Some(quad) = tree.get(node) else { break };
+    while let Some(quad) = tree.get(node) {
         let share = quad.share.map(f32::from);
         let low = share[0] + share[1];
         let (height, within) = half(u, low / f32::from(WHOLE));
@@ -236,7 +235,8 @@ pub(super) mod tests {
             for (cell, found) in cells.iter().zip(found) {
                 let expected = cell * f64::from(count);
                 if expected >= 5.0 {
-                    chi2 += (f64::from(found) - expected).powi(2) / expected;
+                    let apart = f64::from(found) - expected;
+                    chi2 += apart * apart / expected;
                     freedom += 1.0;
                 } else {
                     assert!(f64::from(found) < expected + 25.0);

@@ -80,7 +80,7 @@ fn halves(pictures: &[Film]) -> [(f64, f64); 2] {
         let means: Vec<f64> = pictures.iter().map(mean).collect();
         let n = means.len() as f64;
         let mean = means.iter().sum::<f64>() / n;
-        let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let variance = means.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / (n - 1.0);
         (mean, variance / n)
     })
 }

@@ -72,9 +72,9 @@ impl Pilot {
         let mut later: Vec<[u64; 3]> =
             sums.iter().map(|sum| sum.map(|channel| channel.units())).collect();
         for slot in (stride..later.len()).rev() {
-            for channel in 0..3 {
-                later[slot - stride][channel] =
-                    later[slot - stride][channel].saturating_add(later[slot][channel]);
+            let more = later[slot];
+            for (light, more) in later[slot - stride].iter_mut().zip(more) {
+                *light = light.saturating_add(more);
             }
         }
         for left in &self.left {
