@@ -58,7 +58,7 @@ impl Field {
         if tree.is_empty() { 0.0 } else { density(tree, packed) }
     }
 
-    /// Returns a point of the [square of directions](mod@super::direction) by a point of the unit square.
+    /// Returns a point of the square of directions by a point of the unit square.
     #[inline(always)]
     pub fn sample(&self, guide: u32, u: [f32; 2]) -> [f32; 2] {
         sample(self.quads.get(guide as usize..).unwrap_or(&[]), u)
