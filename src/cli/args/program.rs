@@ -159,12 +159,12 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", help_heading = WHERE)]
     pub(crate) error_map: Option<FramePath>,
 
-    /// Keep what `guide 1` learns in a file, or take it from there; #### stands for the frame
+    /// Keep what `guide 1` learns; #### stands for the frame
     ///
-    /// Other machines that render the same frame (parts, more samples, another try) need
-    /// not learn it again. The picture is the same with and without the file. A file of
-    /// another scene, frame or version is replaced.
-    #[arg(long, value_name = "FILE", help_heading = WHERE)]
+    /// If the file is there, nothing is learned again: by other machines, for parts of
+    /// the picture, for more samples. The picture is the same with and without it. A
+    /// file of another scene, frame or version is replaced.
+    #[arg(long, value_name = "FILE", help_heading = WHERE, verbatim_doc_comment)]
     pub(crate) guide_file: Option<FramePath>,
 
     /// Extra layers of an EXR picture, such as albedo,normal or lights
