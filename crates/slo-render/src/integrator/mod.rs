@@ -17,6 +17,7 @@ mod distributed;
 mod light_paths;
 mod machine;
 mod path;
+mod photon_pass;
 mod queue;
 mod roulette;
 mod stages;
@@ -24,6 +25,7 @@ mod sums;
 mod tracer;
 mod work;
 
-pub use light_paths::{PhotonPass, PhotonTracer};
+pub use light_paths::PhotonTracer;
+pub use photon_pass::PhotonPass;
 pub use tracer::Tracer;
 pub use work::{Beside, SampleSum, Statistics, Traced, Work};

@@ -6,7 +6,7 @@ use slo_accel::math::columns::BATCH;
 
 use crate::frame::FrameScene;
 use crate::integrator::batch::Batch;
-use crate::integrator::light_paths::PhotonPass;
+use crate::integrator::photon_pass::PhotonPass;
 use crate::photons::Numbers;
 use crate::sampling::{Hit, PixelSeed, Purpose};
 

@@ -7,7 +7,8 @@ use glam::Vec3;
 
 use super::super::bounds::LightBounds;
 use super::LightTree;
-use super::node::{Node, WIDTH};
+use super::node::Node;
+use super::sums::WIDTH;
 
 /// Levels from which on ranges are halved, so that no way down is longer than 16 nodes.
 const HALVING_LEVEL: u32 = 8;

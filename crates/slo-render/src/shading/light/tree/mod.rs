@@ -18,10 +18,11 @@ use glam::Vec3;
 
 use super::bounds::LightBounds;
 use super::receiver;
-use node::{Node, WIDTH};
+use node::Node;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 use slo_accel::{Isa, Lanewise};
 use sums::Sums;
+use sums::WIDTH;
 
 /// Number of a light that does not exist: none may bring light.
 pub const NO_LIGHT: u32 = u32::MAX;

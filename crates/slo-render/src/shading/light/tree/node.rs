@@ -4,10 +4,7 @@ use glam::Vec3;
 
 use super::super::bounds::LightBounds;
 use super::super::receiver;
-use super::sums::sum;
-
-/// Children of a node.
-pub(super) const WIDTH: usize = 16;
+use super::sums::{WIDTH, sum};
 
 /// Bit of [`Node::child`] that says that the child is a light.
 const IS_LIGHT: u32 = 1 << 31;

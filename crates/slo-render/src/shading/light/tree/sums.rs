@@ -1,6 +1,7 @@
 //! The choice among the children of a node.
 
-use super::node::WIDTH;
+/// Children of a node.
+pub(super) const WIDTH: usize = 16;
 
 /// The largest number below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
