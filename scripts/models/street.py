@@ -254,6 +254,7 @@ material_principled panes  { base_color { .012 .015 .02 }  roughness .08 }
 material_principled iron   { base_color { .02 .025 .022 }  roughness .35 }
 material_principled green  { base_color { .02 .09 .06 }  roughness .3 }
 material_principled red    { base_color { .42 .04 .03 }  base_color_texture { texture linen  scale_U 2  scale_V 2 }  roughness .8 }
+material_principled wine   { base_color { .30 .03 .03 }  roughness .5 }
 material_principled canvas { base_color { .62 .50 .34 }  roughness .8  specular_ior_level .2 }
 material_principled wood   { base_color { .22 .12 .06 }  roughness .4 }
 material_principled shelves { base_color { .50 .36 .22 }  roughness .6  specular_ior_level .3 }
@@ -294,7 +295,7 @@ box nave  { vertex0 { -14 103 0 }  vertex1 { 14 103 0 }  vertex2 { 14 125 0 }  h
             x = side * FACADE
             pivot = (x, y if side < 0 else y + width, .14)
             for part, material in (("wall", color), ("trim", "trim"), ("panes", "panes"), ("shops", "shelves"),
-                                   ("goods", hand.choice(("red", "canvas", "rose", "green")))):
+                                   ("goods", hand.choice(("wine", "canvas", "rose", "green")))):
                 text += "mesh %s%d_%s { filename ../meshes/house_%s_%s.slo  material %s  addKframe { time 0  key { pivot %s  right { %d 0 0 } } } }\n" % (
                     "right" if side > 0 else "left", k, part, name, part, material, vector(*pivot), -side)
             for n, (y0, z0, y1, z1, shop) in enumerate(openings(name)):
