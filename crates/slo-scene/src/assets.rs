@@ -10,10 +10,32 @@ use crate::files::{ContentHash, Files, HashingReader, OpenError};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
 use crate::mesh::{self, Mesh};
+use crate::settings::Axes;
 use crate::texture::{self, Texture};
 
 /// Most spaces in front of the excerpt of a long line, which make its column number right.
 const MOST_PADDING: usize = 100_000;
+
+/// What a scene makes of the files of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Standing {
+    /// Whether there are normals.
+    pub(crate) smooth: bool,
+    /// Which way is up in the files.
+    pub(crate) axes: Axes,
+    /// Longest side of the whole, if it is not that of the files.
+    pub(crate) size: Option<f64>,
+}
+
+impl Standing {
+    /// The same for all that is equal.
+    fn key(self) -> (bool, Axes, Option<u64>) {
+        (self.smooth, self.axes, self.size.map(f64::to_bits))
+    }
+}
+
+/// The paths of a mesh, and what the scene makes of them.
+type MeshKey = (Vec<String>, (bool, Axes, Option<u64>));
 
 /// The files of a scene.
 pub(crate) struct Assets<'f> {
@@ -22,7 +44,7 @@ pub(crate) struct Assets<'f> {
     folder: String,
     pub(crate) hash: ContentHash,
     textures: HashMap<String, Option<Arc<Texture>>>,
-    meshes: HashMap<(Vec<String>, bool), Option<Arc<Mesh>>>,
+    meshes: HashMap<MeshKey, Option<Arc<Mesh>>>,
     /// Paths of files that can't be loaded, which were reported.
     failed: HashSet<String>,
     /// Paths of meshes without uvs that have not been reported yet.
@@ -70,17 +92,25 @@ impl<'f> Assets<'f> {
     pub(crate) fn mesh(
         &mut self,
         paths: &[Word<'_>],
-        smooth: bool,
+        standing: Standing,
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Arc<Mesh>> {
-        let key = (paths.iter().map(|p| p.text.to_owned()).collect(), smooth);
+        let key = (paths.iter().map(|p| p.text.to_owned()).collect(), standing.key());
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
         let parts: Vec<_> =
-            paths.iter().map(|path| self.mesh_file(*path, smooth, scale, diagnostics)).collect();
-        let whole = self.sum(paths, parts, diagnostics).map(Arc::new);
+            paths.iter().map(|path| self.mesh_file(*path, standing, scale, diagnostics)).collect();
+        let whole = self.sum(paths, parts, diagnostics);
+        let whole = whole.and_then(|mut mesh| {
+            mesh.stand_up(standing.axes);
+            if let Some(size) = standing.size {
+                mesh.fit(size);
+                check_reach(&mesh, *paths.first()?, diagnostics)?;
+            }
+            Some(Arc::new(mesh))
+        });
         self.meshes.insert(key, whole.clone());
         whole
     }
@@ -111,7 +141,7 @@ impl<'f> Assets<'f> {
     fn mesh_file(
         &mut self,
         path: Word<'_>,
-        smooth: bool,
+        Standing { smooth, size, .. }: Standing,
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Mesh> {
@@ -124,14 +154,8 @@ impl<'f> Assets<'f> {
         if loaded.mesh.uvs.is_empty() {
             self.without_uvs.insert(path.text.to_owned());
         }
-        let farthest =
-            loaded.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        if farthest > FARTHEST {
-            let message =
-                format!("mesh `{}` has vertices farther out than {FARTHEST:e}", path.text);
-            let label = "too large for the arithmetic of the renderer";
-            diagnostics.push(Diagnostic::error(message).at(path.span, label));
-            return None;
+        if size.is_none() {
+            check_reach(&loaded.mesh, path, diagnostics)?;
         }
         Some(loaded.mesh)
     }
@@ -206,6 +230,18 @@ impl<'f> Assets<'f> {
         let start = cut + e.span_start;
         Span { source, start, end: start + e.span_len }
     }
+}
+
+/// Reports a mesh that is too large for the arithmetic of the renderer.
+fn check_reach(mesh: &Mesh, path: Word<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
+    let farthest = mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    if farthest <= FARTHEST {
+        return Some(());
+    }
+    let message = format!("mesh `{}` has vertices farther out than {FARTHEST:e}", path.text);
+    let label = "too large for the arithmetic of the renderer";
+    diagnostics.push(Diagnostic::error(message).at(path.span, label));
+    None
 }
 
 fn cannot_open(path: Word<'_>, e: &OpenError) -> Diagnostic {

@@ -61,7 +61,7 @@ impl Grammar for Language {
         Some(match schema.attribute(word)?.kind {
             Kind::Element(_) => Follows::Element,
             Kind::Block(_) => Follows::Block,
-            Kind::Vector(_) => Follows::Vector,
+            Kind::Vector(_) | Kind::Single(_) => Follows::Vector,
             Kind::Word(_) => Follows::Name,
             Kind::WordOrBlock(..) => Follows::NameOrBlock,
             Kind::Number | Kind::Choice => Follows::Value,

@@ -8,9 +8,11 @@ mod lights;
 mod oddities;
 mod overlaps;
 mod photons;
+mod repeat;
 mod resolver;
 mod settings;
 mod tangents;
 mod texture;
+mod turns;
 
 pub(crate) use resolver::resolve;

@@ -6,7 +6,7 @@ use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
 use super::oddities::Said;
 use super::texture::{Image, texture, warn_of_alpha};
-use super::{camera, key_frames, lights, oddities, overlaps, photons, settings, tangents};
+use super::{camera, key_frames, lights, oddities, overlaps, photons, repeat, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
@@ -243,6 +243,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         if let Some(camera) = camera {
             oddities::check_key_times(&mut fields, &key_frames, camera);
         }
+        let repeat = repeat::repeat(&mut fields, &key_frames, camera);
         let sampled = fields.count("sampled", 0, 1).is_none_or(|flag| flag.value == 1);
         let light_group = fields.word("light_group");
         self.said.groups.extend(light_group);
@@ -262,6 +263,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             material: MaterialId(material? as u32),
             shape: shape?,
             key_frames,
+            repeat,
             sampled,
             light_group,
         })

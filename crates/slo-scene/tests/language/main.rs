@@ -4,5 +4,6 @@ mod documentation;
 mod fuzz;
 mod lamps;
 mod materials;
+mod meshes;
 mod messages;
 mod mistakes;
