@@ -23,6 +23,7 @@ pub mod material;
 pub mod mesh;
 mod names;
 mod resolve;
+mod scene_text;
 pub mod settings;
 pub mod shape;
 pub mod texture;

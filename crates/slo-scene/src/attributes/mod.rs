@@ -14,7 +14,7 @@ mod values;
 pub(crate) use crate::settings::Bound;
 pub(crate) use elsewhere::element_meant;
 pub(crate) use fields::{Element, Field, Fields, Value, nameless, quoted_list};
-pub(crate) use language::Language;
+pub(crate) use language::{INCLUDE, Language};
 pub(crate) use motion::{ADD_KFRAME, REPEAT};
 pub(crate) use references::{References, Referred};
 pub(crate) use values::{FARTHEST, Found, SHORTEST, looks_like_bytes};

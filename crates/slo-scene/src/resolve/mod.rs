@@ -3,6 +3,7 @@
 mod camera;
 mod collect;
 mod elements;
+mod includes;
 mod key_frames;
 mod lights;
 mod oddities;

@@ -2,6 +2,7 @@
 
 mod documentation;
 mod fuzz;
+mod includes;
 mod lamps;
 mod materials;
 mod meshes;
