@@ -166,7 +166,6 @@ impl Piece {
                 pivot,
                 up: Some(moved(rotation.z_axis)),
                 right: Some(moved(rotation.x_axis)),
-                ..Placement::default()
             }
         };
         let [from, to] = self.time;
@@ -181,7 +180,7 @@ impl Piece {
 
 fn facing(pivot: Option<DVec3>, rotation: DMat3) -> Placement {
     let [up, right] = [rotation.z_axis, rotation.x_axis].map(Some);
-    Placement { pivot, up, right, ..Placement::default() }
+    Placement { pivot, up, right }
 }
 
 /// A cubic curve that runs beside a turn.
