@@ -175,6 +175,30 @@ choices! {
 }
 
 choices! {
+    /// Which way is up in the file of a mesh.
+    #[derive(Default, Hash)]
+    pub enum Axes {
+        /// z, as in scenes.
+        #[default]
+        ZUp = "Z_UP",
+        /// y; z points forward.
+        YUp = "Y_UP",
+    }
+}
+
+choices! {
+    /// How the motion of key frames goes on before the first and after the last.
+    pub enum Repeat {
+        /// It begins again.
+        Cycle = "CYCLE",
+        /// It begins again from where it ended.
+        Offset = "OFFSET",
+        /// It runs back and forth.
+        PingPong = "PINGPONG",
+    }
+}
+
+choices! {
     /// How values between the texels of an image come about.
     pub enum Filter {
         /// From the four nearest texels.
