@@ -156,6 +156,9 @@ fn one_file_in_all_light() {
 #[test]
 fn one_file_with_layers() {
     let mut scene = everything();
+    // There is a frame before.
+    let segment = &mut scene.camera.segments[0];
+    (segment.video[0], segment.scene[0]) = (-1.0, -1.0);
     let colors = expose(&scene, Isa::best()).image();
     scene.camera.film.layers = Layer::ALL.to_vec();
     let film = expose(&scene, Isa::best());
