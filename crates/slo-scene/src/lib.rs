@@ -29,7 +29,8 @@ pub mod shape;
 pub mod texture;
 
 pub use description::{
-    CamSegment, Camera, KeyFrame, LightGroups, MaterialId, Object, Placement, SceneDescription,
+    CamSegment, Camera, KeyFrame, LayerNames, LightGroups, MaskNames, MaterialId, Object,
+    Placement, SceneDescription,
 };
 pub use files::Files;
 pub use light::{Light, LightKind};

@@ -30,4 +30,4 @@ pub use light_paths::PhotonTracer;
 pub use photon_pass::PhotonPass;
 pub use pilot_paths::PilotTracer;
 pub use tracer::Tracer;
-pub use work::{Beside, SampleSum, Statistics, Traced, Work};
+pub use work::{Beside, SampleSum, Seen, Statistics, Traced, Work};

@@ -34,19 +34,22 @@ impl Tracer {
         let groups = if frame.is_physical { beside.light_groups } else { 0 };
         machine.begin(&frame.sampler, work, copies * (groups + 1));
         let feature_slots = if beside.features { work.len() } else { 0 };
-        let features: &[Features] = if frame.is_physical {
+        let (features, first_hits): (&[Features], _) = if frame.is_physical {
             let path = path.get_or_insert_default();
             path.restart(feature_slots, if groups > 0 { copies * work.len() } else { 0 });
+            path.first_hits.reset(beside.places, beside.ids, work.len());
             machine.run(path, &job)?;
-            path.features()
+            (path.features(), &path.first_hits)
         } else {
             let distributed = distributed.get_or_insert_default();
             distributed.restart(feature_slots);
+            distributed.first_hits.reset(beside.places, beside.ids, work.len());
             machine.run(distributed, &job)?;
-            distributed.features()
+            (distributed.features(), &distributed.first_hits)
         };
         let (sums, groups, statistics) = machine.finish(work.len(), groups);
-        Some(Traced { sums, features, groups, statistics })
+        let (places, seen) = first_hits.get();
+        Some(Traced { sums, features, groups, places, seen, statistics })
     }
 }
 
