@@ -9,6 +9,7 @@ mod light;
 mod mirror;
 mod motion;
 mod paths;
+mod photon_map;
 mod refraction;
 mod shadow;
 mod surfaces;
