@@ -7,7 +7,7 @@ use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 
 use super::bsdfs::Bsdfs;
-use super::continuation::Continuation;
+use super::continuation::{Continuation, Rays};
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::batch::{Batch, marks};
@@ -116,7 +116,7 @@ impl StoredLight {
         points: &Points,
         rays: &mut Continuation,
     ) {
-        let Continuation { sent, past, chosen, .. } = rays;
+        let Continuation { rays: Rays { sent, past, .. }, chosen, .. } = rays;
         for i in 0..points.len() {
             if self.is_end[i] == 1 {
                 if past.marks[i] & marks::SHARP == 0 {
