@@ -38,8 +38,8 @@ pub use load::{Loaded, load, load_adapted};
 pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;
 pub use settings::{
-    Accelerator, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator, Layer,
-    LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Repeat, Settings,
+    Accelerator, CausticFilter, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator,
+    Layer, LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Repeat, Settings,
     ShadowMode, ToneMap, Wrap,
 };
 pub use shape::Shape;

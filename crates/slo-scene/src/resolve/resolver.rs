@@ -124,8 +124,12 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
                 let place = |name| Some(fields.get(name)?.keyword.span);
                 let (background, shadow) = (place("background"), place("shadow"));
                 let photons = [place("photons"), place("photonSeed")];
+                let of_photon_map = settings::OF_PHOTON_MAP.iter();
+                let of_photon_map =
+                    of_photon_map.filter_map(|name| Some(fields.get(name)?.keyword)).collect();
                 let settings = settings::settings(&mut fields);
                 (self.said.shadow, self.said.photons) = (shadow, photons);
+                self.said.of_photon_map = of_photon_map;
                 (settings, background)
             }
             None => (Settings::default(), None),
