@@ -23,6 +23,7 @@ pub mod material;
 pub mod mesh;
 mod names;
 mod resolve;
+mod scene_text;
 pub mod settings;
 pub mod shape;
 pub mod texture;
@@ -37,9 +38,9 @@ pub use load::{Loaded, load, load_adapted};
 pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;
 pub use settings::{
-    Accelerator, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator, Layer,
-    LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Settings, ShadowMode,
-    ToneMap, Wrap,
+    Accelerator, CausticFilter, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator,
+    Layer, LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Repeat, Settings,
+    ShadowMode, ToneMap, Wrap,
 };
 pub use shape::Shape;
 pub use texture::Texture;

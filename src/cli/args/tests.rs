@@ -102,7 +102,7 @@ fn wrong_values_are_refused() {
         "--samples -1",
         "--seed -1",
         "--accelerator tree",
-        "--integrator photon_map",
+        "--integrator photon_maps",
         "--photons -1",
         "--photons 101",
         "--color blue",

@@ -4,7 +4,7 @@ use slo_picture::film::{Features, Fixed, PlaceLayers, Wide};
 
 use crate::frame::FrameScene;
 use crate::guiding::Field;
-use crate::photons::PhotonMaps;
+use crate::photons::{PhotonLight, PhotonMaps};
 
 /// Samples `first..first + count` of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +47,8 @@ pub struct Traced<'a> {
 pub struct Beside<'a> {
     /// The photons of the passes that the samples use, if the frame has photons.
     pub maps: Option<&'a PhotonMaps>,
+    /// The light that photons brought, under `PHOTON_MAP`.
+    pub light: Option<&'a PhotonLight>,
     /// Whether surface features are.
     pub features: bool,
     /// Which places of first hits are.
@@ -100,11 +102,22 @@ pub(super) struct Job<'a> {
     pub(super) guide: Option<&'a Field>,
     /// Whether the paths are pilot paths, from which a field is learned.
     pub(super) is_pilot: bool,
+    /// The light that photons brought, under `PHOTON_MAP`.
+    pub(super) light: Option<&'a PhotonLight>,
     /// Whether to stop at once and lose the work.
     pub(super) gives_up: &'a dyn Fn() -> bool,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    /// Work that uses nothing beside the frame.
+    pub(super) fn new(
+        frame: &'a FrameScene,
+        work: &'a [Work],
+        gives_up: &'a dyn Fn() -> bool,
+    ) -> Self {
+        Self { frame, work, maps: None, guide: None, is_pilot: false, light: None, gives_up }
+    }
+
     /// Whether rough lobes share their directions with a field, or will.
     pub(super) fn is_guided(&self) -> bool {
         self.guide.is_some() || self.is_pilot

@@ -7,7 +7,7 @@ use super::photons::Stretch;
 use super::plan::Plan;
 use crate::frame::FrameScene;
 use crate::integrator::{Beside, SampleSum, Seen, Statistics, Traced, Tracer, Work};
-use crate::photons::PhotonMaps;
+use crate::photons::{PhotonLight, PhotonMaps};
 use slo_accel::Isa;
 use slo_picture::film::{Area, BLOCK, Film, MaskKind, Wide, base_end, split};
 use slo_scene::LightGroups;
@@ -40,6 +40,7 @@ pub(super) struct TileRenderer {
     queued: u32,
     /// The photons that the samples use, if the frame has any.
     maps: Option<Arc<PhotonMaps>>,
+    light: Option<Arc<PhotonLight>>,
     /// The number of the sample before which all pixels stop for now.
     end: u32,
     /// Samples per pixel at the beginning.
@@ -67,6 +68,7 @@ impl TileRenderer {
         stretch: &Stretch,
     ) -> f64 {
         (self.maps, self.end) = (stretch.maps.clone(), stretch.end);
+        self.light = stretch.light.clone();
         film.copy_to(tile, &mut self.film);
         self.clear_work();
         self.arrange(plan);
@@ -201,6 +203,7 @@ impl TileRenderer {
     ) -> Option<()> {
         let beside = Beside {
             maps: self.maps.as_deref(),
+            light: self.light.as_deref(),
             features: !self.film.features().is_empty(),
             places: self.film.first_hits().layers().places,
             ids: self.film.first_hits().layers().has_ids(),

@@ -154,6 +154,19 @@ fn one_file_in_all_light() {
 }
 
 #[test]
+fn one_file_by_photons() {
+    let mut scene = everything_with(PHYSICAL, "integrator PHOTON_MAP");
+    scene.settings.photon_map_size = 6000;
+    scene.settings.caustic_map_size = 2000;
+    assert_one_file(&scene);
+    (scene.settings.cache_error, scene.settings.gather_rays) = (0.5, 30);
+    assert_one_file(&scene);
+    scene.settings.gather = false;
+    scene.camera.film.layers = vec![Layer::Lights];
+    assert_one_file(&scene);
+}
+
+#[test]
 fn one_file_with_layers() {
     let mut scene = everything();
     // There is a frame before.

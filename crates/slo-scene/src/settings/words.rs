@@ -9,6 +9,8 @@ choices! {
         Distributed = "DISTRIBUTED",
         /// All light.
         Path = "PATH",
+        /// All light, smooth and with a bias: photon mapping.
+        PhotonMap = "PHOTON_MAP",
     }
 }
 
@@ -17,7 +19,7 @@ impl Integrator {
     pub const fn recursion(self) -> u32 {
         match self {
             Self::Distributed => 3,
-            Self::Path => 16,
+            Self::Path | Self::PhotonMap => 16,
         }
     }
 
@@ -25,7 +27,7 @@ impl Integrator {
     pub const fn light_sampling(self) -> LightSampling {
         match self {
             Self::Distributed => LightSampling::All,
-            Self::Path => LightSampling::One,
+            Self::Path | Self::PhotonMap => LightSampling::One,
         }
     }
 }
@@ -99,6 +101,18 @@ choices! {
         Frame = "FRAME",
         /// The seed alone: what is left of their noise stands still where the scene does.
         Fixed = "FIXED",
+    }
+}
+
+choices! {
+    /// How the photons of caustics count by their distance.
+    #[derive(Default)]
+    pub enum CausticFilter {
+        /// Less with distance, in proportion to it.
+        #[default]
+        Cone = "CONE",
+        /// All alike.
+        None = "NONE",
     }
 }
 
@@ -185,6 +199,30 @@ choices! {
         Clamp = "CLAMP",
         /// It repeats, each time mirrored.
         Mirror = "MIRROR",
+    }
+}
+
+choices! {
+    /// Which way is up in the file of a mesh.
+    #[derive(Default, Hash)]
+    pub enum Axes {
+        /// z, as in scenes.
+        #[default]
+        ZUp = "Z_UP",
+        /// y; z points forward.
+        YUp = "Y_UP",
+    }
+}
+
+choices! {
+    /// How the motion of key frames goes on before the first and after the last.
+    pub enum Repeat {
+        /// It begins again.
+        Cycle = "CYCLE",
+        /// It begins again from where it ended.
+        Offset = "OFFSET",
+        /// It runs back and forth.
+        PingPong = "PINGPONG",
     }
 }
 

@@ -376,7 +376,7 @@ impl FrameScene {
     /// square root of it through.
     pub(crate) fn light_passed(&self, primitive: u32, instance: u32) -> Option<f32> {
         // Under PATH, rays that follow lobes bring this light.
-        let is_path = self.settings.integrator == Integrator::Path;
+        let is_path = self.settings.integrator != Integrator::Distributed;
         if is_path || self.settings.shadow == ShadowMode::Opaque {
             return None;
         }

@@ -4,6 +4,7 @@ use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up, look_up_each};
 use slo_scene::Settings;
 
+use super::hemispheres::Probe;
 use super::hits::Hits;
 use crate::frame::{FrameScene, SurfaceScratch, Surfaces};
 use crate::integrator::batch::{Batch, Labels, RoughStart};
@@ -117,6 +118,22 @@ impl Points {
         }
     }
 
+    /// Returns point `i` as one whose hemisphere is gathered.
+    pub(in crate::integrator) fn probe(
+        &self,
+        frame: &FrameScene,
+        batch: &Batch,
+        i: usize,
+        seed: PixelSeed,
+    ) -> Probe {
+        let surfaces = &self.surfaces;
+        let (point, normal) = (surfaces.point.get(i), surfaces.n_shade.get(i));
+        let origin = surfaces.leave(i, surfaces.n_geo.get(i));
+        let way = point - batch.rays.origin(surfaces.ray[i] as usize);
+        let width = way.length() * frame.camera.pixel_angle();
+        Probe { point, origin, normal, time: self.labels.time[i], width, seed }
+    }
+
     /// Chooses a material at points where several are mixed, by random numbers of `sampler`.
     pub(in crate::integrator) fn choose_materials(
         &mut self,
@@ -142,7 +159,11 @@ impl Points {
     /// Packs the normals, if lights are chosen by them.
     pub(in crate::integrator) fn find_receivers(&mut self, frame: &FrameScene) {
         if frame.light_tree.len() > 1 {
-            frame.isa.run(Receivers(self));
+            if frame.is_physical {
+                frame.isa.run(Receivers::<true>(self));
+            } else {
+                frame.isa.run(Receivers::<false>(self));
+            }
         }
     }
 
@@ -184,13 +205,13 @@ impl Points {
     /// Returns the directions at point `i`.
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> At {
-        let Surfaces { n_shade, n_geo, tangent, .. } = &self.surfaces;
+        let Surfaces { n_shade, n_geo, floor, tangent, .. } = &self.surfaces;
         let Surfaces { is_bent, any_is_bent, .. } = &self.surfaces;
         At {
             eye: -self.direction.get(i),
             n: n_shade.get(i),
             n_geo: n_geo.get(i),
-            floor: self.surfaces.floors().get(i),
+            floor: floor.get(i),
             is_bent: *any_is_bent & (is_bent[i] == 1),
             tangent: tangent.get(i),
         }
@@ -252,17 +273,19 @@ impl Lanewise for Seeds<'_> {
     }
 }
 
-/// Packs the normals.
-struct Receivers<'a>(&'a mut Points);
+/// Packs the normals of the planes above which light arrives.
+struct Receivers<'a, const IS_PHYSICAL: bool>(&'a mut Points);
 
-impl Lanewise for Receivers<'_> {
+impl<const IS_PHYSICAL: bool> Lanewise for Receivers<'_, IS_PHYSICAL> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let points = self.0;
         for i in lanes(points.surfaces.len) {
-            points.receiver[i] = receiver::pack(points.surfaces.floors().get(i));
+            let Surfaces { floor, n_geo, .. } = &points.surfaces;
+            let normal = if IS_PHYSICAL { floor.get(i) } else { n_geo.get(i) };
+            points.receiver[i] = receiver::pack(normal);
         }
     }
 }

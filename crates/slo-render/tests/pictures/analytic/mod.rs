@@ -10,6 +10,7 @@ mod light;
 mod mirror;
 mod motion;
 mod paths;
+mod photon_map;
 mod refraction;
 mod shadow;
 mod surfaces;
