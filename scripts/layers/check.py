@@ -41,11 +41,13 @@ def rendered(program, folder):
     scene = Path(folder, "scene.txt")
     scene.write_text(SCENE)
     subprocess.run(
-        [program, "-q", "-s", scene, "-f", "1", "--layers", LAYERS, "-od", folder], check=True
+        [program, "-q", "-s", scene, "-f", "1", "--layers", LAYERS, "-od", folder],
+        check=True,
+        stdout=subprocess.DEVNULL,
     )
     with OpenEXR.File(str(Path(folder, "layers_00001.exr")), separate_channels=True) as file:
         channels = {name: channel.pixels for name, channel in file.channels().items()}
-        return file.header(), channels
+        return dict(file.header()), channels
 
 
 def mask_id(name):
