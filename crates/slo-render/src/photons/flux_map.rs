@@ -136,12 +136,16 @@ impl FluxMap {
         }
         let radius = square.sqrt();
         let (mut light, mut middle) = (Vec3::ZERO, Vec3::ZERO);
+        // The area of a cap is that of a disc whose radius is the chord, so surfaces that bend away have
+        // no larger discs for the weight of distances along the normal.
+        let chord = |number: u32| (self.positions[number as usize] - point).length_squared();
+        let farthest = nearest.iter().map(|(number, _)| chord(number)).fold(0.0, f32::max);
+        let disc = PI * if nearest.is_full() { farthest.min(square) } else { square };
         for (number, square) in nearest.iter().take(counted) {
             let share = if rule.cone { 1.0 - square.sqrt() / radius } else { 1.0 };
             light += self.flux[number as usize].power * share;
             middle += self.positions[number as usize] - point;
         }
-        let disc = PI * square;
         let area = if rule.cone { disc * (1.0 / 3.0) } else { disc };
         // The mean of places that fill a disc is off its middle by as much as this, squared, in one of
         // seven cases.
