@@ -15,6 +15,7 @@ mod sampled_motion;
 mod scene;
 mod shapes;
 mod sharp;
+mod shown;
 mod surfaces;
 mod world;
 
