@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use slo_accel::Lanewise;
-use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, select};
 
 use super::bsdfs::Bsdfs;
 use super::guiding::{Densities, Guiding, mixed};
@@ -15,7 +15,7 @@ use crate::integrator::work::Job;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{Lobe, WithLobe};
-use crate::shading::light::{Choices, Moving, Sampled};
+use crate::shading::light::{Choices, Moving, Sampled, Samples};
 use crate::shading::{Lamp, WithLamp, WithLamps};
 
 use super::direct_light::Question;
@@ -29,6 +29,8 @@ const FEW: usize = 8;
 pub(in crate::integrator) struct LampLight {
     set: SetPoints,
     choices: Choices,
+    /// Points of a light that looks up tables.
+    samples: Option<Box<Samples>>,
     /// Index of the light of each point.
     pub(super) light: Column<u32>,
     /// Number of rays to the light: the probability of the choice, times the number of rays.
@@ -60,6 +62,7 @@ impl Default for LampLight {
         Self {
             set: SetPoints::default(),
             choices: Choices::default(),
+            samples: None,
             light: [0; BATCH],
             tries: zeros,
             toward: Vec3s::default(),
@@ -159,7 +162,7 @@ impl LampLight {
     fn choose(&mut self, frame: &FrameScene, points: &Points, rays: f32) {
         let Self { set, choices, light, tries, radiance, .. } = self;
         let Points { surfaces, receiver, .. } = points;
-        let (point, u) = (surfaces.starts(), &set.numbers[2]);
+        let (point, u) = (&surfaces.start, &set.numbers[2]);
         frame.light_tree.choose_all(frame.isa, points.len(), point, receiver, u, choices);
         for (light, &chosen) in light.iter_mut().zip(&choices.light) {
             *light = frame.first_chosen.saturating_add(chosen);
@@ -189,15 +192,21 @@ impl WithLamp for AskOne<'_> {
         if frame.lights.move_about() {
             let pose = |i: usize| frame.lights.pose(number, points.labels.time[i]);
             let choose = |light: u32, i: usize| (Moving { lamp, pose: pose(i) }, light == number);
-            frame.isa.run(Ask::<_, true> { points, choose, to });
+            frame.isa.run(Ask::<_, _, true> { points, choose, from: Itself, to });
             return;
         }
         // A copy of the lamp cannot alias a column.
         let choose = move |light: u32, _: usize| (lamp, light == number);
         if L::LOOKS_UP {
-            frame.isa.run(Ask::<_, true> { points, choose, to });
+            let mut samples = to.samples.take().unwrap_or_default();
+            let hits = (&points.surfaces.start, points.len());
+            let [u, v, _] = &to.set.numbers;
+            lamp.sample_each(frame.isa, hits, [u, v], |i| to.light[i] == number, &mut samples);
+            let from = LookedUp(&samples);
+            frame.isa.run(Ask::<_, _, false> { points, choose, from, to });
+            to.samples = Some(samples);
         } else {
-            frame.isa.run(Ask::<_, false> { points, choose, to });
+            frame.isa.run(Ask::<_, _, false> { points, choose, from: Itself, to });
         }
     }
 }
@@ -226,10 +235,10 @@ impl WithLamps for AskChosen<'_> {
                 let (lamp, is_asked) = choose(light);
                 (Moving { lamp, pose: pose(light, i) }, is_asked)
             };
-            frame.isa.run(Ask::<_, true> { points, choose, to: self.to });
+            frame.isa.run(Ask::<_, _, true> { points, choose, from: Itself, to: self.to });
         } else {
             let choose = |light: u32, _: usize| choose(light);
-            frame.isa.run(Ask::<_, true> { points, choose, to: self.to });
+            frame.isa.run(Ask::<_, _, true> { points, choose, from: Itself, to: self.to });
         }
     }
 }
@@ -237,27 +246,61 @@ impl WithLamps for AskChosen<'_> {
 /// Creates a ray from every point to a light. `choose(light, i)` returns the light with an index
 /// as point `i` sees it, and whether to ask it. If not, the point keeps the ray that it has, and is
 /// skipped if `SKIPS`; otherwise the loop has no branches.
-struct Ask<'a, C, const SKIPS: bool> {
+struct Ask<'a, C, S, const SKIPS: bool> {
     points: &'a Points,
     choose: C,
+    /// Where samples of the light come from.
+    from: S,
     to: &'a mut LampLight,
 }
 
-impl<L: Lamp, C: Fn(u32, usize) -> (L, bool), const SKIPS: bool> Lanewise for Ask<'_, C, SKIPS> {
+/// Where samples of a light come from.
+trait Source {
+    /// Returns the sample of a light for hit `i`, which is at `hit`, by a point `u` of the unit
+    /// square.
+    fn sample<L: Lamp>(&self, lamp: L, i: usize, hit: Vec3, u: [f32; 2]) -> Sampled;
+}
+
+/// The light itself.
+struct Itself;
+
+/// Samples that were taken before.
+struct LookedUp<'a>(&'a Samples);
+
+impl Source for Itself {
+    #[inline(always)]
+    fn sample<L: Lamp>(&self, lamp: L, _: usize, hit: Vec3, u: [f32; 2]) -> Sampled {
+        lamp.sample(hit, u)
+    }
+}
+
+impl Source for LookedUp<'_> {
+    #[inline(always)]
+    fn sample<L: Lamp>(&self, _: L, i: usize, _: Vec3, _: [f32; 2]) -> Sampled {
+        self.0.get(i)
+    }
+}
+
+impl<L, C, S, const SKIPS: bool> Lanewise for Ask<'_, C, S, SKIPS>
+where
+    L: Lamp,
+    C: Fn(u32, usize) -> (L, bool),
+    S: Source,
+{
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { points, choose, to } = self;
-        let (surfaces, starts) = (&points.surfaces, points.surfaces.starts());
+        let Self { points, choose, from, to } = self;
+        let surfaces = &points.surfaces;
         for i in lanes(surfaces.len) {
             let (lamp, is_asked) = choose(to.light[i], i);
             if SKIPS && !is_asked {
                 continue;
             }
-            let hit = starts.get(i);
+            let hit = surfaces.start.get(i);
             let u = [to.set.numbers[0][i], to.set.numbers[1][i]];
-            let Sampled { way, radiance, density } = lamp.sample(hit, u);
+            let Sampled { way, radiance, density } = from.sample(lamp, i, hit, u);
             let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };
             let origin = surfaces.depart(i, toward);
             let (direction, t_max) = if L::IS_DISTANT {
@@ -268,16 +311,15 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool), const SKIPS: bool> Lanewise for As
             let tries = to.tries[i];
             let by_light = if L::IS_DELTA { tries } else { tries * density };
             let flat = if L::IS_OF_THESIS { std::f32::consts::PI / tries } else { 0.0 };
-            let keep = |new: Vec3, old: Vec3| if is_asked { new } else { old };
-            to.sent.origin.set(i, keep(origin, to.sent.origin.get(i)));
-            to.sent.direction.set(i, keep(direction, to.sent.direction.get(i)));
-            to.sent.t_max[i] = if is_asked { t_max } else { to.sent.t_max[i] };
-            to.toward.set(i, keep(toward, to.toward.get(i)));
-            to.radiance.set(i, keep(radiance, to.radiance.get(i)));
-            to.by_light[i] = if is_asked { by_light } else { to.by_light[i] };
+            to.sent.origin.set_if(i, is_asked, origin);
+            to.sent.direction.set_if(i, is_asked, direction);
+            to.sent.t_max[i] = select(is_asked, t_max, to.sent.t_max[i]);
+            to.toward.set_if(i, is_asked, toward);
+            to.radiance.set_if(i, is_asked, radiance);
+            to.by_light[i] = select(is_asked, by_light, to.by_light[i]);
             let hittable = if L::IS_DELTA { 0.0 } else { 1.0 };
-            to.hittable[i] = if is_asked { hittable } else { to.hittable[i] };
-            to.flat[i] = if is_asked { flat } else { to.flat[i] };
+            to.hittable[i] = select(is_asked, hittable, to.hittable[i]);
+            to.flat[i] = select(is_asked, flat, to.flat[i]);
         }
     }
 }
