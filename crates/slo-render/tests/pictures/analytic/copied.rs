@@ -84,7 +84,8 @@ fn placements_scale_and_tint_what_they_choose() {
     let principled = |name: &str, [r, g, b]: [f64; 3]| {
         format!("material_principled {name} {{ base_color {{ {r} {g} {b} }} }} ")
     };
-    let looks: [(&str, &dyn Fn(&str, [f64; 3]) -> String, &str); 2] = [
+    type Named<'a> = &'a dyn Fn(&str, [f64; 3]) -> String;
+    let looks: [(&str, Named<'_>, &str); 2] = [
         ("", &phong, "light_point l { color { 1 1 1 } position { 5 -30 20 } }"),
         (
             "integrator PATH",
