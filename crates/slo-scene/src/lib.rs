@@ -24,13 +24,14 @@ pub mod mesh;
 mod names;
 mod placements;
 mod resolve;
+mod scene_text;
 pub mod settings;
 pub mod shape;
 pub mod texture;
 
 pub use description::{
-    CamSegment, Camera, Copy, KeyFrame, LightGroups, MOST_COPIED, MOST_NESTED, MaterialId, Object,
-    Original, Placement, SceneDescription, Space, SpaceId,
+    CamSegment, Camera, Copy, KeyFrame, LayerNames, LightGroups, MOST_COPIED, MOST_NESTED,
+    MaskNames, MaterialId, Object, Original, Placement, SceneDescription, Space, SpaceId,
 };
 pub use files::Files;
 pub use light::{Light, LightKind};
@@ -39,9 +40,9 @@ pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, Texture
 pub use mesh::Mesh;
 pub use placements::Placements;
 pub use settings::{
-    Accelerator, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator, Layer,
-    LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Settings, ShadowMode,
-    ToneMap, Wrap,
+    Accelerator, CausticFilter, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator,
+    Layer, LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Repeat, Settings,
+    ShadowMode, ToneMap, Wrap,
 };
 pub use shape::Shape;
 pub use texture::Texture;

@@ -41,7 +41,7 @@ pub(crate) struct SettingArgs {
     #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(crate) noise: Option<f32>,
 
-    /// Which light is found: distributed or path
+    /// Which light is found: distributed, path or photon_map
     ///
     /// distributed: light straight from lamps, and what mirrors, gloss and glass see.
     /// path: all light, with up to 16 bounces and one lamp a hit unless the scene sets

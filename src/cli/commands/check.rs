@@ -80,7 +80,7 @@ fn objects(scene: &SceneDescription) -> String {
     let objects = &scene.objects;
     let spaces = Spaces::new(&scene.spaces).unwrap_or_default();
     let is_moving = |object: &&Object| {
-        let path = spaces.path(&object.key_frames, object.parent);
+        let path = spaces.path(&object.key_frames, object.repeat, object.parent);
         path.is_ok_and(|path| !path.rests())
     };
     let moving = objects.iter().filter(is_moving).count();

@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
 
+use super::compositing::Compositing;
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
 use super::looks::{Look, Looks};
@@ -14,9 +15,9 @@ use super::sharp::sharp_objects;
 use super::shown::Shown;
 use super::world::World;
 use crate::camera::Camera;
-use crate::photons::{Emission, targets};
+use crate::photons::{Emission, Everywhere, PhotonLamps, targets};
 use crate::sampling::Sampler;
-use crate::shading::light::{LightBounds, LightTree, Poses, Skies, SkyShare, Techniques};
+use crate::shading::light::{EvenSky, LightBounds, LightTree, Poses, Skies, SkyShare, Techniques};
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
 use slo_accel::{Isa, Structure};
@@ -75,7 +76,8 @@ impl FrameScene {
         }
         let share = match scene.settings.integrator {
             Integrator::Path => SkyShare::AboveMean,
-            Integrator::Distributed => SkyShare::All,
+            // Photons start where the sky is sampled.
+            Integrator::Distributed | Integrator::PhotonMap => SkyShare::All,
         };
         let sampled = Skies { share, before: before.as_ref().map(|before| &before.lights) };
         let (mut lights, mut poses) = (Vec::new(), Poses::default());
@@ -87,6 +89,16 @@ impl FrameScene {
             poses.add(1, path);
             hidden.push(!light.camera_visible);
             passable.push(!light.solid);
+        }
+        let mut settings = scene.settings.clone();
+        let background = Vec3::from(settings.background);
+        if settings.integrator == Integrator::PhotonMap && background != Vec3::ZERO {
+            // As a sky, it sends photons.
+            lights.push(Light::EvenSky(EvenSky::new(background)));
+            poses.add(1, Vec::new());
+            hidden.push(false);
+            passable.push(false);
+            settings.background = [0.0; 3];
         }
         // Glowing objects may have any number of triangles, so these are always chosen from.
         let first_chosen = match scene.settings.light_sampling() {
@@ -103,7 +115,9 @@ impl FrameScene {
         let softens = softens(scene, &parts);
         let uses_photons =
             scene.settings.photons > 0.0 && scene.settings.integrator == Integrator::Path;
-        let targets = uses_photons.then(|| targets(&sharp_objects(scene, &shown.objects, &parts)));
+        let is_photon_map = scene.settings.integrator == Integrator::PhotonMap;
+        let sends = uses_photons || is_photon_map;
+        let targets = sends.then(|| targets(&sharp_objects(scene, &shown.objects, &parts)));
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
             // Free the old structure before building the new one.
@@ -112,6 +126,8 @@ impl FrameScene {
                 Arc::new(structure(parts.still, &scene.settings, isa))
             }
         };
+        let times = (number, &shutter);
+        let compositing = Compositing::new(scene, &shown, times, origin, &parts.looks)?;
         let looks = Looks::new(
             parts.looks.into_iter(),
             parts.instances.iter().map(|instance| instance.object),
@@ -122,9 +138,14 @@ impl FrameScene {
         let light_tree = LightTree::new(&bounds[first_chosen..]);
         let skies = skies(&lights);
         let lights = lights.into_iter().collect::<Lights>().with_poses(poses);
+        let all = Everywhere::new(&lights, &bounds, world.bounds()).filter(|_| is_photon_map);
         let emission = targets.and_then(|targets| {
             Emission::new(&lights, &bounds, targets, world.bounds(), camera.position())
         });
+        let (emission, photon_lamps) = match all {
+            Some(all) => (None, Some(PhotonLamps { all, aimed: emission })),
+            None => (emission.filter(|_| uses_photons), None),
+        };
         let photon_frame = match scene.settings.photon_seed {
             PhotonSeed::Frame => number,
             PhotonSeed::Fixed => 0,
@@ -145,6 +166,7 @@ impl FrameScene {
             lights,
             first_shaded,
             emission,
+            photon_lamps,
             is_physical: is_physical(scene),
             softens,
             stretches: parts.stretches,
@@ -153,12 +175,13 @@ impl FrameScene {
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
             field: OnceLock::new(),
-            settings: scene.settings.clone(),
+            settings,
             isa,
             clever: true,
             textures: scene.textures.clone(),
             objects: parts.objects,
             looks,
+            compositing,
             still_places: parts.places,
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
         })
@@ -185,15 +208,14 @@ fn light_bounds(lights: &[Light], poses: &Poses) -> Vec<LightBounds> {
 fn techniques(settings: &Settings) -> Techniques {
     match (settings.integrator, settings.shadow) {
         (Integrator::Distributed, ShadowMode::Transparent) => Techniques::Separate,
-        (Integrator::Distributed, ShadowMode::Opaque) | (Integrator::Path, _) => {
-            Techniques::Combined
-        }
+        (Integrator::Distributed, ShadowMode::Opaque)
+        | (Integrator::Path | Integrator::PhotonMap, _) => Techniques::Combined,
     }
 }
 
 /// Whether a scene says anything that the thesis's integrator does not know.
 fn is_physical(scene: &SceneDescription) -> bool {
-    scene.settings.integrator == Integrator::Path
+    scene.settings.integrator != Integrator::Distributed
         || scene.lights.iter().any(|light| !light.kind.is_of_thesis())
         || scene.materials.iter().any(|material| Kind::of(material) != Kind::Phong)
 }

@@ -3,8 +3,10 @@
 
 mod affine;
 mod build;
+mod compositing;
 mod emitters;
 mod error;
+mod first_hits;
 mod glow;
 mod lamps;
 mod looks;

@@ -33,13 +33,13 @@ pub(super) struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    fn path(
+    pub(super) fn path(
         &self,
         name: &str,
-        Whereabouts { key_frames, parent }: Whereabouts<'_>,
+        Whereabouts { key_frames, repeat, parent }: Whereabouts<'_>,
     ) -> Result<Path, FrameError> {
         self.spaces
-            .path(key_frames, parent)
+            .path(key_frames, repeat, parent)
             .map_err(|reason| FrameError::Path { object: name.to_owned(), reason })
     }
 

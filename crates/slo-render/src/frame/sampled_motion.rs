@@ -223,7 +223,7 @@ mod tests {
     }
 
     fn path_of(keys: &[KeyFrame]) -> Path {
-        Spaces::default().path(keys, None).unwrap()
+        Spaces::default().path(keys, None, None).unwrap()
     }
 
     fn slide(from: DVec3, to: DVec3) -> Path {

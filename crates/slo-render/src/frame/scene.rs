@@ -5,12 +5,13 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec3;
 
 use super::affine::Affine;
+use super::compositing::Compositing;
 use super::looks::Looks;
 use super::shapes::Geometry;
 use super::world::{World, WorldHits};
 use crate::camera::Camera;
 use crate::guiding::Field;
-use crate::photons::Emission;
+use crate::photons::{Emission, PhotonLamps};
 use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
@@ -50,6 +51,8 @@ pub struct FrameScene {
     pub(crate) first_shaded: u32,
     /// Where photons start; `None` if the frame has none.
     pub(crate) emission: Option<Emission>,
+    /// Where the light paths of `PHOTON_MAP` start; `None` under another integrator.
+    pub(crate) photon_lamps: Option<PhotonLamps>,
     pub(crate) sampler: Sampler,
     /// Sampler of pilot paths, from which the field is learned.
     pub(crate) pilot_sampler: Sampler,
@@ -74,6 +77,7 @@ pub struct FrameScene {
     pub(super) textures: Vec<Arc<Texture>>,
     pub(super) objects: Vec<FrameObject>,
     pub(super) looks: Looks,
+    pub(super) compositing: Compositing,
     /// Index and place of each still object: what the still structure was built from.
     pub(super) still_places: Vec<(u32, DAffine)>,
     /// For each primitive of the still structure, the index of its object in `objects`.
@@ -141,6 +145,12 @@ impl FrameScene {
         self.clever && self.settings.shadow == ShadowMode::Opaque
     }
 
+    /// Whether the caustics of a light are photons of `PHOTON_MAP`.
+    pub(crate) fn sends_caustics(&self, light: u32) -> bool {
+        let aimed = self.photon_lamps.as_ref().and_then(|lamps| lamps.aimed.as_ref());
+        aimed.is_some_and(|aimed| aimed.sends(light))
+    }
+
     /// Whether rays to lights behind a surface may add light.
     pub(crate) fn receives_through(&self) -> bool {
         let rough = |m: &Material| m.refraction > 0.0 && m.refraction_lobe > 0.0;
@@ -175,7 +185,7 @@ impl FrameScene {
 
     /// Whether rays to lamps may pass through anything.
     pub(crate) fn lets_light_pass(&self) -> bool {
-        let is_path = self.settings.integrator == Integrator::Path;
+        let is_path = self.settings.integrator != Integrator::Distributed;
         (self.settings.shadow == ShadowMode::Transparent && !is_path)
             || self.material_table.images.any_passes()
             || !self.passable.is_empty()

@@ -2,7 +2,7 @@
 
 use slo_scene::animation::{Spaces, placed};
 use slo_scene::{
-    Copy, KeyFrame, Light, MOST_COPIED, MOST_NESTED, MaterialId, Object, Original,
+    Copy, KeyFrame, Light, MOST_COPIED, MOST_NESTED, MaterialId, Object, Original, Repeat,
     SceneDescription, SpaceId,
 };
 
@@ -29,6 +29,7 @@ pub(super) struct ShownLight<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Whereabouts<'a> {
     pub(super) key_frames: &'a [KeyFrame],
+    pub(super) repeat: Option<Repeat>,
     pub(super) parent: Option<SpaceId>,
 }
 
@@ -53,12 +54,13 @@ impl<'a> Shown<'a> {
         let mut shown = Self { objects: Vec::new(), lights: Vec::new(), spaces };
         for object in scene.objects.iter().filter(|of| !of.hidden && !scene.hides(of.parent)) {
             let Object { key_frames, parent, material, .. } = object;
-            let at = Whereabouts { key_frames, parent: *parent };
+            let at = Whereabouts { key_frames, repeat: object.repeat, parent: *parent };
             let tint = [1.0; 3];
             shown.objects.push(ShownObject { object, at, material: *material, tint });
         }
         for light in scene.lights.iter().filter(|of| !scene.hides(of.parent)) {
-            let at = Whereabouts { key_frames: &light.key_frames, parent: light.parent };
+            let Light { key_frames, repeat, parent, .. } = light;
+            let at = Whereabouts { key_frames, repeat: *repeat, parent: *parent };
             shown.lights.push(ShownLight { light, at });
         }
         if !scene.copies.is_empty() {
@@ -125,7 +127,7 @@ impl<'a> Expansion<'a, '_> {
 
     /// Adds the space that the key frames of a copy make.
     fn add_space(&mut self, copy: &Copy, parent: Option<SpaceId>) -> Result<SpaceId, FrameError> {
-        let added = self.shown.spaces.add(&copy.key_frames, parent);
+        let added = self.shown.spaces.add(&copy.key_frames, copy.repeat, parent);
         added.map_err(|reason| FrameError::Path { object: copy.name.clone(), reason })
     }
 
@@ -158,7 +160,7 @@ impl<'a> Expansion<'a, '_> {
         change: Change,
     ) -> Result<(), FrameError> {
         let scene = self.scene;
-        let at = Whereabouts { key_frames: &[], parent: Some(space) };
+        let at = Whereabouts { key_frames: &[], repeat: None, parent: Some(space) };
         match original {
             Original::Object(number) => self.add_object(number, at, change),
             Original::Light(number) => self.add_light(number, at),
@@ -175,13 +177,15 @@ impl<'a> Expansion<'a, '_> {
             let group = of.0 as usize;
             for i in 0..self.members.objects[group].len() {
                 let number = self.members.objects[group][i];
-                let key_frames = &scene.objects[number as usize].key_frames;
-                self.add_object(number, Whereabouts { key_frames, parent: Some(to) }, change)?;
+                let Object { key_frames, repeat, .. } = &scene.objects[number as usize];
+                let at = Whereabouts { key_frames, repeat: *repeat, parent: Some(to) };
+                self.add_object(number, at, change)?;
             }
             for i in 0..self.members.lights[group].len() {
                 let number = self.members.lights[group][i];
-                let key_frames = &scene.lights[number as usize].key_frames;
-                self.add_light(number, Whereabouts { key_frames, parent: Some(to) })?;
+                let Light { key_frames, repeat, .. } = &scene.lights[number as usize];
+                let at = Whereabouts { key_frames, repeat: *repeat, parent: Some(to) };
+                self.add_light(number, at)?;
             }
             for i in 0..self.members.copies[group].len() {
                 let copy = &scene.copies[self.members.copies[group][i] as usize];

@@ -74,8 +74,13 @@ pub(super) mod marks {
     pub(in crate::integrator) const DIFFUSE: u32 = 1;
     /// The ray follows a sharp lobe.
     pub(in crate::integrator) const SHARP: u32 = 2;
+    /// Light that the ray finds of lamps is known already: of a ray that follows a diffuse lobe, all of
+    /// it; of a ray that follows a sharp one, what photons of caustics bring.
+    pub(in crate::integrator) const TAKEN: u32 = 4;
+    /// Of a light path: it left a rough lobe.
+    pub(in crate::integrator) const ROUGH: u32 = TAKEN;
     /// One more surface that the ray passed through since it left.
-    pub(in crate::integrator) const PASS: u32 = 4;
+    pub(in crate::integrator) const PASS: u32 = 8;
     /// Most surfaces in a row that a ray passes through.
     pub(in crate::integrator) const MOST_PASSES: u32 = 256;
     /// The ray asks a light that is shaded where the ray arrives: the light's number among these,

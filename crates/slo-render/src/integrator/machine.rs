@@ -90,6 +90,15 @@ impl Machine {
         self.queue_at(0);
     }
 
+    /// Begins work of rays with a slot each, of pixels with these seeds.
+    pub(super) fn begin_slots(&mut self, seeds: impl Iterator<Item = PixelSeed>) {
+        self.counts = Statistics::default();
+        self.seeds.clear();
+        self.seeds.extend(seeds);
+        self.sums.reset(self.seeds.len());
+        self.queue_at(0);
+    }
+
     /// Runs an integrator until no ray is left. If the work is given up, all queues are empty
     /// afterwards, and the result is `None`.
     pub(super) fn run(&mut self, integrator: &mut impl Integrator, job: &Job<'_>) -> Option<()> {

@@ -8,15 +8,17 @@
 //! - `machine` holds the queues, decides which batch comes next, and adds up the light. It is
 //!   independent of light transport.
 //! - `stages` turn columns into columns, each with its own working memory.
-//! - The integrators, `distributed` and `path`, list their stages and how they branch.
+//! - The integrators, `distributed`, `path` and `photon_map`, list their stages and how they branch.
 
 mod batch;
 mod branching;
 mod chosen;
 mod distributed;
+mod hemisphere;
 mod light_paths;
 mod machine;
 mod path;
+mod photon_map;
 mod photon_pass;
 mod pilot_paths;
 mod queue;
@@ -26,8 +28,11 @@ mod sums;
 mod tracer;
 mod work;
 
+pub use hemisphere::HemisphereTracer;
 pub use light_paths::PhotonTracer;
 pub use photon_pass::PhotonPass;
 pub use pilot_paths::PilotTracer;
+pub use stages::departure::Flux;
+pub use stages::hemispheres::Probe;
 pub use tracer::Tracer;
-pub use work::{Beside, SampleSum, Statistics, Traced, Work};
+pub use work::{Beside, SampleSum, Seen, Statistics, Traced, Work};

@@ -24,7 +24,7 @@ impl PilotTracer {
         guide: Option<&Field>,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Vec<Record>> {
-        let job = Job { frame, work, maps: None, guide, is_pilot: true, gives_up };
+        let job = Job { guide, is_pilot: true, ..Job::new(frame, work, gives_up) };
         let Self { machine, path } = self;
         // One more for the light that the last rays find.
         let bounces = frame.settings.recursion() as usize + 1;

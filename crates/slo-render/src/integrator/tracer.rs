@@ -1,10 +1,12 @@
 //! The integrators of one thread.
 
 use slo_picture::film::Features;
+use slo_scene::Integrator as Kind;
 
 use super::distributed::Distributed;
 use super::machine::Machine;
 use super::path::Path;
+use super::photon_map::PhotonMapping;
 use super::work::{Beside, Job, Traced, Work};
 use crate::frame::FrameScene;
 
@@ -15,6 +17,7 @@ pub struct Tracer {
     machine: Machine,
     distributed: Option<Distributed>,
     path: Option<Path>,
+    photon_map: Option<PhotonMapping>,
 }
 
 impl Tracer {
@@ -27,26 +30,38 @@ impl Tracer {
         beside: Beside<'_>,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Traced<'_>> {
-        let (maps, guide) = (beside.maps, frame.field());
-        let job = Job { frame, work, maps, guide, is_pilot: false, gives_up };
-        let Self { machine, distributed, path } = self;
+        let (maps, light, guide) = (beside.maps, beside.light, frame.field());
+        let job = Job { maps, light, guide, ..Job::new(frame, work, gives_up) };
+        let Self { machine, distributed, path, photon_map } = self;
         let copies = if beside.features { 2 } else { 1 };
         let groups = if frame.is_physical { beside.light_groups } else { 0 };
         machine.begin(&frame.sampler, work, copies * (groups + 1));
         let feature_slots = if beside.features { work.len() } else { 0 };
-        let features: &[Features] = if frame.is_physical {
-            let path = path.get_or_insert_default();
-            path.restart(feature_slots, if groups > 0 { copies * work.len() } else { 0 });
-            machine.run(path, &job)?;
-            path.features()
-        } else {
-            let distributed = distributed.get_or_insert_default();
-            distributed.restart(feature_slots);
-            machine.run(distributed, &job)?;
-            distributed.features()
-        };
+        let stride = if groups > 0 { copies * work.len() } else { 0 };
+        let (places, ids) = (beside.places, beside.ids);
+        let (features, first_hits): (&[Features], _) =
+            if frame.settings.integrator == Kind::PhotonMap {
+                let photon_map = photon_map.get_or_insert_default();
+                photon_map.restart(feature_slots, stride);
+                photon_map.first_hits.reset(places, ids, work.len());
+                machine.run(photon_map, &job)?;
+                (photon_map.features(), &photon_map.first_hits)
+            } else if frame.is_physical {
+                let path = path.get_or_insert_default();
+                path.restart(feature_slots, stride);
+                path.first_hits.reset(places, ids, work.len());
+                machine.run(path, &job)?;
+                (path.features(), &path.first_hits)
+            } else {
+                let distributed = distributed.get_or_insert_default();
+                distributed.restart(feature_slots);
+                distributed.first_hits.reset(places, ids, work.len());
+                machine.run(distributed, &job)?;
+                (distributed.features(), &distributed.first_hits)
+            };
         let (sums, groups, statistics) = machine.finish(work.len(), groups);
-        Some(Traced { sums, features, groups, statistics })
+        let (places, seen) = first_hits.get();
+        Some(Traced { sums, features, groups, places, seen, statistics })
     }
 }
 

@@ -1,10 +1,10 @@
 //! The input and the output of an integrator.
 
-use slo_picture::film::{Features, Fixed};
+use slo_picture::film::{Features, Fixed, PlaceLayers, Wide};
 
 use crate::frame::FrameScene;
 use crate::guiding::Field;
-use crate::photons::PhotonMaps;
+use crate::photons::{PhotonLight, PhotonMaps};
 
 /// Samples `first..first + count` of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +33,11 @@ pub struct Traced<'a> {
     /// entry `i` is at `g * sums.len() + i`. Each contribution is the one that was added to `sums`. What
     /// is missing to `sums` belongs to the group without a name; if this is empty, all light does.
     pub groups: &'a [SampleSum],
+    /// Exact sums of the places of first hits over the samples of each entry: those of an entry are
+    /// neighbours. Empty unless requested.
+    pub places: &'a [Wide],
+    /// What each sample hit first, if it hit something, in any order; empty unless requested.
+    pub seen: &'a [Seen],
     /// Counts of what was traced.
     pub statistics: Statistics,
 }
@@ -42,11 +47,26 @@ pub struct Traced<'a> {
 pub struct Beside<'a> {
     /// The photons of the passes that the samples use, if the frame has photons.
     pub maps: Option<&'a PhotonMaps>,
+    /// The light that photons brought, under `PHOTON_MAP`.
+    pub light: Option<&'a PhotonLight>,
     /// Whether surface features are.
     pub features: bool,
+    /// Which places of first hits are.
+    pub places: PlaceLayers,
+    /// Whether ids of first hits are.
+    pub ids: bool,
     /// How many named groups of lights there are whose light is collected by itself; see
     /// [`Traced::groups`].
     pub light_groups: usize,
+}
+
+/// What a camera sample hit first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seen {
+    /// Index of the entry of the work that the sample belongs to.
+    pub entry: u32,
+    /// Ids of the object and of its material, by [`MaskKind`](slo_picture::film::MaskKind); 0: none.
+    pub ids: [u32; 2],
 }
 
 /// Counts of what was traced, for the log; never part of a picture.
@@ -82,11 +102,22 @@ pub(super) struct Job<'a> {
     pub(super) guide: Option<&'a Field>,
     /// Whether the paths are pilot paths, from which a field is learned.
     pub(super) is_pilot: bool,
+    /// The light that photons brought, under `PHOTON_MAP`.
+    pub(super) light: Option<&'a PhotonLight>,
     /// Whether to stop at once and lose the work.
     pub(super) gives_up: &'a dyn Fn() -> bool,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    /// Work that uses nothing beside the frame.
+    pub(super) fn new(
+        frame: &'a FrameScene,
+        work: &'a [Work],
+        gives_up: &'a dyn Fn() -> bool,
+    ) -> Self {
+        Self { frame, work, maps: None, guide: None, is_pilot: false, light: None, gives_up }
+    }
+
     /// Whether rough lobes share their directions with a field, or will.
     pub(super) fn is_guided(&self) -> bool {
         self.guide.is_some() || self.is_pilot

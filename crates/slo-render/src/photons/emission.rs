@@ -142,6 +142,11 @@ impl Emission {
         lights[light as usize].with(Density { emission: self, pose, row, point, direction })
     }
 
+    /// Whether light paths start at a light.
+    pub fn sends(&self, light: u32) -> bool {
+        self.rows[light as usize] != NONE
+    }
+
     /// Returns how far a ray from inside the world goes before it leaves it.
     fn reach(&self, from: Vec3, direction: Vec3) -> f32 {
         let exit = |axis: usize| {
@@ -316,7 +321,7 @@ fn all_round(u: [f32; 2]) -> Vec3 {
 }
 
 /// Samples directions on both sides of a surface, by the cosine.
-fn both_sides(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
+pub(super) fn both_sides(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
     let (side, u) = if u < 0.5 { (1.0, 2.0 * u) } else { (-1.0, 2.0 * u - 1.0) };
     let local = cosine_power_lobe([u, v], 0.5);
     let (x, y) = pair(normal);

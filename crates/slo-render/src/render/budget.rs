@@ -1,18 +1,20 @@
 //! Renders a picture as cleanly as a span of time allows.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
 use super::clock::Clock;
 use super::lock::lock;
 use super::observer::{Exposed, Observer};
+use super::photon_map::photon_light;
 use super::photons::{Stretch, Stretches};
 use super::plan::Plan;
 use super::run::Run;
 use super::tile::TileRenderer;
 use crate::frame::FrameScene;
 use slo_picture::film::{Area, Film, Steps, tiles_in_order};
+use slo_scene::Integrator;
 
 /// When to stop refining a picture.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +52,13 @@ pub fn render_until(
     }
     let mut reached = Steps::default();
     let gives_up = || observer.gives_up() || observer.should_stop();
+    let mut light = None;
+    if frame.settings.integrator == Integrator::PhotonMap {
+        let Some(found) = photon_light(frame, &gives_up) else {
+            return (run.exposed(false), reached);
+        };
+        light = Some(Arc::new(found));
+    }
     for step in least.done.min(last)..=last {
         let plan = plan.at_step(step);
         let mut must = must(least, step, tiles.len());
@@ -65,7 +74,7 @@ pub fn render_until(
             must = tiles.len();
             first = run.first_open(|_| plan.clone(), &tiles, &memory);
         }
-        let mut stretches = Stretches::new(frame, first);
+        let mut stretches = Stretches::new(frame, first, light.clone());
         let (mut handed, mut is_open) = (0, true);
         while let Some(stretch) = stretches.next(&plan, &gives_up) {
             let pass = Pass {

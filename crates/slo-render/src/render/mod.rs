@@ -5,6 +5,8 @@ mod clock;
 mod guide;
 mod lock;
 mod observer;
+mod photon_cache;
+mod photon_map;
 mod photons;
 mod plan;
 mod run;

@@ -8,7 +8,7 @@ use super::lock::lock;
 use super::plan::Plan;
 use crate::frame::FrameScene;
 use crate::integrator::{PhotonPass, PhotonTracer};
-use crate::photons::{PhotonMap, PhotonMaps, Slab, pass_of, radius_share, samples_of};
+use crate::photons::{PhotonLight, PhotonMap, PhotonMaps, Slab, pass_of, radius_share, samples_of};
 
 /// Memory that the maps of one stretch may take, in bytes, unless a single one takes more.
 const MOST_MEMORY: usize = 256 << 20;
@@ -21,6 +21,8 @@ const PATHS_AT_ONCE: u32 = 8192;
 #[derive(Clone, Debug)]
 pub(super) struct Stretch {
     pub(super) maps: Option<Arc<PhotonMaps>>,
+    /// The light that photons brought, under `PHOTON_MAP`.
+    pub(super) light: Option<Arc<PhotonLight>>,
     /// The number of the first sample that is not part of it.
     pub(super) end: u32,
     /// Whether it is the first of the run.
@@ -29,7 +31,7 @@ pub(super) struct Stretch {
 
 impl Stretch {
     /// All samples of a picture without photons.
-    pub(super) const WHOLE: Self = Self { maps: None, end: u32::MAX, is_first: true };
+    pub(super) const WHOLE: Self = Self { maps: None, light: None, end: u32::MAX, is_first: true };
 }
 
 /// The stretches of a picture, one after the other.
@@ -38,15 +40,20 @@ pub(super) struct Stretches<'a> {
     /// The number of the next sample; `None` if no sample needs photons.
     next: Option<u32>,
     is_first: bool,
+    light: Option<Arc<PhotonLight>>,
     tracers: Vec<Mutex<PhotonTracer>>,
 }
 
 impl<'a> Stretches<'a> {
-    /// The stretches from sample number `first` on, where photons are needed.
-    pub(super) fn new(frame: &'a FrameScene, first: Option<u32>) -> Self {
+    /// The stretches from sample number `first` on, where photons are needed. All have the `light`.
+    pub(super) fn new(
+        frame: &'a FrameScene,
+        first: Option<u32>,
+        light: Option<Arc<PhotonLight>>,
+    ) -> Self {
         let threads = if first.is_some() { rayon::current_num_threads() } else { 0 };
         let tracers = (0..threads).map(|_| Mutex::default()).collect();
-        Self { frame, next: first, is_first: true, tracers }
+        Self { frame, next: first, is_first: true, light, tracers }
     }
 
     /// Returns the next stretch of a plan, at most to where it decides which pixels need more; `None` if
@@ -57,7 +64,10 @@ impl<'a> Stretches<'a> {
         gives_up: &(dyn Fn() -> bool + Sync),
     ) -> Option<Stretch> {
         let is_first = std::mem::replace(&mut self.is_first, false);
-        let Some(next) = self.next else { return is_first.then_some(Stretch::WHOLE) };
+        let light = self.light.clone();
+        let Some(next) = self.next else {
+            return is_first.then(|| Stretch { light, ..Stretch::WHOLE });
+        };
         let share = plan.samples().map_or(0, |share| share.start);
         let end = share.saturating_add(plan.next_border(next - share));
         if next >= end {
@@ -76,7 +86,7 @@ impl<'a> Stretches<'a> {
         let maps = self.trace(first, &passes, gives_up)?;
         let end = samples_of(first + passes.len() as u32 - 1).end;
         self.next = Some(end);
-        Some(Stretch { maps: Some(Arc::new(maps)), end, is_first })
+        Some(Stretch { maps: Some(Arc::new(maps)), light, end, is_first })
     }
 
     /// Traces the photons of passes, on all threads.

@@ -1,13 +1,15 @@
 //! All tiles of a picture over all threads.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 use slo_picture::film::{Area, Film, TILE};
+use slo_scene::Integrator;
 
 use super::lock::lock;
 use super::observer::{Exposed, Observer};
+use super::photon_map::photon_light;
 use super::photons::Stretches;
 use super::plan::Plan;
 use super::run::{Run, Stopped};
@@ -32,15 +34,21 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
     };
     let has_photons = frame.emission.is_some();
     let first_open = || run.first_open(|tile| plan.at(tile, width, height), &tiles(), &memory);
-    let first = if has_photons || frame.is_guided() { first_open() } else { None };
+    let is_photon_map = frame.settings.integrator == Integrator::PhotonMap;
+    let asks = has_photons || frame.is_guided() || is_photon_map;
+    let first = if asks { first_open() } else { None };
     // A picture that has all its samples needs no field.
     if first.is_some() && !run.learn(&|share| observer.advanced(share)) {
         return run.exposed(false);
     }
-    let first = first.filter(|_| has_photons);
-    let mut stretches = Stretches::new(frame, first);
-    let mut is_complete = false;
     let gives_up = || observer.gives_up() || observer.should_stop();
+    let mut light = None;
+    if is_photon_map && first.is_some() {
+        let Some(found) = photon_light(frame, &gives_up) else { return run.exposed(false) };
+        light = Some(Arc::new(found));
+    }
+    let mut stretches = Stretches::new(frame, first.filter(|_| has_photons), light);
+    let mut is_complete = false;
     while !is_complete {
         let Some(stretch) = stretches.next(plan, &gives_up) else { break };
         let is_open = AtomicBool::new(false);

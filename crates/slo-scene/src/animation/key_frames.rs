@@ -5,25 +5,28 @@ use std::fmt;
 use glam::DVec3;
 
 use crate::description::{KeyFrame, Placement};
+use crate::settings::Repeat;
 
 use super::affine::DAffine;
 use super::bezier::cubic;
 use super::orientation::orientation;
 use super::piece::Piece;
+use super::repeat::{Cycles, Stretch};
 use super::rigid::DRigid;
 
 /// The path of an object through scene time, in its parent: where it is, how it is turned, and how
 /// large.
 ///
 /// Between two keys, pivot, up, right and scale each run along the cubic Bézier curve of (key, nex of
-/// it, pre of the next, next key), linear in time; outside the keys the object rests. At a time
-/// that two keys share, the later one counts from that time on.
+/// it, pre of the next, next key), linear in time; outside the keys the object rests, or its motion is
+/// [repeated](Self::repeated). At a time that two keys share, the later one counts from that time on.
 #[derive(Clone, Debug)]
 pub struct KeyFrames {
     keys: Vec<Key>,
     pieces: Vec<Piece>,
     /// Whether the scale is 1 at all times.
     is_rigid: bool,
+    cycles: Option<Cycles>,
 }
 
 /// A key with all parts filled in.
@@ -102,7 +105,16 @@ impl KeyFrames {
         let is_one = |scale: &DVec3| *scale == DVec3::ONE;
         let is_rigid = keys.iter().all(|key| is_one(&key.scale()))
             && pieces.iter().all(|piece| piece.scale.iter().all(is_one));
-        Ok(Self { keys, pieces, is_rigid })
+        Ok(Self { keys, pieces, is_rigid, cycles: None })
+    }
+
+    /// The same path, whose motion goes on before the first key and after the last. Without `repeat`, or
+    /// without time between these keys, the object rests there.
+    #[must_use]
+    pub fn repeated(self, repeat: Option<Repeat>) -> Self {
+        let ends = || Some([self.keys.first()?, self.keys.last()?].map(|key| (key.time, key.pose)));
+        let cycles = repeat.and_then(|repeat| Cycles::new(repeat, ends()?));
+        Self { cycles, ..self }
     }
 
     /// Whether the scale is 1 at all times.
@@ -118,6 +130,14 @@ impl KeyFrames {
 
     /// The scale along the object's own axes at a scene time.
     fn scale(&self, time: f64) -> DVec3 {
+        let Some(cycles) = &self.cycles else { return self.scale_among_keys(time) };
+        let (cycle, local) = cycles.fold(time);
+        let ends =
+            [self.keys.first(), self.keys.last()].map(|key| key.map_or(DVec3::ONE, Key::scale));
+        cycles.grown(cycle, self.scale_among_keys(local), ends)
+    }
+
+    fn scale_among_keys(&self, time: f64) -> DVec3 {
         match self.place(time) {
             Place::Anywhere => DVec3::ONE,
             Place::Key(key) => key.scale(),
@@ -130,6 +150,12 @@ impl KeyFrames {
     /// Where `up` and `right` pass through a state without orientation inside a piece, the object
     /// keeps the orientation that it had just before.
     pub fn pose(&self, time: f64) -> DRigid {
+        let Some(cycles) = &self.cycles else { return self.pose_among_keys(time) };
+        let (cycle, local) = cycles.fold(time);
+        cycles.carry(cycle, self.pose_among_keys(local))
+    }
+
+    fn pose_among_keys(&self, time: f64) -> DRigid {
         match self.place(time) {
             Place::Anywhere => DRigid::IDENTITY,
             Place::Key(key) => key.pose,
@@ -157,6 +183,23 @@ impl KeyFrames {
     /// Answered from the control points, not from poses: an object that returns to where it was
     /// does move. An interval without length holds no motion.
     pub fn moves(&self, interval: [f64; 2]) -> bool {
+        let Some(cycles) = &self.cycles else { return self.moves_among_keys(interval) };
+        let mut stretches = cycles.stretches(interval, self.keys.len());
+        let moves = |stretch: Stretch| {
+            stretch.is_new && self.leaps_between_cycles(cycles)
+                || self.moves_among_keys(stretch.local)
+        };
+        interval[0] < interval[1] && stretches.any(moves)
+    }
+
+    /// Whether the object leaps to the beginning of each cycle.
+    fn leaps_between_cycles(&self, cycles: &Cycles) -> bool {
+        let end = |key: &Key| (key.pose, key.scale());
+        let ends = [self.keys.first(), self.keys.last()].map(|key| key.map(end));
+        !cycles.is_closed(ends[0] != ends[1])
+    }
+
+    fn moves_among_keys(&self, interval: [f64; 2]) -> bool {
         let [start, end] = interval;
         let moving = |i: usize| {
             let [from, to] = [&self.keys[i], &self.keys[i + 1]];
@@ -172,6 +215,26 @@ impl KeyFrames {
     /// The moments within an interval of scene time, ends included, at which the path jumps, in
     /// order of time: usually not what was meant.
     pub fn jumps(&self, interval: [f64; 2]) -> Vec<Jump> {
+        let Some(cycles) = &self.cycles else { return self.jumps_among_keys(interval) };
+        let leaps = self.leaps_between_cycles(cycles);
+        let jumps = |stretch: Stretch| {
+            let time = stretch.start(cycles);
+            let begins = leaps && (interval[0]..=interval[1]).contains(&time);
+            let leap = begins.then_some(Jump { key: self.pieces.len(), time, collapse: false });
+            let mut within = self.jumps_among_keys(stretch.local);
+            if stretch.is_backward(cycles) {
+                within.reverse();
+            }
+            let within = within.into_iter().map(move |jump| {
+                let time = stretch.time(cycles, jump.time);
+                Jump { time, ..jump }
+            });
+            leap.into_iter().chain(within)
+        };
+        cycles.stretches(interval, self.keys.len()).flat_map(jumps).collect()
+    }
+
+    fn jumps_among_keys(&self, interval: [f64; 2]) -> Vec<Jump> {
         let near =
             |i: &usize| self.keys[*i].time <= interval[1] && interval[0] <= self.keys[i + 1].time;
         let within = |jump: &Jump| (interval[0]..=interval[1]).contains(&jump.time);
@@ -191,10 +254,18 @@ impl KeyFrames {
         }
     }
 
-    /// Times of the keys inside an interval, its ends left out.
+    /// Times of the keys inside an interval, its ends left out, in no order. Of an interval that holds a great many
+    /// cycles, only those of the first.
     pub fn key_times_within(&self, interval: [f64; 2]) -> impl Iterator<Item = f64> {
         let inside = move |time: &f64| interval[0] < *time && *time < interval[1];
-        self.keys.iter().map(|key| key.time).filter(inside)
+        let times = self.keys.iter().map(|key| key.time);
+        let repeated = self.cycles.as_ref().map(|cycles| {
+            let stretches = cycles.stretches(interval, self.keys.len());
+            let times = times.clone();
+            stretches.flat_map(move |stretch| times.clone().map(move |t| stretch.time(cycles, t)))
+        });
+        let once = times.take(if repeated.is_some() { 0 } else { self.keys.len() });
+        once.chain(repeated.into_iter().flatten()).filter(inside)
     }
 }
 
@@ -243,6 +314,9 @@ fn with_handles(from: DVec3, handles: [Option<DVec3>; 2], to: DVec3) -> [DVec3; 
     let third = (to - from) / 3.0;
     [from, handles[0].unwrap_or(from + third), handles[1].unwrap_or(to - third), to]
 }
+
+#[cfg(test)]
+mod repeated;
 
 #[cfg(test)]
 mod tests {

@@ -16,6 +16,7 @@ mod orientation;
 mod path;
 mod piece;
 mod placed;
+mod repeat;
 mod rigid;
 
 pub use affine::DAffine;
@@ -24,7 +25,7 @@ pub use camera_path::{View, axes, between, view_at};
 pub use clock::{Clock, NoSegment, SegmentFrames, Shutter};
 pub use key_frames::{Jump, KeyFrameError, KeyFrames};
 pub use mix::mix;
-pub use orientation::have_orientation;
+pub use orientation::{about, have_orientation, sin_cos_deg};
 pub use path::{Path, Spaces};
 pub use placed::placed;
 pub use rigid::DRigid;

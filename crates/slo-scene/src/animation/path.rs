@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::description::{KeyFrame, Space, SpaceId};
+use crate::settings::Repeat;
 
 use super::affine::DAffine;
 use super::key_frames::{KeyFrameError, KeyFrames};
@@ -59,7 +60,7 @@ impl Spaces {
     /// The index of the first space whose key frames are no path.
     pub fn new(spaces: &[Space]) -> Result<Self, (usize, KeyFrameError)> {
         let path = |(number, space): (usize, &Space)| match KeyFrames::new(&space.key_frames) {
-            Ok(path) => Ok(Factor::Keys(Arc::new(path))),
+            Ok(path) => Ok(Factor::Keys(Arc::new(path.repeated(space.repeat)))),
             Err(error) => Err((number, error)),
         };
         let paths = spaces.iter().enumerate().map(path).collect::<Result<_, _>>()?;
@@ -73,9 +74,10 @@ impl Spaces {
     pub fn add(
         &mut self,
         key_frames: &[KeyFrame],
+        repeat: Option<Repeat>,
         parent: Option<SpaceId>,
     ) -> Result<SpaceId, KeyFrameError> {
-        let path = KeyFrames::new(key_frames)?;
+        let path = KeyFrames::new(key_frames)?.repeated(repeat);
         Ok(self.push(Factor::Keys(Arc::new(path)), parent))
     }
 
@@ -103,9 +105,11 @@ impl Spaces {
     pub fn path(
         &self,
         key_frames: &[KeyFrame],
+        repeat: Option<Repeat>,
         parent: Option<SpaceId>,
     ) -> Result<Path, KeyFrameError> {
-        let mut factors = vec![Factor::Keys(Arc::new(KeyFrames::new(key_frames)?))];
+        let own = KeyFrames::new(key_frames)?.repeated(repeat);
+        let mut factors = vec![Factor::Keys(Arc::new(own))];
         let mut next = parent;
         // A ring, which scenes must not have, ends too.
         while let Some(number) = next.map(|id| id.0 as usize)
@@ -175,7 +179,13 @@ mod tests {
     }
 
     fn space(key_frames: Vec<KeyFrame>, parent: Option<u32>) -> Space {
-        Space { name: String::new(), key_frames, parent: parent.map(SpaceId), hidden: false }
+        Space {
+            name: String::new(),
+            key_frames,
+            repeat: None,
+            parent: parent.map(SpaceId),
+            hidden: false,
+        }
     }
 
     #[test]
@@ -194,7 +204,7 @@ mod tests {
             space(turn(1.0), Some(1)),    // and turns too,
         ])
         .unwrap();
-        let moon = spaces.path(&offset(2.0), Some(SpaceId(2))).unwrap();
+        let moon = spaces.path(&offset(2.0), None, Some(SpaceId(2))).unwrap();
         assert!(moon.is_rigid());
         // The sun has turned by a quarter after a second, the planet in it once.
         let expected = [
@@ -220,7 +230,7 @@ mod tests {
         leaps.push(at(1.0, DVec3::ZERO, DVec3::Y, DVec3::new(2.0, 2.0, 5.0)));
         let spaces = Spaces::new(&[space(leaps, None)]).unwrap();
         let own = [at(0.0, DVec3::new(1.0, 1.0, 1.0), DVec3::X, DVec3::splat(0.5))];
-        let path = spaces.path(&own, Some(SpaceId(0))).unwrap();
+        let path = spaces.path(&own, None, Some(SpaceId(0))).unwrap();
         assert_eq!(path.pose(0.0).point(DVec3::ONE), DVec3::new(4.5, 1.5, 1.5));
         // scaled to (3, 3, 7.5), then turned by a quarter
         assert_eq!(path.pose(1.0).point(DVec3::ONE), DVec3::new(-3.0, 3.0, 7.5));

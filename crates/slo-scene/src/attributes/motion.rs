@@ -1,6 +1,6 @@
 //! `addKframe`, which all that may move takes.
 
-use super::schema::{Attribute, Schema, block, number, point, word};
+use super::schema::{Attribute, Schema, block, choice, number, point, word};
 
 /// `addKframe`
 pub(crate) const ADD_KFRAME: Schema =
@@ -9,7 +9,13 @@ pub(crate) const ADD_KFRAME: Schema =
 /// What an element hangs in.
 pub(crate) const PARENT: Attribute = word("parent", "NAME");
 
-const PLACEMENT: [Attribute; 4] = [point("pivot"), point("up"), point("right"), point("scale")];
+/// `repeat`, which stands beside key frames.
+pub(crate) const REPEAT: Attribute = choice("repeat");
+
+const PLACEMENT: [Attribute; 6] =
+    [point("pivot"), point("up"), point("right"), point("scale"), block(&TURN), point("turn_deg")];
+const TURN: Schema =
+    Schema::new("turn", &[point("axis").required(), number("angle_deg").required()]);
 const PRE: Schema = Schema::new("pre", &PLACEMENT);
 const KEY: Schema = Schema::new("key", &PLACEMENT);
 const NEX: Schema = Schema::new("nex", &PLACEMENT);

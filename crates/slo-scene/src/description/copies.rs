@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{KeyFrame, MaterialId, SpaceId};
 use crate::placements::Placements;
+use crate::settings::Repeat;
 
 /// What a copy shows, without its own place: the copy's takes its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -27,6 +28,8 @@ pub struct Copy {
     pub of: Vec<Original>,
     /// In order of time: how the copies move together in their parent.
     pub key_frames: Vec<KeyFrame>,
+    /// How their motion goes on before the first and after the last; `None`: not at all.
+    pub repeat: Option<Repeat>,
     /// What they hang in; `None`: scene space.
     pub parent: Option<SpaceId>,
     /// Where they are in the space of these key frames; `None`: one copy at the origin.

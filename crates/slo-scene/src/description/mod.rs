@@ -6,6 +6,7 @@
 mod camera;
 mod check;
 mod copies;
+mod layer_names;
 mod light_groups;
 mod object;
 mod space;
@@ -21,6 +22,7 @@ pub use crate::key_frame::{KeyFrame, Placement};
 pub use crate::material::MaterialId;
 pub use camera::{CamSegment, Camera};
 pub use copies::{Copy, MOST_COPIED, MOST_NESTED, Original};
+pub use layer_names::{LayerNames, MaskNames};
 pub use light_groups::LightGroups;
 pub use object::Object;
 pub use space::{Space, SpaceId};

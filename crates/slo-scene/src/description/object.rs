@@ -3,6 +3,7 @@
 use super::space::SpaceId;
 use crate::key_frame::KeyFrame;
 use crate::material::MaterialId;
+use crate::settings::Repeat;
 use crate::shape::Shape;
 
 /// A thing that can be seen.
@@ -19,6 +20,8 @@ pub struct Object {
     pub key_frames: Vec<KeyFrame>,
     /// What it hangs in; `None`: scene space.
     pub parent: Option<SpaceId>,
+    /// How their motion goes on before the first and after the last; `None`: not at all.
+    pub repeat: Option<Repeat>,
     /// Whether rays are sent toward it if its material emits light. Otherwise only rays that hit it
     /// find its light.
     pub sampled: bool,
@@ -38,6 +41,7 @@ impl Object {
             shape,
             key_frames,
             parent: None,
+            repeat: None,
             sampled: true,
             hidden: false,
             light_group,

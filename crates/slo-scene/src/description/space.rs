@@ -1,6 +1,7 @@
 //! Spaces that things hang in.
 
 use crate::key_frame::KeyFrame;
+use crate::settings::Repeat;
 
 /// Index of a space in [`SceneDescription::spaces`](super::SceneDescription::spaces).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -13,6 +14,8 @@ pub struct Space {
     pub name: String,
     /// In order of time: how the space moves in its parent.
     pub key_frames: Vec<KeyFrame>,
+    /// How its motion goes on before the first and after the last; `None`: not at all.
+    pub repeat: Option<Repeat>,
     /// What the space hangs in; `None`: scene space. Spaces never hang in rings.
     pub parent: Option<SpaceId>,
     /// Whether all that hangs in it is left out of the picture, directly or by other spaces. Copies

@@ -1,6 +1,8 @@
 //! `lamp_rectangle`
 
-use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radiance_of};
+use super::lamp::{
+    CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, REPEAT, SOLID, WrittenLight, radiance_of,
+};
 use crate::attributes::schema::{color, number, point};
 use crate::attributes::{Fields, PARENT};
 use crate::kinds::Keyword;
@@ -33,6 +35,7 @@ impl WrittenLight for RectangleLamp {
             LIGHT_GROUP,
             PARENT,
             MOTION,
+            REPEAT,
         ],
     }];
 

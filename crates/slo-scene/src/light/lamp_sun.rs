@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, WrittenLight};
+use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, REPEAT, WrittenLight};
 use crate::attributes::schema::{color, number, point};
 use crate::attributes::{Bound, Fields, PARENT};
 use crate::kinds::Keyword;
@@ -31,6 +31,7 @@ impl WrittenLight for SunLamp {
             LIGHT_GROUP,
             PARENT,
             MOTION,
+            REPEAT,
         ],
     }];
 

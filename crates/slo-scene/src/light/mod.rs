@@ -17,6 +17,7 @@ use crate::description::SpaceId;
 use crate::key_frame::KeyFrame;
 use crate::kinds::kinds;
 use crate::material::Palette;
+use crate::settings::Repeat;
 use crate::shape::Shape;
 use lamp::{Lamp, WrittenLight};
 
@@ -44,6 +45,8 @@ pub struct Light {
     pub key_frames: Vec<KeyFrame>,
     /// What it hangs in; `None`: scene space.
     pub parent: Option<SpaceId>,
+    /// How their motion goes on before the first and after the last; `None`: not at all.
+    pub repeat: Option<Repeat>,
     /// Whether camera rays see it. All other rays do.
     pub camera_visible: bool,
     /// Whether it stops rays, as an opaque, black surface does.
@@ -62,6 +65,7 @@ impl Light {
             kind,
             key_frames,
             parent: None,
+            repeat: None,
             camera_visible: true,
             solid: true,
             group,

@@ -60,6 +60,7 @@ pub(super) fn read<'a>(
         name: fields.element.name.text.to_owned(),
         of: Vec::new(),
         key_frames: hangings.key_frames(number).to_vec(),
+        repeat: hangings.repeat(number),
         parent: None,
         placements,
         material: match material {

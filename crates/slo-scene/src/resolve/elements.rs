@@ -6,7 +6,7 @@ use super::camera::CAMERA;
 use super::settings::SETTINGS;
 use super::texture::TEXTURE;
 use crate::attributes::schema::{Attribute, Schema, block, number, word};
-use crate::attributes::{ADD_KFRAME, Language, PARENT, Referred};
+use crate::attributes::{ADD_KFRAME, Language, PARENT, REPEAT, Referred};
 use crate::kinds::Kind;
 use crate::light::{LightKind, ReadLight};
 use crate::material::{MaterialKind, PHONG_INFO, ReadMaterial};
@@ -75,17 +75,19 @@ const OBJECT: &[Attribute] = &[
     HIDDEN,
     PARENT,
     block(&ADD_KFRAME).repeated(),
+    REPEAT,
 ];
 
 /// Whether something is left out of the picture.
 const HIDDEN: Attribute = number("hidden");
 
 /// `group`
-const GROUP: Schema = Schema::new("group", &[HIDDEN, PARENT, block(&ADD_KFRAME).repeated()]);
+const GROUP: Schema =
+    Schema::new("group", &[HIDDEN, PARENT, REPEAT, block(&ADD_KFRAME).repeated()]);
 
 /// What copies take beside what they are copies of.
 const COPIED: &[Attribute] =
-    &[word("material", "NAME"), HIDDEN, PARENT, block(&ADD_KFRAME).repeated()];
+    &[word("material", "NAME"), HIDDEN, PARENT, REPEAT, block(&ADD_KFRAME).repeated()];
 
 /// `copy`
 const COPY: Schema = Schema::new("copy", &[word("of", "NAME").required()]).with(COPIED);

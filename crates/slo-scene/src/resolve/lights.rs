@@ -25,7 +25,16 @@ pub(super) fn light<'a>(
     let group = fields.word("light_group").map(|group| group.text.to_owned());
     let kind = read(fields, palette)?;
     let name = fields.element.name.text.to_owned();
-    let light = Light { name, kind, key_frames, parent: None, camera_visible, solid, group };
+    let light = Light {
+        name,
+        kind,
+        key_frames,
+        parent: None,
+        repeat: hanging.repeat(),
+        camera_visible,
+        solid,
+        group,
+    };
     Some((light, fields.element.head()))
 }
 

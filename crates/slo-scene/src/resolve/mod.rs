@@ -4,15 +4,18 @@ mod camera;
 mod collect;
 mod copies;
 mod elements;
+mod includes;
 mod key_frames;
 mod lights;
 mod oddities;
 mod overlaps;
 mod photons;
+mod repeat;
 mod resolver;
 mod settings;
 mod spaces;
 mod tangents;
 mod texture;
+mod turns;
 
 pub(crate) use resolver::resolve;

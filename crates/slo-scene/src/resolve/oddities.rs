@@ -36,6 +36,9 @@ pub(super) fn check_key_times(
     camera: &Camera,
 ) {
     let ([first, .., last], Some(at)) = (key_frames, fields.get("addKframe")) else { return };
+    if fields.get("repeat").is_some() {
+        return;
+    }
     let seen = camera.segments.iter().map(scene_time);
     let seen = seen.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     let Some([start, end]) = seen.filter(|[start, end]| *end < first.time || last.time < *start)
@@ -72,6 +75,8 @@ fn scene_time(segment: &CamSegment) -> [f64; 2] {
 pub(super) struct Said<'a> {
     /// `shadow`
     pub(super) shadow: Option<Span>,
+    /// Settings that only `PHOTON_MAP` looks at.
+    pub(super) of_photon_map: Vec<Word<'a>>,
     /// `photons` and `photonSeed`
     pub(super) photons: [Option<Span>; 2],
     /// Each `ambient` that is not black.
@@ -86,6 +91,7 @@ pub(super) struct Said<'a> {
 pub(super) fn check(said: &Said<'_>, scene: &SceneDescription, diagnostics: &mut Diagnostics) {
     check_ambient(&said.ambient, scene.settings.integrator, diagnostics);
     check_shadow(said.shadow, &scene.settings, diagnostics);
+    check_photon_map(&said.of_photon_map, scene.settings.integrator, diagnostics);
     check_light(scene, diagnostics);
     check_emission(&said.emission, &scene.materials, diagnostics);
     check_groups(&said.groups, scene, diagnostics);
@@ -94,7 +100,7 @@ pub(super) fn check(said: &Said<'_>, scene: &SceneDescription, diagnostics: &mut
 /// Warns of a scene without any light.
 fn check_light(scene: &SceneDescription, diagnostics: &mut Diagnostics) {
     let SceneDescription { settings, lights, materials, objects, .. } = scene;
-    let is_path = settings.integrator == Integrator::Path;
+    let is_path = settings.integrator != Integrator::Distributed;
     let glows = |kind: &MaterialKind| match kind {
         MaterialKind::Phong(_) if is_path => false,
         _ => kind.glows(),
@@ -149,6 +155,18 @@ fn check_shadow(place: Option<Span>, settings: &Settings, diagnostics: &mut Diag
     let message = format!("`shadow {shadow}` does nothing under `integrator {integrator}`");
     let help = "refracted rays bring the light behind glass: of lamps with an area, and of skies";
     diagnostics.push(Diagnostic::warning(message).at(place, "").help(help));
+}
+
+/// Warns of settings of `PHOTON_MAP` under another integrator.
+fn check_photon_map(said: &[Word<'_>], integrator: Integrator, diagnostics: &mut Diagnostics) {
+    if integrator == Integrator::PhotonMap {
+        return;
+    }
+    for word in said {
+        let message = format!("`{}` does nothing under `integrator {integrator}`", word.text);
+        let warning = Diagnostic::warning(message).at(word.span, "");
+        diagnostics.push(warning.help("write `integrator PHOTON_MAP`"));
+    }
 }
 
 /// Warns of names of groups that differ only in case, and if the light of groups is asked for where

@@ -96,11 +96,11 @@ fn faces(
     spaces: &Spaces,
     hides: &dyn Fn(Option<SpaceId>) -> bool,
 ) -> Option<Vec<Face>> {
-    let place = |key_frames: &[KeyFrame], parent: Option<SpaceId>| {
+    let place = |key_frames: &[KeyFrame], repeat, parent: Option<SpaceId>| {
         if hides(parent) {
             return None;
         }
-        let path = spaces.path(key_frames, parent).ok()?;
+        let path = spaces.path(key_frames, repeat, parent).ok()?;
         path.rests().then(|| path.pose(0.0))
     };
     let mut faces = Vec::new();
@@ -108,11 +108,11 @@ fn faces(
         if object.hidden {
             continue;
         }
-        let Some(place) = place(&object.key_frames, object.parent) else { continue };
+        let Some(place) = place(&object.key_frames, object.repeat, object.parent) else { continue };
         add_faces(&mut faces, owner, Look::Material(object.material.0), &object.shape, &place)?;
     }
     for (number, (light, _)) in lights.iter().enumerate() {
-        let Some(place) = place(&light.key_frames, light.parent) else { continue };
+        let Some(place) = place(&light.key_frames, light.repeat, light.parent) else { continue };
         let (owner, look) = (objects.len() + number, Look::Light(number));
         light.kind.for_flat_parts(&mut |corners| {
             let corners = corners.iter().map(|corner| place.point(*corner)).collect();

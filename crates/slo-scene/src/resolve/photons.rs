@@ -13,7 +13,15 @@ pub(super) fn check(
     lights: &[Span],
     diagnostics: &mut Diagnostics,
 ) {
+    let integrator = scene.settings.integrator;
+    let is_photon_map = integrator == Integrator::PhotonMap;
+    if is_photon_map {
+        check_lights(scene, lights, diagnostics);
+    }
     if scene.settings.photons == 0.0 {
+        if is_photon_map {
+            return;
+        }
         if let Some(place) = seed {
             let warning = Diagnostic::warning("`photonSeed` does nothing without `photons`");
             diagnostics.push(warning.at(place, ""));
@@ -25,10 +33,13 @@ pub(super) fn check(
         let warning = Diagnostic::warning(message);
         if let Some(place) = photons { warning.at(place, "") } else { warning }
     };
-    let integrator = scene.settings.integrator;
     if integrator != Integrator::Path {
         let message = format!("`photons` does nothing under `integrator {integrator}`");
-        let help = "write `integrator PATH`, the integrator that uses photons";
+        let help = if is_photon_map {
+            "`photonMapSize` and `causticMapSize` say how many photons there are"
+        } else {
+            "write `integrator PATH`, the integrator that uses photons"
+        };
         diagnostics.push(warning(message).help(help));
         return;
     }
@@ -39,6 +50,19 @@ pub(super) fn check(
         diagnostics.push(warning(message.into()).help(help));
         return;
     }
+    if check_lights(scene, lights, diagnostics) {
+        return;
+    }
+    let shines = scene.lights.iter().any(|light| !light.kind.is_dark());
+    if !shines && !any_object(scene, &emits) {
+        let message = "`photons` finds nothing: there is no lamp to send them";
+        let help = "`background` sends none: use an `environment`";
+        diagnostics.push(warning(message.into()).help(help));
+    }
+}
+
+/// Warns of the lights that send no photons. Returns whether there are any.
+fn check_lights(scene: &SceneDescription, lights: &[Span], diagnostics: &mut Diagnostics) -> bool {
     let is_of_thesis = |number: &usize| scene.lights[*number].kind.is_of_thesis();
     let of_thesis: Vec<usize> = (0..scene.lights.len()).filter(is_of_thesis).collect();
     if let [first, others @ ..] = &of_thesis[..] {
@@ -53,14 +77,9 @@ pub(super) fn check(
         let help = "light that does not fall off with distance has no power: use `lamp_point` or \
                     `lamp_rectangle` for caustics";
         diagnostics.push(warning.help(help));
-        return;
+        return true;
     }
-    let shines = scene.lights.iter().any(|light| !light.kind.is_dark());
-    if !shines && !any_object(scene, &emits) {
-        let message = "`photons` finds nothing: there is no lamp to send them";
-        let help = "`background` sends none: use an `environment`";
-        diagnostics.push(warning(message.into()).help(help));
-    }
+    false
 }
 
 fn emits(kind: &MaterialKind) -> bool {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::collect::Scene;
 use super::copies::{self, Shown, WrittenCopy};
 use super::elements::{LANGUAGE, Role};
+use super::includes::{Texts, Trees};
 use super::oddities::Said;
 use super::spaces::{Hanging, Hangings};
 use super::texture::{Image, texture, warn_of_alpha};
@@ -14,7 +15,6 @@ use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
 use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 use crate::files::{ContentHash, Files};
-use crate::format::parse;
 use crate::light::Light;
 use crate::material::{
     Material, Palette, PhongInfo, ReadMaterial, Whole, check_contained, phong_info, wholes,
@@ -29,16 +29,17 @@ pub(crate) fn resolve(
     text: &str,
     source: SourceId,
     files: &Files,
-    hash: ContentHash,
+    mut hash: ContentHash,
     adapt: &dyn Fn(&mut SceneDescription),
     diagnostics: &mut Diagnostics,
 ) -> Option<SceneDescription> {
-    let tree = parse(text, source, &*LANGUAGE, diagnostics);
+    let texts = Texts::default();
+    let trees = Trees::read(text, source, &texts, files, &mut hash, diagnostics);
     let name = diagnostics.source(source).name.clone();
-    let scene = Scene::collect(&tree, diagnostics);
+    let scene = Scene::collect(&trees, diagnostics);
     let scale = scaling(&scene, diagnostics);
     let references = scene.references(diagnostics);
-    let assets = Assets::new(files, &name, hash);
+    let assets = Assets::new(files, &name, trees.folders.clone(), hash);
     let said = Said::default();
     let hangings = Hangings::default();
     let mut resolver = Resolver { scene, scale, references, assets, said, hangings, diagnostics };
@@ -55,7 +56,7 @@ fn scaling(scene: &Scene<'_, '_>, diagnostics: &mut Diagnostics) -> f64 {
     let element = scene.only(|role| matches!(role, Role::Scaling), diagnostics);
     let Some(element) = element else { return 1.0 };
     if let Some(first) = scene.first_with_positions()
-        && first.keyword.span < element.keyword.span
+        && scene.is_before(first, &element)
     {
         diagnostics.push(
             Diagnostic::error("`Scaling` stands after an element with positions")
@@ -147,8 +148,12 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
                 let place = |name| Some(fields.get(name)?.keyword.span);
                 let (background, shadow) = (place("background"), place("shadow"));
                 let photons = [place("photons"), place("photonSeed")];
+                let of_photon_map = settings::OF_PHOTON_MAP.iter();
+                let of_photon_map =
+                    of_photon_map.filter_map(|name| Some(fields.get(name)?.keyword)).collect();
                 let settings = settings::settings(&mut fields);
                 (self.said.shadow, self.said.photons) = (shadow, photons);
+                self.said.of_photon_map = of_photon_map;
                 (settings, background)
             }
             None => (Settings::default(), None),
@@ -182,7 +187,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let light = |(number, read, element)| {
             let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
             let references = &mut self.references;
-            let hanging = Hanging::read(&mut fields, references, false);
+            let hanging = Hanging::read(&mut fields, references, false, camera);
             self.hangings.insert(number, hanging.clone());
             let mut palette = Palette { references, phong_infos: &[], textures: &[] };
             self.said.groups.extend(fields.word("light_group"));
@@ -271,7 +276,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let elements = self.scene.hanging(|role| matches!(role, Role::Group).then_some(()));
         for (number, (), element) in elements {
             let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
-            let hanging = Hanging::read(&mut fields, &mut self.references, true);
+            let hanging = Hanging::read(&mut fields, &mut self.references, true, camera);
             if let Some(camera) = camera {
                 oddities::check_key_times(&mut fields, hanging.key_frames(), camera);
             }
@@ -284,7 +289,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         let elements = self.scene.hanging(|role| matches!(role, Role::Copy).then_some(()));
         let copy = |(number, (), element)| {
             let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
-            let hanging = Hanging::read(&mut fields, &mut self.references, false);
+            let hanging = Hanging::read(&mut fields, &mut self.references, false, camera);
             if let Some(camera) = camera {
                 oddities::check_key_times(&mut fields, hanging.key_frames(), camera);
             }
@@ -305,8 +310,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
     ) -> Option<Object> {
         let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
         let material = fields.word("material");
-        let hanging = Hanging::read(&mut fields, &mut self.references, false);
-        let key_frames = hanging.key_frames().to_vec();
+        let hanging = Hanging::read(&mut fields, &mut self.references, false, camera);
+        let (key_frames, repeat) = (hanging.key_frames().to_vec(), hanging.repeat());
         self.hangings.insert(number, hanging);
         if let Some(camera) = camera {
             oddities::check_key_times(&mut fields, &key_frames, camera);
@@ -332,6 +337,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             shape: shape?,
             key_frames,
             parent: None,
+            repeat,
             sampled,
             hidden,
             light_group,

@@ -93,3 +93,19 @@ fn warn_of_contrast(fields: &mut Fields<'_, '_, '_>) {
         }
     }
 }
+
+/// What only `PHOTON_MAP` looks at.
+pub(super) const OF_PHOTON_MAP: [&str; 12] = [
+    "photonMapSize",
+    "causticMapSize",
+    "photonNearest",
+    "photonDistance",
+    "causticNearest",
+    "causticDistance",
+    "causticFilter",
+    "gather",
+    "gatherRays",
+    "gatherLimit",
+    "cacheError",
+    "cacheInFront",
+];

@@ -1,9 +1,10 @@
 //! What hangs in what: groups, and the `parent` of objects, lamps and groups.
 
-use super::key_frames;
+use super::{key_frames, repeat};
 use crate::attributes::{Fields, References, Referred};
-use crate::description::{KeyFrame, Space, SpaceId};
+use crate::description::{Camera, KeyFrame, Space, SpaceId};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
+use crate::settings::Repeat;
 
 /// Most members of a ring that are named.
 const MOST_NAMED: usize = 8;
@@ -16,6 +17,7 @@ pub(super) struct Hanging {
     title: String,
     place: Span,
     key_frames: Vec<KeyFrame>,
+    repeat: Option<Repeat>,
     /// Number of the element that it hangs in, with the place that says so.
     parent: Option<(usize, Span)>,
     is_group: bool,
@@ -31,8 +33,10 @@ impl Hanging {
         fields: &mut Fields<'_, 'a, '_>,
         references: &mut References<'a>,
         is_group: bool,
+        camera: Option<&Camera>,
     ) -> Self {
         let key_frames = key_frames::key_frames(fields);
+        let repeat = repeat::repeat(fields, &key_frames, camera);
         let parent = fields.word("parent").and_then(|word| {
             Some((references.find_only(Referred::Object, word, fields.diagnostics)?, word.span))
         });
@@ -42,7 +46,12 @@ impl Hanging {
         let may_hang = element.schema.attribute("parent").is_some();
         let (name, title) = (element.name.text.to_owned(), element.title());
         let place = element.head();
-        Self { name, title, place, key_frames, parent, is_group, may_hang, is_hidden }
+        Self { name, title, place, key_frames, repeat, parent, is_group, may_hang, is_hidden }
+    }
+
+    /// How their motion goes on.
+    pub(super) fn repeat(&self) -> Option<Repeat> {
+        self.repeat
     }
 
     /// The key frames, in order of time.
@@ -98,6 +107,11 @@ impl Hangings {
     /// The key frames of an element, in order of time.
     pub(super) fn key_frames(&self, number: usize) -> &[KeyFrame] {
         self.get(number).map_or(&[], |of| &of.key_frames)
+    }
+
+    /// How the motion of an element goes on.
+    pub(super) fn repeat(&self, number: usize) -> Option<Repeat> {
+        self.get(number)?.repeat
     }
 
     /// Whether an element is a group.
@@ -157,6 +171,7 @@ impl Hangings {
             Some(Space {
                 name: of.map_or_else(String::new, |of| of.name.clone()),
                 key_frames: of.map_or_else(Vec::new, |of| of.key_frames.clone()),
+                repeat: of.and_then(|of| of.repeat),
                 parent: parents[number],
                 hidden: of.is_some_and(|of| of.is_hidden),
             })

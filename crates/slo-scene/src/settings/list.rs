@@ -3,7 +3,8 @@
 use super::entry::{Effect, choice, color, count, double, entries, flag, single, whole};
 use super::value::{Bound, Value};
 use super::words::{
-    Accelerator, Contrast, Encoding, Generator, Integrator, LightSampling, PhotonSeed, ShadowMode,
+    Accelerator, CausticFilter, Contrast, Encoding, Generator, Integrator, LightSampling,
+    PhotonSeed, ShadowMode,
 };
 
 /// Most camera samples of a pixel, `imageSamples` times `dofSamples`: the film can add up so many.
@@ -12,6 +13,7 @@ pub const MOST_CAMERA_SAMPLES: u32 = (1 << 22) - 1;
 /// Samples of one kind; the product with another kind still fits u32.
 const MOST_SAMPLES: u32 = 65_535;
 const MOST_BOUNCES: u32 = 1000;
+const MOST_PHOTONS: u32 = 1 << 26;
 const MOST_SECTIONS: u32 = 65_536;
 const MOST_THREADS: u32 = 65_536;
 
@@ -89,6 +91,41 @@ entries! {
             choice("photonSeed", Effect::Samples).unless_default();
         /// Whether rays follow a field that was learned; PATH only.
         guide: bool = false, flag("guide", Effect::Samples).unless_default();
+        /// Photons on rough surfaces, at most; this and the following: PHOTON_MAP only.
+        photon_map_size: u32 = 1_000_000,
+            count("photonMapSize", [1, MOST_PHOTONS], Effect::Samples).unless_default();
+        /// Photons of caustics, at most.
+        caustic_map_size: u32 = 1_000_000,
+            count("causticMapSize", [1, MOST_PHOTONS], Effect::Samples).unless_default();
+        /// Photons that the light at a point is estimated from, at most.
+        photon_nearest: u32 = 200,
+            count("photonNearest", [1, MOST_SAMPLES], Effect::Samples).unless_default();
+        /// The distance from which they come, at most; `None`: chosen by the renderer.
+        photon_distance: Option<f32> = None,
+            single("photonDistance", Bound::Positive, Effect::Samples).unless_default();
+        /// Photons that a caustic at a point is estimated from, at most.
+        caustic_nearest: u32 = 100,
+            count("causticNearest", [1, MOST_SAMPLES], Effect::Samples).unless_default();
+        /// The distance from which they come, at most; `None`: chosen by the renderer.
+        caustic_distance: Option<f32> = None,
+            single("causticDistance", Bound::Positive, Effect::Samples).unless_default();
+        /// How photons of caustics count by their distance.
+        caustic_filter: CausticFilter = CausticFilter::Cone,
+            choice("causticFilter", Effect::Samples).unless_default();
+        /// Whether rays gather the light of the map; if not, it is shown as it is.
+        gather: bool = true, flag("gather", Effect::Samples).unless_default();
+        /// Rays that gather light for a record of the irradiance cache, at most.
+        gather_rays: u32 = 1024,
+            count("gatherRays", [1, MOST_SAMPLES], Effect::Samples).unless_default();
+        /// Share by which a round of these rays changes the irradiance so little that it is the last.
+        gather_limit: f32 = 0.01,
+            single("gatherLimit", Bound::NotNegative, Effect::Samples).unless_default();
+        /// Error that is allowed between the records of the irradiance cache; 0: there is none.
+        cache_error: f32 = 0.0,
+            single("cacheError", Bound::NotNegative, Effect::Samples).unless_default();
+        /// Whether records count that lie in front of a point.
+        cache_in_front: bool = false,
+            flag("cacheInFront", Effect::Samples).unless_default();
         /// Sampled transforms per millisecond of shutter, at least.
         transform_samples_per_ms: f64 = 2.0,
             double("transformSamplesPerMs", Bound::Positive, Effect::Samples);
@@ -125,7 +162,7 @@ impl Settings {
     pub(super) fn encoding(&self) -> Encoding {
         match self.integrator {
             Integrator::Distributed => Encoding::Raw,
-            Integrator::Path => Encoding::Srgb,
+            Integrator::Path | Integrator::PhotonMap => Encoding::Srgb,
         }
     }
 

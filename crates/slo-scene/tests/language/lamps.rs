@@ -150,6 +150,9 @@ fn the_integrator_decides_what_is_not_written() {
     let mut changed = settings("lightSamplingType SAMPLE_ALL_AT_TIME");
     changed.integrator = Integrator::Path;
     assert_eq!((changed.recursion(), changed.light_sampling()), (16, LightSampling::All));
+    let mut changed = settings("");
+    changed.integrator = Integrator::PhotonMap;
+    assert_eq!((changed.recursion(), changed.light_sampling()), (16, LightSampling::One));
 }
 
 #[test]
@@ -207,6 +210,38 @@ fn every_kind_of_light_is_light() {
         let report = report(light);
         assert!(report.contains(dark), "{light}: {report}");
     }
+}
+
+#[test]
+fn settings_of_photon_maps_are_for_photon_maps() {
+    let lamp = "lamp_point l { power { 1 1 1 } position { 0 0 3 } }";
+    for name in ["photonMapSize 9", "causticFilter NONE", "gather 0", "cacheError .2"] {
+        let of = |integrator: &str| {
+            report(&format!("settings s {{ integrator {integrator} {name} }} {lamp}"))
+        };
+        assert_eq!(of("PHOTON_MAP"), "", "{name}");
+        let expected = format!(
+            "`{}` does nothing under `integrator PATH`",
+            name.split(' ').next().unwrap_or_default()
+        );
+        assert!(of("PATH").contains(&expected), "{}", of("PATH"));
+    }
+}
+
+#[test]
+fn lights_of_the_thesis_send_no_photons() {
+    let report = |integrator: &str| {
+        report(&format!(
+            "settings s {{ integrator {integrator} }}
+             light_point old {{ color {{ 1 1 1 }} position {{ 0 0 3 }} }}
+             light_point older {{ color {{ 1 1 1 }} position {{ 1 0 3 }} }}
+             lamp_point new {{ power {{ 1 1 1 }} position {{ 0 0 3 }} }}"
+        ))
+    };
+    assert_eq!(report("PATH"), "");
+    let found = report("PHOTON_MAP");
+    assert!(found.contains("light `old` sends no photons"), "{found}");
+    assert!(found.contains("nor does another light"), "{found}");
 }
 
 #[test]

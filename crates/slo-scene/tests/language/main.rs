@@ -2,8 +2,10 @@
 
 mod documentation;
 mod fuzz;
+mod includes;
 mod lamps;
 mod materials;
+mod meshes;
 mod messages;
 mod mistakes;
 mod spaces;

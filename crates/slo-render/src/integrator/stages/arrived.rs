@@ -186,6 +186,11 @@ fn light(
 /// Returns the weight, by the balance heuristic, of ray `i`, which ends on a lamp after `depth`
 /// bounces.
 pub(super) fn share(frame: &FrameScene, end: End, batch: &Batch, i: usize, depth: u32) -> f32 {
+    let marks = batch.past.marks[i];
+    let knows_all = marks & marks::DIFFUSE != 0;
+    if marks & marks::TAKEN != 0 && (knows_all || frame.sends_caustics(end.light)) {
+        return 0.0;
+    }
     share_of_hit(frame, end, batch, i, depth) * left_by_photons(frame, end, batch, i)
 }
 

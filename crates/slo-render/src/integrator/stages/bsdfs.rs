@@ -114,6 +114,30 @@ impl Bsdfs {
         self.bsdf.for_each(&mut FindRough { frame, points, is_rough });
     }
 
+    /// Finds the points that have a diffuse lobe: 1, or 0.
+    pub(in crate::integrator) fn find_diffuse(
+        &self,
+        frame: &FrameScene,
+        points: &Points,
+        is_diffuse: &mut Column<u32>,
+    ) {
+        *is_diffuse = [0; BATCH];
+        self.bsdf.for_each(&mut FindDiffuse { frame, points, is_diffuse });
+    }
+
+    /// Keeps rays from following the diffuse lobes of marked points.
+    pub(in crate::integrator) fn close_diffuse(
+        &mut self,
+        frame: &FrameScene,
+        points: &Points,
+        is_closed: &Column<u32>,
+    ) {
+        let (len, total) = (points.len(), &mut self.total);
+        *total = [0.0; BATCH];
+        self.bsdf.for_each(&mut AddUp { frame, len, diffuse: false, total });
+        self.bsdf.for_each_mut(&mut Close { len, is_closed, total });
+    }
+
     /// Lets light from all directions count at points that light passes through.
     pub(in crate::integrator) fn open_receivers(&self, points: &mut Points) {
         let Bsdf { glass, refraction, .. } = &self.bsdf;
@@ -194,6 +218,16 @@ impl Bsdfs {
 
     /// Sets up the lobes of all points, and the chance with which a ray follows each.
     pub(in crate::integrator) fn find(&mut self, frame: &FrameScene, points: &Points) {
+        self.find_lobes(frame, points, frame.settings.integrator != Integrator::Distributed);
+    }
+
+    /// Like [`find`](Self::find). `diffuse` says whether rays follow diffuse lobes.
+    pub(in crate::integrator) fn find_lobes(
+        &mut self,
+        frame: &FrameScene,
+        points: &Points,
+        diffuse: bool,
+    ) {
         self.bsdf.clear();
         let (table, len) = (&frame.material_table, points.len());
         let physical = self.is_principled[..len].iter().filter(|is| **is == 1).count();
@@ -208,7 +242,6 @@ impl Bsdfs {
         }
         // The chances of all lobes that rays follow sum to 1.
         self.total = [0.0; BATCH];
-        let diffuse = frame.settings.integrator == Integrator::Path;
         let Self { bsdf, total, .. } = self;
         bsdf.for_each(&mut AddUp { frame, len, diffuse, total });
         bsdf.for_each_mut(&mut Divide { frame, len, diffuse, total });
@@ -427,6 +460,41 @@ fn sides(points: &Points, way: &Vec3s, to: &mut Column<u32>) {
     for (i, to) in to.iter_mut().enumerate().take(points.len()) {
         let passes = points.surfaces.n_geo.get(i).dot(way.get(i)) < 0.0;
         *to = points.surfaces.from_outside[i] ^ u32::from(passes);
+    }
+}
+
+/// Finds the points with diffuse lobes.
+struct FindDiffuse<'a> {
+    frame: &'a FrameScene,
+    points: &'a Points,
+    is_diffuse: &'a mut Column<u32>,
+}
+
+impl WithLobe for FindDiffuse<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &L) {
+        if L::IS_DIFFUSE {
+            let Self { frame, points, is_diffuse } = self;
+            frame.isa.run(FindRoughOf { lobe, points, is_rough: is_diffuse });
+        }
+    }
+}
+
+/// Takes the chances of diffuse lobes at marked points, and gives them to the others.
+struct Close<'a> {
+    len: usize,
+    is_closed: &'a Column<u32>,
+    /// Sum of the chances of the others.
+    total: &'a Column<f32>,
+}
+
+impl WithLobeMut for Close<'_> {
+    fn run<L: Lobe>(&mut self, lobe: &mut L) {
+        let chance = &mut lobe.share_mut().chance;
+        for i in lanes(self.len) {
+            let others = if L::IS_DIFFUSE { 0.0 } else { chance[i] / self.total[i] };
+            let others = if self.total[i] > 0.0 { others } else { 0.0 };
+            chance[i] = if self.is_closed[i] == 1 { others } else { chance[i] };
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up, look_up_each};
 use slo_scene::Settings;
 
+use super::hemispheres::Probe;
 use super::hits::Hits;
 use crate::frame::{FrameScene, SurfaceScratch, Surfaces};
 use crate::integrator::batch::{Batch, Labels, RoughStart};
@@ -115,6 +116,22 @@ impl Points {
             let distance = (self.surfaces.point.get(i) - origin).length();
             self.rough.width[i] += self.rough.spread[i] * distance;
         }
+    }
+
+    /// Returns point `i` as one whose hemisphere is gathered.
+    pub(in crate::integrator) fn probe(
+        &self,
+        frame: &FrameScene,
+        batch: &Batch,
+        i: usize,
+        seed: PixelSeed,
+    ) -> Probe {
+        let surfaces = &self.surfaces;
+        let (point, normal) = (surfaces.point.get(i), surfaces.n_shade.get(i));
+        let origin = surfaces.leave(i, surfaces.n_geo.get(i));
+        let way = point - batch.rays.origin(surfaces.ray[i] as usize);
+        let width = way.length() * frame.camera.pixel_angle();
+        Probe { point, origin, normal, time: self.labels.time[i], width, seed }
     }
 
     /// Chooses a material at points where several are mixed, by random numbers of `sampler`.

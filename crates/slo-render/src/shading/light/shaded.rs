@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::bounds::LightBounds;
 use super::lamp::Lamp;
 
-/// Most such lights of a frame: rays keep the number of one in 21 bits.
-pub const MOST_SHADED: u32 = (1 << 21) - 1;
+/// Most such lights of a frame: rays keep the number of one in 20 bits.
+pub const MOST_SHADED: u32 = (1 << 20) - 1;
 
 /// A light of this shape. Its material tells its radiance: the [`radiance`](Lamp::radiance) of the
 /// light is 1. The radiance of the shape is the mean, by which lights are chosen.

@@ -1,5 +1,6 @@
 //! Pictures whose pixels can be derived by hand. Each test explains how.
 
+mod compositing;
 mod copied;
 mod expectation;
 mod far_away;
@@ -10,6 +11,7 @@ mod light;
 mod mirror;
 mod motion;
 mod paths;
+mod photon_map;
 mod refraction;
 mod shadow;
 mod stretched;

@@ -65,6 +65,7 @@ fn scene_seen(segment: &str, settings: &str, elements: &str) -> String {
 fn differences(scene: &SceneDescription) -> Vec<f64> {
     let image = expose(scene, Isa::best()).image();
     let expected: Box<dyn Fn(u32, u32) -> DVec3> = match scene.settings.integrator {
+        Integrator::PhotonMap => panic!("it traces no photons"),
         Integrator::Distributed => {
             let oracle = Oracle::new(scene, 0);
             Box::new(move |x, y| oracle.pixel(x, y))

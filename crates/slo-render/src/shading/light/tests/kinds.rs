@@ -70,6 +70,7 @@ fn tables_of_skies_serve_another_frame() {
             kind,
             key_frames,
             parent: None,
+            repeat: None,
             camera_visible: true,
             solid: true,
             group,

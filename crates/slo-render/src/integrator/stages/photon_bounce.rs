@@ -1,27 +1,28 @@
-//! Rays of photons that go on: each follows one sharp lobe of a hit.
+//! Rays of photons that go on: each follows one lobe of a hit, or one sharp lobe.
 
 use glam::Vec3;
 use slo_accel::Lanewise;
-use slo_accel::math::columns::{BATCH, Column, lanes};
+use slo_accel::math::columns::{BATCH, Column, lanes, select};
 
 use super::bsdfs::{Bsdfs, LookBack};
 use super::continuation::Name;
+use super::hits::Hits;
 use super::points::Points;
 use crate::frame::FrameScene;
-use crate::integrator::batch::{Batch, Labels, Past, Sent};
+use crate::integrator::batch::{Batch, Labels, Past, Sent, marks};
 use crate::integrator::chosen::Chosen;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{At, Lobe, WithLobe, WithLobes};
 
-/// One ray from every point with a sharp lobe.
+/// One ray from every point, at most.
 #[derive(Debug)]
-pub(in crate::integrator) struct SharpBounce {
+pub(in crate::integrator) struct PhotonBounce {
     set: SetPoints,
     survival: SetPoints,
-    /// Sum of the chances of all sharp lobes.
+    /// Sum of the chances of all lobes that rays follow.
     total: Column<f32>,
-    /// Sum of the chances of the sharp lobes visited so far, of 1.
+    /// Sum of the chances of those visited so far, of 1.
     below: Column<f32>,
     back: LookBack,
     pub(in crate::integrator) sent: Sent,
@@ -31,7 +32,7 @@ pub(in crate::integrator) struct SharpBounce {
     pub(in crate::integrator) chosen: Chosen,
 }
 
-impl Default for SharpBounce {
+impl Default for PhotonBounce {
     fn default() -> Self {
         Self {
             set: SetPoints::default(),
@@ -47,19 +48,20 @@ impl Default for SharpBounce {
     }
 }
 
-impl SharpBounce {
-    /// Creates the rays. Their random numbers are those of hits after `depth` bounces.
+impl PhotonBounce {
+    /// Creates the rays: those that follow rough lobes only if `rough` says so. Their random numbers
+    /// are those of hits after `depth` bounces.
     pub(in crate::integrator) fn send(
         &mut self,
         frame: &FrameScene,
         batch: &Batch,
         points: &Points,
         bsdfs: &Bsdfs,
-        depth: u32,
+        (depth, rough): (u32, bool),
     ) {
         let Self { set, survival, total, below, back, sent, labels, past, .. } = self;
         *total = [0.0; BATCH];
-        bsdfs.bsdf.for_each(&mut AddUp { frame, points, total });
+        bsdfs.bsdf.for_each(&mut AddUp { frame, points, rough, total });
         let place = [0, 1];
         let names = points.names(&frame.settings, depth, Purpose::Continuation, place);
         set.take::<3>(&frame.photon_sampler, frame.isa, &names);
@@ -69,16 +71,50 @@ impl SharpBounce {
         for column in [&mut sent.weight.x, &mut sent.weight.y, &mut sent.weight.z] {
             column.fill(0.0);
         }
-        bsdfs.bsdf.for_each(&mut Follow { frame, points, set, total, below, sent });
+        past.marks = [0; BATCH];
+        bsdfs.bsdf.for_each(&mut Follow { frame, points, set, rough, total, below, sent, past });
         if bsdfs.look_back(frame, points, &sent.direction, back) {
             *below = [0.0; BATCH];
-            let mut exchange = Exchange { frame, points, set, total, below, sent };
+            let mut exchange = Exchange { frame, points, set, rough, total, below, sent };
             bsdfs.bsdf.for_each_with(&back.bsdf, &mut exchange);
         }
         frame.isa.run(Finish { points, survival, sent });
         frame.isa.run(Name { points, place, next: labels });
         for i in 0..points.len() {
-            sent.density[i] = batch.density[points.surfaces.ray[i] as usize];
+            let ray = points.surfaces.ray[i] as usize;
+            sent.density[i] = batch.density[ray];
+            past.marks[i] |= batch.past.marks[ray] & (marks::SHARP | marks::ROUGH);
+        }
+        let weight = &self.sent.weight;
+        self.chosen.set(frame.isa, points.len(), |i| weight.get(i) != Vec3::ZERO);
+    }
+}
+
+impl PhotonBounce {
+    /// Sends the photons of lights that are shaded where rays arrive, and nothing else from where a ray
+    /// looks back at such a light: the light that it emits toward the ray.
+    pub(in crate::integrator) fn kindle(
+        &mut self,
+        frame: &FrameScene,
+        batch: &Batch,
+        hits: &Hits,
+        points: &Points,
+        bsdfs: &Bsdfs,
+    ) {
+        let Self { sent, past, .. } = self;
+        for i in 0..points.len() {
+            let ray = points.surfaces.ray[i] as usize;
+            let asked = marks::asked(batch.past.marks[ray]);
+            if asked == 0 {
+                continue;
+            }
+            let is_asked = frame.emitter(&hits.found, ray) == Some(frame.first_shaded + asked - 1);
+            let light = points.weight.get(i) * bsdfs.emitted(i);
+            let is_sent = is_asked && light.max_element() > 0.0 && light.is_finite();
+            let way = -points.direction.get(i);
+            sent.direction.set(i, way);
+            sent.origin.set(i, points.surfaces.leave(i, way));
+            sent.weight.set(i, if is_sent { light } else { Vec3::ZERO });
             past.marks[i] = 0;
         }
         let weight = &self.sent.weight;
@@ -86,18 +122,19 @@ impl SharpBounce {
     }
 }
 
-/// Adds up the chances of sharp lobes.
+/// Adds up the chances of lobes.
 struct AddUp<'a> {
     frame: &'a FrameScene,
     points: &'a Points,
+    rough: bool,
     total: &'a mut Column<f32>,
 }
 
 impl WithLobe for AddUp<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L) {
-        if L::IS_FOLLOWED && !L::IS_DIFFUSE {
-            let Self { frame, points, total } = self;
-            frame.isa.run(AddUpOne { lobe, points, total });
+        if L::IS_FOLLOWED && (self.rough || !L::IS_DIFFUSE) {
+            let Self { frame, points, rough, total } = self;
+            frame.isa.run(AddUpOne { lobe, points, rough: *rough, total });
         }
     }
 }
@@ -105,6 +142,7 @@ impl WithLobe for AddUp<'_> {
 struct AddUpOne<'a, L> {
     lobe: &'a L,
     points: &'a Points,
+    rough: bool,
     total: &'a mut Column<f32>,
 }
 
@@ -113,28 +151,31 @@ impl<L: Lobe> Lanewise for AddUpOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, points, total } = self;
+        let Self { lobe, points, rough, total } = self;
         for i in lanes(points.surfaces.len) {
-            total[i] += if lobe.is_sharp(i) { lobe.share().chance[i] } else { 0.0 };
+            total[i] += if rough | lobe.is_sharp(i) { lobe.share().chance[i] } else { 0.0 };
         }
     }
 }
 
-/// Samples each sharp lobe at the points whose ray follows it.
+/// Samples each lobe at the points whose ray follows it.
 struct Follow<'a> {
     frame: &'a FrameScene,
     points: &'a Points,
     set: &'a SetPoints,
+    rough: bool,
     total: &'a Column<f32>,
     below: &'a mut Column<f32>,
     sent: &'a mut Sent,
+    past: &'a mut Past,
 }
 
 impl WithLobe for Follow<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L) {
-        if L::IS_FOLLOWED && !L::IS_DIFFUSE {
-            let Self { frame, points, set, total, below, sent } = self;
-            frame.isa.run(FollowOne { lobe, points, set, total, below, sent });
+        if L::IS_FOLLOWED && (self.rough || !L::IS_DIFFUSE) {
+            let Self { frame, points, set, rough, total, below, sent, past } = self;
+            let rough = *rough;
+            frame.isa.run(FollowOne { lobe, points, set, rough, total, below, sent, past });
         }
     }
 }
@@ -143,9 +184,11 @@ struct FollowOne<'a, L> {
     lobe: &'a L,
     points: &'a Points,
     set: &'a SetPoints,
+    rough: bool,
     total: &'a Column<f32>,
     below: &'a mut Column<f32>,
     sent: &'a mut Sent,
+    past: &'a mut Past,
 }
 
 impl<L: Lobe> Lanewise for FollowOne<'_, L> {
@@ -153,11 +196,12 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, points, set, total, below, sent } = self;
+        let Self { lobe, points, set, rough, total, below, sent, past } = self;
         for i in lanes(points.surfaces.len) {
             let [u, v, w] = set.numbers.each_ref().map(|column| column[i]);
             let share = lobe.share().chance[i] / total[i];
-            let chance = if lobe.is_sharp(i) { share } else { 0.0 };
+            let is_sharp = lobe.is_sharp(i);
+            let chance = if rough | is_sharp { share } else { 0.0 };
             let (start, end) = (below[i], below[i] + chance);
             below[i] = end;
             let is_chosen = (w >= start) & (w < end);
@@ -169,6 +213,8 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             let weight = sampled.weight * (adjoint(&at, sampled.direction) * of_photon / chance);
             sent.direction.set_if(i, is_chosen, sampled.direction);
             sent.weight.set_if(i, is_chosen, weight);
+            let mark = if is_sharp { marks::SHARP } else { marks::ROUGH };
+            past.marks[i] = select(is_chosen, mark, past.marks[i]);
         }
     }
 }
@@ -179,6 +225,7 @@ struct Exchange<'a> {
     frame: &'a FrameScene,
     points: &'a Points,
     set: &'a SetPoints,
+    rough: bool,
     total: &'a Column<f32>,
     below: &'a mut Column<f32>,
     sent: &'a mut Sent,
@@ -186,9 +233,10 @@ struct Exchange<'a> {
 
 impl WithLobes for Exchange<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L, other: &L) {
-        if L::IS_FOLLOWED && !L::IS_DIFFUSE {
-            let Self { frame, points, set, total, below, sent } = self;
-            frame.isa.run(ExchangeOne { lobe, other, points, set, total, below, sent });
+        if L::IS_FOLLOWED && (self.rough || !L::IS_DIFFUSE) {
+            let Self { frame, points, set, rough, total, below, sent } = self;
+            let rough = *rough;
+            frame.isa.run(ExchangeOne { lobe, other, points, set, rough, total, below, sent });
         }
     }
 }
@@ -198,6 +246,7 @@ struct ExchangeOne<'a, L> {
     other: &'a L,
     points: &'a Points,
     set: &'a SetPoints,
+    rough: bool,
     total: &'a Column<f32>,
     below: &'a mut Column<f32>,
     sent: &'a mut Sent,
@@ -208,13 +257,13 @@ impl<L: Lobe> Lanewise for ExchangeOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, other, points, set, total, below, sent } = self;
+        let Self { lobe, other, points, set, rough, total, below, sent } = self;
         let (mine, theirs) = (lobe.share(), other.share());
         // Lobes of Phong look the same from everywhere.
         let is_there = theirs.is_present;
         for i in lanes(points.surfaces.len) {
             let share = mine.chance[i] / total[i];
-            let chance = if lobe.is_sharp(i) { share } else { 0.0 };
+            let chance = if rough | lobe.is_sharp(i) { share } else { 0.0 };
             let (w, start, end) = (set.numbers[2][i], below[i], below[i] + chance);
             below[i] = end;
             let is_chosen = (w >= start) & (w < end) & is_there;

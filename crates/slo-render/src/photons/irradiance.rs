@@ -1,0 +1,140 @@
+//! Irradiance that was estimated in advance, at some of the photons.
+//!
+//! Source: P. H. Christensen, "Faster Photon Map Global Illumination" (1999).
+
+use glam::Vec3;
+use rayon::prelude::*;
+use slo_accel::{Isa, Lanewise};
+
+use super::cache::IrradianceCache;
+use super::flux_map::{FLATNESS, FluxMap, Irradiance, LEAST_COSINE, Rule};
+use super::nearest::{Around, KdTree, Nearest};
+use crate::shading::light::receiver;
+
+/// Estimates within the distance from which the photons of one come, about: more would know the same
+/// photons.
+const OVERLAPPING: u32 = 12;
+
+/// Estimates that a thread makes at a time.
+const AT_ONCE: usize = 512;
+
+/// Number of estimates that [`IrradianceMap::smooth`] averages.
+const SMOOTHED: usize = 6;
+
+/// Estimates of irradiance, to be looked up.
+#[derive(Clone, Debug, Default)]
+pub struct IrradianceMap {
+    tree: KdTree,
+    /// In the order of the tree.
+    normals: Vec<u32>,
+    estimates: Vec<Irradiance>,
+    most_square: f32,
+}
+
+impl IrradianceMap {
+    /// Estimates the irradiance at photons, on the threads of the current rayon pool. Returns `None` if
+    /// `gives_up` says to give up.
+    pub fn new(
+        map: &FluxMap,
+        nearest: u32,
+        isa: Isa,
+        gives_up: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let every = (nearest / OVERLAPPING).max(1);
+        let chosen: Vec<u32> =
+            (0..map.len() as u32).filter(|&i| map.photon(i as usize).2 % every == 0).collect();
+        let estimated: Option<Vec<Vec<Irradiance>>> = chosen
+            .par_chunks(AT_ONCE)
+            .map(|chosen| (!gives_up()).then(|| isa.run(Estimate { map, nearest, chosen })))
+            .collect();
+        let estimated: Vec<Irradiance> = estimated?.into_iter().flatten().collect();
+        let places: Vec<Vec3> = chosen.iter().map(|&i| map.photon(i as usize).0).collect();
+        let (tree, order) = KdTree::new(&places);
+        let normal = |&i: &u32| receiver::pack(map.photon(chosen[i as usize] as usize).1);
+        let normals = order.iter().map(normal).collect();
+        let estimates = order.iter().map(|&i| estimated[i as usize]).collect();
+        Some(Self { tree, normals, estimates, most_square: map.most_square() })
+    }
+
+    /// Returns the estimate that is nearest to a point, on the side of a unit normal.
+    #[inline(always)]
+    pub fn near(&self, point: Vec3, normal: Vec3) -> Option<Irradiance> {
+        let around = Around { point, flat: normal * FLATNESS, square: self.most_square };
+        let (mut square, mut found) = (self.most_square, None);
+        self.tree.near(around, |number, distance| {
+            if self.fits(number, normal) {
+                (square, found) = (distance, Some(number));
+            }
+            square
+        });
+        found.map(|number| self.estimates[number as usize])
+    }
+
+    /// Returns the irradiance between the estimates about a point.
+    #[inline(always)]
+    pub fn smooth(&self, point: Vec3, normal: Vec3, nearest: &mut Nearest) -> Vec3 {
+        let around = Around { point, flat: normal * FLATNESS, square: self.most_square };
+        nearest.restart(SMOOTHED + 1, self.most_square);
+        self.tree.near(around, |number, distance| {
+            if self.fits(number, normal) { nearest.add(number, distance) } else { nearest.square() }
+        });
+        nearest.cut();
+        let (mut light, mut sum) = (Vec3::ZERO, 0.0);
+        for (number, distance) in nearest.iter() {
+            let share = 1.0 - distance / nearest.square();
+            light += self.estimates[number as usize].light * share;
+            sum += share;
+        }
+        if sum > 0.0 { light * (1.0 / sum) } else { Vec3::ZERO }
+    }
+
+    #[inline(always)]
+    fn fits(&self, number: u32, normal: Vec3) -> bool {
+        receiver::unpack(self.normals[number as usize]).dot(normal) > LEAST_COSINE
+    }
+
+    /// Memory in bytes.
+    pub fn memory(&self) -> usize {
+        self.tree.memory() + size_of_val(&self.normals[..]) + size_of_val(&self.estimates[..])
+    }
+}
+
+struct Estimate<'a> {
+    map: &'a FluxMap,
+    nearest: u32,
+    chosen: &'a [u32],
+}
+
+impl Lanewise for Estimate<'_> {
+    type Output = Vec<Irradiance>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Irradiance> {
+        let Self { map, nearest, chosen } = self;
+        let rule = Rule { nearest, cone: false, ends: true };
+        let mut found = Nearest::default();
+        let of = |&i: &u32| {
+            let (point, normal, _) = map.photon(i as usize);
+            map.irradiance(point, normal, rule, i, &mut found)
+        };
+        chosen.iter().map(of).collect()
+    }
+}
+
+/// The light of a frame that photons brought.
+#[derive(Clone, Debug, Default)]
+pub struct PhotonLight {
+    /// Irradiance of light that comes from surfaces; if rays gather it, of all light.
+    pub(crate) surfaces: IrradianceMap,
+    /// Photons that came through sharp lobes.
+    pub(crate) caustics: FluxMap,
+    /// Irradiance of light that comes from surfaces, gathered by rays; empty without a cache.
+    pub(crate) cache: IrradianceCache,
+}
+
+impl PhotonLight {
+    /// Memory in bytes.
+    pub fn memory(&self) -> usize {
+        self.surfaces.memory() + self.caustics.memory() + self.cache.memory()
+    }
+}
