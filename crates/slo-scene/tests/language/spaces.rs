@@ -31,7 +31,7 @@ fn groups_and_parents_have_spaces_and_others_have_none() {
     assert_eq!((of("free").parent, scene.lights[0].parent), (None, Some(SpaceId(2))));
     // Scaling applies to pivots, and not to scales.
     let spaces = Spaces::new(&scene.spaces).expect("they are paths");
-    let hand = spaces.path(&of("hand").key_frames, of("hand").parent).expect("it is a path");
+    let hand = spaces.path(&of("hand").key_frames, None, of("hand").parent).expect("it is a path");
     let place = hand.pose(0.5).point(glam::DVec3::new(2.0, 0.0, 0.0));
     assert_eq!(place, glam::DVec3::new(11.0 + 4.0, 0.0, 6.0));
     assert!(hand.moves([0.0, 1.0]) && !hand.is_rigid());
@@ -50,7 +50,7 @@ fn scenes_in_memory_are_checked() {
     assert!(ring.check().expect_err("a ring").contains("hangs in itself"));
     // Whoever does not check gets some path, and an end.
     let spaces = Spaces::new(&ring.spaces).expect("they are paths");
-    assert!(spaces.path(&[], Some(SpaceId(0))).is_ok());
+    assert!(spaces.path(&[], None, Some(SpaceId(0))).is_ok());
     let mut missing = sound.clone();
     missing.objects[0].parent = Some(SpaceId(2));
     assert!(missing.check().expect_err("no space").contains("parent that is missing"));
