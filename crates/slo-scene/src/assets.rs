@@ -11,6 +11,7 @@ use crate::files::{ContentHash, Files, HashingReader, OpenError, is_absolute};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
 use crate::mesh::{self, Mesh};
+use crate::placements::Placements;
 use crate::settings::Axes;
 use crate::texture::{self, Texture};
 
@@ -47,6 +48,7 @@ pub(crate) struct Assets<'f> {
     folders: HashMap<SourceId, String>,
     pub(crate) hash: ContentHash,
     textures: HashMap<String, Option<Arc<Texture>>>,
+    placements: HashMap<(String, usize), Option<Arc<Placements>>>,
     meshes: HashMap<MeshKey, Option<Arc<Mesh>>>,
     /// Paths of files that can't be loaded, which were reported.
     failed: HashSet<String>,
@@ -71,6 +73,7 @@ impl<'f> Assets<'f> {
             hash,
             textures: HashMap::new(),
             meshes: HashMap::new(),
+            placements: HashMap::new(),
             failed: HashSet::new(),
             without_uvs: HashSet::new(),
         }
@@ -123,6 +126,24 @@ impl<'f> Assets<'f> {
         });
         self.meshes.insert(key, whole.clone());
         whole
+    }
+
+    /// The placements at a path, of so many `kinds` of originals; `None` if they can't be loaded.
+    pub(crate) fn placements(
+        &mut self,
+        path: Word<'_>,
+        scale: f64,
+        kinds: usize,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Arc<Placements>> {
+        let key = (self.full(path), kinds);
+        if let Some(known) = self.placements.get(&key) {
+            return known.clone();
+        }
+        let load = |reader: &mut dyn Read| mesh::load_placements(path.text, reader, scale, kinds);
+        let loaded = self.read(path, diagnostics, load).map(Arc::new);
+        self.placements.insert(key, loaded.clone());
+        loaded
     }
 
     /// The path of a file, seen from the folder of the scene.

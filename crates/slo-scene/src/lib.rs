@@ -22,6 +22,7 @@ mod load;
 pub mod material;
 pub mod mesh;
 mod names;
+mod placements;
 mod resolve;
 mod scene_text;
 pub mod settings;
@@ -29,14 +30,15 @@ pub mod shape;
 pub mod texture;
 
 pub use description::{
-    CamSegment, Camera, KeyFrame, LayerNames, LightGroups, MaskNames, MaterialId, Object,
-    Placement, SceneDescription,
+    CamSegment, Camera, Copy, KeyFrame, LayerNames, LightGroups, MOST_COPIED, MOST_NESTED,
+    MaskNames, MaterialId, Object, Original, Placement, SceneDescription, Space, SpaceId,
 };
 pub use files::Files;
 pub use light::{Light, LightKind};
 pub use load::{Loaded, load, load_adapted};
 pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;
+pub use placements::Placements;
 pub use settings::{
     Accelerator, CausticFilter, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator,
     Layer, LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Repeat, Settings,

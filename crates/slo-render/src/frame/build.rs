@@ -12,6 +12,7 @@ use super::parts::{Parts, Seen, structure};
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
 use super::sharp::sharp_objects;
+use super::shown::Shown;
 use super::world::World;
 use crate::camera::Camera;
 use crate::photons::{Emission, Everywhere, PhotonLamps, targets};
@@ -20,7 +21,7 @@ use crate::shading::light::{EvenSky, LightBounds, LightTree, Poses, Skies, SkySh
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
 use slo_accel::{Isa, Structure};
-use slo_scene::animation::{Clock, DRigid};
+use slo_scene::animation::{Clock, DAffine};
 use slo_scene::{
     CamSegment, Integrator, LightSampling, PhotonSeed, SceneDescription, Settings, ShadowMode,
 };
@@ -64,11 +65,13 @@ impl FrameScene {
         let camera = Camera::new(path.views(), origin, film.width, film.height)
             .map_err(|reason| FrameError::View { segment: segment.name.clone(), reason })?;
 
-        let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin };
+        let shown = Shown::of(scene)?;
+        let spaces = &shown.spaces;
+        let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
         let before = before.map(Before::from);
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
         let mut parts = Parts { before: moving, ..Parts::default() };
-        for object in &scene.objects {
+        for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
         }
         let share = match scene.settings.integrator {
@@ -79,9 +82,9 @@ impl FrameScene {
         let sampled = Skies { share, before: before.as_ref().map(|before| &before.lights) };
         let (mut lights, mut poses) = (Vec::new(), Poses::default());
         let (mut hidden, mut passable) = (Vec::new(), Vec::new());
-        for light in &scene.lights {
-            let look = Look::Light(lights.len() as u32);
-            let (ready, path) = parts.add_light(light, look, scene, &seen, isa, sampled)?;
+        for shown in &shown.lights {
+            let (light, look) = (shown.light, Look::Light(lights.len() as u32));
+            let (ready, path) = parts.add_light(shown, look, scene, &seen, isa, sampled)?;
             lights.push(ready);
             poses.add(1, path);
             hidden.push(!light.camera_visible);
@@ -102,8 +105,8 @@ impl FrameScene {
             LightSampling::All => lights.len(),
             LightSampling::One => 0,
         };
-        let first_shaded = add_emitters(scene, &mut parts, &mut lights, &mut poses);
-        let light_groups = light_groups(scene, &mut parts, lights.len());
+        let first_shaded = add_emitters(scene, &shown.objects, &mut parts, &mut lights, &mut poses);
+        let light_groups = light_groups(scene, &shown, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
                 flags.clear();
@@ -114,7 +117,7 @@ impl FrameScene {
             scene.settings.photons > 0.0 && scene.settings.integrator == Integrator::Path;
         let is_photon_map = scene.settings.integrator == Integrator::PhotonMap;
         let sends = uses_photons || is_photon_map;
-        let targets = sends.then(|| targets(&sharp_objects(scene, &parts)));
+        let targets = sends.then(|| targets(&sharp_objects(scene, &shown.objects, &parts)));
         let still = match before {
             Some(before) if before.places == parts.places => before.still,
             // Free the old structure before building the new one.
@@ -123,7 +126,8 @@ impl FrameScene {
                 Arc::new(structure(parts.still, &scene.settings, isa))
             }
         };
-        let compositing = Compositing::new(scene, (number, &shutter), origin, &parts.looks)?;
+        let times = (number, &shutter);
+        let compositing = Compositing::new(scene, &shown, times, origin, &parts.looks)?;
         let looks = Looks::new(
             parts.looks.into_iter(),
             parts.instances.iter().map(|instance| instance.object),
@@ -165,6 +169,8 @@ impl FrameScene {
             photon_lamps,
             is_physical: is_physical(scene),
             softens,
+            stretches: parts.stretches,
+            tints: parts.objects.iter().any(|object| object.tint != Vec3::ONE),
             sampler: sampler(number),
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
@@ -225,7 +231,7 @@ fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
 /// Structures of another frame, to be reused.
 struct Before {
     still: Arc<Structure>,
-    places: Vec<(u32, DRigid)>,
+    places: Vec<(u32, DAffine)>,
     /// Structures of moving objects, with the index of the object.
     moving: Vec<(u32, Arc<Structure>)>,
     /// Lights, for tables of images.

@@ -5,9 +5,10 @@ use glam::{DMat3, DVec3};
 
 use super::error::FrameError;
 use super::looks::Look;
+use super::shown::{Shown, ShownLight, ShownObject, Whereabouts};
 use slo_picture::film::mask_id;
-use slo_scene::animation::{Clock, DRigid, KeyFrames, Shutter, View, axes, view_at};
-use slo_scene::{KeyFrame, Layer, SceneDescription};
+use slo_scene::animation::{Clock, DAffine, Shutter, Spaces, View, axes, view_at};
+use slo_scene::{Layer, SceneDescription};
 
 /// What layers for compositors need of a frame.
 #[derive(Debug)]
@@ -31,6 +32,7 @@ impl Compositing {
     /// Of frame `number` of a scene, with its shutter. `looks` are those of the objects.
     pub(super) fn new(
         scene: &SceneDescription,
+        shown: &Shown<'_>,
         (number, shutter): (i64, &Shutter),
         origin: DVec3,
         looks: &[Look],
@@ -43,7 +45,8 @@ impl Compositing {
             objects: Vec::new(),
             materials: Vec::new(),
         };
-        let things = || (0..).zip(looks).map(|(number, look)| Thing::of(scene, number, *look));
+        let things =
+            || (0..).zip(looks).map(|(number, look)| Thing::of(scene, shown, number, *look));
         if has(Layer::CryptoObject) {
             all.objects = things().map(|thing| mask_id(thing.name)).collect();
         }
@@ -61,7 +64,7 @@ impl Compositing {
             let now = time(shutter);
             let times = others.map(|other| other.map_or(now, |other| time(&other)));
             for thing in things() {
-                all.moves.push(moves(&thing, now, times)?);
+                all.moves.push(moves(&thing, &shown.spaces, now, times)?);
             }
         }
         Ok(all)
@@ -86,34 +89,44 @@ impl Compositing {
 /// What an object of the frame is in the scene: an object, or a lamp that rays can hit.
 struct Thing<'a> {
     name: &'a str,
-    key_frames: &'a [KeyFrame],
+    at: Whereabouts<'a>,
     /// Name of the material; `None` for lamps.
     material: Option<&'a str>,
 }
 
 impl<'a> Thing<'a> {
-    fn of(scene: &'a SceneDescription, number: usize, look: Look) -> Self {
+    fn of(scene: &'a SceneDescription, shown: &Shown<'a>, number: usize, look: Look) -> Self {
         match look {
             Look::Light(light) => {
-                let light = &scene.lights[light as usize];
-                Self { name: &light.name, key_frames: &light.key_frames, material: None }
+                let ShownLight { light, at } = shown.lights[light as usize];
+                Self { name: &light.name, at, material: None }
             }
             Look::Material(material) => {
-                let object = &scene.objects[number];
+                let ShownObject { object, at, .. } = shown.objects[number];
                 let material = Some(&*scene.materials[material as usize].name);
-                Self { name: &object.name, key_frames: &object.key_frames, material }
+                Self { name: &object.name, at, material }
             }
-            Look::Nothing => Self { name: "", key_frames: &[], material: None },
+            Look::Nothing => {
+                let at = Whereabouts { key_frames: &[], repeat: None, parent: None };
+                Self { name: "", at, material: None }
+            }
         }
     }
 }
 
 /// Where points of a thing at time `now` are at two other times; `None` if they are where they were.
-fn moves(thing: &Thing<'_>, now: f64, others: [f64; 2]) -> Result<Option<[Move; 2]>, FrameError> {
-    if thing.key_frames.len() < 2 {
+fn moves(
+    thing: &Thing<'_>,
+    spaces: &Spaces,
+    now: f64,
+    others: [f64; 2],
+) -> Result<Option<[Move; 2]>, FrameError> {
+    let Whereabouts { key_frames, repeat, parent } = thing.at;
+    if key_frames.len() < 2 && parent.is_none() {
         return Ok(None);
     }
-    let path = KeyFrames::new(thing.key_frames)
+    let path = spaces
+        .path(key_frames, repeat, parent)
         .map_err(|reason| FrameError::Path { object: thing.name.to_owned(), reason })?;
     let now = path.pose(now);
     let others = others.map(|time| path.pose(time));
@@ -130,8 +143,8 @@ struct Move {
 
 impl Move {
     /// Where points of an object in one place are if it is in another place.
-    fn between(from: &DRigid, to: &DRigid) -> Self {
-        let matrix = to.rotation * from.rotation.inverse();
+    fn between(from: &DAffine, to: &DAffine) -> Self {
+        let matrix = to.linear * from.linear.inverse();
         Self { matrix, translation: to.translation - matrix * from.translation }
     }
 
@@ -171,6 +184,7 @@ impl Eye {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slo_scene::animation::DRigid;
 
     #[test]
     fn points_are_shown_where_rays_start() {
@@ -186,7 +200,9 @@ mod tests {
     #[test]
     fn points_go_with_their_object() {
         let from = DRigid { rotation: DMat3::from_rotation_z(0.3), translation: DVec3::X };
-        let to = DRigid { rotation: DMat3::from_rotation_x(1.3), translation: DVec3::Y };
+        let from = DAffine::scaled(DVec3::new(2.0, 1.0, 0.5), from);
+        let to: DAffine =
+            DRigid { rotation: DMat3::from_rotation_x(1.3), translation: DVec3::Y }.into();
         let point = DVec3::new(0.2, -0.7, 1.5);
         let moved = Move::between(&from, &to).point(from.point(point));
         assert!((moved - to.point(point)).length() < 1e-12);

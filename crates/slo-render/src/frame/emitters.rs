@@ -4,16 +4,18 @@
 //! light. Toward other surfaces, rays are sent that are shaded where they arrive: their lights are
 //! the last of a frame, from [`FrameScene::first_shaded`](super::scene::FrameScene) on.
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
+use super::affine::Affine;
 use super::glow::Glow;
 use super::parts::Parts;
 use super::shapes::Geometry;
+use super::shown::{Shown, ShownObject};
 use crate::shading::Light;
 use crate::shading::light::{MOST_SHADED, Pose, Poses, Shaded, SphereLamp, Triangle};
 use slo_accel::Curved;
 use slo_scene::material::Principled;
-use slo_scene::{MaterialKind, Object, SceneDescription};
+use slo_scene::{MaterialId, MaterialKind, SceneDescription};
 
 /// Places of images that are looked up for all triangles of an object together, about.
 const LOOK_UPS: u32 = 1 << 18;
@@ -22,8 +24,8 @@ const LOOK_UPS: u32 = 1 << 18;
 const LOOK_UPS_OF_ONE: [u32; 2] = [16, 4096];
 
 /// Whether a surface emits the same light everywhere and in all directions.
-fn is_even(scene: &SceneDescription, object: &Object) -> bool {
-    let MaterialKind::Principled(of) = &scene.materials[object.material.0 as usize].kind else {
+fn is_even(scene: &SceneDescription, material: MaterialId) -> bool {
+    let MaterialKind::Principled(of) = &scene.materials[material.0 as usize].kind else {
         return false;
     };
     let Principled { emission_color, emission_strength, coat, sheen, alpha, .. } = of;
@@ -48,10 +50,12 @@ enum Primitives {
 impl Body {
     /// Returns what an object is made of; `None` if rays are not sent toward such a shape.
     fn of(parts: &Parts, object: usize) -> Option<Self> {
-        let is_object = |number: &u32| *number as usize == object;
         let geometry = &parts.objects[object].geometry;
-        let moving = parts.instances.iter().find(|instance| is_object(&instance.object));
-        if let Some(instance) = moving {
+        // Lists are in the order of objects.
+        let number = object as u32;
+        let instances = &parts.instances;
+        if let Ok(place) = instances.binary_search_by_key(&number, |of| of.object) {
+            let instance = &instances[place];
             let structure = &instance.structure;
             let primitives = match (geometry, structure.curved()) {
                 (Geometry::Curved(_), [Curved::Sphere { center, radius }]) => {
@@ -63,16 +67,12 @@ impl Body {
                     Primitives::Triangles(ids.map(|id| structure.triangle(id)).collect())
                 }
             };
-            let pose = |at: &super::rigid::Rigid| Pose {
-                rotation: at.rotation,
-                translation: at.translation,
-            };
-            return Some(Self { primitives, poses: instance.poses.iter().map(pose).collect() });
+            return Self { primitives, poses: Vec::new() }.moving(&instance.poses);
         }
         let primitives = match geometry {
             Geometry::Mesh(..) => Primitives::Triangles(parts.still_triangles(object)?.to_vec()),
             Geometry::Curved(_) => {
-                let place = parts.curved_objects.iter().position(is_object)?;
+                let place = parts.curved_objects.binary_search(&number).ok()?;
                 match parts.still.curved[place] {
                     Curved::Sphere { center, radius } => Primitives::Sphere(center, radius),
                     _ => return None,
@@ -80,6 +80,33 @@ impl Body {
             }
         };
         Some(Self { primitives, poses: Vec::new() })
+    }
+
+    /// Returns the same body in these poses; `None` if its size or its shape changes over them, or if
+    /// a sphere would not be round.
+    fn moving(mut self, poses: &[Affine]) -> Option<Self> {
+        let Some(first) = poses.iter().find(|pose| !pose.is_rigid) else {
+            let pose = |at: &Affine| Pose { rotation: at.linear, translation: at.translation };
+            self.poses = poses.iter().map(pose).collect();
+            return Some(self);
+        };
+        let Affine { linear, .. } = *first;
+        match &mut self.primitives {
+            Primitives::Triangles(triangles) => {
+                triangles.iter_mut().for_each(|corners| *corners = corners.map(|c| linear * c));
+            }
+            Primitives::Sphere(center, radius) => {
+                rotation(linear * (1.0 / linear.x_axis.length()))?;
+                *radius *= linear.x_axis.length();
+                *center = linear * *center;
+            }
+        }
+        let back = linear.inverse();
+        let pose = |at: &Affine| {
+            Some(Pose { rotation: rotation(at.linear * back)?, translation: at.translation })
+        };
+        self.poses = poses.iter().map(pose).collect::<Option<_>>()?;
+        Some(self)
     }
 
     fn count(&self) -> usize {
@@ -90,25 +117,38 @@ impl Body {
     }
 }
 
+/// Returns the rotation that a matrix is, up to rounding; `None` if it is none.
+fn rotation(matrix: Mat3) -> Option<Mat3> {
+    const ROUNDING: f32 = 1e-4;
+    let rest = matrix.transpose() * matrix - Mat3::IDENTITY;
+    let is_rotation = rest.to_cols_array().iter().all(|c| c.abs() <= ROUNDING);
+    let x = matrix.x_axis.normalize_or(Vec3::X);
+    let y = (matrix.y_axis - x * x.dot(matrix.y_axis)).normalize_or(Vec3::Y);
+    is_rotation.then(|| Mat3::from_cols(x, y, x.cross(y)))
+}
+
 /// Adds objects that emit light to the lights of a frame: triangles and spheres. Returns the number
 /// of the first light that is shaded where rays arrive.
 ///
-/// The light of other shapes is found by rays that hit them.
+/// The light of other shapes, and of objects whose size changes while the shutter is open, is found by
+/// rays that hit them.
 pub(super) fn add_emitters(
     scene: &SceneDescription,
+    objects: &[ShownObject<'_>],
     parts: &mut Parts,
     lights: &mut Vec<Light>,
     poses: &mut Poses,
 ) -> u32 {
     let glows: Vec<Glow> =
         (0..scene.materials.len()).map(|number| Glow::of(scene, number as u32)).collect();
-    let glow_of = |object: &Object| &glows[object.material.0 as usize];
-    let emits = |object: &Object| object.sampled && !matches!(glow_of(object), Glow::Dark);
+    let glow_of = |shown: &ShownObject<'_>| &glows[shown.material.0 as usize];
+    let emits =
+        |shown: &ShownObject<'_>| shown.object.sampled && !matches!(glow_of(shown), Glow::Dark);
     let most = MOST_SHADED as usize;
     let mut first_shaded = lights.len();
     for is_plain in [true, false] {
-        for (number, object) in scene.objects.iter().enumerate() {
-            if !emits(object) || is_even(scene, object) != is_plain {
+        for (number, object) in objects.iter().enumerate() {
+            if !emits(object) || is_even(scene, object.material) != is_plain {
                 continue;
             }
             let Some(body) = Body::of(parts, number) else { continue };
@@ -167,14 +207,19 @@ fn add(
 
 /// Finds the groups of all objects, and returns those of all lights, as numbers: 0 for the light
 /// without a group, and one more than the place among the names of the scene's groups for others.
-pub(super) fn light_groups(scene: &SceneDescription, parts: &mut Parts, lights: usize) -> Vec<u32> {
+pub(super) fn light_groups(
+    scene: &SceneDescription,
+    shown: &Shown<'_>,
+    parts: &mut Parts,
+    lights: usize,
+) -> Vec<u32> {
     let groups = scene.light_groups();
     let number = |name: Option<&str>| groups.index(name).map_or(0, |index| index as u32 + 1);
     let mut all: Vec<u32> =
-        scene.lights.iter().map(|light| number(light.group.as_deref())).collect();
+        shown.lights.iter().map(|of| number(of.light.group.as_deref())).collect();
     all.resize(lights, 0);
-    for (object, to) in scene.objects.iter().zip(&mut parts.objects) {
-        to.light_group = number(object.light_group.as_deref());
+    for (shown, to) in shown.objects.iter().zip(&mut parts.objects) {
+        to.light_group = number(shown.object.light_group.as_deref());
         if let Some(first) = to.first_light {
             let count = match &to.geometry {
                 Geometry::Mesh(mesh, _) => mesh.faces.len(),

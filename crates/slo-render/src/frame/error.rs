@@ -2,8 +2,10 @@
 
 use std::fmt;
 
+use super::lamps::LampFault;
 use crate::camera::DegenerateView;
 use slo_scene::animation::{KeyFrameError, NoSegment};
+use slo_scene::{MOST_COPIED, MOST_NESTED};
 
 /// Why a frame of a scene cannot be built.
 #[derive(Clone, Debug)]
@@ -24,6 +26,25 @@ pub enum FrameError {
         object: String,
         /// What is wrong.
         reason: KeyFrameError,
+    },
+    /// A lamp cannot be where the spaces take it that it hangs in.
+    Lamp {
+        /// Name of the lamp.
+        lamp: String,
+        /// What is wrong.
+        reason: LampFault,
+    },
+    /// Copies are nested too deeply, or hold themselves.
+    Nested {
+        /// Name of one of them.
+        copy: String,
+    },
+    /// There are too many copies.
+    Copies,
+    /// An object is scaled so much, or so little, that numbers cannot hold it.
+    Extent {
+        /// Name of the object or lamp.
+        object: String,
     },
 }
 
@@ -46,6 +67,27 @@ impl fmt::Display for FrameError {
             Self::Path { object, reason: KeyFrameError::OutOfOrder(key) } => {
                 write!(f, "key frame {} of `{object}` is earlier than the one before it", key + 1)
             }
+            Self::Lamp { lamp, reason: LampFault::Sheared } => write!(
+                f,
+                "what lamp `{lamp}` hangs in stretches it out of shape: a rectangle must keep its \
+                 right angles, and a disc must stay round"
+            ),
+            Self::Lamp { lamp, reason: LampFault::Grows } => write!(
+                f,
+                "lamp `{lamp}` changes its size while the shutter is open: only its place and its \
+                 direction may change then"
+            ),
+            Self::Nested { copy } => {
+                write!(f, "more than {MOST_NESTED} copies are nested in one another: `{copy}`")
+            }
+            Self::Copies => {
+                write!(f, "the frame shows more than {MOST_COPIED} things, copies included")
+            }
+            Self::Extent { object } => write!(
+                f,
+                "`{object}` is too large or too small in this frame: all its scales together must \
+                 be from 1e-12 to 1e12, and its coordinates below 1e10"
+            ),
         }
     }
 }

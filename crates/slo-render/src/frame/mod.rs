@@ -1,25 +1,28 @@
 //! The scene during one shutter: everything that a frame needs, immutable and shared by all
 //! threads.
 
+mod affine;
 mod build;
 mod compositing;
 mod emitters;
 mod error;
 mod first_hits;
 mod glow;
+mod lamps;
 mod looks;
 mod parts;
-mod rigid;
 mod sampled;
 mod sampled_camera;
 mod sampled_motion;
 mod scene;
 mod shapes;
 mod sharp;
+mod shown;
 mod surfaces;
 mod world;
 
 pub use error::FrameError;
+pub use lamps::LampFault;
 pub(crate) use looks::Look;
 pub use scene::FrameScene;
 pub(crate) use surfaces::{NO_MATERIAL, SurfaceScratch, Surfaces};

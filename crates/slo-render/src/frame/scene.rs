@@ -4,9 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 
+use super::affine::Affine;
 use super::compositing::Compositing;
 use super::looks::Looks;
-use super::rigid::Rigid;
 use super::shapes::Geometry;
 use super::world::{World, WorldHits};
 use crate::camera::Camera;
@@ -17,7 +17,7 @@ use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
 use slo_accel::math::columns::Column;
 use slo_accel::{Isa, Structure};
-use slo_scene::animation::DRigid;
+use slo_scene::animation::DAffine;
 use slo_scene::{Integrator, Settings, ShadowMode, Texture};
 
 /// A scene during one shutter.
@@ -70,12 +70,16 @@ pub struct FrameScene {
     /// Whether light may arrive above the triangles of smooth meshes: whether any has a physical
     /// material.
     pub(crate) softens: bool,
+    /// Whether vertex normals may have any length.
+    pub(super) stretches: bool,
+    /// Whether any object has a tint.
+    pub(super) tints: bool,
     pub(super) textures: Vec<Arc<Texture>>,
     pub(super) objects: Vec<FrameObject>,
     pub(super) looks: Looks,
     pub(super) compositing: Compositing,
     /// Index and place of each still object: what the still structure was built from.
-    pub(super) still_places: Vec<(u32, DRigid)>,
+    pub(super) still_places: Vec<(u32, DAffine)>,
     /// For each primitive of the still structure, the index of its object in `objects`.
     pub(super) still_objects: Vec<u32>,
 }
@@ -84,8 +88,8 @@ pub struct FrameScene {
 #[derive(Debug)]
 pub(super) struct FrameObject {
     pub(super) geometry: Geometry,
-    /// `render_from_object` of a still object; the identity if it moves.
-    pub(super) place: Rigid,
+    /// `render_from_object` of a still object; the identity if it is an instance.
+    pub(super) place: Affine,
     /// Id of its first triangle in its structure.
     pub(super) first_triangle: u32,
     /// Index of the light that its first triangle is, if the material emits light toward which rays
@@ -93,8 +97,10 @@ pub(super) struct FrameObject {
     pub(super) first_light: Option<u32>,
     /// Number of the group of the light that it emits; 0: none.
     pub(super) light_group: u32,
-    /// Unit normals of the vertices: in render space if the object is still, in object space if it
-    /// moves. Empty if the object is not smooth.
+    /// Factor of the material's colours.
+    pub(super) tint: Vec3,
+    /// Normals of the vertices: in render space if the object is still, in object space if it is an
+    /// instance. They are unit, except if `place` is a stretch. Empty if the object is not smooth.
     pub(super) normals: Vec<Vec3>,
 }
 
@@ -225,7 +231,7 @@ impl FrameScene {
 
     /// Whether anything but the camera moves within the shutter.
     pub(crate) fn moves(&self) -> bool {
-        !self.world.instances.is_empty() || self.lights.move_about()
+        self.world.moves() || self.lights.move_about()
     }
 
     /// Returns the number of objects that move within the shutter.

@@ -107,6 +107,16 @@ impl Cycles {
         self.repeat == Repeat::PingPong && cycle.rem_euclid(2.0) == 1.0
     }
 
+    /// The scale in some cycle; `scale` is the one among the keys, and `ends` are those of the first and
+    /// the last key.
+    pub(super) fn grown(&self, cycle: f64, scale: DVec3, [first, last]: [DVec3; 2]) -> DVec3 {
+        if self.repeat != Repeat::Offset || cycle == 0.0 {
+            return scale;
+        }
+        let growth = (last / first).to_array().map(|ratio| libm::pow(ratio, cycle));
+        (scale * DVec3::from(growth)).clamp(DVec3::splat(FARTHEST.recip()), DVec3::splat(FARTHEST))
+    }
+
     /// The pose of the path in some cycle; `pose` is the one among the keys.
     pub(super) fn carry(&self, cycle: f64, pose: DRigid) -> DRigid {
         if self.repeat != Repeat::Offset || cycle == 0.0 {

@@ -15,6 +15,6 @@ pub(crate) use crate::settings::Bound;
 pub(crate) use elsewhere::element_meant;
 pub(crate) use fields::{Element, Field, Fields, Value, nameless, quoted_list};
 pub(crate) use language::{INCLUDE, Language};
-pub(crate) use motion::{ADD_KFRAME, REPEAT};
+pub(crate) use motion::{ADD_KFRAME, PARENT, REPEAT};
 pub(crate) use references::{References, Referred};
 pub(crate) use values::{FARTHEST, Found, SHORTEST, looks_like_bytes};

@@ -5,9 +5,11 @@
 
 mod camera;
 mod check;
+mod copies;
 mod layer_names;
 mod light_groups;
 mod object;
+mod space;
 
 use std::sync::Arc;
 
@@ -19,9 +21,11 @@ use crate::texture::Texture;
 pub use crate::key_frame::{KeyFrame, Placement};
 pub use crate::material::MaterialId;
 pub use camera::{CamSegment, Camera};
+pub use copies::{Copy, MOST_COPIED, MOST_NESTED, Original};
 pub use layer_names::{LayerNames, MaskNames};
 pub use light_groups::LightGroups;
 pub use object::Object;
+pub use space::{Space, SpaceId};
 
 /// A scene that has no errors: all that its text, meshes and textures say.
 #[derive(Clone, Debug)]
@@ -38,6 +42,10 @@ pub struct SceneDescription {
     pub textures: Vec<Arc<Texture>>,
     /// Objects in the order of the text.
     pub objects: Vec<Object>,
+    /// What objects, lights and other spaces hang in.
+    pub spaces: Vec<Space>,
+    /// Other places for objects, lights, and all that hangs in a space.
+    pub copies: Vec<Copy>,
     /// BLAKE3 over everything that can change a picture of this scene: the text and the bytes of
     /// every mesh and texture, in the order of their loading.
     pub content_hash: [u8; 32],

@@ -1,5 +1,6 @@
 //! Objects: their shape, material and motion.
 
+use super::space::SpaceId;
 use crate::key_frame::KeyFrame;
 use crate::material::MaterialId;
 use crate::settings::Repeat;
@@ -12,15 +13,20 @@ pub struct Object {
     pub name: String,
     /// What it is made of.
     pub material: MaterialId,
-    /// What it looks like, in object space (scene space if there are no key frames).
+    /// What it looks like, in object space (the parent's if there are no key frames).
     pub shape: Shape,
-    /// In order of time; none: object space is scene space. One: a placed, still object.
+    /// In order of time; none: object space is the parent's. One: a placed object, still in its
+    /// parent.
     pub key_frames: Vec<KeyFrame>,
+    /// What it hangs in; `None`: scene space.
+    pub parent: Option<SpaceId>,
     /// How their motion goes on before the first and after the last; `None`: not at all.
     pub repeat: Option<Repeat>,
     /// Whether rays are sent toward it if its material emits light. Otherwise only rays that hit it
     /// find its light.
     pub sampled: bool,
+    /// Whether it is left out of the picture. Copies of it are not.
+    pub hidden: bool,
     /// `light_group`: the layer that holds the light that its material emits.
     pub light_group: Option<String>,
 }
@@ -34,8 +40,10 @@ impl Object {
             material,
             shape,
             key_frames,
+            parent: None,
             repeat: None,
             sampled: true,
+            hidden: false,
             light_group,
         }
     }

@@ -8,7 +8,7 @@ use super::lamp::{
     CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, REPEAT, SOLID, WrittenLight, radiance_of,
 };
 use crate::attributes::schema::{color, number, point};
-use crate::attributes::{Bound, Fields};
+use crate::attributes::{Bound, Fields, PARENT};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Shape, axes_about};
@@ -44,6 +44,7 @@ impl WrittenLight for DiscLamp {
             CAMERA_VISIBLE,
             SOLID,
             LIGHT_GROUP,
+            PARENT,
             MOTION,
             REPEAT,
         ],

@@ -3,8 +3,8 @@
 use super::lamp::{
     CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, REPEAT, SOLID, WrittenLight, radiance_of,
 };
-use crate::attributes::Fields;
 use crate::attributes::schema::{color, number, point};
+use crate::attributes::{Fields, PARENT};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Rectangle, Shape};
@@ -33,6 +33,7 @@ impl WrittenLight for RectangleLamp {
             CAMERA_VISIBLE,
             SOLID,
             LIGHT_GROUP,
+            PARENT,
             MOTION,
             REPEAT,
         ],

@@ -13,6 +13,7 @@ mod rectangle;
 use glam::DVec3;
 
 use crate::attributes::Fields;
+use crate::description::SpaceId;
 use crate::key_frame::KeyFrame;
 use crate::kinds::kinds;
 use crate::material::Palette;
@@ -40,8 +41,10 @@ pub struct Light {
     pub name: String,
     /// Where and how it shines.
     pub kind: LightKind,
-    /// In order of time; none: lamp space is scene space.
+    /// In order of time; none: lamp space is the parent's.
     pub key_frames: Vec<KeyFrame>,
+    /// What it hangs in; `None`: scene space.
+    pub parent: Option<SpaceId>,
     /// How their motion goes on before the first and after the last; `None`: not at all.
     pub repeat: Option<Repeat>,
     /// Whether camera rays see it. All other rays do.
@@ -61,6 +64,7 @@ impl Light {
             name: name.into(),
             kind,
             key_frames,
+            parent: None,
             repeat: None,
             camera_visible: true,
             solid: true,

@@ -6,7 +6,7 @@ use super::camera::CAMERA;
 use super::settings::SETTINGS;
 use super::texture::TEXTURE;
 use crate::attributes::schema::{Attribute, Schema, block, number, word};
-use crate::attributes::{ADD_KFRAME, Language, REPEAT, Referred};
+use crate::attributes::{ADD_KFRAME, Language, PARENT, REPEAT, Referred};
 use crate::kinds::Kind;
 use crate::light::{LightKind, ReadLight};
 use crate::material::{MaterialKind, PHONG_INFO, ReadMaterial};
@@ -23,13 +23,15 @@ pub(super) enum Role {
     Material(ReadMaterial),
     Texture,
     Object(ReadShape),
+    Group,
+    Copy,
 }
 
 impl Role {
     /// Whether `Scaling` changes what the element says.
     pub(super) fn has_positions(self) -> bool {
         match self {
-            Self::Camera | Self::Light(_) | Self::Object(_) => true,
+            Self::Camera | Self::Light(_) | Self::Object(_) | Self::Group | Self::Copy => true,
             Self::Scaling
             | Self::Settings
             | Self::PhongInfo
@@ -44,10 +46,14 @@ impl Role {
             Self::PhongInfo => Some(Referred::PhongInfo),
             Self::Material(_) => Some(Referred::Material),
             Self::Texture => Some(Referred::Texture),
-            Self::Scaling | Self::Settings | Self::Camera | Self::Light(_) | Self::Object(_) => {
-                None
-            }
+            Self::Light(_) | Self::Object(_) | Self::Group | Self::Copy => Some(Referred::Object),
+            Self::Scaling | Self::Settings | Self::Camera => None,
         }
+    }
+
+    /// Whether such an element may hang in others, and others in it.
+    pub(super) fn hangs(self) -> bool {
+        self.referred() == Some(Referred::Object)
     }
 }
 
@@ -66,9 +72,32 @@ const OBJECT: &[Attribute] = &[
     word("material", "NAME").required(),
     number("sampled"),
     word("light_group", "NAME"),
+    HIDDEN,
+    PARENT,
     block(&ADD_KFRAME).repeated(),
     REPEAT,
 ];
+
+/// Whether something is left out of the picture.
+const HIDDEN: Attribute = number("hidden");
+
+/// `group`
+const GROUP: Schema =
+    Schema::new("group", &[HIDDEN, PARENT, REPEAT, block(&ADD_KFRAME).repeated()]);
+
+/// What copies take beside what they are copies of.
+const COPIED: &[Attribute] =
+    &[word("material", "NAME"), HIDDEN, PARENT, REPEAT, block(&ADD_KFRAME).repeated()];
+
+/// `copy`
+const COPY: Schema = Schema::new("copy", &[word("of", "NAME").required()]).with(COPIED);
+
+/// `copies`
+const COPIES: Schema = Schema::new(
+    "copies",
+    &[word("of", "NAME").required().repeated(), word("placements", "PATH").required()],
+)
+.with(COPIED);
 
 /// All elements, in the order of messages.
 pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
@@ -82,6 +111,9 @@ pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
     elements.extend(written(MaterialKind::KINDS, &[], Role::Material));
     elements.push(Known { schema: TEXTURE, role: Role::Texture });
     elements.extend(written(Shape::KINDS, OBJECT, Role::Object));
+    elements.push(Known { schema: GROUP, role: Role::Group });
+    elements.push(Known { schema: COPY, role: Role::Copy });
+    elements.push(Known { schema: COPIES, role: Role::Copy });
     elements
 });
 
@@ -126,8 +158,10 @@ mod tests {
         let lamps = ["lamp_point", "lamp_spot", "lamp_sun", "lamp_rectangle", "lamp_disc"];
         let objects = ELEMENTS.iter().filter(|known| matches!(known.role, Role::Object(_)));
         let objects = objects.map(|known| known.schema.keyword);
-        let moving: Vec<_> = lamps.into_iter().chain(objects).collect();
+        let moving: Vec<_> =
+            lamps.into_iter().chain(objects).chain(["group", "copy", "copies"]).collect();
         assert_eq!(LANGUAGE.owners("addKframe"), moving);
+        assert_eq!(LANGUAGE.owners("parent"), moving);
         let visible: Vec<_> = lamps.into_iter().chain(["environment"]).collect();
         assert_eq!(LANGUAGE.owners("camera_visible"), visible);
         let solid = ["lamp_point", "lamp_spot", "lamp_rectangle", "lamp_disc"];

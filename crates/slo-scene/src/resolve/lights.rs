@@ -1,6 +1,7 @@
 //! Lights: what several kinds of them say, and whether they go together.
 
-use super::{key_frames, oddities, repeat};
+use super::oddities;
+use super::spaces::Hanging;
 use crate::attributes::Fields;
 use crate::description::Camera;
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
@@ -12,19 +13,28 @@ pub(super) fn light<'a>(
     read: ReadLight,
     fields: &mut Fields<'_, 'a, '_>,
     palette: &mut Palette<'_, 'a>,
+    hanging: &Hanging,
     camera: Option<&Camera>,
 ) -> Option<(Light, Span)> {
-    let key_frames = key_frames::key_frames(fields);
+    let key_frames = hanging.key_frames().to_vec();
     if let Some(camera) = camera {
         oddities::check_key_times(fields, &key_frames, camera);
     }
-    let repeat = repeat::repeat(fields, &key_frames, camera);
     let mut flag = |name| fields.count(name, 0, 1).is_none_or(|flag| flag.value == 1);
     let (camera_visible, solid) = (flag("camera_visible"), flag("solid"));
     let group = fields.word("light_group").map(|group| group.text.to_owned());
     let kind = read(fields, palette)?;
     let name = fields.element.name.text.to_owned();
-    let light = Light { name, kind, key_frames, repeat, camera_visible, solid, group };
+    let light = Light {
+        name,
+        kind,
+        key_frames,
+        parent: None,
+        repeat: hanging.repeat(),
+        camera_visible,
+        solid,
+        group,
+    };
     Some((light, fields.element.head()))
 }
 

@@ -2,6 +2,7 @@
 
 mod camera;
 mod collect;
+mod copies;
 mod elements;
 mod includes;
 mod key_frames;
@@ -12,6 +13,7 @@ mod photons;
 mod repeat;
 mod resolver;
 mod settings;
+mod spaces;
 mod tangents;
 mod texture;
 mod turns;

@@ -76,7 +76,7 @@ pub(super) fn even(written: &[Written], fields: &mut Fields<'_, '_, '_>) -> Vec<
         }
     }
     if let Some(last) = keys.last() {
-        let key = facing(Some(last.pivot), last.turn.rotation());
+        let key = facing(Some(last.pivot), last.scale, last.turn.rotation());
         frames.push(KeyFrame { time: last.time, pre, key, nex: Placement::default() });
     }
     frames
@@ -111,6 +111,8 @@ fn report_many(fields: &mut Fields<'_, '_, '_>) {
 struct Key {
     time: f64,
     pivot: DVec3,
+    /// `None` if no key frame has one.
+    scale: Option<DVec3>,
     turn: Turn,
 }
 
@@ -120,10 +122,16 @@ fn complete(written: &[Written]) -> Vec<Key> {
         true => Turn::Angles(DVec3::ZERO),
         false => Turn::About(DVec3::Z, 0.0),
     };
-    let mut last = Key { time: 0.0, pivot: DVec3::ZERO, turn: none };
+    let scales = |w: &Written| {
+        let KeyFrame { pre, key, nex, .. } = w.key_frame;
+        [pre, key, nex].iter().any(|placement| placement.scale.is_some())
+    };
+    let scale = written.iter().any(scales).then_some(DVec3::ONE);
+    let mut last = Key { time: 0.0, pivot: DVec3::ZERO, scale, turn: none };
     let key = |Written { key_frame, turned: [_, turned, _], .. }: &Written| {
         last.time = key_frame.time;
         last.pivot = key_frame.key.pivot.unwrap_or(last.pivot);
+        last.scale = key_frame.key.scale.or(last.scale);
         last.turn = turned.turn.unwrap_or(last.turn);
         Key { ..last }
     };
@@ -134,6 +142,7 @@ fn complete(written: &[Written]) -> Vec<Key> {
 struct Piece {
     time: [f64; 2],
     pivot: Curve,
+    scale: Option<Curve>,
     course: Course,
     /// How many key frames it becomes; a whole number.
     parts: f64,
@@ -146,19 +155,25 @@ impl Piece {
             Course::new([from.turn, to.turn], [before.turned[2].turn, after.turned[0].turn]);
         let parts = (course.most_degrees() / MOST_DEGREES - 1e-9).ceil().max(1.0);
         let pivot = Curve::new([from.pivot, to.pivot], handles);
-        Self { time: [from.time, to.time], pivot, course, parts }
+        let handles = [before.key_frame.nex.scale, after.key_frame.pre.scale];
+        let scales = from.scale.zip(to.scale);
+        let scale = scales.map(|(from, to)| Curve::new([from, to], handles));
+        Self { time: [from.time, to.time], pivot, scale, course, parts }
     }
 
     /// The key frame at which a part begins; `pre` is that of the next one.
     fn part(&self, number: f64) -> KeyFrame {
         let [start, end] = [number, number + 1.0].map(|n| n / self.parts);
         let [pivot, handles] = self.pivot.part(start, end);
+        let scale = self.scale.as_ref().map(|scale| scale.part(start, end));
+        let [scale, scale_handles] = scale.unwrap_or_default();
         let [here, there] = [start, end].map(|u| self.course.rotation(u));
         let third = (end - start) / 3.0;
         let rests = self.course.most_degrees() == 0.0;
-        let handle = |pivot: Option<DVec3>, u: f64, rotation: DMat3, step: f64| {
+        let handle = |side: usize, u: f64, rotation: DMat3, step: f64| {
+            let (pivot, scale) = (handles[side], scale_handles[side]);
             if rests {
-                return Placement { pivot, ..Placement::default() };
+                return Placement { pivot, scale, ..Placement::default() };
             }
             let spin = self.course.spin(u) * step;
             let moved = |axis: DVec3| axis + spin.cross(axis);
@@ -166,21 +181,22 @@ impl Piece {
                 pivot,
                 up: Some(moved(rotation.z_axis)),
                 right: Some(moved(rotation.x_axis)),
+                scale,
             }
         };
         let [from, to] = self.time;
         KeyFrame {
             time: from + (to - from) * start,
-            key: facing(pivot[0], here),
-            nex: handle(handles[0], start, here, third),
-            pre: handle(handles[1], end, there, -third),
+            key: facing(pivot[0], scale[0], here),
+            nex: handle(0, start, here, third),
+            pre: handle(1, end, there, -third),
         }
     }
 }
 
-fn facing(pivot: Option<DVec3>, rotation: DMat3) -> Placement {
+fn facing(pivot: Option<DVec3>, scale: Option<DVec3>, rotation: DMat3) -> Placement {
     let [up, right] = [rotation.z_axis, rotation.x_axis].map(Some);
-    Placement { pivot, up, right }
+    Placement { pivot, up, right, scale }
 }
 
 /// A cubic curve that runs beside a turn.

@@ -8,3 +8,4 @@ mod materials;
 mod meshes;
 mod messages;
 mod mistakes;
+mod spaces;

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::columns::Surfaces;
 use super::tangents::{Tangent, tangent};
@@ -220,13 +220,12 @@ impl FrameScene {
             let ray = to.ray[i] as usize;
             let pose = self.world.instances[found.instance[ray] as usize].pose(time[ray]);
             to.point.set(i, pose.point(to.point.get(i)));
-            to.n_geo.set(i, pose.vector(to.n_geo.get(i)).normalize());
-            to.n_shade.set(i, pose.vector(to.n_shade.get(i)));
+            to.n_geo.set(i, pose.normal(to.n_geo.get(i)).normalize());
+            to.n_shade.set(i, pose.normal(to.n_shade.get(i)));
             if turns {
-                to.tangent.set(i, pose.vector(to.tangent.get(i)));
+                to.tangent.set(i, pose.direction(to.tangent.get(i)));
             }
-            let magnitude = abs_product(&pose.rotation, to.magnitude.get(i));
-            to.magnitude.set(i, magnitude + pose.translation.abs());
+            to.magnitude.set(i, pose.magnitude(to.magnitude.get(i)));
         }
     }
 
@@ -264,9 +263,9 @@ impl FrameScene {
         if hit.instance == STILL {
             let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
             let (face, place) = (hit.primitive.wrapping_sub(object.first_triangle), &object.place);
-            let (point, normal) = (place.inverse_point(point), place.inverse_vector(normal));
+            let (point, normal) = (place.inverse_point(point), place.inverse_normal(normal));
             let found = tangent(&object.geometry, face, hit.uv, point, normal);
-            Tangent { along: place.vector(found.along), ..found }
+            Tangent { along: place.direction(found.along), ..found }
         } else {
             let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
             let geometry = &self.objects[object as usize].geometry;
@@ -325,18 +324,30 @@ impl FrameScene {
                 let image = &self.textures[texture.texture.0 as usize];
                 let [scale_u, scale_v] = texture.scale;
                 let uv = to.uv(i);
-                to.tint.set(i, sample_bilinear(image, uv.x * scale_u, uv.y * scale_v).into());
+                let color = Vec3::from(sample_bilinear(image, uv.x * scale_u, uv.y * scale_v));
+                to.tint.set(i, if self.tints { to.tint.get(i) * color } else { color });
             }
         }
     }
 
-    /// Multiplies the numbers of physical materials by what images hold at the hits of a batch.
+    /// Whether [`multiply_images`](Self::multiply_images) changes anything.
+    pub(crate) fn multiplies(&self) -> bool {
+        self.tints || self.material_table.images.any_needs_uv()
+    }
+
+    /// Multiplies the numbers of physical materials by what images hold at the hits of a batch, and
+    /// by tints.
     pub(crate) fn multiply_images(&self, surfaces: &Surfaces, to: &mut Parameters) {
         let images = &self.material_table.images;
         if images.any_needs_uv() {
             for i in 0..surfaces.len.min(BATCH) {
                 let material = surfaces.material[i];
                 images.multiply(material, &self.textures, surfaces.uv(i), i, to);
+            }
+        }
+        if self.tints {
+            for i in 0..surfaces.len.min(BATCH) {
+                to.base_color.set(i, to.base_color.get(i) * surfaces.tint.get(i));
             }
         }
     }
@@ -402,22 +413,28 @@ impl Lanewise for Images<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { frame, found, to } = self;
-        if frame.textures.is_empty() {
+        if frame.textures.is_empty() && !frame.tints {
             let Vec3s { x, y, z } = &mut to.tint;
             [x, y, z].into_iter().for_each(|column| column[lanes(to.len)].fill(1.0));
             return;
         }
         for i in 0..to.len.min(BATCH) {
             let material = frame.materials.get(to.material[i] as usize);
+            let hit = Hit::new(found, to.ray[i] as usize);
+            let tint = if frame.tints {
+                frame.objects[frame.object_of(hit.primitive, hit.instance) as usize].tint
+            } else {
+                Vec3::ONE
+            };
             let Some(texture) = material.and_then(|material| material.texture) else {
-                to.tint.set(i, Vec3::ONE);
+                to.tint.set(i, tint);
                 continue;
             };
-            let hit = Hit::new(found, to.ray[i] as usize);
             let [u, v] = frame.uv(&hit, to.point.get(i));
             let image = &frame.textures[texture.texture.0 as usize];
             let color = sample_bilinear(image, u * texture.scale[0], v * texture.scale[1]);
-            to.tint.set(i, color.into());
+            let color = Vec3::from(color);
+            to.tint.set(i, if frame.tints { tint * color } else { color });
         }
     }
 }
@@ -458,11 +475,6 @@ fn on_curved(structure: &Structure, hit: &Hit, origin: Vec3, direction: Vec3) ->
         normal: curved.normal_at(point.as_vec3(), part),
         magnitude: bounds.min.abs().max(bounds.max.abs()),
     }
-}
-
-/// Returns |m| v, with absolute values by components.
-fn abs_product(m: &Mat3, v: Vec3) -> Vec3 {
-    m.x_axis.abs() * v.x + m.y_axis.abs() * v.y + m.z_axis.abs() * v.z
 }
 
 /// Returns the texture coordinates of a point of a face; 0 if the mesh has none.

@@ -1,6 +1,7 @@
 //! Pictures whose pixels can be derived by hand. Each test explains how.
 
 mod compositing;
+mod copied;
 mod expectation;
 mod far_away;
 mod furnace;
@@ -13,5 +14,6 @@ mod paths;
 mod photon_map;
 mod refraction;
 mod shadow;
+mod stretched;
 mod surfaces;
 mod terminator;

@@ -69,6 +69,7 @@ fn tables_of_skies_serve_another_frame() {
             name,
             kind,
             key_frames,
+            parent: None,
             repeat: None,
             camera_visible: true,
             solid: true,
