@@ -4,6 +4,7 @@
 //! below, and one line of the list. The compiler then asks for nothing else in this crate, and the
 //! tests in `tests.rs` compare it with brute force.
 
+mod bending;
 mod brute;
 mod bvh;
 mod cwbvh;
@@ -15,6 +16,7 @@ mod testing;
 #[cfg(test)]
 mod tests;
 
+pub use self::bending::{Bending, Moment};
 pub use self::interface::BuildOptions;
 use self::interface::{Geometry, SpatialIndex};
 use crate::math::Bounds;
@@ -56,6 +58,7 @@ macro_rules! structures {
         #[derive(Debug, Default)]
         pub struct Scratch {
             $($folder: <$folder::$type as SpatialIndex>::Scratch,)*
+            of_piece: bending::OfPiece,
         }
 
         /// Asks the structure that was built.

@@ -51,6 +51,8 @@ pub(super) struct Prepared {
     pub(super) is_tame: [u32; LANES],
     /// Its index in the batch.
     pub(super) index: [u32; LANES],
+    /// Time of the ray, from 0 to 1, if what it may hit moves.
+    pub(super) time: [f32; LANES],
     /// Whether the indices are consecutive.
     pub(super) are_neighbours: bool,
 }
@@ -70,8 +72,23 @@ impl Prepared {
         octant: [0; LANES],
         is_tame: [0; LANES],
         index: [0; LANES],
+        time: [0.0; LANES],
         are_neighbours: true,
     };
+
+    /// Sets the times of the rays from those of the batch.
+    #[inline(always)]
+    pub(super) fn set_times(&mut self, times: &[f32]) {
+        let last = times.len() - 1;
+        for (time, &index) in self.time.iter_mut().zip(&self.index) {
+            *time = times[(index as usize).min(last)];
+        }
+        for time in &mut self.time {
+            // Boxes hold triangles from 0 to 1. NaN becomes 0.
+            *time = if *time > 0.0 { *time } else { 0.0 };
+            *time = if *time < 1.0 { *time } else { 1.0 };
+        }
+    }
 
     /// Prepares the sixteen rays from `first` on.
     #[inline(always)]
@@ -161,6 +178,8 @@ pub(super) struct Ray {
     pub(super) is_hit: u32,
     /// Where the distance of the stack's next entry is stored.
     pub(super) top: *mut f32,
+    /// See [`Prepared`].
+    pub(super) time: f32,
 }
 
 impl Ray {
@@ -185,16 +204,21 @@ impl Ray {
             entries: Self::entries(octant),
             is_hit: 0,
             top: std::ptr::null_mut(),
+            time: rays.time[lane],
         }
     }
 
-    /// Sixteen rays as [`new`](Self::new) makes them, but for `top`, transposed by wide registers.
+    /// Sixteen rays as [`new`](Self::new) makes them, but for `top`, and for `time` if nothing
+    /// moves, transposed by wide registers.
     ///
     /// # Safety
     /// The CPU has the instructions of `L`.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     #[inline(always)]
-    pub(super) unsafe fn deal<L: Quads>(rays: &Prepared, to: &mut [Self; LANES]) {
+    pub(super) unsafe fn deal<L: Quads, const MOVES: bool>(
+        rays: &Prepared,
+        to: &mut [Self; LANES],
+    ) {
         let mut entries = [[0u32; LANES]; 3];
         let mut axes = [[0u32; LANES]; 3];
         let mut shifts = [0u32; LANES];
@@ -226,6 +250,11 @@ impl Ray {
         const { assert!(std::mem::offset_of!(Self, top) == 7 * 16) };
         // SAFETY: the caller's; rows have sixteen numbers, and rays seven times four.
         unsafe { deal_rows::<L>(&rows, to.as_mut_ptr().cast(), size_of::<Self>() / 4) }
+        if MOVES {
+            for (ray, &time) in to.iter_mut().zip(&rays.time) {
+                ray.time = time;
+            }
+        }
     }
 
     /// See the field.
