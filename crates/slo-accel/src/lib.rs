@@ -20,6 +20,8 @@
 //!   set ([`Isa`]). It answers two questions about each of a batch of [`Rays`]: which primitive is
 //!   hit first ([`intersect`](Structure::intersect), to [`Hits`]), and whether any is
 //!   ([`occluded`](Structure::occluded)).
+//! - A [`Bending`] is the same for triangles whose corners move: each ray has a time, and meets the
+//!   triangles as they are then.
 //! - A [`BoxTree`] lists the rays that enter boxes: the upper level over several structures.
 //! - [`Lanewise`] work, [`math::columns`] and [`math::elementary`] are for what a renderer does
 //!   between two batches: loops over columns that are compiled once for each instruction set.
@@ -39,7 +41,7 @@
 //! [`BATCH`](math::columns::BATCH) entries. Kernels exist for AVX2 and AVX-512; on other CPUs the
 //! same algorithms run in plain Rust.
 //!
-//! The crate knows no materials, no time, no scene and no file.
+//! The crate knows no materials, no scene and no file.
 
 mod box_tree;
 mod isa;

@@ -9,7 +9,7 @@ use crate::diagnostics::{Diagnostic, Diagnostics, Source, Span};
 use crate::files::{ContentHash, Files, HashingReader, OpenError};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
-use crate::mesh::{self, Mesh};
+use crate::mesh::{self, LoadedMesh, Mesh};
 use crate::texture::{self, Texture};
 
 /// Most spaces in front of the excerpt of a long line, which make its column number right.
@@ -85,6 +85,44 @@ impl<'f> Assets<'f> {
         whole
     }
 
+    /// The first shape of a mesh, at a path that stands in the text at a place; `None` if it can't be
+    /// loaded, which is reported once.
+    pub(crate) fn first_shape(
+        &mut self,
+        (path, span): (&str, Span),
+        smooth: bool,
+        scale: f64,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Arc<Mesh>> {
+        let path = Word { text: path, span };
+        self.loaded_mesh(path, diagnostics, |path, reader| {
+            mesh::load_shape(path, reader, smooth, scale)
+        })
+        .map(Arc::new)
+    }
+
+    /// Whether a file is there, at a path that stands in the text at a place. If not, this is
+    /// reported once. Its content is not read.
+    pub(crate) fn is_there(
+        &mut self,
+        (path, span): (&str, Span),
+        diagnostics: &mut Diagnostics,
+    ) -> bool {
+        if self.failed.contains(path) {
+            return false;
+        }
+        let opened = self.files.open(path);
+        let Err(error) = opened else { return true };
+        diagnostics.push(cannot_open(Word { text: path, span }, &error));
+        self.failed.insert(path.to_owned());
+        false
+    }
+
+    /// Where files are.
+    pub(crate) fn files(&self) -> &'f Files {
+        self.files
+    }
+
     /// Leaves the meshes to the objects that show them.
     pub(crate) fn release_meshes(&mut self) {
         self.meshes.clear();
@@ -115,8 +153,16 @@ impl<'f> Assets<'f> {
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Mesh> {
-        let loaded =
-            self.read(path, diagnostics, |reader| mesh::load(path.text, reader, smooth, scale))?;
+        self.loaded_mesh(path, diagnostics, |path, reader| mesh::load(path, reader, smooth, scale))
+    }
+
+    fn loaded_mesh(
+        &mut self,
+        path: Word<'_>,
+        diagnostics: &mut Diagnostics,
+        load: impl FnOnce(&str, &mut dyn Read) -> Result<LoadedMesh, FileError>,
+    ) -> Option<Mesh> {
+        let loaded = self.read(path, diagnostics, |reader| load(path.text, reader))?;
         for warning in loaded.warnings {
             let message = format!("mesh `{}`: {warning}", path.text);
             diagnostics.push(Diagnostic::warning(message).at(path.span, ""));

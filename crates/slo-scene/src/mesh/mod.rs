@@ -16,6 +16,6 @@ mod tangents;
 mod warnings;
 
 pub use data::{LoadedMesh, Mesh};
-pub use load::load;
 pub(crate) use load::{BYTE_ORDER_MARK, kind};
+pub use load::{load, load_shape};
 pub use tangent::Tangent;

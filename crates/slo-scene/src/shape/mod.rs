@@ -9,6 +9,7 @@ mod flat;
 mod mesh;
 mod plane;
 mod rectangle;
+mod shapes;
 mod sphere;
 mod surface;
 mod triangle;

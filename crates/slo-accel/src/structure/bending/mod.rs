@@ -107,8 +107,9 @@ impl Bending {
         let inner = &self.times[1..self.times.len() - 1];
         let shape = inner.iter().take_while(|&&start| start <= time).count();
         let (start, end) = (self.times[shape], self.times[shape + 1]);
+        let part = (time - start) / (end - start);
         // NaN becomes 0.
-        Moment { shape, part: ((time - start) / (end - start)).max(0.0).min(1.0) }
+        Moment { shape, part: if part > 0.0 { part.min(1.0) } else { 0.0 } }
     }
 
     /// The triangle of an id at a time.
@@ -217,8 +218,8 @@ impl Bending {
             of_piece.rays.set_len(0);
             of_piece.times.clear();
             of_piece.indices.clear();
-            for i in 0..rays.len() {
-                let moment = self.moment(times[i]);
+            for (i, &time) in times.iter().enumerate().take(rays.len()) {
+                let moment = self.moment(time);
                 if moment.shape == shape {
                     of_piece.rays.push(rays.origin(i), rays.direction(i), rays.t_max[i]);
                     of_piece.times.push(moment.part);

@@ -87,12 +87,11 @@ impl Node {
         let reach = |b: Bounds| b.min.abs().max(b.max.abs()).max_element();
         let error = MOVING_BOX_ERROR * reach(start).max(reach(end));
         for axis in 0..3 {
-            let planes = [start, end]
-                .map(|b| [(b.min[axis] - error).next_down(), (b.max[axis] + error).next_up()]);
-            for side in 0..2 {
-                let plane = 2 * axis + side;
-                nodes[0].planes[plane][place] = planes[0][side];
-                nodes[1].planes[plane][place] = planes[1][side] - planes[0][side];
+            let lower = [start, end].map(|b| (b.min[axis] - error).next_down());
+            let upper = [start, end].map(|b| (b.max[axis] + error).next_up());
+            for (side, [from, to]) in [lower, upper].into_iter().enumerate() {
+                nodes[0].planes[2 * axis + side][place] = from;
+                nodes[1].planes[2 * axis + side][place] = to - from;
             }
         }
         nodes[0].children[place] = child;
