@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! trace_rays MESH.tri RAYS.rays [--accelerator BVH|KDTREE|CWBVH|NONE] [--spatial-splits]
-//!            [--isa auto|avx512|avx2|portable] [--threads N] [--repeat N]
+//!            [--isa auto|avx512|avx2|portable] [--threads N] [--repeat N] [--copies FILE]
 //! ```
 //!
 //! Both files are little-endian. A mesh is the number of triangles (u32), then nine f32 for each.
@@ -12,18 +12,23 @@
 //! (distance, triangle): no hit where the distance is above 1e29; for any hit, 1 where blocked. The
 //! first three sets are taken for rays whose neighbours are alike: camera, lens, and shadow rays.
 //!
-//! Prints a line of JSON for the structure, and one for each set.
+//! Copies place the mesh: a u32 n, then n times twelve f32, the rows of object to world.
+//!
+//! Prints a line of JSON for the structure, one for copies, and one for each set.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use clap::Parser;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
+use slo_accel::instances::{Affine, Child, Placements};
 use slo_accel::{
-    Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Rays, Scratch, Structure, Triangle,
+    Accelerator, BuildOptions, Coherence, Hits, Instances, InstancesScratch, Isa, NO_HIT, Rays,
+    Scratch, Structure, Triangle,
 };
 
 /// Rays that one call answers.
@@ -56,6 +61,15 @@ struct Options {
     /// How often each set is traced; the best counts
     #[arg(long, default_value_t = 5)]
     repeat: usize,
+    /// Where copies of the mesh are
+    #[arg(long)]
+    copies: Option<PathBuf>,
+}
+
+/// What rays are traced through.
+enum Scene {
+    Mesh(Structure),
+    Copies(Instances),
 }
 
 /// Rays of one kind, in batches, and the hits that they should have.
@@ -100,6 +114,24 @@ fn read_triangles(path: &Path) -> Result<Vec<Triangle>, String> {
     parse(&mut numbers).map_err(|e| format!("{}: {e}", path.display()))
 }
 
+fn read_copies(path: &Path) -> Result<Placements, String> {
+    let bytes = read(path)?;
+    let mut numbers = Numbers(&bytes);
+    let parse = |numbers: &mut Numbers| {
+        let count = numbers.u32()? as usize;
+        let mut placements = Placements::with_capacity(count);
+        for _ in 0..count {
+            let mut row = || Ok::<_, String>((numbers.vector()?, numbers.f32()?));
+            let rows = [row()?, row()?, row()?];
+            let matrix = Mat3::from_cols(rows[0].0, rows[1].0, rows[2].0).transpose();
+            let translation = Vec3::from_array(rows.map(|(_, last)| last));
+            placements.push(0, &[Affine { matrix, translation }]);
+        }
+        Ok(placements)
+    };
+    parse(&mut numbers).map_err(|e: String| format!("{}: {e}", path.display()))
+}
+
 fn read_rays(path: &Path) -> Result<Vec<RaySet>, String> {
     let bytes = read(path)?;
     let mut numbers = Numbers(&bytes);
@@ -137,16 +169,29 @@ fn read_set(numbers: &mut Numbers) -> Result<RaySet, String> {
 #[derive(Default)]
 struct Answers {
     hits: Hits,
+    instance: Vec<u32>,
     blocked: Vec<bool>,
     scratch: Scratch,
+    instances_scratch: InstancesScratch,
 }
 
 impl Answers {
-    fn ask(&mut self, structure: &Structure, rays: &Rays, any_hit: bool, coherence: Coherence) {
-        if any_hit {
-            structure.occluded(rays, coherence, &mut self.blocked, &mut self.scratch);
-        } else {
-            structure.intersect(rays, coherence, &mut self.hits, &mut self.scratch);
+    fn ask(&mut self, scene: &Scene, rays: &Rays, any_hit: bool, coherence: Coherence) {
+        let Self { hits, instance, blocked, scratch, instances_scratch } = self;
+        let time = [0.0; BATCH];
+        match (scene, any_hit) {
+            (Scene::Mesh(structure), true) => {
+                structure.occluded(rays, coherence, blocked, scratch);
+            }
+            (Scene::Mesh(structure), false) => {
+                structure.intersect(rays, coherence, hits, scratch);
+            }
+            (Scene::Copies(copies), true) => {
+                copies.occluded(rays, &time, coherence, blocked, instances_scratch);
+            }
+            (Scene::Copies(copies), false) => {
+                copies.intersect(rays, &time, coherence, hits, instance, instances_scratch);
+            }
         }
     }
 
@@ -166,7 +211,7 @@ impl Answers {
 }
 
 /// Seconds that the threads take for a set: each takes the next batch as soon as it is free.
-fn trace(structure: &Structure, set: &RaySet, coherence: Coherence, threads: usize) -> f64 {
+fn trace(structure: &Scene, set: &RaySet, coherence: Coherence, threads: usize) -> f64 {
     let (next, ready) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || {
         let mut answers = Answers::default();
@@ -210,6 +255,21 @@ fn run(options: &Options) -> Result<(), String> {
     let build = start.elapsed().as_secs_f64();
     let bytes = structure.memory() as f64 / count.max(1) as f64;
     print(&format!(r#"{{"build_s":{build:.4},"bytes_per_triangle":{bytes:.1}}}"#))?;
+    let scene = match &options.copies {
+        None => Scene::Mesh(structure),
+        Some(path) => {
+            let placements = read_copies(path)?;
+            let count = placements.len();
+            let start = Instant::now();
+            let child = Child::Structure(Arc::new(structure));
+            let copies =
+                Instances::build(vec![child], placements, isa).map_err(|e| e.to_string())?;
+            let build = start.elapsed().as_secs_f64();
+            let bytes = copies.memory() as f64 / count.max(1) as f64;
+            print(&format!(r#"{{"copies_build_s":{build:.4},"bytes_per_copy":{bytes:.1}}}"#))?;
+            Scene::Copies(copies)
+        }
+    };
     for (i, set) in sets.iter().enumerate() {
         let coherence = if i < COHERENT_SETS { Coherence::Coherent } else { Coherence::Incoherent };
         let rays = set.stored.len();
@@ -219,12 +279,12 @@ fn run(options: &Options) -> Result<(), String> {
             .iter()
             .zip(set.stored.chunks(BATCH))
             .map(|(rays, stored)| {
-                answers.ask(&structure, rays, set.any_hit, coherence);
+                answers.ask(&scene, rays, set.any_hit, coherence);
                 answers.disagreements(set.any_hit, stored)
             })
             .sum();
         let best = (0..options.repeat.max(1))
-            .map(|_| trace(&structure, set, coherence, threads))
+            .map(|_| trace(&scene, set, coherence, threads))
             .fold(f64::INFINITY, f64::min);
         let speed = rays as f64 / best / 1e6;
         let share = disagreements as f64 / rays.max(1) as f64;

@@ -20,6 +20,8 @@
 //!   set ([`Isa`]). It answers two questions about each of a batch of [`Rays`]: which primitive is
 //!   hit first ([`intersect`](Structure::intersect), to [`Hits`]), and whether any is
 //!   ([`occluded`](Structure::occluded)).
+//! - [`Instances`] put structures, and other instances, at many places. They answer the same
+//!   questions, and tell in which place a ray hits.
 //! - A [`BoxTree`] lists the rays that enter boxes: the upper level over several structures.
 //! - [`Lanewise`] work, [`math::columns`] and [`math::elementary`] are for what a renderer does
 //!   between two batches: loops over columns that are compiled once for each instruction set.
@@ -42,6 +44,7 @@
 //! The crate knows no materials, no time, no scene and no file.
 
 mod box_tree;
+pub mod instances;
 mod isa;
 pub mod math;
 mod primitives;
@@ -52,6 +55,7 @@ mod structure;
 
 pub use box_tree::{BoxScratch, BoxTree};
 pub use glam;
+pub use instances::{Instances, InstancesScratch};
 pub use isa::compress::{GROUP, Word};
 pub use isa::{Isa, Lanewise};
 pub use primitives::{Curved, Primitives, Triangle, curved, triangle};

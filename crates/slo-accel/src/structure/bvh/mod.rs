@@ -8,6 +8,7 @@ mod builder;
 mod careful;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod flights;
+pub(crate) mod halting;
 mod hierarchy;
 mod layout;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
@@ -26,6 +27,7 @@ use self::query::{Any, Closest, Query};
 use self::steps::Portable;
 #[cfg(target_arch = "x86_64")]
 use crate::isa::Isa;
+use crate::math::Bounds;
 use crate::primitives::Primitives;
 use crate::rays::{Coherence, Hits, Rays};
 use crate::structure::interface::{BuildOptions, SpatialIndex};
@@ -47,6 +49,10 @@ impl SpatialIndex for Bvh {
     #[inline]
     fn geometry(&self) -> &Self {
         self
+    }
+
+    fn parts(&self, count: usize) -> Vec<Bounds> {
+        halting::parts(&self.nodes, count)
     }
 
     fn overhead(&self) -> usize {
