@@ -6,3 +6,4 @@ mod lamps;
 mod materials;
 mod messages;
 mod mistakes;
+mod spaces;

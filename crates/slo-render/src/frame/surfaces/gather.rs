@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::columns::Surfaces;
 use super::tangents::{Tangent, tangent};
@@ -220,13 +220,12 @@ impl FrameScene {
             let ray = to.ray[i] as usize;
             let pose = self.world.instances[found.instance[ray] as usize].pose(time[ray]);
             to.point.set(i, pose.point(to.point.get(i)));
-            to.n_geo.set(i, pose.vector(to.n_geo.get(i)).normalize());
-            to.n_shade.set(i, pose.vector(to.n_shade.get(i)));
+            to.n_geo.set(i, pose.normal(to.n_geo.get(i)).normalize());
+            to.n_shade.set(i, pose.normal(to.n_shade.get(i)));
             if turns {
-                to.tangent.set(i, pose.vector(to.tangent.get(i)));
+                to.tangent.set(i, pose.direction(to.tangent.get(i)));
             }
-            let magnitude = abs_product(&pose.rotation, to.magnitude.get(i));
-            to.magnitude.set(i, magnitude + pose.translation.abs());
+            to.magnitude.set(i, pose.magnitude(to.magnitude.get(i)));
         }
     }
 
@@ -264,9 +263,9 @@ impl FrameScene {
         if hit.instance == STILL {
             let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
             let (face, place) = (hit.primitive.wrapping_sub(object.first_triangle), &object.place);
-            let (point, normal) = (place.inverse_point(point), place.inverse_vector(normal));
+            let (point, normal) = (place.inverse_point(point), place.inverse_normal(normal));
             let found = tangent(&object.geometry, face, hit.uv, point, normal);
-            Tangent { along: place.vector(found.along), ..found }
+            Tangent { along: place.direction(found.along), ..found }
         } else {
             let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
             let geometry = &self.objects[object as usize].geometry;
@@ -443,11 +442,6 @@ fn on_curved(structure: &Structure, hit: &Hit, origin: Vec3, direction: Vec3) ->
         normal: curved.normal_at(point.as_vec3(), part),
         magnitude: bounds.min.abs().max(bounds.max.abs()),
     }
-}
-
-/// Returns |m| v, with absolute values by components.
-fn abs_product(m: &Mat3, v: Vec3) -> Vec3 {
-    m.x_axis.abs() * v.x + m.y_axis.abs() * v.y + m.z_axis.abs() * v.z
 }
 
 /// Returns the texture coordinates of a point of a face; 0 if the mesh has none.

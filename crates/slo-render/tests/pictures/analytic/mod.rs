@@ -11,5 +11,6 @@ mod motion;
 mod paths;
 mod refraction;
 mod shadow;
+mod stretched;
 mod surfaces;
 mod terminator;
