@@ -51,7 +51,6 @@ impl FrameScene {
         to: &mut Surfaces,
     ) {
         if self.softens {
-            to.is_softened = true;
             self.isa.run(Soften { direction, is_soft, to });
         }
     }
