@@ -48,7 +48,7 @@ pub mod description {
     };
     pub use slo_scene::{
         CamSegment, Camera, KeyFrame, Light, LightKind, Material, MaterialId, MaterialKind, Mesh,
-        Object, Placement, SceneDescription, Shape, Texture, TextureId, TextureUse,
+        Object, Placement, SceneDescription, Shape, Space, SpaceId, Texture, TextureId, TextureUse,
     };
     pub use slo_scene::{light, material, mesh, shape, texture};
 }

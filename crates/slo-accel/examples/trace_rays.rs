@@ -4,6 +4,7 @@
 //! ```text
 //! trace_rays MESH.tri RAYS.rays [--accelerator BVH|KDTREE|CWBVH|NONE] [--spatial-splits]
 //!            [--isa auto|avx512|avx2|portable] [--threads N] [--repeat N] [--shapes MESH2.tri]
+//!            [--copies FILE]
 //! ```
 //!
 //! Both files are little-endian. A mesh is the number of triangles (u32), then nine f32 for each.
@@ -15,22 +16,26 @@
 //! With a second shape, the triangles of the mesh move to it while the time goes from 0 to 1, and each
 //! ray meets them at its own time.
 //!
+//! Copies place the mesh: a u32 n, then n times twelve f32, the rows of object to world.
+//!
 //! `mrays_per_s` counts the time that passes, `cpu_mrays_per_s` the time that the processor works, of
 //! all threads.
 //!
-//! Prints a line of JSON for the structure, and one for each set.
+//! Prints a line of JSON for the structure, one for copies, and one for each set.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use clap::Parser;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
+use slo_accel::instances::{Affine, Child, Placements};
 use slo_accel::{
-    Accelerator, Bending, BuildOptions, Coherence, Hits, Isa, NO_HIT, Rays, Scratch, Structure,
-    Triangle,
+    Accelerator, Bending, BuildOptions, Coherence, Hits, Instances, InstancesScratch, Isa, NO_HIT,
+    Rays, Scratch, Structure, Triangle,
 };
 
 /// Rays that one call answers.
@@ -64,23 +69,18 @@ struct Options {
     #[arg(long, default_value_t = 5)]
     repeat: usize,
     /// The shape to which the triangles of the mesh move
-    #[arg(long)]
+    #[arg(long, conflicts_with = "copies")]
     shapes: Option<PathBuf>,
+    /// Where copies of the mesh are
+    #[arg(long)]
+    copies: Option<PathBuf>,
 }
 
 /// What rays are traced through.
 enum Scene {
-    Still(Structure),
+    Mesh(Structure),
     Bending(Bending),
-}
-
-impl Scene {
-    fn memory(&self) -> usize {
-        match self {
-            Self::Still(structure) => structure.memory(),
-            Self::Bending(bending) => bending.memory(),
-        }
-    }
+    Copies(Instances),
 }
 
 /// Rays that one call answers, each with its time.
@@ -131,6 +131,24 @@ fn read_triangles(path: &Path) -> Result<Vec<Triangle>, String> {
     parse(&mut numbers).map_err(|e| format!("{}: {e}", path.display()))
 }
 
+fn read_copies(path: &Path) -> Result<Placements, String> {
+    let bytes = read(path)?;
+    let mut numbers = Numbers(&bytes);
+    let parse = |numbers: &mut Numbers| {
+        let count = numbers.u32()? as usize;
+        let mut placements = Placements::with_capacity(count);
+        for _ in 0..count {
+            let mut row = || Ok::<_, String>((numbers.vector()?, numbers.f32()?));
+            let rows = [row()?, row()?, row()?];
+            let matrix = Mat3::from_cols(rows[0].0, rows[1].0, rows[2].0).transpose();
+            let translation = Vec3::from_array(rows.map(|(_, last)| last));
+            placements.push(0, &[Affine { matrix, translation }]);
+        }
+        Ok(placements)
+    };
+    parse(&mut numbers).map_err(|e: String| format!("{}: {e}", path.display()))
+}
+
 fn read_rays(path: &Path) -> Result<Vec<RaySet>, String> {
     let bytes = read(path)?;
     let mut numbers = Numbers(&bytes);
@@ -169,19 +187,21 @@ fn read_set(numbers: &mut Numbers) -> Result<RaySet, String> {
 #[derive(Default)]
 struct Answers {
     hits: Hits,
+    instance: Vec<u32>,
     blocked: Vec<bool>,
     scratch: Scratch,
+    instances_scratch: InstancesScratch,
 }
 
 impl Answers {
     fn ask(&mut self, scene: &Scene, batch: &Batch, any_hit: bool, coherence: Coherence) {
-        let Self { hits, blocked, scratch } = self;
+        let Self { hits, instance, blocked, scratch, instances_scratch } = self;
         let Batch { rays, times } = batch;
         match (scene, any_hit) {
-            (Scene::Still(structure), true) => {
+            (Scene::Mesh(structure), true) => {
                 structure.occluded(rays, coherence, blocked, scratch);
             }
-            (Scene::Still(structure), false) => {
+            (Scene::Mesh(structure), false) => {
                 structure.intersect(rays, coherence, hits, scratch);
             }
             (Scene::Bending(bending), true) => {
@@ -189,6 +209,12 @@ impl Answers {
             }
             (Scene::Bending(bending), false) => {
                 bending.intersect(rays, times, coherence, hits, scratch);
+            }
+            (Scene::Copies(copies), true) => {
+                copies.occluded(rays, times, coherence, blocked, instances_scratch);
+            }
+            (Scene::Copies(copies), false) => {
+                copies.intersect(rays, times, coherence, hits, instance, instances_scratch);
             }
         }
     }
@@ -269,13 +295,36 @@ fn run(options: &Options) -> Result<(), String> {
         return Err("the second shape has another number of triangles".to_owned());
     }
     let start = Instant::now();
-    let scene = match end {
-        None => Scene::Still(Structure::build(accelerator, triangles, how)),
-        Some(end) => Scene::Bending(Bending::build(&[triangles, end], &[0.0, 1.0], isa)),
+    let (mesh, bytes) = match end {
+        None => {
+            let structure = Structure::build(accelerator, triangles, how);
+            let bytes = structure.memory();
+            (Scene::Mesh(structure), bytes)
+        }
+        Some(end) => {
+            let bending = Bending::build(&[triangles, end], &[0.0, 1.0], isa);
+            let bytes = bending.memory();
+            (Scene::Bending(bending), bytes)
+        }
     };
     let build = start.elapsed().as_secs_f64();
-    let bytes = scene.memory() as f64 / count.max(1) as f64;
+    let bytes = bytes as f64 / count.max(1) as f64;
     print(&format!(r#"{{"build_s":{build:.4},"bytes_per_triangle":{bytes:.1}}}"#))?;
+    let scene = match (&options.copies, mesh) {
+        (Some(path), Scene::Mesh(structure)) => {
+            let placements = read_copies(path)?;
+            let count = placements.len();
+            let start = Instant::now();
+            let child = Child::Structure(Arc::new(structure));
+            let copies =
+                Instances::build(vec![child], placements, isa).map_err(|e| e.to_string())?;
+            let build = start.elapsed().as_secs_f64();
+            let bytes = copies.memory() as f64 / count.max(1) as f64;
+            print(&format!(r#"{{"copies_build_s":{build:.4},"bytes_per_copy":{bytes:.1}}}"#))?;
+            Scene::Copies(copies)
+        }
+        (_, mesh) => mesh,
+    };
     for (i, set) in sets.iter().enumerate() {
         let coherence = if i < COHERENT_SETS { Coherence::Coherent } else { Coherence::Incoherent };
         let rays = set.stored.len();

@@ -22,6 +22,8 @@
 //!   ([`occluded`](Structure::occluded)).
 //! - A [`Bending`] is the same for triangles whose corners move: each ray has a time, and meets the
 //!   triangles as they are then.
+//! - [`Instances`] put structures, and other instances, at many places. They answer the same
+//!   questions, and tell in which place a ray hits.
 //! - A [`BoxTree`] lists the rays that enter boxes: the upper level over several structures.
 //! - [`Lanewise`] work, [`math::columns`] and [`math::elementary`] are for what a renderer does
 //!   between two batches: loops over columns that are compiled once for each instruction set.
@@ -44,6 +46,7 @@
 //! The crate knows no materials, no scene and no file.
 
 mod box_tree;
+pub mod instances;
 mod isa;
 pub mod math;
 mod primitives;
@@ -54,6 +57,7 @@ mod structure;
 
 pub use box_tree::{BoxScratch, BoxTree};
 pub use glam;
+pub use instances::{Instances, InstancesScratch};
 pub use isa::compress::{GROUP, Word};
 pub use isa::{Isa, Lanewise};
 pub use primitives::{Curved, Primitives, Triangle, curved, triangle};

@@ -24,4 +24,6 @@ pub struct Placement {
     pub up: Option<DVec3>,
     /// Where its x axis points; need not be unit.
     pub right: Option<DVec3>,
+    /// By how much it is larger along its own axes, before `right` and `up` turn it; more than 0.
+    pub scale: Option<DVec3>,
 }

@@ -30,6 +30,7 @@ pub mod texture;
 
 pub use description::{
     CamSegment, Camera, KeyFrame, LightGroups, MaterialId, Object, Placement, SceneDescription,
+    Space, SpaceId,
 };
 pub use files::Files;
 pub use light::{Light, LightKind};

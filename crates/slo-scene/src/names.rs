@@ -65,6 +65,8 @@ pub(crate) struct Names<'a> {
 struct Named<'a> {
     word: Word<'a>,
     used: bool,
+    /// Where the name is given again.
+    again: Option<Span>,
 }
 
 impl<'a> Names<'a> {
@@ -75,8 +77,11 @@ impl<'a> Names<'a> {
     /// Adds the next element; its index is the number of elements before it.
     pub(crate) fn declare(&mut self, word: Word<'a>) -> Option<Redefinition> {
         let index = self.entries.len();
-        self.entries.push(Named { word, used: false });
+        self.entries.push(Named { word, used: false, again: None });
         let first = *self.by_name.entry(word.text).or_insert(index);
+        if first != index {
+            self.entries[first].again.get_or_insert(word.span);
+        }
         let is_double = first != index && !word.text.is_empty();
         is_double.then(|| Redefinition { first: self.entries[first].word.span, again: word.span })
     }
@@ -90,6 +95,12 @@ impl<'a> Names<'a> {
         let index = *self.by_name.get(name)?;
         self.entries[index].used = true;
         Some(index)
+    }
+
+    /// Where the name of an element is given, if it is given twice.
+    pub(crate) fn double(&self, index: usize) -> Option<Redefinition> {
+        let Named { word, again, .. } = self.entries.get(index)?;
+        Some(Redefinition { first: word.span, again: (*again)? })
     }
 
     /// The most similar name, of the first thousands.

@@ -3,7 +3,7 @@
 use crate::cli::base::{Problem, Terminal, counted};
 use crate::cli::files::load;
 use crate::cli::options::Job;
-use slo_scene::animation::Clock;
+use slo_scene::animation::{Clock, Spaces};
 use slo_scene::light::LightKind;
 use slo_scene::{Camera, Look, Object, SceneDescription, Settings, Texture, ToneMap};
 
@@ -26,7 +26,7 @@ pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
 fn report(scene: &SceneDescription) -> Vec<String> {
     let mut lines = vec![picture(&scene.camera, &scene.settings), samples(&scene.settings)];
     lines.extend(segments(&scene.camera));
-    lines.push(objects(&scene.objects));
+    lines.push(objects(scene));
     lines.push(lights_and_materials(scene));
     lines
 }
@@ -76,8 +76,14 @@ fn segments(camera: &Camera) -> Vec<String> {
     clock.segments().map(|segment| format!("segment {segment}")).collect()
 }
 
-fn objects(objects: &[Object]) -> String {
-    let moving = objects.iter().filter(|object| object.key_frames.len() > 1).count();
+fn objects(scene: &SceneDescription) -> String {
+    let objects = &scene.objects;
+    let spaces = Spaces::new(&scene.spaces).unwrap_or_default();
+    let is_moving = |object: &&Object| {
+        let path = spaces.path(&object.key_frames, object.parent);
+        path.is_ok_and(|path| !path.rests())
+    };
+    let moving = objects.iter().filter(is_moving).count();
     let triangles: usize = objects.iter().map(|object| object.shape.triangle_count()).sum();
     let triangles = counted(triangles, "triangle");
     format!("objects: {}, {moving} of them animated; {triangles}", objects.len())

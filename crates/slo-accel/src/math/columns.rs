@@ -43,6 +43,14 @@ impl Vec3s {
         (self.x[i], self.y[i], self.z[i]) = (v.x, v.y, v.z);
     }
 
+    /// Sets the vector of entry `i` if `condition` holds, by [`select`].
+    #[inline(always)]
+    pub fn set_if(&mut self, i: usize, condition: bool, v: Vec3) {
+        self.x[i] = select(condition, v.x, self.x[i]);
+        self.y[i] = select(condition, v.y, self.y[i]);
+        self.z[i] = select(condition, v.z, self.z[i]);
+    }
+
     /// Sets `N` entries from `start` on to one vector; none of them if fewer are left.
     ///
     /// # Panics
@@ -68,6 +76,13 @@ impl Vec3s {
 #[inline(always)]
 pub fn lanes(len: usize) -> Range<usize> {
     0..len.next_multiple_of(16).min(BATCH)
+}
+
+/// `a` if `condition` holds, otherwise `b`. Unlike an `if`, which the compiler may turn into a jump
+/// over all that only `a` needs, it never keeps a loop from becoming SIMD code.
+#[inline(always)]
+pub fn select<T>(condition: bool, a: T, b: T) -> T {
+    std::hint::select_unpredictable(condition, a, b)
 }
 
 /// Writes `of` the table's entry for each index to `to`; for an index beyond the table, of its last

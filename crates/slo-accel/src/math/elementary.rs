@@ -6,12 +6,11 @@
 /// (sin, cos) of `turns` full turns, for `|turns| < 2^20`; absolute error below 2e-7.
 #[inline(always)]
 pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
-    let quadrant = round(turns * 4.0);
+    let (quadrant, q) = round(turns * 4.0);
     let x = (turns - quadrant * 0.25) * std::f32::consts::TAU;
     let (s, c) = sin_cos_octant(x);
-    let q = quadrant as i32;
     let (s, c) = if q & 1 == 1 { (c, s) } else { (s, c) };
-    (if q & 2 == 2 { -s } else { s }, if (q + 1) & 2 == 2 { -c } else { c })
+    (if q & 2 == 2 { -s } else { s }, if q.wrapping_add(1) & 2 == 2 { -c } else { c })
 }
 
 /// (sin, cos) of `x` radians, for `|x| <= pi / 4`; absolute error below 1.5e-7.
@@ -50,11 +49,13 @@ pub fn atan2_turns(y: f32, x: f32) -> f32 {
     angle.copysign(y)
 }
 
-/// The nearest whole number, ties to even, for `|x| < 2^22`.
+/// The nearest whole number, ties to even, for `|x| < 2^22`. Also returns it as a word of which the
+/// low 22 bits count: a conversion to an integer would keep loops from becoming SIMD code.
 #[inline(always)]
-fn round(x: f32) -> f32 {
+fn round(x: f32) -> (f32, u32) {
     const MAGIC: f32 = 1.5 * (1u32 << 23) as f32;
-    (x + MAGIC) - MAGIC
+    let shifted = x + MAGIC;
+    (shifted - MAGIC, shifted.to_bits())
 }
 
 /// Logarithm to base 2 of a positive, normal number; absolute error below 2e-7 + 1e-7 |log2 x|.
@@ -77,13 +78,13 @@ pub fn log2(x: f32) -> f32 {
 #[inline(always)]
 pub fn exp2(x: f32) -> f32 {
     let clamped = x.clamp(-126.0, 127.0);
-    let whole = round(clamped);
+    let (whole, word) = round(clamped);
     let y = (clamped - whole) * std::f32::consts::LN_2;
     let series = 1.0
         + y * (1.0
             + y * (0.5
                 + y * (1.0 / 6.0 + y * (1.0 / 24.0 + y * (1.0 / 120.0 + y * (1.0 / 720.0))))));
-    let scaled = f32::from_bits(((whole as i32 + 127) as u32) << 23) * series;
+    let scaled = f32::from_bits(word.wrapping_add(127) << 23) * series;
     if x < -126.0 { 0.0 } else { scaled }
 }
 

@@ -6,13 +6,13 @@
 
 mod bending;
 mod brute;
-mod bvh;
+pub(crate) mod bvh;
 mod cwbvh;
 pub(crate) mod interface;
 mod kdtree;
 pub(crate) mod shared;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 
@@ -176,6 +176,13 @@ impl Structure {
     /// The smallest box about all primitives.
     pub fn bounds(&self) -> Bounds {
         ask!(&self.built, index => index.geometry().all_bounds())
+    }
+
+    /// Boxes about all primitives that can be hit, at most `count`, or 8 if that is less.
+    pub(crate) fn parts(&self, count: usize) -> Vec<Bounds> {
+        let mut parts = ask!(&self.built, index => index.parts(count));
+        parts.retain(|part| !part.is_empty());
+        parts
     }
 
     /// Writes the first hit of each ray with `0 < t < t_max` to `hits[0..rays.len()]`; what `hits`

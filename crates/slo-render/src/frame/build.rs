@@ -19,7 +19,7 @@ use crate::shading::light::{LightBounds, LightTree, Poses, Skies, SkyShare, Tech
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
 use slo_accel::{Isa, Structure};
-use slo_scene::animation::{Clock, DRigid};
+use slo_scene::animation::{Clock, DAffine, Spaces};
 use slo_scene::{
     CamSegment, Integrator, LightSampling, PhotonSeed, SceneDescription, Settings, ShadowMode,
 };
@@ -63,7 +63,11 @@ impl FrameScene {
         let camera = Camera::new(path.views(), origin, film.width, film.height)
             .map_err(|reason| FrameError::View { segment: segment.name.clone(), reason })?;
 
-        let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin };
+        let spaces = Spaces::new(&scene.spaces).map_err(|(space, reason)| FrameError::Path {
+            object: scene.spaces[space].name.clone(),
+            reason,
+        })?;
+        let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces: &spaces };
         let before = before.map(Before::from);
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
         let mut parts = Parts { before: moving, ..Parts::default() };
@@ -102,7 +106,7 @@ impl FrameScene {
             scene.settings.photons > 0.0 && scene.settings.integrator == Integrator::Path;
         let targets = uses_photons.then(|| targets(&sharp_objects(scene, &parts)));
         let still = match before {
-            Some(before) if before.places == parts.places => before.still,
+            Some(before) if before.places == parts.places && !parts.any_is_shaped => before.still,
             // Free the old structure before building the new one.
             other => {
                 drop(other);
@@ -144,6 +148,7 @@ impl FrameScene {
             emission,
             is_physical: is_physical(scene),
             softens,
+            stretches: parts.stretches,
             sampler: sampler(number),
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
@@ -204,7 +209,7 @@ fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
 /// Structures of another frame, to be reused.
 struct Before {
     still: Arc<Structure>,
-    places: Vec<(u32, DRigid)>,
+    places: Vec<(u32, DAffine)>,
     /// Structures of moving objects, with the index of the object.
     moving: Vec<(u32, Arc<Structure>)>,
     /// Lights, for tables of images.

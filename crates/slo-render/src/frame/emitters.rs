@@ -4,8 +4,9 @@
 //! light. Toward other surfaces, rays are sent that are shaded where they arrive: their lights are
 //! the last of a frame, from [`FrameScene::first_shaded`](super::scene::FrameScene) on.
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
+use super::affine::Affine;
 use super::glow::Glow;
 use super::parts::Parts;
 use super::shapes::Geometry;
@@ -52,6 +53,9 @@ impl Body {
         let geometry = &parts.objects[object].geometry;
         let moving = parts.instances.iter().find(|instance| is_object(&instance.object));
         if let Some(instance) = moving {
+            if instance.bending.is_some() {
+                return None;
+            }
             let structure = &instance.structure;
             let primitives = match (geometry, structure.curved()) {
                 (Geometry::Curved(_), [Curved::Sphere { center, radius }]) => {
@@ -63,11 +67,7 @@ impl Body {
                     Primitives::Triangles(ids.map(|id| structure.triangle(id)).collect())
                 }
             };
-            let pose = |at: &super::rigid::Rigid| Pose {
-                rotation: at.rotation,
-                translation: at.translation,
-            };
-            return Some(Self { primitives, poses: instance.poses.iter().map(pose).collect() });
+            return Self { primitives, poses: Vec::new() }.moving(&instance.poses);
         }
         let primitives = match geometry {
             Geometry::Mesh(..) => Primitives::Triangles(parts.still_triangles(object)?.to_vec()),
@@ -82,6 +82,33 @@ impl Body {
         Some(Self { primitives, poses: Vec::new() })
     }
 
+    /// Returns the same body in these poses; `None` if its size or its shape changes over them, or if
+    /// a sphere would not be round.
+    fn moving(mut self, poses: &[Affine]) -> Option<Self> {
+        let Some(first) = poses.iter().find(|pose| !pose.is_rigid) else {
+            let pose = |at: &Affine| Pose { rotation: at.linear, translation: at.translation };
+            self.poses = poses.iter().map(pose).collect();
+            return Some(self);
+        };
+        let Affine { linear, .. } = *first;
+        match &mut self.primitives {
+            Primitives::Triangles(triangles) => {
+                triangles.iter_mut().for_each(|corners| *corners = corners.map(|c| linear * c));
+            }
+            Primitives::Sphere(center, radius) => {
+                rotation(linear * (1.0 / linear.x_axis.length()))?;
+                *radius *= linear.x_axis.length();
+                *center = linear * *center;
+            }
+        }
+        let back = linear.inverse();
+        let pose = |at: &Affine| {
+            Some(Pose { rotation: rotation(at.linear * back)?, translation: at.translation })
+        };
+        self.poses = poses.iter().map(pose).collect::<Option<_>>()?;
+        Some(self)
+    }
+
     fn count(&self) -> usize {
         match &self.primitives {
             Primitives::Triangles(triangles) => triangles.len(),
@@ -90,10 +117,21 @@ impl Body {
     }
 }
 
+/// Returns the rotation that a matrix is, up to rounding; `None` if it is none.
+fn rotation(matrix: Mat3) -> Option<Mat3> {
+    const ROUNDING: f32 = 1e-4;
+    let rest = matrix.transpose() * matrix - Mat3::IDENTITY;
+    let is_rotation = rest.to_cols_array().iter().all(|c| c.abs() <= ROUNDING);
+    let x = matrix.x_axis.normalize_or(Vec3::X);
+    let y = (matrix.y_axis - x * x.dot(matrix.y_axis)).normalize_or(Vec3::Y);
+    is_rotation.then(|| Mat3::from_cols(x, y, x.cross(y)))
+}
+
 /// Adds objects that emit light to the lights of a frame: triangles and spheres. Returns the number
 /// of the first light that is shaded where rays arrive.
 ///
-/// The light of other shapes is found by rays that hit them.
+/// The light of other shapes, and of objects whose size changes while the shutter is open, is found by
+/// rays that hit them.
 pub(super) fn add_emitters(
     scene: &SceneDescription,
     parts: &mut Parts,
@@ -103,7 +141,9 @@ pub(super) fn add_emitters(
     let glows: Vec<Glow> =
         (0..scene.materials.len()).map(|number| Glow::of(scene, number as u32)).collect();
     let glow_of = |object: &Object| &glows[object.material.0 as usize];
-    let emits = |object: &Object| object.sampled && !matches!(glow_of(object), Glow::Dark);
+    let emits = |object: &Object| {
+        object.sampled && !object.shape.changes() && !matches!(glow_of(object), Glow::Dark)
+    };
     let most = MOST_SHADED as usize;
     let mut first_shaded = lights.len();
     for is_plain in [true, false] {

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
+use super::lamps::LampFault;
 use crate::camera::DegenerateView;
+use slo_scene::ShapeError;
 use slo_scene::animation::{KeyFrameError, NoSegment};
 
 /// Why a frame of a scene cannot be built.
@@ -18,6 +20,13 @@ pub enum FrameError {
         /// What is wrong.
         reason: DegenerateView,
     },
+    /// A shape of a mesh cannot be used.
+    Shape {
+        /// Name of the object.
+        object: String,
+        /// What is wrong.
+        reason: ShapeError,
+    },
     /// An object's key frames do not form a path.
     Path {
         /// Name of the object.
@@ -25,12 +34,25 @@ pub enum FrameError {
         /// What is wrong.
         reason: KeyFrameError,
     },
+    /// A lamp cannot be where the spaces take it that it hangs in.
+    Lamp {
+        /// Name of the lamp.
+        lamp: String,
+        /// What is wrong.
+        reason: LampFault,
+    },
+    /// An object is scaled so much, or so little, that numbers cannot hold it.
+    Extent {
+        /// Name of the object or lamp.
+        object: String,
+    },
 }
 
 impl fmt::Display for FrameError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoSegment(error) => error.fmt(f),
+            Self::Shape { object, reason } => write!(f, "mesh `{object}`: {reason}"),
             Self::View { segment, reason } => {
                 write!(f, "the camera of segment `{segment}` can't see in this frame: ")?;
                 f.write_str(match reason {
@@ -46,6 +68,21 @@ impl fmt::Display for FrameError {
             Self::Path { object, reason: KeyFrameError::OutOfOrder(key) } => {
                 write!(f, "key frame {} of `{object}` is earlier than the one before it", key + 1)
             }
+            Self::Lamp { lamp, reason: LampFault::Sheared } => write!(
+                f,
+                "what lamp `{lamp}` hangs in stretches it out of shape: a rectangle must keep its \
+                 right angles, and a disc must stay round"
+            ),
+            Self::Lamp { lamp, reason: LampFault::Grows } => write!(
+                f,
+                "lamp `{lamp}` changes its size while the shutter is open: only its place and its \
+                 direction may change then"
+            ),
+            Self::Extent { object } => write!(
+                f,
+                "`{object}` is too large or too small in this frame: all its scales together must \
+                 be from 1e-12 to 1e12, and its coordinates below 1e10"
+            ),
         }
     }
 }

@@ -1,13 +1,15 @@
 //! The scene during one shutter: everything that a frame needs, immutable and shared by all
 //! threads.
 
+mod affine;
+mod bend;
 mod build;
 mod emitters;
 mod error;
 mod glow;
+mod lamps;
 mod looks;
 mod parts;
-mod rigid;
 mod sampled;
 mod sampled_camera;
 mod sampled_motion;
@@ -18,6 +20,7 @@ mod surfaces;
 mod world;
 
 pub use error::FrameError;
+pub use lamps::LampFault;
 pub(crate) use looks::Look;
 pub use scene::FrameScene;
 pub(crate) use surfaces::{NO_MATERIAL, SurfaceScratch, Surfaces};

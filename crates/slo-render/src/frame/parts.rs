@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
+use super::affine::Affine;
+use super::bend::{Bent, Shaped};
 use super::error::FrameError;
+use super::lamps::carried;
 use super::looks::Look;
-use super::rigid::Rigid;
 use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::FrameObject;
@@ -15,8 +17,9 @@ use super::world::Instance;
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
-use slo_scene::animation::{DRigid, KeyFrames, Shutter};
-use slo_scene::{Object, SceneDescription, Settings};
+use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
+use slo_scene::shape::MeshSurface;
+use slo_scene::{KeyFrame, Object, SceneDescription, Settings, Shape, SpaceId};
 
 /// What the objects' motion is sampled for.
 pub(super) struct Seen<'a> {
@@ -26,6 +29,54 @@ pub(super) struct Seen<'a> {
     pub(super) per_ms: f64,
     /// Origin of render space.
     pub(super) origin: DVec3,
+    /// What objects and lights hang in.
+    pub(super) spaces: &'a Spaces,
+}
+
+impl Seen<'_> {
+    fn path(
+        &self,
+        name: &str,
+        key_frames: &[KeyFrame],
+        parent: Option<SpaceId>,
+    ) -> Result<Path, FrameError> {
+        self.spaces
+            .path(key_frames, parent)
+            .map_err(|reason| FrameError::Path { object: name.to_owned(), reason })
+    }
+
+    /// Returns where something is over the shutter: one pose if it does not move. `about` are bounds
+    /// of it in its own space.
+    fn poses(
+        &self,
+        name: &str,
+        path: &Path,
+        about: &ObjectBox,
+    ) -> Result<Vec<DAffine>, FrameError> {
+        let poses = if path.moves(self.shutter.scene_interval()) {
+            let motion = SampledMotion::new(path, self.shutter, about, self.camera, self.per_ms);
+            motion.into_poses()
+        } else {
+            vec![path.pose(self.shutter.scene_time(0.0))]
+        };
+        if poses.iter().all(|pose| pose.is_rigid() || fits(pose, about)) {
+            Ok(poses)
+        } else {
+            Err(FrameError::Extent { object: name.to_owned() })
+        }
+    }
+}
+
+/// Whether f32 can hold a stretched object.
+fn fits(pose: &DAffine, about: &ObjectBox) -> bool {
+    const MOST_GROWTH: f64 = 1e12;
+    const FARTHEST: f64 = 1e10;
+    let most = |m: DMat3| m.to_cols_array().into_iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+    let is_bounded = |m: DMat3| m.is_finite() && most(m) <= MOST_GROWTH;
+    let is_near = |corner: DVec3| pose.point(corner).abs().max_element() <= FARTHEST;
+    is_bounded(pose.linear)
+        && is_bounded(pose.linear.inverse())
+        && about.corners().into_iter().all(is_near)
 }
 
 /// Parts of a frame, collected object by object.
@@ -36,7 +87,11 @@ pub(super) struct Parts {
     pub(super) looks: Vec<Look>,
     pub(super) still: Primitives,
     /// Index and place of each still object.
-    pub(super) places: Vec<(u32, DRigid)>,
+    pub(super) places: Vec<(u32, DAffine)>,
+    /// Whether any object has its shape in this frame only.
+    pub(super) any_is_shaped: bool,
+    /// Whether normals of any still object may have any length.
+    pub(super) stretches: bool,
     /// Existing structures of moving objects, with the index of the object.
     pub(super) before: Vec<(u32, Arc<Structure>)>,
     /// Index of the object of each still triangle, and of each still curved surface.
@@ -61,16 +116,28 @@ impl Parts {
         seen: &Seen<'_>,
         isa: Isa,
     ) -> Result<(), FrameError> {
-        let path = KeyFrames::new(&object.key_frames)
-            .map_err(|reason| FrameError::Path { object: object.name.clone(), reason })?;
+        let path = seen.path(&object.name, &object.key_frames, object.parent)?;
         let look = Look::Material(object.material.0);
-        let geometry = geometry(&object.shape);
-        if !path.moves(seen.shutter.scene_interval()) {
-            let place = path.pose(seen.shutter.scene_time(0.0));
-            self.add_still(look, geometry, &place, seen);
-            return Ok(());
+        let mut geometry = geometry(&object.shape);
+        if let Shape::Mesh(MeshSurface { mesh, smooth, shapes: Some(shapes) }) = &object.shape {
+            // What another frame knows of this object is about another shape.
+            let number = self.objects.len() as u32;
+            self.before.retain(|(object, _)| *object != number);
+            let shaped = Shaped::new(mesh, shapes, seen.shutter)
+                .map_err(|reason| FrameError::Shape { object: object.name.clone(), reason })?;
+            match shaped {
+                Shaped::Bends(bent) => {
+                    let poses = seen.poses(&object.name, &path, &bent.about())?;
+                    self.add_bent(look, bent, *smooth, &poses, scene, seen, isa);
+                    return Ok(());
+                }
+                Shaped::AtRest(mesh) => geometry = Geometry::Mesh(mesh, *smooth),
+            }
+            self.any_is_shaped = true;
         }
-        self.add_moving(look, geometry, &path, scene, seen, isa);
+        let about = object_box(&geometry);
+        let poses = seen.poses(&object.name, &path, &about)?;
+        self.add_surface(look, geometry, &poses, scene, seen, isa);
         Ok(())
     }
 
@@ -85,101 +152,147 @@ impl Parts {
         isa: Isa,
         skies: Skies<'_>,
     ) -> Result<(Light, Vec<Pose>), FrameError> {
-        let ready = |origin: DVec3| Light::new(light, origin, &scene.textures, skies);
-        let surface = lamp_geometry(&light.kind);
-        if light.key_frames.is_empty() {
-            if let Some(surface) = surface {
-                self.add_still(look, surface, &DRigid::IDENTITY, seen);
+        let ready = |light: &slo_scene::Light, origin: DVec3| {
+            Light::new(light, origin, &scene.textures, skies)
+        };
+        if light.key_frames.is_empty() && light.parent.is_none() {
+            if let Some(surface) = lamp_geometry(&light.kind) {
+                self.add_still(look, surface, &DAffine::IDENTITY, seen);
             }
-            return Ok((ready(seen.origin), Vec::new()));
+            return Ok((ready(light, seen.origin), Vec::new()));
         }
-        let path = KeyFrames::new(&light.key_frames)
-            .map_err(|reason| FrameError::Path { object: light.name.clone(), reason })?;
-        let about_zero = ready(DVec3::ZERO);
-        let bounds = about_zero.bounds();
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        let center = if bounds.is_distant { DVec3::ZERO } else { (min + max) * 0.5 };
-        let pose = |pose: &DRigid| {
-            let pose = DRigid { rotation: pose.rotation, translation: pose.point(center) };
-            let Rigid { rotation, translation } = Rigid::relative(&pose, seen.origin);
-            Pose { rotation, translation }
+        let path = seen.path(&light.name, &light.key_frames, light.parent)?;
+        let box_of = |light: &Light| {
+            let bounds = light.bounds();
+            ObjectBox { min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() }
         };
-        let poses = if !path.moves(seen.shutter.scene_interval()) {
-            let place = path.pose(seen.shutter.scene_time(0.0));
-            if let Some(surface) = surface {
-                self.add_still(look, surface, &place, seen);
-            }
-            vec![place]
-        } else if let Some(surface) = surface {
-            self.add_moving(look, surface, &path, scene, seen, isa)
+        let surface = lamp_geometry(&light.kind);
+        let about_zero = ready(light, DVec3::ZERO);
+        let about = surface.as_ref().map_or_else(|| box_of(&about_zero), object_box);
+        let poses = seen.poses(&light.name, &path, &about)?;
+        let (light, about_zero, surface, poses) = if poses.iter().all(DAffine::is_rigid) {
+            (light.clone(), about_zero, surface, poses)
         } else {
-            let about = ObjectBox { min, max };
-            let motion = SampledMotion::new(&path, seen.shutter, &about, seen.camera, seen.per_ms);
-            motion.poses().to_vec()
+            let fault = |reason| FrameError::Lamp { lamp: light.name.clone(), reason };
+            let (light, poses) = carried(light, &poses).map_err(fault)?;
+            let about_zero = ready(&light, DVec3::ZERO);
+            let surface = lamp_geometry(&light.kind);
+            (light, about_zero, surface, poses)
         };
-        let ready = if bounds.is_distant { about_zero } else { ready(center) };
+        if let Some(surface) = surface {
+            self.add_surface(look, surface, &poses, scene, seen, isa);
+        }
+        let is_distant = about_zero.is_distant();
+        let center = if is_distant { DVec3::ZERO } else { box_of(&about_zero).center() };
+        let pose = |pose: &DAffine| {
+            let Affine { linear, translation, .. } =
+                Affine::relative(&pose.about(center), seen.origin);
+            Pose { rotation: linear, translation }
+        };
+        let ready = if is_distant { about_zero } else { ready(&light, center) };
         Ok((ready, poses.iter().map(pose).collect()))
     }
 
-    /// Adds something that moves during the shutter. Returns its poses.
-    pub(super) fn add_moving(
+    /// Adds a surface in these poses over the shutter.
+    fn add_surface(
         &mut self,
         look: Look,
         geometry: Geometry,
-        path: &KeyFrames,
+        poses: &[DAffine],
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
-    ) -> Vec<DRigid> {
-        let bounds = object_box(&geometry);
-        let motion = SampledMotion::new(path, seen.shutter, &bounds, seen.camera, seen.per_ms);
-        let center = (bounds.min + bounds.max) * 0.5;
+    ) {
+        match (poses, &geometry) {
+            // A curved surface is what it is in its own space only.
+            ([place], Geometry::Curved(_)) if place.growth.is_none() => {}
+            ([place], _) => return self.add_still(look, geometry, place, seen),
+            _ => {}
+        }
+        self.add_instance(look, geometry, poses, scene, seen, isa);
+    }
+
+    /// Adds something that moves during the shutter, or that is stretched.
+    fn add_instance(
+        &mut self,
+        look: Look,
+        geometry: Geometry,
+        poses: &[DAffine],
+        scene: &SceneDescription,
+        seen: &Seen<'_>,
+        isa: Isa,
+    ) {
+        let center = object_box(&geometry).center();
         let number = self.objects.len() as u32;
         let there = self.before.iter().find(|(object, _)| *object == number);
         let structure = there.map(|(_, structure)| structure.clone()).unwrap_or_else(|| {
-            let place = DRigid { translation: -center, ..DRigid::IDENTITY };
+            let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, &geometry, &place);
             Arc::new(structure(local, &scene.settings, isa))
         });
-        let poses = motion.poses().iter().map(|pose| {
-            let pose = DRigid { rotation: pose.rotation, translation: pose.point(center) };
-            Rigid::relative(&pose, seen.origin)
-        });
+        let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
             structure,
+            bending: None,
             center: center.as_vec3(),
             poses: poses.collect(),
             object: number,
         });
         self.looks.push(look);
         self.objects.push(FrameObject {
-            normals: vertex_normals(&geometry, &DRigid::IDENTITY),
+            normals: vertex_normals(&geometry, &DAffine::IDENTITY),
             geometry,
-            place: Rigid::IDENTITY,
+            place: Affine::IDENTITY,
             first_triangle: 0,
             first_light: None,
             light_group: 0,
         });
-        motion.poses().to_vec()
     }
 
-    pub(super) fn add_still(
+    /// Adds a mesh that bends during the shutter.
+    #[allow(clippy::too_many_arguments)]
+    fn add_bent(
         &mut self,
         look: Look,
-        geometry: Geometry,
-        place: &DRigid,
+        bent: Bent,
+        is_smooth: bool,
+        poses: &[DAffine],
+        scene: &SceneDescription,
         seen: &Seen<'_>,
+        isa: Isa,
     ) {
+        let center = bent.about().center();
+        let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
+        self.instances.push(Instance {
+            structure: Arc::new(structure(Primitives::default(), &scene.settings, isa)),
+            bending: Some(bent.structure(center, isa)),
+            center: center.as_vec3(),
+            poses: poses.collect(),
+            object: self.objects.len() as u32,
+        });
+        self.looks.push(look);
+        self.objects.push(FrameObject {
+            normals: if is_smooth { bent.normals } else { Vec::new() },
+            geometry: Geometry::Mesh(bent.mesh, is_smooth),
+            place: Affine::IDENTITY,
+            first_triangle: 0,
+            first_light: None,
+            light_group: 0,
+        });
+    }
+
+    fn add_still(&mut self, look: Look, geometry: Geometry, place: &DAffine, seen: &Seen<'_>) {
         let number = self.objects.len() as u32;
         let first_triangle = self.still.triangles.len() as u32;
-        let placed = DRigid { translation: place.translation - seen.origin, ..*place };
+        let placed = DAffine { translation: place.translation - seen.origin, ..*place };
         self.places.push((number, placed));
         add_primitives(&mut self.still, &geometry, &placed);
         self.triangle_objects.resize(self.still.triangles.len(), number);
         self.curved_objects.resize(self.still.curved.len(), number);
         let normals = vertex_normals(&geometry, place);
-        let place = Rigid::relative(place, seen.origin);
+        self.stretches |= place.growth.is_none() && !normals.is_empty();
+        let place = Affine::relative(place, seen.origin);
         self.looks.push(look);
         self.objects.push(FrameObject {
             geometry,
@@ -209,7 +322,7 @@ fn accelerator(name: slo_scene::Accelerator) -> Accelerator {
 }
 
 /// Adds the primitives of a geometry, transformed by `place`.
-fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DRigid) {
+fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DAffine) {
     let point = |p: DVec3| place.point(p).as_vec3();
     match geometry {
         Geometry::Mesh(mesh, _) => {
@@ -221,13 +334,22 @@ fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DRig
     }
 }
 
-/// Returns the vertex normals of a smooth mesh, rotated by `place`; empty if the geometry is not
-/// smooth.
-fn vertex_normals(geometry: &Geometry, place: &DRigid) -> Vec<Vec3> {
-    let rotation = place.rotation.as_mat3();
+/// Returns the vertex normals of a smooth mesh, transformed by `place`; empty if the geometry is not
+/// smooth. They are unit if `place` grows by the same factor in all directions.
+fn vertex_normals(geometry: &Geometry, place: &DAffine) -> Vec<Vec3> {
+    let transform = match place.growth {
+        Some(1.0) => place.linear,
+        Some(factor) => place.linear * (1.0 / factor),
+        // Not of unit length, so that interpolated normals are those of an instance.
+        None => {
+            let growth = libm::cbrt(place.linear.determinant());
+            place.linear.inverse().transpose() * growth
+        }
+    };
+    let transform = transform.as_mat3();
     match geometry {
         Geometry::Mesh(mesh, true) => {
-            mesh.normals.iter().map(|&n| rotation * Vec3::from(n)).collect()
+            mesh.normals.iter().map(|&n| transform * Vec3::from(n)).collect()
         }
         _ => Vec::new(),
     }

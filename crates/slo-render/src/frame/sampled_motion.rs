@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use slo_scene::animation::{DRigid, KeyFrames, Shutter};
+use slo_scene::animation::{DAffine, Path, Shutter};
 
 use super::sampled::{MAX_SAMPLES, least_count, time_of};
 use super::sampled_camera::SampledCamera;
@@ -19,6 +19,9 @@ const NEAREST_IN_DIAGONALS: f64 = 1.0 / 16.0;
 /// Number of intervals between two keys in which the speed of a path is measured.
 const PROBES_PER_PIECE: usize = 32;
 
+/// Number of times that each axis is visited in the search for the nearest point of a sheared box.
+const SWEEPS: usize = 16;
+
 /// An axis-aligned bounding box of an object in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ObjectBox {
@@ -31,7 +34,7 @@ pub(super) struct ObjectBox {
 /// The poses of an object at evenly spaced shutter times.
 #[derive(Clone, Debug)]
 pub(super) struct SampledMotion {
-    poses: Vec<DRigid>,
+    poses: Vec<DAffine>,
 }
 
 impl SampledMotion {
@@ -41,10 +44,10 @@ impl SampledMotion {
     /// it is in the picture, even if it is seen in a mirror. It never takes more than
     /// [`MAX_SAMPLES`].
     ///
-    /// Jumps of the path ([`KeyFrames::jumps`]) do not count as steps. A box that contains the
+    /// Jumps of the path ([`Path::jumps`]) do not count as steps. A box that contains the
     /// camera counts as seen from a sixteenth of its diagonal away.
     pub(super) fn new(
-        path: &KeyFrames,
+        path: &Path,
         shutter: &Shutter,
         object: &ObjectBox,
         camera: &SampledCamera,
@@ -53,7 +56,7 @@ impl SampledMotion {
         let watch = Watch::new(path, shutter, object, camera);
         let mut count = least_count(shutter, samples_per_ms).max(watch.estimate());
         loop {
-            let poses: Vec<DRigid> =
+            let poses: Vec<DAffine> =
                 (0..count).map(|k| path.pose(shutter.scene_time(time_of(k, count)))).collect();
             let step = watch.largest_step_px(&poses);
             if count == MAX_SAMPLES || step <= MAX_STEP_PX {
@@ -64,8 +67,8 @@ impl SampledMotion {
     }
 
     /// The sampled poses, `scene_from_object`. Pose `k` of `n` is at shutter time `k / (n - 1)`.
-    pub(super) fn poses(&self) -> &[DRigid] {
-        &self.poses
+    pub(super) fn into_poses(self) -> Vec<DAffine> {
+        self.poses
     }
 }
 
@@ -74,6 +77,11 @@ impl ObjectBox {
     pub(super) fn about(points: impl Iterator<Item = DVec3>) -> Self {
         let nothing = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
         points.fold(nothing, |all, p| Self { min: all.min.min(p), max: all.max.max(p) })
+    }
+
+    /// Returns the point in the middle.
+    pub(super) fn center(&self) -> DVec3 {
+        (self.min + self.max) * 0.5
     }
 
     /// Returns the eight corners.
@@ -86,11 +94,29 @@ impl ObjectBox {
     fn distance(&self, p: DVec3) -> f64 {
         (p - p.clamp(self.min, self.max)).length()
     }
+
+    /// Returns the distance of a point in scene space from the box in a pose; 0 inside.
+    fn distance_in(&self, pose: &DAffine, p: DVec3) -> f64 {
+        let way = p - pose.translation;
+        if pose.is_rigid() {
+            return self.distance(pose.linear.transpose() * way);
+        }
+        // Axis by axis: exact at once if the images of the axes are perpendicular.
+        let axes = [pose.linear.x_axis, pose.linear.y_axis, pose.linear.z_axis];
+        let mut nearest = (pose.linear.inverse() * way).clamp(self.min, self.max);
+        for _ in 0..SWEEPS {
+            for (k, axis) in axes.iter().enumerate() {
+                let step = axis.dot(way - pose.linear * nearest) / axis.length_squared();
+                nearest[k] = (nearest[k] + step).clamp(self.min[k], self.max[k]);
+            }
+        }
+        (way - pose.linear * nearest).length()
+    }
 }
 
 /// Measures motion in pixels.
 struct Watch<'a> {
-    path: &'a KeyFrames,
+    path: &'a Path,
     shutter: &'a Shutter,
     object: &'a ObjectBox,
     corners: [DVec3; 8],
@@ -101,13 +127,13 @@ struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     fn new(
-        path: &'a KeyFrames,
+        path: &'a Path,
         shutter: &'a Shutter,
         object: &'a ObjectBox,
         camera: &'a SampledCamera,
     ) -> Self {
         let jumps = path.jumps(shutter.scene_interval());
-        let jumps = jumps.iter().filter_map(|jump| shutter.shutter_time_of(jump.time)).collect();
+        let jumps = jumps.filter_map(|time| shutter.shutter_time_of(time)).collect();
         Self { path, shutter, object, corners: object.corners(), camera, jumps }
     }
 
@@ -142,7 +168,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Returns the largest distance, in pixels, that a corner moves between neighbouring poses.
-    fn largest_step_px(&self, poses: &[DRigid]) -> f64 {
+    fn largest_step_px(&self, poses: &[DAffine]) -> f64 {
         let time = |k| time_of(k, poses.len());
         (1..poses.len())
             .filter(|&k| !self.leaps_between(time(k - 1), time(k)))
@@ -157,16 +183,17 @@ impl<'a> Watch<'a> {
 
     /// Returns the distance, in pixels, between two poses as seen by the camera at a shutter time;
     /// infinite if it cannot be determined.
-    fn step_px(&self, a: &DRigid, b: &DRigid, time: f64) -> f64 {
+    fn step_px(&self, a: &DAffine, b: &DAffine, time: f64) -> f64 {
         let moved = |corner: &DVec3| (b.point(*corner) - a.point(*corner)).length();
         let step = self.corners.iter().map(moved).fold(0.0, f64::max);
         if step == 0.0 {
             return 0.0;
         }
         let camera = self.camera.at(time);
-        let seen_from = b.rotation.transpose() * (camera.position - b.translation);
-        let nearest = (self.object.max - self.object.min).length() * NEAREST_IN_DIAGONALS;
-        let distance = self.object.distance(seen_from);
+        let diagonal = self.object.max - self.object.min;
+        let growth = if b.is_rigid() { 1.0 } else { libm::cbrt(b.linear.determinant()) };
+        let nearest = diagonal.length() * NEAREST_IN_DIAGONALS * growth;
+        let distance = self.object.distance_in(b, camera.position);
         let distance = if distance > 0.0 { distance } else { nearest };
         let px = step / distance * self.camera.px_per_radian(&camera);
         if px.is_finite() { px } else { f64::INFINITY }
@@ -184,17 +211,23 @@ fn raised(count: usize, factor: f64) -> usize {
 mod tests {
     use super::super::sampled_camera::tests::{seen, shutter_and_camera};
     use super::*;
+    use glam::DMat3;
+    use slo_scene::animation::{DRigid, Spaces};
     use slo_scene::{KeyFrame, Placement};
 
     const UNIT_BOX: ObjectBox = ObjectBox { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) };
 
     fn key(time: f64, pivot: DVec3, right: DVec3) -> KeyFrame {
-        let key = Placement { pivot: Some(pivot), up: None, right: Some(right) };
+        let key = Placement { pivot: Some(pivot), right: Some(right), ..Placement::default() };
         KeyFrame { time, key, ..KeyFrame::default() }
     }
 
-    fn slide(from: DVec3, to: DVec3) -> KeyFrames {
-        KeyFrames::new(&[key(0.0, from, DVec3::X), key(1.0, to, DVec3::X)]).unwrap()
+    fn path_of(keys: &[KeyFrame]) -> Path {
+        Spaces::default().path(keys, None).unwrap()
+    }
+
+    fn slide(from: DVec3, to: DVec3) -> Path {
+        path_of(&[key(0.0, from, DVec3::X), key(1.0, to, DVec3::X)])
     }
 
     #[test]
@@ -203,7 +236,7 @@ mod tests {
         // there, so the slide is 21.05 pixels, and 1.5 times that in the corner of the picture.
         let (shutter, camera) = shutter_and_camera(|_| ());
         let path = slide(DVec3::NEG_X, DVec3::X);
-        let count = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.0).poses().len();
+        let count = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.0).poses.len();
         assert!((64..=70).contains(&count), "{count}");
     }
 
@@ -214,7 +247,7 @@ mod tests {
             let (shutter, camera) = shutter_and_camera(|s| s.scene = [0.0, scene_end]);
             let path = slide(DVec3::ZERO, DVec3::X * 1e-3);
             let count = |per_ms| {
-                SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, per_ms).poses().len()
+                SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, per_ms).poses.len()
             };
             assert_eq!(count(0.0), 2);
             assert_eq!(count(0.25), 250);
@@ -225,13 +258,13 @@ mod tests {
 
     /// Largest step of a corner on the picture between neighbouring samples, in pixels.
     fn largest_step(motion: &SampledMotion, object: &ObjectBox, camera: &SampledCamera) -> f64 {
-        let n = motion.poses().len();
+        let n = motion.poses.len();
         let mut largest = 0.0_f64;
         for k in 1..n {
             let camera = camera.at(time_of(k, n));
             for corner in object.corners() {
                 let [a, b] =
-                    [k - 1, k].map(|k| seen(&camera, motion.poses()[k].point(corner), 100.0));
+                    [k - 1, k].map(|k| seen(&camera, motion.poses[k].point(corner), 100.0));
                 largest = largest.max((a[0] - b[0]).hypot(a[1] - b[1]));
             }
         }
@@ -253,10 +286,10 @@ mod tests {
         ];
         let (shutter, camera) = shutter_and_camera(|s| s.targets = vec![DVec3::ZERO, far]);
         for keys in paths {
-            let path = KeyFrames::new(&keys).unwrap();
+            let path = path_of(&keys);
             let motion = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.0);
             let step = largest_step(&motion, &UNIT_BOX, &camera);
-            assert!(step <= 0.5 && step > 0.05, "{step} with {}", motion.poses().len());
+            assert!(step <= 0.5 && step > 0.05, "{step} with {}", motion.poses.len());
         }
     }
 
@@ -266,11 +299,11 @@ mod tests {
         let right = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
         let keys: Vec<_> =
             (0..=16).map(|i| key(i as f64 / 16.0, DVec3::ZERO, right[i % 4])).collect();
-        let path = KeyFrames::new(&keys).unwrap();
+        let path = path_of(&keys);
         let (shutter, camera) = shutter_and_camera(|_| ());
         let motion = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.0);
         let step = largest_step(&motion, &UNIT_BOX, &camera);
-        assert!(step <= 0.5 && motion.poses().len() > 16 * 10, "{step}");
+        assert!(step <= 0.5 && motion.poses.len() > 16 * 10, "{step}");
     }
 
     #[test]
@@ -278,7 +311,7 @@ mod tests {
         let (shutter, camera) = shutter_and_camera(|_| ());
         let path = slide(DVec3::NEG_X, DVec3::X);
         let count = |min, max| {
-            SampledMotion::new(&path, &shutter, &ObjectBox { min, max }, &camera, 0.0).poses().len()
+            SampledMotion::new(&path, &shutter, &ObjectBox { min, max }, &camera, 0.0).poses.len()
         };
         // Behind the camera, as far away as the box in front of it.
         let behind = count(DVec3::new(-0.5, -20.5, -0.5), DVec3::new(0.5, -19.5, 0.5));
@@ -305,9 +338,47 @@ mod tests {
             vec![key(0.0, still, DVec3::X), key(0.7, still, DVec3::NEG_X)],
         ];
         for keys in paths {
-            let path = KeyFrames::new(&keys).unwrap();
+            let path = path_of(&keys);
             let motion = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.1);
-            assert_eq!(motion.poses().len(), 100);
+            assert_eq!(motion.poses.len(), 100);
         }
+    }
+
+    #[test]
+    fn a_ball_that_grows_is_sampled_by_what_its_surface_moves() {
+        let (shutter, camera) = shutter_and_camera(|_| ());
+        let scaled = |time: f64, scale: f64| {
+            let key = Placement { scale: Some(DVec3::splat(scale)), ..Placement::default() };
+            KeyFrame { time, key, ..KeyFrame::default() }
+        };
+        let path = path_of(&[scaled(0.0, 1.0), scaled(1.0, 3.0)]);
+        let motion = SampledMotion::new(&path, &shutter, &UNIT_BOX, &camera, 0.0);
+        let step = largest_step(&motion, &UNIT_BOX, &camera);
+        assert!(step <= 0.5 && step > 0.2, "{step} with {}", motion.poses.len());
+    }
+
+    #[test]
+    fn distances_from_stretched_boxes() {
+        let sides = DVec3::new(3.0, 0.5, 2.0);
+        let turn = DMat3::from_axis_angle(DVec3::new(2.0, 1.0, -2.0) / 3.0, 1.1);
+        let translation = DVec3::new(4.0, 5.0, 6.0);
+        let pose = DAffine::scaled(sides, DRigid { rotation: turn, translation });
+        let larger = ObjectBox { min: UNIT_BOX.min * sides, max: UNIT_BOX.max * sides };
+        let sheared = pose.after(&DAffine::scaled(
+            DVec3::ONE,
+            DRigid { rotation: turn, translation: DVec3::ZERO },
+        ));
+        for p in [DVec3::ZERO, DVec3::new(9.0, -3.0, 2.0), DVec3::new(4.0, 9.0, 6.5)] {
+            let expected = larger.distance(turn.transpose() * (p - translation));
+            assert!((UNIT_BOX.distance_in(&pose, p) - expected).abs() < 1e-12, "{p}");
+            // The nearest of many points of the box.
+            let at =
+                |i: usize| DVec3::new((i % 41) as f64, (i / 41 % 41) as f64, (i / 1681) as f64);
+            let points = (0..41 * 41 * 41).map(|i| sheared.point(at(i) / 40.0 - 0.5));
+            let nearest = points.map(|q| q.distance(p)).fold(f64::INFINITY, f64::min);
+            let found = UNIT_BOX.distance_in(&sheared, p);
+            assert!(found <= nearest && found > nearest - 0.05, "{found} {nearest}");
+        }
+        assert!(UNIT_BOX.distance_in(&sheared, translation) < 1e-12);
     }
 }

@@ -4,10 +4,10 @@ use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 
+use super::affine::Affine;
 use super::looks::Looks;
-use super::rigid::Rigid;
 use super::shapes::Geometry;
-use super::world::{World, WorldHits};
+use super::world::{Instance, World, WorldHits};
 use crate::camera::Camera;
 use crate::guiding::Field;
 use crate::photons::Emission;
@@ -15,8 +15,8 @@ use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
 use slo_accel::math::columns::Column;
-use slo_accel::{Isa, Structure};
-use slo_scene::animation::DRigid;
+use slo_accel::{Bending, Isa, Structure};
+use slo_scene::animation::DAffine;
 use slo_scene::{Integrator, Settings, ShadowMode, Texture};
 
 /// A scene during one shutter.
@@ -67,11 +67,13 @@ pub struct FrameScene {
     /// Whether light may arrive above the triangles of smooth meshes: whether any has a physical
     /// material.
     pub(crate) softens: bool,
+    /// Whether vertex normals may have any length.
+    pub(super) stretches: bool,
     pub(super) textures: Vec<Arc<Texture>>,
     pub(super) objects: Vec<FrameObject>,
     pub(super) looks: Looks,
     /// Index and place of each still object: what the still structure was built from.
-    pub(super) still_places: Vec<(u32, DRigid)>,
+    pub(super) still_places: Vec<(u32, DAffine)>,
     /// For each primitive of the still structure, the index of its object in `objects`.
     pub(super) still_objects: Vec<u32>,
 }
@@ -80,8 +82,8 @@ pub struct FrameScene {
 #[derive(Debug)]
 pub(super) struct FrameObject {
     pub(super) geometry: Geometry,
-    /// `render_from_object` of a still object; the identity if it moves.
-    pub(super) place: Rigid,
+    /// `render_from_object` of a still object; the identity if it is an instance.
+    pub(super) place: Affine,
     /// Id of its first triangle in its structure.
     pub(super) first_triangle: u32,
     /// Index of the light that its first triangle is, if the material emits light toward which rays
@@ -89,8 +91,8 @@ pub(super) struct FrameObject {
     pub(super) first_light: Option<u32>,
     /// Number of the group of the light that it emits; 0: none.
     pub(super) light_group: u32,
-    /// Unit normals of the vertices: in render space if the object is still, in object space if it
-    /// moves. Empty if the object is not smooth.
+    /// Normals of the vertices: in render space if the object is still, in object space if it is an
+    /// instance. They are unit, except if `place` is a stretch. Empty if the object is not smooth.
     pub(super) normals: Vec<Vec3>,
 }
 
@@ -215,7 +217,7 @@ impl FrameScene {
 
     /// Whether anything but the camera moves within the shutter.
     pub(crate) fn moves(&self) -> bool {
-        !self.world.instances.is_empty() || self.lights.move_about()
+        self.world.moves() || self.lights.move_about()
     }
 
     /// Returns the number of objects that move within the shutter.
@@ -226,7 +228,9 @@ impl FrameScene {
     /// Returns the number of primitives in all structures.
     pub fn primitives(&self) -> usize {
         let of = |s: &Structure| s.triangle_count() + s.curved().len();
-        let moving: usize = self.world.instances.iter().map(|i| of(&i.structure)).sum();
+        let bending = |i: &Instance| i.bending.as_ref().map_or(0, Bending::triangle_count);
+        let moving: usize =
+            self.world.instances.iter().map(|i| of(&i.structure) + bending(i)).sum();
         of(&self.world.still) + moving
     }
 }

@@ -1,15 +1,15 @@
 //! The two-level structure: one tree over everything that is still, one tree over the boxes of
-//! moving objects, and a tree of its own for each moving object.
+//! moving or stretched objects, and a tree of its own for each of these.
 
 use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::rigid::Rigid;
+use super::affine::Affine;
 use slo_accel::math::Bounds;
 use slo_accel::math::rounding::gamma;
 use slo_accel::{
-    BoxScratch, BoxTree, Coherence, Hits, Isa, LANES, NO_HIT, Rays, Scratch, Structure,
+    Bending, BoxScratch, BoxTree, Coherence, Hits, Isa, LANES, NO_HIT, Rays, Scratch, Structure,
 };
 
 /// Instance number of a hit on a still object.
@@ -24,17 +24,19 @@ pub(crate) struct World {
     isa: Isa,
 }
 
-/// An object that moves within the shutter.
+/// An object that moves within the shutter, or a curved one that is stretched.
 #[derive(Debug)]
 pub(crate) struct Instance {
     /// Its primitives, in object space translated by `-center`.
     pub(super) structure: Arc<Structure>,
+    /// Its triangles if they bend, in the same space. `structure` is empty then.
+    pub(super) bending: Option<Bending>,
     /// Middle of the object in object space. Coordinates relative to it are small and keep their
     /// precision.
     pub(super) center: Vec3,
     /// `render_from_structure`, evenly spaced over the shutter. A ray uses the pose nearest to its
     /// time.
-    pub(super) poses: Vec<Rigid>,
+    pub(super) poses: Vec<Affine>,
     /// Index of the object.
     pub(super) object: u32,
 }
@@ -44,18 +46,25 @@ impl Instance {
     ///
     /// Source: thesis 5.3, with rounding to the nearest pose.
     #[inline]
-    pub(super) fn pose(&self, time: f32) -> &Rigid {
+    pub(super) fn pose(&self, time: f32) -> &Affine {
         let last = self.poses.len() - 1;
         &self.poses[((time * last as f32 + 0.5) as usize).min(last)]
     }
 
     /// Returns the bounding box of all poses.
     pub(super) fn bounds(&self) -> Bounds {
-        let corners = self.structure.bounds().corners();
-        let at = |pose: &Rigid| Bounds::of_points(corners.map(|c| pose.point(c)));
+        let bounds = match &self.bending {
+            Some(bending) => bending.bounds(),
+            None => self.structure.bounds(),
+        };
+        let corners = bounds.corners();
+        let at = |pose: &Affine| Bounds::of_points(corners.map(|c| pose.point(c)));
         let bounds = self.poses.iter().map(at).fold(Bounds::EMPTY, Bounds::union);
         // Rays are transformed to object space with rounding errors of their own.
-        let size = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let far = bounds.min.abs().max(bounds.max.abs());
+        let stretched = self.poses.iter().filter(|pose| !pose.is_rigid);
+        let size = stretched
+            .fold(far.max_element(), |size, pose| size.max(pose.round_trip(far).max_element()));
         let margin = Vec3::splat(size * gamma(16));
         Bounds { min: bounds.min - margin, max: bounds.max + margin }
     }
@@ -80,6 +89,7 @@ pub(crate) struct WorldScratch {
     /// For each instance, the rays that enter its box.
     entering: Vec<Vec<u32>>,
     local: Rays,
+    local_times: Vec<f32>,
     local_hits: Hits,
     local_blocked: Vec<bool>,
 }
@@ -121,8 +131,15 @@ impl World {
                 let t_max = reach(found.hits.t[i as usize], i as usize);
                 push_local(local, rays, instance.pose(time[i as usize]), i as usize, t_max);
             }
-            let hits = &mut scratch.local_hits;
-            instance.structure.intersect(local, coherence, hits, &mut scratch.accel);
+            let (hits, accel) = (&mut scratch.local_hits, &mut scratch.accel);
+            if let Some(bending) = &instance.bending {
+                let times = &mut scratch.local_times;
+                times.clear();
+                times.extend(entering.iter().map(|&i| time[i as usize]));
+                bending.intersect(local, times, coherence, hits, accel);
+            } else {
+                instance.structure.intersect(local, coherence, hits, accel);
+            }
             for (j, &i) in entering.iter().enumerate() {
                 let i = i as usize;
                 if hits.primitive[j] != NO_HIT {
@@ -167,8 +184,15 @@ impl World {
                 let i = i as usize;
                 push_local(local, rays, instance.pose(time[i]), i, rays.t_max[i]);
             }
-            let found = &mut scratch.local_blocked;
-            instance.structure.occluded(local, coherence, found, &mut scratch.accel);
+            let (found, accel) = (&mut scratch.local_blocked, &mut scratch.accel);
+            if let Some(bending) = &instance.bending {
+                let times = &mut scratch.local_times;
+                times.clear();
+                times.extend(entering.iter().map(|&i| time[i as usize]));
+                bending.occluded(local, times, coherence, found, accel);
+            } else {
+                instance.structure.occluded(local, coherence, found, accel);
+            }
             for (&i, &hit) in entering.iter().zip(&*found) {
                 blocked[i as usize] |= hit;
             }
@@ -184,6 +208,11 @@ impl World {
         self.boxes.gather(self.isa, rays, reach, entering, boxes);
     }
 
+    /// Whether anything moves within the shutter.
+    pub(super) fn moves(&self) -> bool {
+        self.instances.iter().any(|instance| instance.poses.len() > 1)
+    }
+
     /// Returns the bounding box of everything.
     pub(super) fn bounds(&self) -> Bounds {
         self.instances.iter().map(Instance::bounds).fold(self.still.bounds(), Bounds::union)
@@ -191,12 +220,15 @@ impl World {
 
     /// Returns the memory, in bytes, of all structures and poses.
     pub(super) fn memory(&self) -> usize {
-        let of = |i: &Instance| i.structure.memory() + i.poses.len() * size_of::<Rigid>();
+        let of = |i: &Instance| {
+            let bending = i.bending.as_ref().map_or(0, Bending::memory);
+            i.structure.memory() + bending + i.poses.len() * size_of::<Affine>()
+        };
         self.still.memory() + self.instances.iter().map(of).sum::<usize>()
     }
 }
 
-fn push_local(local: &mut Rays, rays: &Rays, pose: &Rigid, i: usize, t_max: f32) {
+fn push_local(local: &mut Rays, rays: &Rays, pose: &Affine, i: usize, t_max: f32) {
     let origin = pose.inverse_point(rays.origin(i));
     local.push(origin, pose.inverse_vector(rays.direction(i)), t_max);
 }

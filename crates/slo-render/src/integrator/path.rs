@@ -16,7 +16,7 @@ use super::machine::{Connection, Integrator, Machine};
 use super::stages::arrived::{Arrived, arrived_parts};
 use super::stages::bsdfs::Bsdfs;
 use super::stages::camera_rays::CameraRays;
-use super::stages::continuation::Continuation;
+use super::stages::continuation::{Continuation, Rays};
 use super::stages::direct_light::questions;
 use super::stages::emission::Emission;
 use super::stages::features::FeatureSums;
@@ -182,7 +182,8 @@ impl Path {
             if job.is_pilot {
                 pilot.remember(points, continuation, count);
             }
-            let Continuation { sent, labels, past, chosen, .. } = &**continuation;
+            let Continuation { rays: Rays { sent, past, .. }, labels, chosen, .. } =
+                &**continuation;
             machine.extend_path(depth + 1, sent, labels, past, chosen);
             job.goes_on()?;
         }

@@ -6,19 +6,24 @@ use glam::DVec3;
 
 use crate::description::{KeyFrame, Placement};
 
+use super::affine::DAffine;
+use super::bezier::cubic;
 use super::orientation::orientation;
 use super::piece::Piece;
 use super::rigid::DRigid;
 
-/// The path of an object through scene time: where it is, and how it is turned.
+/// The path of an object through scene time, in its parent: where it is, how it is turned, and how
+/// large.
 ///
-/// Between two keys, pivot, up and right each run along the cubic Bézier curve of (key, nex of
+/// Between two keys, pivot, up, right and scale each run along the cubic Bézier curve of (key, nex of
 /// it, pre of the next, next key), linear in time; outside the keys the object rests. At a time
 /// that two keys share, the later one counts from that time on.
 #[derive(Clone, Debug)]
 pub struct KeyFrames {
     keys: Vec<Key>,
     pieces: Vec<Piece>,
+    /// Whether the scale is 1 at all times.
+    is_rigid: bool,
 }
 
 /// A key with all parts filled in.
@@ -29,8 +34,29 @@ struct Key {
     pose: DRigid,
 }
 
-/// Pivot, up and right.
-type Control = [DVec3; 3];
+/// Pivot, up, right and scale.
+type Control = [DVec3; 4];
+
+/// Where a time lies among the keys.
+enum Place<'a> {
+    /// There are none.
+    Anywhere,
+    /// At a key, or at rest outside of all keys.
+    Key(&'a Key),
+    /// In the piece with this index, at a parameter from 0 to 1.
+    Between(usize, f64),
+}
+
+impl Key {
+    fn scale(&self) -> DVec3 {
+        self.control[3]
+    }
+
+    /// Whether the object leaps from one key to the other.
+    fn differs(&self, other: &Self) -> bool {
+        self.pose != other.pose || self.scale() != other.scale()
+    }
+}
 
 /// Why a list of key frames is no path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,8 +84,8 @@ pub struct Jump {
 impl KeyFrames {
     /// The path through some key frames; without any, object space is scene space.
     ///
-    /// A missing pivot, up or right of a key comes from the key before it (the first key: pivot 0,
-    /// up z, right x); a missing handle lies at a third of the straight line between the keys.
+    /// A missing part of a key comes from the key before it (the first key: pivot 0, up z, right x,
+    /// scale 1); a missing handle lies at a third of the straight line between the keys.
     ///
     /// # Errors
     /// A key without an orientation; keys out of order.
@@ -70,31 +96,63 @@ impl KeyFrames {
                 let [from, to] = [keys[i - 1].control, keys[i].control];
                 let handles = [key_frames[i - 1].nex, key_frames[i].pre];
                 let curve = |c: usize| with_handles(from[c], handles.map(|h| parts(h)[c]), to[c]);
-                Piece { pivot: curve(0), up: curve(1), right: curve(2) }
+                Piece { pivot: curve(0), up: curve(1), right: curve(2), scale: curve(3) }
             })
             .collect::<Vec<_>>();
-        Ok(Self { keys, pieces })
+        let is_one = |scale: &DVec3| *scale == DVec3::ONE;
+        let is_rigid = keys.iter().all(|key| is_one(&key.scale()))
+            && pieces.iter().all(|piece| piece.scale.iter().all(is_one));
+        Ok(Self { keys, pieces, is_rigid })
     }
 
-    /// The transform from object space to scene space at a scene time; always finite.
+    /// Whether the scale is 1 at all times.
+    pub fn is_rigid(&self) -> bool {
+        self.is_rigid
+    }
+
+    /// The transform from object space to the parent's space at a scene time; always finite.
+    pub fn placed(&self, time: f64) -> DAffine {
+        let pose = self.pose(time);
+        if self.is_rigid { pose.into() } else { DAffine::scaled(self.scale(time), pose) }
+    }
+
+    /// The scale along the object's own axes at a scene time.
+    fn scale(&self, time: f64) -> DVec3 {
+        match self.place(time) {
+            Place::Anywhere => DVec3::ONE,
+            Place::Key(key) => key.scale(),
+            Place::Between(before, u) => cubic(&self.pieces[before].scale, u),
+        }
+    }
+
+    /// The place and orientation at a scene time, without the scale; always finite.
     ///
     /// Where `up` and `right` pass through a state without orientation inside a piece, the object
     /// keeps the orientation that it had just before.
     pub fn pose(&self, time: f64) -> DRigid {
-        let after = self.keys.partition_point(|key| key.time <= time);
-        match (after.checked_sub(1), self.keys.get(after)) {
-            (None, None) => DRigid::IDENTITY,
-            (None, Some(first)) => first.pose,
-            (Some(last), None) => self.keys[last].pose,
-            (Some(before), Some(next)) => {
-                let from = &self.keys[before];
-                let u = (time - from.time) / (next.time - from.time);
-                self.pieces[before].pose(u, from.pose.rotation)
+        match self.place(time) {
+            Place::Anywhere => DRigid::IDENTITY,
+            Place::Key(key) => key.pose,
+            Place::Between(before, u) => {
+                self.pieces[before].pose(u, self.keys[before].pose.rotation)
             }
         }
     }
 
-    /// Whether the object changes its place or orientation within an interval of scene time.
+    fn place(&self, time: f64) -> Place<'_> {
+        let after = self.keys.partition_point(|key| key.time <= time);
+        match (after.checked_sub(1), self.keys.get(after)) {
+            (None, None) => Place::Anywhere,
+            (None, Some(first)) => Place::Key(first),
+            (Some(last), None) => Place::Key(&self.keys[last]),
+            (Some(before), Some(next)) => {
+                let from = &self.keys[before];
+                Place::Between(before, (time - from.time) / (next.time - from.time))
+            }
+        }
+    }
+
+    /// Whether the object changes its place, orientation or size within an interval of scene time.
     ///
     /// Answered from the control points, not from poses: an object that returns to where it was
     /// does move. An interval without length holds no motion.
@@ -105,7 +163,7 @@ impl KeyFrames {
             if from.time < to.time {
                 from.time < end && start < to.time && !self.pieces[i].rests()
             } else {
-                start < from.time && from.time <= end && from.pose != to.pose
+                start < from.time && from.time <= end && from.differs(to)
             }
         };
         start < end && (0..self.pieces.len()).any(moving)
@@ -126,7 +184,7 @@ impl KeyFrames {
             let time = |u: f64| from.time + u * (to.time - from.time);
             let jump = |u| Jump { key, time: time(u), collapse: true };
             piece.collapses().into_iter().map(jump).collect()
-        } else if from.pose != to.pose {
+        } else if from.differs(to) {
             vec![Jump { key, time: from.time, collapse: false }]
         } else {
             vec![]
@@ -155,13 +213,13 @@ impl fmt::Display for KeyFrameError {
 
 impl std::error::Error for KeyFrameError {}
 
-fn parts(placement: Placement) -> [Option<DVec3>; 3] {
-    [placement.pivot, placement.up, placement.right]
+fn parts(placement: Placement) -> [Option<DVec3>; 4] {
+    [placement.pivot, placement.up, placement.right, placement.scale]
 }
 
 /// Fills in what keys leave out.
 fn complete(key_frames: &[KeyFrame]) -> Result<Vec<Key>, KeyFrameError> {
-    let mut control: Control = [DVec3::ZERO, DVec3::Z, DVec3::X];
+    let mut control: Control = [DVec3::ZERO, DVec3::Z, DVec3::X, DVec3::ONE];
     let mut before = f64::NEG_INFINITY;
     let mut keys = Vec::with_capacity(key_frames.len());
     for (i, key_frame) in key_frames.iter().enumerate() {
@@ -173,7 +231,7 @@ fn complete(key_frames: &[KeyFrame]) -> Result<Vec<Key>, KeyFrameError> {
         for (component, given) in control.iter_mut().zip(parts(key_frame.key)) {
             *component = given.unwrap_or(*component);
         }
-        let [pivot, up, right] = control;
+        let [pivot, up, right, _] = control;
         let rotation = orientation(right, up).ok_or(KeyFrameError::NoOrientation(i))?;
         keys.push(Key { time, control, pose: DRigid { rotation, translation: pivot } });
     }
@@ -273,7 +331,8 @@ mod tests {
 
     #[test]
     fn what_a_key_leaves_out_comes_from_the_key_before() {
-        let full = Placement { pivot: Some(DVec3::ONE), up: Some(DVec3::X), right: Some(DVec3::Y) };
+        let [pivot, up, right] = [DVec3::ONE, DVec3::X, DVec3::Y].map(Some);
+        let full = Placement { pivot, up, right, scale: None };
         let path = path(&[
             key(0.0, Placement::default()),
             key(1.0, full),
@@ -425,7 +484,8 @@ mod tests {
         };
         for _ in 0..200 {
             let mut vector = || Some(DVec3::new(random(), random(), random()));
-            let mut placement = || Placement { pivot: vector(), up: vector(), right: vector() };
+            let mut placement =
+                || Placement { pivot: vector(), up: vector(), right: vector(), scale: None };
             let keys: Vec<_> = (0..4)
                 .map(|i| KeyFrame {
                     time: i as f64,
@@ -454,5 +514,41 @@ mod tests {
         for u in [0.0, 0.4, 1.0] {
             assert_eq!(path.pose(u).rotation.x_axis, DVec3::Y);
         }
+    }
+
+    #[test]
+    fn a_ball_grows_along_its_own_axes() {
+        let scale = |x: f64, y: f64, z: f64| Some(DVec3::new(x, y, z));
+        let first =
+            Placement { scale: scale(1.0, 2.0, 3.0), right: Some(DVec3::Y), ..at([5.0; 3]) };
+        let mut keys =
+            [key(0.0, first), key(2.0, Placement { scale: scale(3.0, 2.0, 1.0), ..at([5.0; 3]) })];
+        let straight = path(&keys);
+        assert!(
+            !straight.is_rigid()
+                && straight.moves([0.5, 0.6])
+                && straight.jumps([0.0, 2.0]).is_empty()
+        );
+        let pose = straight.placed(1.0);
+        // x goes to y, y to -x; half way, all axes are twice as long
+        assert!((pose.linear.x_axis - DVec3::Y * 2.0).length() < 1e-14);
+        assert!((pose.linear.y_axis - DVec3::NEG_X * 2.0).length() < 1e-14);
+        assert_eq!(
+            (pose.translation, straight.placed(9.0).linear.z_axis),
+            (DVec3::splat(5.0), DVec3::Z)
+        );
+        // (1 + 3 * 1 + 3 * 7 + 3) / 8 = 3.5
+        keys[0].nex = Placement { scale: scale(1.0, 2.0, 3.0), ..Placement::default() };
+        keys[1].pre = Placement { scale: scale(7.0, 2.0, 1.0), ..Placement::default() };
+        assert!((path(&keys).placed(1.0).linear.x_axis - DVec3::Y * 3.5).length() < 1e-14);
+        // What a key leaves out comes from the key before; a leap in size is a leap.
+        keys[1].key.scale = None;
+        keys[1].pre = Placement::default();
+        assert!(!path(&keys).moves([0.0, 2.0]) && path(&keys).placed(2.0).growth.is_none());
+        (keys[1].time, keys[1].key.scale) = (0.0, scale(9.0, 9.0, 9.0));
+        assert_eq!(
+            (path(&keys).jumps([0.0, 1.0]).len(), path(&keys).placed(0.0).growth),
+            (1, Some(9.0))
+        );
     }
 }

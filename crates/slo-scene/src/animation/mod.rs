@@ -6,19 +6,23 @@
 //! - *scene time*: what key frames count in; a camera segment maps video time to it linearly;
 //! - *shutter time*: `[0, 1]` over one shutter; what a ray carries.
 
+mod affine;
 mod bezier;
 mod camera_path;
 mod clock;
 mod key_frames;
 mod mix;
 mod orientation;
+mod path;
 mod piece;
 mod rigid;
 
+pub use affine::DAffine;
 pub use bezier::{bezier, cubic};
 pub use camera_path::{View, axes, between, view_at};
 pub use clock::{Clock, NoSegment, SegmentFrames, Shutter};
 pub use key_frames::{Jump, KeyFrameError, KeyFrames};
 pub use mix::mix;
 pub use orientation::have_orientation;
+pub use path::{Path, Spaces};
 pub use rigid::DRigid;

@@ -12,6 +12,7 @@ pub(super) struct Piece {
     pub(super) pivot: [DVec3; 4],
     pub(super) up: [DVec3; 4],
     pub(super) right: [DVec3; 4],
+    pub(super) scale: [DVec3; 4],
 }
 
 impl Piece {
@@ -45,7 +46,7 @@ impl Piece {
 
     /// Whether nothing changes along the piece.
     pub(super) fn rests(&self) -> bool {
-        [self.pivot, self.up, self.right].iter().all(is_constant)
+        [self.pivot, self.up, self.right, self.scale].iter().all(is_constant)
     }
 
     /// Parameters in (0, 1) between which the orientation jumps.

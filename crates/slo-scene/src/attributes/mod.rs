@@ -15,6 +15,6 @@ pub(crate) use crate::settings::Bound;
 pub(crate) use elsewhere::element_meant;
 pub(crate) use fields::{Element, Field, Fields, Value, nameless, quoted_list};
 pub(crate) use language::Language;
-pub(crate) use motion::ADD_KFRAME;
+pub(crate) use motion::{ADD_KFRAME, PARENT};
 pub(crate) use references::{References, Referred};
 pub(crate) use values::{FARTHEST, Found, SHORTEST, looks_like_bytes};

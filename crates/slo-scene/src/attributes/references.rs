@@ -15,11 +15,13 @@ pub(crate) enum Referred {
     PhongInfo,
     Material,
     Texture,
+    /// An object, a light, or a group.
+    Object,
 }
 
 impl Referred {
     /// All, in the order of their numbers.
-    const ALL: [Self; 3] = [Self::PhongInfo, Self::Material, Self::Texture];
+    const ALL: [Self; 4] = [Self::PhongInfo, Self::Material, Self::Texture, Self::Object];
 
     /// What messages call an element of this kind.
     const fn name(self) -> &'static str {
@@ -27,6 +29,7 @@ impl Referred {
             Self::PhongInfo => "phong_info",
             Self::Material => "material",
             Self::Texture => "texture",
+            Self::Object => "object",
         }
     }
 }
@@ -71,6 +74,29 @@ impl<'a> References<'a> {
             let error = Diagnostic::error(message).at(double.again, "again");
             diagnostics.push(error.also(double.first, "first here"));
         }
+    }
+
+    /// Adds an object, a light or a group, whose name may be given twice as long as nothing refers
+    /// to it.
+    pub(crate) fn declare_object(&mut self, word: Word<'a>) {
+        _ = self.names[Referred::Object as usize].declare(word);
+    }
+
+    /// Index of the element that a word refers to; notes a missing one, and reports a name that
+    /// several elements have.
+    pub(crate) fn find_only(
+        &mut self,
+        referred: Referred,
+        word: Word<'a>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<usize> {
+        let found = self.find(referred, word);
+        let names = &self.names[referred as usize];
+        let Some(double) = found.and_then(|first| names.double(first)) else { return found };
+        let message = format!("two {}s are called `{}`", names.kind(), written(word.text));
+        let error = Diagnostic::error(message).at(word.span, "this may mean both");
+        diagnostics.push(error.also(double.first, "one").also(double.again, "the other"));
+        None
     }
 
     /// Index of the element that a word refers to; notes a missing one.
@@ -148,7 +174,9 @@ impl<'a> References<'a> {
 
     /// Warns of elements that nothing refers to.
     pub(crate) fn warn_unused(&self, diagnostics: &mut Diagnostics) {
-        self.names.iter().for_each(|names| names.warn_unused(diagnostics));
+        // Most objects are referred to by nothing.
+        let of_objects = Referred::Object as usize;
+        self.names[..of_objects].iter().for_each(|names| names.warn_unused(diagnostics));
     }
 }
 

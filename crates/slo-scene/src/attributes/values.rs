@@ -164,6 +164,26 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         Some(found)
     }
 
+    /// Factors along three axes, each more than 0.
+    pub(crate) fn factors(&mut self, name: &str) -> Option<DVec3> {
+        let found = self.vector(name)?;
+        let (least, most) = (found.value.min_element(), found.value.max_element());
+        let (what, help) = if least < 0.0 {
+            ("must not be negative", "a mirrored mesh is exported mirrored")
+        } else if least == 0.0 {
+            ("must not be 0", "what has no size can be left out: `hidden 1`")
+        } else if least < SHORTEST || most > FARTHEST {
+            let message = format!("`{name}` must be from {SHORTEST:e} to {FARTHEST:e}");
+            self.diagnostics.push(Diagnostic::error(message).at(found.span, ""));
+            return None;
+        } else {
+            return Some(found.value);
+        };
+        let error = Diagnostic::error(format!("`{name}` {what}")).at(found.span, "");
+        self.diagnostics.push(error.help(help));
+        None
+    }
+
     /// A position, scaled.
     pub(crate) fn point(&mut self, name: &str) -> Option<Found<DVec3>> {
         self.get(name).and_then(|field| self.point_of(field))

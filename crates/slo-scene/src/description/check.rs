@@ -1,6 +1,6 @@
 //! Whether a scene that was built in memory holds together.
 
-use super::{MaterialId, Object, SceneDescription};
+use super::{MaterialId, Object, SceneDescription, SpaceId};
 use crate::light::{Environment, Light, LightKind, Sky};
 use crate::material::{MOST_MIXES, Material, Tangle, inside_out};
 
@@ -22,10 +22,38 @@ impl SceneDescription {
                 return Err(format!("camera segment `{}` has no path", segment.name));
             }
         }
+        self.check_spaces()?;
         self.lights.iter().try_for_each(|light| self.check_light(light))?;
         self.materials.iter().try_for_each(|material| self.check_material(material))?;
         inside_out(&self.materials).map_err(|tangle| self.tangled(&tangle))?;
         self.objects.iter().try_for_each(|object| self.check_object(object))
+    }
+
+    fn check_spaces(&self) -> Result<(), String> {
+        for space in &self.spaces {
+            self.check_parent(&space.name, space.parent)?;
+        }
+        let mut is_sound = vec![false; self.spaces.len()];
+        for (start, space) in self.spaces.iter().enumerate() {
+            let mut way = vec![start];
+            let mut at = start;
+            while let (Some(parent), false) = (self.spaces[at].parent, is_sound[at]) {
+                at = parent.0 as usize;
+                way.push(at);
+                if way.len() > self.spaces.len() {
+                    return Err(format!("`{}` hangs in itself, or in what does", space.name));
+                }
+            }
+            way.into_iter().for_each(|number| is_sound[number] = true);
+        }
+        Ok(())
+    }
+
+    fn check_parent(&self, name: &str, parent: Option<SpaceId>) -> Result<(), String> {
+        if parent.is_some_and(|id| id.0 as usize >= self.spaces.len()) {
+            return Err(format!("`{name}` refers to a parent that is missing"));
+        }
+        Ok(())
     }
 
     fn check_light(&self, light: &Light) -> Result<(), String> {
@@ -35,7 +63,7 @@ impl SceneDescription {
         {
             return Err(format!("environment `{name}` refers to a texture that is missing"));
         }
-        Ok(())
+        self.check_parent(name, light.parent)
     }
 
     fn check_material(&self, material: &Material) -> Result<(), String> {
@@ -71,6 +99,6 @@ impl SceneDescription {
         if !object.shape.is_consistent() {
             return Err(format!("an index of `{name}` leads nowhere"));
         }
-        Ok(())
+        self.check_parent(name, object.parent)
     }
 }

@@ -7,6 +7,7 @@ mod camera;
 mod check;
 mod light_groups;
 mod object;
+mod space;
 
 use std::sync::Arc;
 
@@ -20,6 +21,7 @@ pub use crate::material::MaterialId;
 pub use camera::{CamSegment, Camera};
 pub use light_groups::LightGroups;
 pub use object::Object;
+pub use space::{Space, SpaceId};
 
 /// A scene that has no errors: all that its text, meshes and textures say.
 #[derive(Clone, Debug)]
@@ -36,6 +38,8 @@ pub struct SceneDescription {
     pub textures: Vec<Arc<Texture>>,
     /// Objects in the order of the text.
     pub objects: Vec<Object>,
+    /// What objects, lights and other spaces hang in.
+    pub spaces: Vec<Space>,
     /// BLAKE3 over everything that can change a picture of this scene: the text and the bytes of
     /// every mesh and texture, in the order of their loading.
     pub content_hash: [u8; 32],

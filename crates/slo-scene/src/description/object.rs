@@ -1,5 +1,6 @@
 //! Objects: their shape, material and motion.
 
+use super::space::SpaceId;
 use crate::key_frame::KeyFrame;
 use crate::material::MaterialId;
 use crate::shape::Shape;
@@ -11,10 +12,13 @@ pub struct Object {
     pub name: String,
     /// What it is made of.
     pub material: MaterialId,
-    /// What it looks like, in object space (scene space if there are no key frames).
+    /// What it looks like, in object space (the parent's if there are no key frames).
     pub shape: Shape,
-    /// In order of time; none: object space is scene space. One: a placed, still object.
+    /// In order of time; none: object space is the parent's. One: a placed object, still in its
+    /// parent.
     pub key_frames: Vec<KeyFrame>,
+    /// What it hangs in; `None`: scene space.
+    pub parent: Option<SpaceId>,
     /// Whether rays are sent toward it if its material emits light. Otherwise only rays that hit it
     /// find its light.
     pub sampled: bool,
@@ -26,6 +30,14 @@ impl Object {
     /// An object that rests where its shape is.
     pub fn new(name: impl Into<String>, material: MaterialId, shape: Shape) -> Self {
         let (key_frames, light_group) = (Vec::new(), None);
-        Self { name: name.into(), material, shape, key_frames, sampled: true, light_group }
+        Self {
+            name: name.into(),
+            material,
+            shape,
+            key_frames,
+            parent: None,
+            sampled: true,
+            light_group,
+        }
     }
 }

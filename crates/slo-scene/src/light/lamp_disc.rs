@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radiance_of};
 use crate::attributes::schema::{color, number, point};
-use crate::attributes::{Bound, Fields};
+use crate::attributes::{Bound, Fields, PARENT};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Shape, axes_about};
@@ -42,6 +42,7 @@ impl WrittenLight for DiscLamp {
             CAMERA_VISIBLE,
             SOLID,
             LIGHT_GROUP,
+            PARENT,
             MOTION,
         ],
     }];

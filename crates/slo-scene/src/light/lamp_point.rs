@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::lamp::{
     CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radius_or_point,
 };
-use crate::attributes::Fields;
 use crate::attributes::schema::{color, number, point};
+use crate::attributes::{Fields, PARENT};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Shape, Sphere};
@@ -32,6 +32,7 @@ impl WrittenLight for PointLamp {
             CAMERA_VISIBLE,
             SOLID,
             LIGHT_GROUP,
+            PARENT,
             MOTION,
         ],
     }];

@@ -1,8 +1,8 @@
 //! `lamp_rectangle`
 
 use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radiance_of};
-use crate::attributes::Fields;
 use crate::attributes::schema::{color, number, point};
+use crate::attributes::{Fields, PARENT};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Rectangle, Shape};
@@ -31,6 +31,7 @@ impl WrittenLight for RectangleLamp {
             CAMERA_VISIBLE,
             SOLID,
             LIGHT_GROUP,
+            PARENT,
             MOTION,
         ],
     }];

@@ -6,7 +6,7 @@ use super::lamp::{
     CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radius_or_point,
 };
 use crate::attributes::schema::{color, number, point};
-use crate::attributes::{Bound, Fields, Found};
+use crate::attributes::{Bound, Fields, Found, PARENT};
 use crate::diagnostics::Diagnostic;
 use crate::kinds::Keyword;
 use crate::material::Palette;
@@ -42,6 +42,7 @@ impl WrittenLight for SpotLamp {
             CAMERA_VISIBLE,
             SOLID,
             LIGHT_GROUP,
+            PARENT,
             MOTION,
         ],
     }];

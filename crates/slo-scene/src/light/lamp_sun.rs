@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, WrittenLight};
 use crate::attributes::schema::{color, number, point};
-use crate::attributes::{Bound, Fields};
+use crate::attributes::{Bound, Fields, PARENT};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::Shape;
@@ -29,6 +29,7 @@ impl WrittenLight for SunLamp {
             number("angle_deg"),
             CAMERA_VISIBLE,
             LIGHT_GROUP,
+            PARENT,
             MOTION,
         ],
     }];

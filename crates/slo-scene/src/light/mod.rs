@@ -13,6 +13,7 @@ mod rectangle;
 use glam::DVec3;
 
 use crate::attributes::Fields;
+use crate::description::SpaceId;
 use crate::key_frame::KeyFrame;
 use crate::kinds::kinds;
 use crate::material::Palette;
@@ -39,8 +40,10 @@ pub struct Light {
     pub name: String,
     /// Where and how it shines.
     pub kind: LightKind,
-    /// In order of time; none: lamp space is scene space.
+    /// In order of time; none: lamp space is the parent's.
     pub key_frames: Vec<KeyFrame>,
+    /// What it hangs in; `None`: scene space.
+    pub parent: Option<SpaceId>,
     /// Whether camera rays see it. All other rays do.
     pub camera_visible: bool,
     /// Whether it stops rays, as an opaque, black surface does.
@@ -54,7 +57,15 @@ impl Light {
     /// surface.
     pub fn new(name: impl Into<String>, kind: LightKind) -> Self {
         let (key_frames, group) = (Vec::new(), None);
-        Self { name: name.into(), kind, key_frames, camera_visible: true, solid: true, group }
+        Self {
+            name: name.into(),
+            kind,
+            key_frames,
+            parent: None,
+            camera_visible: true,
+            solid: true,
+            group,
+        }
     }
 }
 

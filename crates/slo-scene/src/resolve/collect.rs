@@ -1,11 +1,10 @@
 //! The elements at the top of a scene, by type.
 
 use super::elements::{ELEMENTS, LANGUAGE, Role};
-use crate::attributes::{Element, References, element_meant, nameless, quoted_list};
+use crate::attributes::{Element, References, Referred, element_meant, nameless, quoted_list};
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::format::syntax::{Entry, Form, Item, Tree, Word};
 use crate::names::{Names, closest, invisible};
-use crate::shape::ReadShape;
 
 /// The elements of a scene in the order of the text.
 pub(super) struct Scene<'t, 'a> {
@@ -93,12 +92,14 @@ impl<'t, 'a> Scene<'t, 'a> {
         self.elements.iter().filter_map(|(role, element)| Some((of(*role)?, *element))).collect()
     }
 
-    /// All objects.
-    pub(super) fn objects(&self) -> Vec<(ReadShape, Element<'t, 'a>)> {
-        self.of(|role| match role {
-            Role::Object(read) => Some(read),
-            _ => None,
-        })
+    /// All elements of a role that may hang in others, by what `of` makes of it, each with its number
+    /// among those that may hang.
+    pub(super) fn hanging<T>(
+        &self,
+        of: impl Fn(Role) -> Option<T>,
+    ) -> Vec<(usize, T, Element<'t, 'a>)> {
+        let hanging = self.elements.iter().filter(|(role, _)| role.hangs()).enumerate();
+        hanging.filter_map(|(i, (role, element))| Some((i, of(*role)?, *element))).collect()
     }
 
     /// The first element that `Scaling` changes.
@@ -129,14 +130,17 @@ impl<'t, 'a> Scene<'t, 'a> {
     /// What can be referred to; reports names that are given twice.
     pub(super) fn references(&self, diagnostics: &mut Diagnostics) -> References<'a> {
         let mut references = References::new(&self.unknown, self.is_truncated);
-        let [mut lights, mut objects] = ["light", "object"].map(Names::new);
+        let [mut lights, mut objects, mut groups] = ["light", "object", "group"].map(Names::new);
         for (role, element) in &self.elements {
-            if let Some(referred) = role.referred() {
-                references.declare(referred, element.name, diagnostics);
+            match role.referred() {
+                Some(Referred::Object) => references.declare_object(element.name),
+                Some(referred) => references.declare(referred, element.name, diagnostics),
+                None => {}
             }
             match role {
                 Role::Light(_) => warn_of_double(&mut lights, element.name, diagnostics),
                 Role::Object(_) => warn_of_double(&mut objects, element.name, diagnostics),
+                Role::Group => warn_of_double(&mut groups, element.name, diagnostics),
                 Role::Scaling
                 | Role::Settings
                 | Role::Camera
@@ -149,7 +153,7 @@ impl<'t, 'a> Scene<'t, 'a> {
     }
 }
 
-/// Nothing refers to objects and lights, so their names matter only to people.
+/// A name that only people read may be given twice.
 fn warn_of_double<'a>(names: &mut Names<'a>, name: Word<'a>, diagnostics: &mut Diagnostics) {
     if let Some(double) = names.declare(name) {
         let message = format!("two {}s are called `{}`", names.kind(), name.text);

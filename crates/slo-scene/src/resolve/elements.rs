@@ -6,7 +6,7 @@ use super::camera::CAMERA;
 use super::settings::SETTINGS;
 use super::texture::TEXTURE;
 use crate::attributes::schema::{Attribute, Schema, block, number, word};
-use crate::attributes::{ADD_KFRAME, Language, Referred};
+use crate::attributes::{ADD_KFRAME, Language, PARENT, Referred};
 use crate::kinds::Kind;
 use crate::light::{LightKind, ReadLight};
 use crate::material::{MaterialKind, PHONG_INFO, ReadMaterial};
@@ -23,13 +23,14 @@ pub(super) enum Role {
     Material(ReadMaterial),
     Texture,
     Object(ReadShape),
+    Group,
 }
 
 impl Role {
     /// Whether `Scaling` changes what the element says.
     pub(super) fn has_positions(self) -> bool {
         match self {
-            Self::Camera | Self::Light(_) | Self::Object(_) => true,
+            Self::Camera | Self::Light(_) | Self::Object(_) | Self::Group => true,
             Self::Scaling
             | Self::Settings
             | Self::PhongInfo
@@ -44,10 +45,14 @@ impl Role {
             Self::PhongInfo => Some(Referred::PhongInfo),
             Self::Material(_) => Some(Referred::Material),
             Self::Texture => Some(Referred::Texture),
-            Self::Scaling | Self::Settings | Self::Camera | Self::Light(_) | Self::Object(_) => {
-                None
-            }
+            Self::Light(_) | Self::Object(_) | Self::Group => Some(Referred::Object),
+            Self::Scaling | Self::Settings | Self::Camera => None,
         }
+    }
+
+    /// Whether such an element may hang in others, and others in it.
+    pub(super) fn hangs(self) -> bool {
+        self.referred() == Some(Referred::Object)
     }
 }
 
@@ -66,8 +71,12 @@ const OBJECT: &[Attribute] = &[
     word("material", "NAME").required(),
     number("sampled"),
     word("light_group", "NAME"),
+    PARENT,
     block(&ADD_KFRAME).repeated(),
 ];
+
+/// `group`
+const GROUP: Schema = Schema::new("group", &[PARENT, block(&ADD_KFRAME).repeated()]);
 
 /// All elements, in the order of messages.
 pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
@@ -81,6 +90,7 @@ pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
     elements.extend(written(MaterialKind::KINDS, &[], Role::Material));
     elements.push(Known { schema: TEXTURE, role: Role::Texture });
     elements.extend(written(Shape::KINDS, OBJECT, Role::Object));
+    elements.push(Known { schema: GROUP, role: Role::Group });
     elements
 });
 
@@ -125,8 +135,9 @@ mod tests {
         let lamps = ["lamp_point", "lamp_spot", "lamp_sun", "lamp_rectangle", "lamp_disc"];
         let objects = ELEMENTS.iter().filter(|known| matches!(known.role, Role::Object(_)));
         let objects = objects.map(|known| known.schema.keyword);
-        let moving: Vec<_> = lamps.into_iter().chain(objects).collect();
+        let moving: Vec<_> = lamps.into_iter().chain(objects).chain(["group"]).collect();
         assert_eq!(LANGUAGE.owners("addKframe"), moving);
+        assert_eq!(LANGUAGE.owners("parent"), moving);
         let visible: Vec<_> = lamps.into_iter().chain(["environment"]).collect();
         assert_eq!(LANGUAGE.owners("camera_visible"), visible);
         let solid = ["lamp_point", "lamp_spot", "lamp_rectangle", "lamp_disc"];

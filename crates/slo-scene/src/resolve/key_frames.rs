@@ -41,6 +41,7 @@ fn placement(fields: &mut Fields<'_, '_, '_>, name: &str) -> Placement {
         pivot: fields.point("pivot").map(|f| f.value),
         up: fields.direction("up").map(|f| f.value),
         right: fields.direction("right").map(|f| f.value),
+        scale: fields.factors("scale"),
     }
 }
 

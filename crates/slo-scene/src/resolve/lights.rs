@@ -1,6 +1,7 @@
 //! Lights: what several kinds of them say, and whether they go together.
 
-use super::{key_frames, oddities};
+use super::oddities;
+use super::spaces::Hanging;
 use crate::attributes::Fields;
 use crate::description::Camera;
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
@@ -12,9 +13,10 @@ pub(super) fn light<'a>(
     read: ReadLight,
     fields: &mut Fields<'_, 'a, '_>,
     palette: &mut Palette<'_, 'a>,
+    hanging: &Hanging,
     camera: Option<&Camera>,
 ) -> Option<(Light, Span)> {
-    let key_frames = key_frames::key_frames(fields);
+    let key_frames = hanging.key_frames().to_vec();
     if let Some(camera) = camera {
         oddities::check_key_times(fields, &key_frames, camera);
     }
@@ -23,7 +25,7 @@ pub(super) fn light<'a>(
     let group = fields.word("light_group").map(|group| group.text.to_owned());
     let kind = read(fields, palette)?;
     let name = fields.element.name.text.to_owned();
-    let light = Light { name, kind, key_frames, camera_visible, solid, group };
+    let light = Light { name, kind, key_frames, parent: None, camera_visible, solid, group };
     Some((light, fields.element.head()))
 }
 

@@ -10,6 +10,7 @@ mod overlaps;
 mod photons;
 mod resolver;
 mod settings;
+mod spaces;
 mod tangents;
 mod texture;
 

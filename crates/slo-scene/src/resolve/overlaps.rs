@@ -5,8 +5,8 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
 
-use crate::animation::{DRigid, KeyFrames};
-use crate::description::{Camera, Object};
+use crate::animation::{DAffine, Spaces};
+use crate::description::{KeyFrame, Object, SceneDescription, SpaceId};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::light::Light;
 use crate::shape::{Shape, axes_about};
@@ -38,11 +38,12 @@ const NORMAL_CELLS: f64 = 512.0;
 pub(super) fn check(
     objects: &[(Object, Span)],
     lights: &[(Light, Span)],
-    camera: &Camera,
+    scene: &SceneDescription,
     diagnostics: &mut Diagnostics,
 ) {
-    let Some(faces) = faces(objects, lights) else { return };
-    let eyes: Vec<DVec3> = camera.segments.iter().flat_map(|s| s.positions.clone()).collect();
+    let Ok(spaces) = Spaces::new(&scene.spaces) else { return };
+    let Some(faces) = faces(objects, lights, &spaces) else { return };
+    let eyes: Vec<DVec3> = scene.camera.segments.iter().flat_map(|s| s.positions.clone()).collect();
     let span_of = |owner: usize| match objects.get(owner) {
         Some((object, span)) => (object.name.as_str(), *span),
         None => {
@@ -88,22 +89,22 @@ enum Look {
 }
 
 /// All flat faces of still objects and lights; `None` if there are too many.
-fn faces(objects: &[(Object, Span)], lights: &[(Light, Span)]) -> Option<Vec<Face>> {
+fn faces(
+    objects: &[(Object, Span)],
+    lights: &[(Light, Span)],
+    spaces: &Spaces,
+) -> Option<Vec<Face>> {
+    let place = |key_frames: &[KeyFrame], parent: Option<SpaceId>| {
+        let path = spaces.path(key_frames, parent).ok()?;
+        path.rests().then(|| path.pose(0.0))
+    };
     let mut faces = Vec::new();
     for (owner, (object, _)) in objects.iter().enumerate() {
-        if object.key_frames.len() > 1 {
-            continue;
-        }
-        let Ok(path) = KeyFrames::new(&object.key_frames) else { continue };
-        let place = path.pose(0.0);
+        let Some(place) = place(&object.key_frames, object.parent) else { continue };
         add_faces(&mut faces, owner, Look::Material(object.material.0), &object.shape, &place)?;
     }
     for (number, (light, _)) in lights.iter().enumerate() {
-        if light.key_frames.len() > 1 {
-            continue;
-        }
-        let Ok(path) = KeyFrames::new(&light.key_frames) else { continue };
-        let place = path.pose(0.0);
+        let Some(place) = place(&light.key_frames, light.parent) else { continue };
         let (owner, look) = (objects.len() + number, Look::Light(number));
         light.kind.for_flat_parts(&mut |corners| {
             let corners = corners.iter().map(|corner| place.point(*corner)).collect();
@@ -120,7 +121,7 @@ fn add_faces(
     owner: usize,
     look: Look,
     shape: &Shape,
-    place: &DRigid,
+    place: &DAffine,
 ) -> Option<()> {
     if shape.triangle_count() > MOST_SHAPE_FACES {
         return Some(());

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
 use super::oddities::Said;
+use super::spaces::{Hanging, Hangings};
 use super::texture::{Image, texture, warn_of_alpha};
-use super::{camera, key_frames, lights, oddities, overlaps, photons, settings, tangents};
+use super::{camera, lights, oddities, overlaps, photons, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
@@ -38,7 +39,8 @@ pub(crate) fn resolve(
     let references = scene.references(diagnostics);
     let assets = Assets::new(files, &name, hash);
     let said = Said::default();
-    let mut resolver = Resolver { scene, scale, references, assets, said, diagnostics };
+    let hangings = Hangings::default();
+    let mut resolver = Resolver { scene, scale, references, assets, said, hangings, diagnostics };
     let description = resolver.description(adapt);
     resolver.references.report_dangling(resolver.diagnostics);
     if !resolver.diagnostics.has_errors() {
@@ -77,6 +79,7 @@ struct Resolver<'t, 'a, 'd> {
     references: References<'a>,
     assets: Assets<'d>,
     said: Said<'a>,
+    hangings: Hangings,
     diagnostics: &'d mut Diagnostics,
 }
 
@@ -84,14 +87,22 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
     fn description(&mut self, adapt: &dyn Fn(&mut SceneDescription)) -> Option<SceneDescription> {
         let (settings, background) = self.settings();
         let camera = self.camera();
-        let lights = self.lights(camera.as_ref());
+        let (mut lights, light_numbers) = self.lights(camera.as_ref());
         lights::check_sky(&lights, background, self.diagnostics);
         let phong_infos = self.phong_infos();
         let images = self.textures();
         let textures: Vec<_> = images.iter().map(|image| image.texture.clone()).collect();
         let materials = self.materials(&phong_infos, &textures);
         warn_of_alpha(&images, &materials, self.diagnostics);
-        let objects = self.objects(camera.as_ref(), &wholes(&materials));
+        let (mut objects, object_numbers) = self.objects(camera.as_ref(), &wholes(&materials));
+        self.groups(camera.as_ref());
+        let hung = self.hangings.hang(self.diagnostics);
+        for ((light, _), number) in lights.iter_mut().zip(light_numbers) {
+            light.parent = hung.parent(number);
+        }
+        for ((object, _), number) in objects.iter_mut().zip(object_numbers) {
+            object.parent = hung.parent(number);
+        }
         let mut scene = SceneDescription {
             settings,
             camera: camera?,
@@ -99,6 +110,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             materials,
             textures: textures.into_iter().collect::<Option<_>>()?,
             objects: objects.iter().map(|(object, _)| object.clone()).collect(),
+            spaces: hung.spaces,
             content_hash: self.assets.hash.finish(),
         };
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
@@ -106,7 +118,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             oddities::check(&self.said, &scene, self.diagnostics);
             let places: Vec<Span> = lights.iter().map(|(_, place)| *place).collect();
             photons::check(self.said.photons, &scene, &places, self.diagnostics);
-            overlaps::check(&objects, &lights, &scene.camera, self.diagnostics);
+            overlaps::check(&objects, &lights, &scene, self.diagnostics);
         }
         Some(scene)
     }
@@ -148,20 +160,23 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         camera::camera(&mut self.fields(element))
     }
 
-    /// Lights, with the places that they are defined at.
-    fn lights(&mut self, camera: Option<&Camera>) -> Vec<(Light, Span)> {
-        let elements = self.scene.of(|role| match role {
+    /// Lights, with the places that they are defined at; and the number of each among all that may
+    /// hang.
+    fn lights(&mut self, camera: Option<&Camera>) -> (Vec<(Light, Span)>, Vec<usize>) {
+        let elements = self.scene.hanging(|role| match role {
             Role::Light(read) => Some(read),
             _ => None,
         });
-        let light = |(read, element)| {
+        let light = |(number, read, element)| {
             let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
             let references = &mut self.references;
+            let hanging = Hanging::read(&mut fields, references, false);
+            self.hangings.insert(number, hanging.clone());
             let mut palette = Palette { references, phong_infos: &[], textures: &[] };
             self.said.groups.extend(fields.word("light_group"));
-            lights::light(read, &mut fields, &mut palette, camera)
+            Some((lights::light(read, &mut fields, &mut palette, &hanging, camera)?, number))
         };
-        elements.into_iter().filter_map(light).collect()
+        elements.into_iter().filter_map(light).unzip()
     }
 
     fn phong_infos(&mut self) -> Vec<PhongInfo> {
@@ -218,20 +233,44 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         Some(Material { name: element.name.text.to_owned(), kind })
     }
 
-    /// Objects, with the places that they are defined at.
-    fn objects(&mut self, camera: Option<&Camera>, materials: &[Whole]) -> Vec<(Object, Span)> {
-        let elements = self.scene.objects();
-        let object = |(read, element): (ReadShape, Element<'t, 'a>)| {
-            Some((self.object(read, element, camera, materials)?, element.head()))
+    /// Objects, with the places that they are defined at; and the number of each among all that may
+    /// hang.
+    fn objects(
+        &mut self,
+        camera: Option<&Camera>,
+        materials: &[Whole],
+    ) -> (Vec<(Object, Span)>, Vec<usize>) {
+        let elements = self.scene.hanging(|role| match role {
+            Role::Object(read) => Some(read),
+            _ => None,
+        });
+        let object = |(number, read, element): (usize, ReadShape, Element<'t, 'a>)| {
+            let object = self.object(number, read, element, camera, materials)?;
+            Some(((object, element.head()), number))
         };
-        let mut objects = elements.into_iter().filter_map(object).collect::<Vec<_>>();
+        let (mut objects, numbers): (Vec<_>, Vec<_>) =
+            elements.into_iter().filter_map(object).unzip();
         self.assets.release_meshes();
         tangents::add_tangents(&mut objects, materials);
-        objects
+        (objects, numbers)
+    }
+
+    /// Reads groups, which are nothing but spaces.
+    fn groups(&mut self, camera: Option<&Camera>) {
+        let elements = self.scene.hanging(|role| matches!(role, Role::Group).then_some(()));
+        for (number, (), element) in elements {
+            let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+            let hanging = Hanging::read(&mut fields, &mut self.references, true);
+            if let Some(camera) = camera {
+                oddities::check_key_times(&mut fields, hanging.key_frames(), camera);
+            }
+            self.hangings.insert(number, hanging);
+        }
     }
 
     fn object(
         &mut self,
+        number: usize,
         read: ReadShape,
         element: Element<'t, 'a>,
         camera: Option<&Camera>,
@@ -239,7 +278,9 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
     ) -> Option<Object> {
         let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
         let material = fields.word("material");
-        let key_frames = key_frames::key_frames(&mut fields);
+        let hanging = Hanging::read(&mut fields, &mut self.references, false);
+        let key_frames = hanging.key_frames().to_vec();
+        self.hangings.insert(number, hanging);
         if let Some(camera) = camera {
             oddities::check_key_times(&mut fields, &key_frames, camera);
         }
@@ -262,6 +303,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             material: MaterialId(material? as u32),
             shape: shape?,
             key_frames,
+            parent: None,
             sampled,
             light_group,
         })
@@ -269,7 +311,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
 
     fn warn_unused(&mut self) {
         self.references.warn_unused(self.diagnostics);
-        if self.scene.objects().is_empty() {
+        self.hangings.warn_unused(self.diagnostics);
+        if self.scene.of(|role| matches!(role, Role::Object(_)).then_some(())).is_empty() {
             self.diagnostics.push(Diagnostic::warning("the scene has no objects"));
         }
     }

@@ -63,6 +63,11 @@ impl Shape {
         self.common().is_consistent()
     }
 
+    /// Whether it has several shapes over time.
+    pub fn changes(&self) -> bool {
+        matches!(self, Self::Mesh(mesh) if mesh.shapes.is_some())
+    }
+
     /// Number of triangles that the shape consists of; 0 if it is curved.
     pub fn triangle_count(&self) -> usize {
         self.common().triangle_count()

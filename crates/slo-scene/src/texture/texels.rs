@@ -123,18 +123,38 @@ impl Texels {
         indices: [usize; N],
         curve: Curve,
     ) -> [[f32; 3]; N] {
-        let (count, step) = (self.layout.channels(), self.layout.color_step());
-        let at = |index: usize| [0, step, 2 * step].map(|channel| count * index + channel);
         // Images of skies, mostly: one decision for all.
         match (&self.samples, curve) {
-            (Samples::Float(samples), Curve::Raw) => {
-                indices.map(|index| at(index).map(|i| samples[i]))
-            }
-            (Samples::Half(samples), Curve::Raw) => {
-                indices.map(|index| at(index).map(|i| half(samples[i])))
-            }
+            (Samples::Float(samples), Curve::Raw) => self.each(
+                indices,
+                #[inline(always)]
+                |i| samples[i],
+            ),
+            (Samples::Half(samples), Curve::Raw) => self.each(
+                indices,
+                #[inline(always)]
+                |i| half(samples[i]),
+            ),
             _ => indices.map(|index| self.decoded(index, curve)),
         }
+    }
+
+    /// Red, green and blue of several texels, from the samples of their numbers.
+    #[inline(always)]
+    fn each<const N: usize>(
+        &self,
+        indices: [usize; N],
+        sample: impl Fn(usize) -> f32,
+    ) -> [[f32; 3]; N] {
+        let (count, step) = (self.layout.channels(), self.layout.color_step());
+        let mut colors = [[0.0; 3]; N];
+        // Loops, since closures in `map` would not be inlined.
+        for (color, index) in colors.iter_mut().zip(indices) {
+            for (to, channel) in color.iter_mut().zip([0, step, 2 * step]) {
+                *to = sample(count * index + channel);
+            }
+        }
+        colors
     }
 
     /// As [`color`](Self::color), of sRGB values.

@@ -6,3 +6,5 @@ mod lamps;
 mod materials;
 mod messages;
 mod mistakes;
+mod shapes;
+mod spaces;

@@ -29,8 +29,9 @@ pub(super) fn trace(bvh: &Bvh, rays: &Rays, mut ray: Ray, any: bool) -> Ray {
             let changes = bvh.moves.then(|| (&bvh.nodes[child.index() + 1], ray.time));
             for word in node.order {
                 let place = (word >> ray.order_shift & 7) as usize;
-                if let Some(t) = enter((node, changes), place, origin, direction, f64::from(ray.t))
-                {
+                let errors = (f64::from(POSITION_ERROR), 0.0);
+                let (ray_line, end) = ((origin, direction), f64::from(ray.t));
+                if let Some(t) = enter((node, changes), place, ray_line, end, errors) {
                     stack.push((t, node.children[place]));
                 }
             }
@@ -56,13 +57,14 @@ fn test_leaf(bvh: &Bvh, rays: &Rays, child: Child, ray: &mut Ray, any: bool) {
 }
 
 /// The t at which a ray enters a child's box, unless it is beyond `t_max`. Hits may lie outside the
-/// box by [`POSITION_ERROR`].
-fn enter(
+/// box by the sum of two errors: one in units of the largest distance of its planes from the ray's
+/// origin ([`POSITION_ERROR`]), one as it is. If boxes move, `changes` tell how, and the time.
+pub(super) fn enter(
     (node, changes): (&Node, Option<(&Node, f32)>),
     place: usize,
-    origin: Vec3,
-    direction: Vec3,
+    (origin, direction): (Vec3, Vec3),
     t_max: f64,
+    (relative, absolute): (f64, f64),
 ) -> Option<f64> {
     let planes = |side: usize| {
         DVec3::from_array(std::array::from_fn(|axis| {
@@ -78,7 +80,7 @@ fn enter(
     if size.is_infinite() && lower.x > upper.x {
         return None;
     }
-    let error = f64::from(POSITION_ERROR) * size;
+    let error = relative * size + absolute;
     let (mut near, mut far) = (0.0f64, t_max);
     for axis in 0..3 {
         let d = f64::from(direction[axis]);

@@ -8,6 +8,7 @@ mod builder;
 mod careful;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod flights;
+pub(crate) mod halting;
 mod hierarchy;
 mod layout;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
@@ -27,6 +28,7 @@ pub(super) use self::hierarchy::Bvh;
 use self::query::{Any, Closest, Query};
 use self::steps::Portable;
 use crate::isa::Isa;
+use crate::math::Bounds;
 use crate::primitives::{Primitives, Triangle};
 use crate::rays::{Coherence, Hits, Rays};
 use crate::structure::interface::{BuildOptions, SpatialIndex};
@@ -48,6 +50,10 @@ impl SpatialIndex for Bvh {
     #[inline]
     fn geometry(&self) -> &Self {
         self
+    }
+
+    fn parts(&self, count: usize) -> Vec<Bounds> {
+        halting::parts(&self.nodes, count)
     }
 
     fn overhead(&self) -> usize {

@@ -41,10 +41,6 @@ fn worthwhile(memory: usize) -> u32 {
     }
 }
 
-/// More of them if boxes move: a packet whose rays have different times enters many that few of its
-/// rays do.
-const MORE_IF_MOVING: u32 = 2;
-
 /// Working memory of [`trace`].
 #[derive(Debug, Default)]
 pub(super) struct Stack {
@@ -262,9 +258,8 @@ pub(super) struct RaysPerChild {
 
 impl RaysPerChild {
     /// No counts yet, in a hierarchy of `memory` bytes.
-    pub(super) fn new(memory: usize, moves: bool) -> Self {
-        let more = if moves { MORE_IF_MOVING } else { 0 };
-        Self { children: 0, rays: 0, worthwhile: worthwhile(memory) + more }
+    pub(super) fn new(memory: usize) -> Self {
+        Self { children: 0, rays: 0, worthwhile: worthwhile(memory) }
     }
 
     #[inline(always)]

@@ -93,12 +93,19 @@ impl Prepared {
     /// Prepares the sixteen rays from `first` on.
     #[inline(always)]
     pub(super) fn fill(&mut self, rays: &Rays, first: usize) {
+        self.fill_widened(rays, &rays.t_max, first, BOX_ERROR);
+    }
+
+    /// As [`fill`](Self::fill), for rays that end at `t_max` and are widened by `error`, in units of
+    /// the largest coordinate of their origins.
+    #[inline(always)]
+    pub(super) fn fill_widened(&mut self, rays: &Rays, t_max: &[f32], first: usize, error: f32) {
         for (lane, index) in self.index.iter_mut().enumerate() {
             *index = (first + lane) as u32;
         }
         self.are_neighbours = true;
-        self.t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
-        self.derive(lanes_from(&rays.origin, first), lanes_from(&rays.direction, first));
+        self.t_max.copy_from_slice(&t_max[first..first + LANES]);
+        self.derive(lanes_from(&rays.origin, first), lanes_from(&rays.direction, first), error);
     }
 
     /// Prepares sixteen rays of a batch, given by index and value.
@@ -111,12 +118,12 @@ impl Prepared {
         self.index = *indices;
         self.are_neighbours = false;
         self.t_max = *t_max;
-        self.derive([*ox, *oy, *oz], [*dx, *dy, *dz]);
+        self.derive([*ox, *oy, *oz], [*dx, *dy, *dz], BOX_ERROR);
     }
 
     /// Inlined, so that loops over lanes are compiled for the caller's instruction set.
     #[inline(always)]
-    fn derive(&mut self, origin: [[f32; LANES]; 3], direction: [[f32; LANES]; 3]) {
+    fn derive(&mut self, origin: [[f32; LANES]; 3], direction: [[f32; LANES]; 3], error: f32) {
         for lane in 0..LANES {
             let [ox, oy, oz] = [origin[0][lane], origin[1][lane], origin[2][lane]];
             let [dx, dy, dz] = [direction[0][lane], direction[1][lane], direction[2][lane]];
@@ -127,7 +134,7 @@ impl Prepared {
                 let (o, d) = ([ox, oy, oz][axis], [dx, dy, dz][axis]);
                 let size = 1.0 / larger(d.abs(), largest * LEAST_COMPONENT);
                 let forward = f32::from_bits(o.to_bits() ^ d.to_bits() & 1 << 31);
-                let error = BOX_ERROR * reach;
+                let error = error * reach;
                 self.entering[axis][lane] = forward + error;
                 self.leaving[axis][lane] = forward - error;
                 self.size[axis][lane] = size;

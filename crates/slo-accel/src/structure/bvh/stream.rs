@@ -173,7 +173,7 @@ pub(super) unsafe fn trace<S: Packets, Q: Query>(
     } else {
         order.keep(rays)
     }
-    let rays_per_child = RaysPerChild::new(bvh.bytes(), S::MOVES);
+    let rays_per_child = RaysPerChild::new(bvh.bytes());
     let around = Surroundings { bvh, rays, times, memory, stack, flights, rays_per_child };
     // SAFETY: any bits are a ray; lines are aligned as rays are, and as long as sixteen.
     let ready = unsafe { &mut *ready.as_mut_ptr().cast::<[Ray; LANES]>() };

@@ -7,13 +7,13 @@ use super::round::{about_balls, uv_about};
 use crate::frame::sampled_motion::ObjectBox;
 use slo_accel::Curved;
 use slo_accel::curved::Part;
-use slo_scene::animation::DRigid;
+use slo_scene::animation::DAffine;
 use slo_scene::shape::Cylinder;
 
 impl CurvedSurface for Cylinder {
-    fn primitive(&self, place: &DRigid) -> Curved {
+    fn primitive(&self, place: &DAffine) -> Curved {
         let [base, top] = [self.base, self.top].map(|p| place.point(p).as_vec3());
-        Curved::Cylinder { base, top, radius: self.radius as f32 }
+        Curved::Cylinder { base, top, radius: place.length(self.radius) as f32 }
     }
 
     fn bounds(&self) -> ObjectBox {

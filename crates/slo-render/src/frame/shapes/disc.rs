@@ -8,14 +8,14 @@ use super::round::uv_about;
 use crate::frame::sampled_motion::ObjectBox;
 use slo_accel::Curved;
 use slo_accel::curved::Part;
-use slo_scene::animation::DRigid;
+use slo_scene::animation::DAffine;
 use slo_scene::light::DiscLamp;
 
 impl CurvedSurface for DiscLamp {
-    fn primitive(&self, place: &DRigid) -> Curved {
+    fn primitive(&self, place: &DAffine) -> Curved {
         let center = place.point(self.center).as_vec3();
-        let normal = (place.rotation * self.normal).as_vec3();
-        Curved::Disc { center, normal, radius: self.radius as f32 }
+        let normal = place.direction(self.normal).as_vec3();
+        Curved::Disc { center, normal, radius: place.length(self.radius) as f32 }
     }
 
     fn bounds(&self) -> ObjectBox {

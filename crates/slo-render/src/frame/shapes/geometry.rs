@@ -9,7 +9,7 @@ use crate::frame::sampled_motion::ObjectBox;
 use slo_accel::Curved;
 use slo_accel::curved::Part;
 use slo_scene::Mesh;
-use slo_scene::animation::DRigid;
+use slo_scene::animation::DAffine;
 
 /// Geometry of a shape, in object space.
 #[derive(Debug)]
@@ -22,8 +22,9 @@ pub(in crate::frame) enum Geometry {
 
 /// A surface that is a single primitive for structures, in object space.
 pub(in crate::frame) trait CurvedSurface: fmt::Debug + Send + Sync {
-    /// Returns the primitive of the object transformed by `place`.
-    fn primitive(&self, place: &DRigid) -> Curved;
+    /// Returns the primitive of the object transformed by `place`, which grows by the same factor in
+    /// all directions.
+    fn primitive(&self, place: &DAffine) -> Curved;
 
     /// Returns a bounding box of the surface.
     fn bounds(&self) -> ObjectBox;

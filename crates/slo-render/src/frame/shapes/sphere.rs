@@ -7,13 +7,13 @@ use super::round::{about_balls, uv_about};
 use crate::frame::sampled_motion::ObjectBox;
 use slo_accel::Curved;
 use slo_accel::curved::Part;
-use slo_scene::animation::DRigid;
+use slo_scene::animation::DAffine;
 use slo_scene::shape::Sphere;
 
 impl CurvedSurface for Sphere {
-    fn primitive(&self, place: &DRigid) -> Curved {
+    fn primitive(&self, place: &DAffine) -> Curved {
         let center = place.point(self.center).as_vec3();
-        Curved::Sphere { center, radius: self.radius as f32 }
+        Curved::Sphere { center, radius: place.length(self.radius) as f32 }
     }
 
     fn bounds(&self) -> ObjectBox {

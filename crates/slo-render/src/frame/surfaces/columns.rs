@@ -44,12 +44,13 @@ pub(crate) struct Surfaces {
     ///
     /// [`FrameScene::softens`]: crate::frame::FrameScene::softens
     pub(super) lift: Vec3s,
-    /// See [`starts`](Self::starts).
-    pub(super) start: Vec3s,
-    /// See [`floors`](Self::floors).
-    pub(super) floor: Vec3s,
-    /// Whether `start` and `floor` are set.
-    pub(super) is_softened: bool,
+    /// Where light arrives, as far as lamps and rays that leave are concerned: the points, or points
+    /// above them on coarse smooth meshes. See `soften`. Of physical scenes.
+    pub(crate) start: Vec3s,
+    /// Unit normals of the planes above which light arrives that surfaces scatter: the geometric
+    /// normals, or others on the ray's side on coarse smooth meshes. See `soften`. Of physical
+    /// scenes.
+    pub(crate) floor: Vec3s,
     /// 1 if an image bends `n_shade`, otherwise 0; if `any_is_bent`.
     pub(crate) is_bent: Column<u32>,
     /// Whether images bend normals at all.
@@ -75,7 +76,6 @@ impl Default for Surfaces {
             lift: Vec3s::default(),
             start: Vec3s::default(),
             floor: Vec3s::default(),
-            is_softened: false,
             is_bent: [0; BATCH],
             any_is_bent: false,
         }
@@ -97,20 +97,6 @@ impl Surfaces {
         Vec2::new(self.uv[0][i], self.uv[1][i])
     }
 
-    /// Where light arrives, as far as lamps and rays that leave are concerned: the points, or points
-    /// above them on coarse smooth meshes. See `soften`.
-    #[inline(always)]
-    pub(crate) fn starts(&self) -> &Vec3s {
-        if self.is_softened { &self.start } else { &self.point }
-    }
-
-    /// Unit normals of the planes above which light arrives that surfaces scatter: the geometric
-    /// normals, or others on the ray's side on coarse smooth meshes. See `soften`.
-    #[inline(always)]
-    pub(crate) fn floors(&self) -> &Vec3s {
-        if self.is_softened { &self.floor } else { &self.n_geo }
-    }
-
     /// Returns the origin of a ray from hit `i` toward `direction`, such that the ray cannot hit
     /// the surface that it leaves.
     ///
@@ -121,11 +107,11 @@ impl Surfaces {
         self.moved(i, self.point.get(i), direction.dot(self.n_geo.get(i)) < 0.0)
     }
 
-    /// Like [`leave`](Self::leave), for rays from [`starts`](Self::starts): a ray above the floor
+    /// Like [`leave`](Self::leave), for rays from [`start`](Self::start): a ray above the floor
     /// leaves on the side of `n_geo`.
     #[inline(always)]
     pub(crate) fn depart(&self, i: usize, direction: Vec3) -> Vec3 {
-        self.moved(i, self.starts().get(i), direction.dot(self.floors().get(i)) < 0.0)
+        self.moved(i, self.start.get(i), direction.dot(self.floor.get(i)) < 0.0)
     }
 
     /// Moves a point by the error bound of hit `i` to one side of the surface.

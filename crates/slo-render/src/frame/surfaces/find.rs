@@ -26,7 +26,7 @@ impl FrameScene {
         scratch: &mut SurfaceScratch,
     ) {
         let gathered = &mut scratch.0;
-        self.gather(found, surfaces.len, &surfaces.ray, gathered);
+        self.gather(found, time, (&surfaces.ray, surfaces.len), gathered);
         self.isa.run(OnTriangles { gathered, to: surfaces });
         self.place_curved(rays, time, found, gathered, surfaces);
         self.look_up_images(found, surfaces);
@@ -34,7 +34,11 @@ impl FrameScene {
         if let [Some(x), Some(y), Some(z)] = rays.direction.each_ref().map(|d| d.first_chunk()) {
             self.isa.run(Facing { directions: [x, y, z], to: surfaces });
         }
-        surfaces.is_softened = false;
+        if self.is_physical {
+            // Copies, since a choice between columns would keep loops from becoming vector code.
+            surfaces.start.clone_from(&surfaces.point);
+            surfaces.floor.clone_from(&surfaces.n_geo);
+        }
         if self.softens {
             self.lift(time, found, gathered, surfaces);
         }

@@ -3,10 +3,11 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::columns::Surfaces;
 use super::tangents::{Tangent, tangent};
+use crate::frame::bend::normal_at;
 use crate::frame::looks::Look;
 use crate::frame::scene::{FrameObject, FrameScene};
 use crate::frame::shapes::Geometry;
@@ -16,7 +17,7 @@ use crate::shading::material::principled::Parameters;
 use crate::shading::texture::sample_bilinear;
 use slo_accel::curved::Part;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
-use slo_accel::{Curved, Lanewise, NO_HIT, Rays, Structure, Triangle};
+use slo_accel::{Curved, Lanewise, Moment, NO_HIT, Rays, Structure, Triangle};
 use slo_scene::{Integrator, Mesh, ShadowMode};
 
 /// The data from which the points of hits are computed.
@@ -127,8 +128,8 @@ impl FrameScene {
     pub(super) fn gather(
         &self,
         found: &WorldHits,
-        len: usize,
-        rays: &Column<u32>,
+        time: &Column<f32>,
+        (rays, len): (&Column<u32>, usize),
         to: &mut Gathered,
     ) {
         to.curved.clear();
@@ -138,15 +139,16 @@ impl FrameScene {
             let start = group * GROUP;
             let (first, u_v) = (Hit::new(found, rays[0] as usize), |ray| Hit::new(found, ray).uv);
             let differs = rays.iter().fold(0, |all, &ray| all | first.differs(found, ray as usize));
+            let differs = differs | u32::from(self.bends(first.instance));
             if differs == 0 {
-                self.find_corners(&first, start..start + rays.len(), &mut last, to);
+                self.find_corners(&first, time, start..start + rays.len(), &mut last, to);
                 to.fill(start, &last);
             }
             for (i, &ray) in (start..).zip(rays) {
                 [to.u[i], to.v[i]] = u_v(ray as usize);
                 if differs != 0 {
                     let hit = Hit::new(found, ray as usize);
-                    self.find_corners(&hit, i..i + 1, &mut last, to);
+                    self.find_corners(&hit, time, i..i + 1, &mut last, to);
                     to.set(i, &last);
                 }
             }
@@ -156,13 +158,29 @@ impl FrameScene {
     /// Fetches corners and normals of the triangle that contains `hits`, unless `last` is that
     /// triangle, and lists the hits that need more.
     #[inline(always)]
-    fn find_corners(&self, hit: &Hit, hits: Range<usize>, last: &mut Corners, to: &mut Gathered) {
+    fn find_corners(
+        &self,
+        hit: &Hit,
+        time: &Column<f32>,
+        hits: Range<usize>,
+        last: &mut Corners,
+        to: &mut Gathered,
+    ) {
         let numbers = hits.start as u16..hits.end as u16;
         let (structure, object) = if hit.instance == STILL {
             (&self.world.still, self.still_objects[hit.primitive as usize])
         } else {
             let instance = &self.world.instances[hit.instance as usize];
             to.moving.extend(numbers.clone());
+            if let Some(bending) = &instance.bending {
+                let (time, object) = (time[hit.ray], &self.objects[instance.object as usize]);
+                *last = Corners {
+                    of: (NO_HIT, STILL),
+                    corners: bending.triangle(hit.primitive, time),
+                    normals: object.bent_normals(hit.primitive, bending.moment(time)),
+                };
+                return;
+            }
             (&instance.structure, instance.object)
         };
         if (hit.primitive as usize) >= structure.triangle_count() {
@@ -174,6 +192,12 @@ impl FrameScene {
                 normals: self.objects[object as usize].corner_normals(hit.primitive),
             };
         }
+    }
+
+    /// Whether the corners of an instance depend on the ray's time.
+    fn bends(&self, instance: u32) -> bool {
+        let instance = self.world.instances.get(instance as usize);
+        instance.is_some_and(|instance| instance.bending.is_some())
     }
 
     /// Computes points and normals of curved surfaces, in the space of their structure.
@@ -220,13 +244,12 @@ impl FrameScene {
             let ray = to.ray[i] as usize;
             let pose = self.world.instances[found.instance[ray] as usize].pose(time[ray]);
             to.point.set(i, pose.point(to.point.get(i)));
-            to.n_geo.set(i, pose.vector(to.n_geo.get(i)).normalize());
-            to.n_shade.set(i, pose.vector(to.n_shade.get(i)));
+            to.n_geo.set(i, pose.normal(to.n_geo.get(i)).normalize());
+            to.n_shade.set(i, pose.normal(to.n_shade.get(i)));
             if turns {
-                to.tangent.set(i, pose.vector(to.tangent.get(i)));
+                to.tangent.set(i, pose.direction(to.tangent.get(i)));
             }
-            let magnitude = abs_product(&pose.rotation, to.magnitude.get(i));
-            to.magnitude.set(i, magnitude + pose.translation.abs());
+            to.magnitude.set(i, pose.magnitude(to.magnitude.get(i)));
         }
     }
 
@@ -264,9 +287,9 @@ impl FrameScene {
         if hit.instance == STILL {
             let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
             let (face, place) = (hit.primitive.wrapping_sub(object.first_triangle), &object.place);
-            let (point, normal) = (place.inverse_point(point), place.inverse_vector(normal));
+            let (point, normal) = (place.inverse_point(point), place.inverse_normal(normal));
             let found = tangent(&object.geometry, face, hit.uv, point, normal);
-            Tangent { along: place.vector(found.along), ..found }
+            Tangent { along: place.direction(found.along), ..found }
         } else {
             let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
             let geometry = &self.objects[object as usize].geometry;
@@ -421,6 +444,20 @@ impl FrameObject {
     }
 }
 
+impl FrameObject {
+    /// Returns the normals at the corners of a triangle of a mesh that bends; 0 if they are not
+    /// interpolated.
+    fn bent_normals(&self, primitive: u32, at: Moment) -> [Vec3; 3] {
+        match self.geometry {
+            Geometry::Mesh(ref mesh, _) if !self.normals.is_empty() => {
+                let (face, count) = (mesh.faces[primitive as usize], mesh.positions.len());
+                face.map(|vertex| normal_at(&self.normals, count, vertex, at))
+            }
+            _ => [Vec3::ZERO; 3],
+        }
+    }
+}
+
 /// A point of a primitive, in the space of its structure.
 struct Local {
     point: Vec3,
@@ -443,11 +480,6 @@ fn on_curved(structure: &Structure, hit: &Hit, origin: Vec3, direction: Vec3) ->
         normal: curved.normal_at(point.as_vec3(), part),
         magnitude: bounds.min.abs().max(bounds.max.abs()),
     }
-}
-
-/// Returns |m| v, with absolute values by components.
-fn abs_product(m: &Mat3, v: Vec3) -> Vec3 {
-    m.x_axis.abs() * v.x + m.y_axis.abs() * v.y + m.z_axis.abs() * v.z
 }
 
 /// Returns the texture coordinates of a point of a face; 0 if the mesh has none.

@@ -25,7 +25,11 @@ impl FrameScene {
         gathered: &Gathered,
         to: &mut Surfaces,
     ) {
-        self.isa.run(Lift { gathered, to });
+        if self.stretches {
+            self.isa.run(Lift::<false> { gathered, to });
+        } else {
+            self.isa.run(Lift::<true> { gathered, to });
+        }
         for &i in &gathered.moving {
             let i = usize::from(i);
             let ray = to.ray[i] as usize;
@@ -47,19 +51,18 @@ impl FrameScene {
         to: &mut Surfaces,
     ) {
         if self.softens {
-            to.is_softened = true;
             self.isa.run(Soften { direction, is_soft, to });
         }
     }
 }
 
-/// Computes lifts, in the spaces of the structures.
-struct Lift<'a> {
+/// Computes lifts, in the spaces of the structures. `UNIT` tells that all normals are unit.
+struct Lift<'a, const UNIT: bool> {
     gathered: &'a Gathered,
     to: &'a mut Surfaces,
 }
 
-impl Lanewise for Lift<'_> {
+impl<const UNIT: bool> Lanewise for Lift<'_, UNIT> {
     type Output = ();
 
     #[inline(always)]
@@ -70,7 +73,7 @@ impl Lanewise for Lift<'_> {
             let corners = gathered.corners.each_ref().map(|corner| corner.get(i));
             let normals = gathered.normals.each_ref().map(|normal| normal.get(i));
             let from_outside = to.from_outside[i] == 1;
-            to.lift.set(i, lift(corners, normals, [1.0 - u - v, u, v], from_outside));
+            to.lift.set(i, lift::<UNIT>(corners, normals, [1.0 - u - v, u, v], from_outside));
         }
     }
 }
@@ -79,7 +82,12 @@ impl Lanewise for Lift<'_> {
 /// mean of its projections to the tangent planes of those corners whose planes lie above it.
 /// `from_outside` tells which side is above.
 #[inline(always)]
-fn lift(corners: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3], from_outside: bool) -> Vec3 {
+fn lift<const UNIT: bool>(
+    corners: [Vec3; 3],
+    normals: [Vec3; 3],
+    weights: [f32; 3],
+    from_outside: bool,
+) -> Vec3 {
     let [a, b, c] = corners;
     let (ab, ac) = (b - a, c - a);
     let mean = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
@@ -90,7 +98,10 @@ fn lift(corners: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3], from_outside:
     let mut sum = Vec3::ZERO;
     for k in 0..3 {
         let height = ((corners[k] - point).dot(normals[k]) * side).max(0.0);
-        sum += normals[k] * (weights[k] * height);
+        // A normal of no length has no height.
+        let square = || normals[k].length_squared().max(f32::MIN_POSITIVE);
+        let share = if UNIT { weights[k] } else { weights[k] / square() };
+        sum += normals[k] * (share * height);
     }
     sum * side
 }
@@ -152,23 +163,29 @@ mod tests {
         let on = inscribed();
         for weights in [[0.2, 0.3, 0.5], [0.5, 0.5, 0.0], [0.05, 0.05, 0.9]] {
             let point: Vec3 = (0..3).map(|k| on[k] * weights[k]).sum();
-            let end = point + lift(on, on, weights, true);
+            let end = point + lift::<true>(on, on, weights, true);
             let (below, above) = (1.0 - point.length(), end.length() - 1.0);
             // Tangent planes lie above a sphere by as much as chords lie below it.
             assert!((above - below).abs() < 0.1 * below, "{point}: {above} is not {below}");
             // Vertex normals that point inward are turned, and a hollow has no lift.
             let inward = on.map(|n| -n);
             assert!(
-                (lift(on, inward, weights, true) - lift(on, on, weights, true)).length() < 1e-7
+                (lift::<true>(on, inward, weights, true) - lift::<true>(on, on, weights, true))
+                    .length()
+                    < 1e-7
             );
-            assert_eq!(lift(on, on, weights, false), Vec3::ZERO);
+            assert_eq!(lift::<true>(on, on, weights, false), Vec3::ZERO);
+            // Normals may have any length.
+            let long = lift::<false>(on, on.map(|n| n * 3.0), weights, true);
+            let mixed = lift::<false>(on, on, weights, true);
+            assert!((long - mixed).length() < 1e-7 && (point + mixed - end).length() < 1e-7);
             // So is a face whose corners go round the other way.
             let [a, b, c] = on;
             let ([u, v, w], turned) = (weights, [a, c, b]);
-            assert!((point + lift(turned, turned, [u, w, v], false) - end).length() < 1e-6);
+            assert!((point + lift::<true>(turned, turned, [u, w, v], false) - end).length() < 1e-6);
         }
-        assert_eq!(lift(on, on, [1.0, 0.0, 0.0], true), Vec3::ZERO);
-        assert_eq!(lift(on, [Vec3::ZERO; 3], [0.2, 0.3, 0.5], true), Vec3::ZERO);
+        assert_eq!(lift::<true>(on, on, [1.0, 0.0, 0.0], true), Vec3::ZERO);
+        assert_eq!(lift::<true>(on, [Vec3::ZERO; 3], [0.2, 0.3, 0.5], true), Vec3::ZERO);
     }
 
     #[test]

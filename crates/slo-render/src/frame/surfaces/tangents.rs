@@ -93,7 +93,7 @@ impl FrameScene {
             let bent = tangent * (map.x * strength) + bitangent * (map.y * strength) + outward * z;
             let bent = (bent * facing).try_normalize().unwrap_or(n);
             // On the side from which light arrives.
-            let floor = to.floors().get(i);
+            let floor = to.floor.get(i);
             let below = bent.dot(floor);
             let bent = if below < 0.0 { bent - 2.0 * below * floor } else { bent };
             to.n_shade.set(i, bent);

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use slo_accel::Lanewise;
-use slo_accel::math::columns::{BATCH, Column, lanes};
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, select};
 
 use super::bsdfs::Bsdfs;
 use super::guiding::{Densities, Guiding, mixed};
@@ -22,14 +22,21 @@ pub(in crate::integrator) struct Continuation {
     set: SetPoints,
     /// Random numbers of the roulette.
     survival: SetPoints,
+    pub(in crate::integrator) rays: Rays,
+    pub(in crate::integrator) labels: Labels,
+    /// Points that send a ray.
+    pub(in crate::integrator) chosen: Chosen,
+}
+
+/// What the loops over lobes write. It is one object, so that one check tells whether a loop may
+/// become vector code.
+#[derive(Debug)]
+pub(in crate::integrator) struct Rays {
     /// Sum of the chances of the lobes visited so far.
     below: Column<f32>,
     guided: Guided,
     pub(in crate::integrator) sent: Sent,
-    pub(in crate::integrator) labels: Labels,
     pub(in crate::integrator) past: Past,
-    /// Points that send a ray.
-    pub(in crate::integrator) chosen: Chosen,
 }
 
 impl Default for Continuation {
@@ -37,12 +44,20 @@ impl Default for Continuation {
         Self {
             set: SetPoints::default(),
             survival: SetPoints::default(),
+            rays: Rays::default(),
+            labels: Labels::default(),
+            chosen: Chosen::default(),
+        }
+    }
+}
+
+impl Default for Rays {
+    fn default() -> Self {
+        Self {
             below: [0.0; BATCH],
             guided: Guided::default(),
             sent: Sent::default(),
-            labels: Labels::default(),
             past: Past::default(),
-            chosen: Chosen::default(),
         }
     }
 }
@@ -86,7 +101,7 @@ impl Default for Guided {
 impl Continuation {
     /// How the rays share their directions with the field, if they do.
     pub(super) fn guided(&self) -> &Guided {
-        &self.guided
+        &self.rays.guided
     }
 
     /// Creates ray number `place[0]` of `place[1]` from every point. If surface features are
@@ -101,52 +116,32 @@ impl Continuation {
         first_behind: Option<u32>,
     ) {
         let frame = job.frame;
-        let Self { set, survival, below, guided, sent, past, labels, .. } = self;
+        let Self { set, survival, rays, labels, .. } = self;
         let names = points.names(&frame.settings, depth, Purpose::Continuation, place);
         set.take::<3>(&frame.sampler, frame.isa, &names);
         let names = points.names(&frame.settings, depth, Purpose::Survival, place);
         survival.take::<2>(&frame.sampler, frame.isa, &names);
-        *below = [0.0; BATCH];
-        for column in [&mut sent.weight.x, &mut sent.weight.y, &mut sent.weight.z] {
-            column.fill(0.0);
-        }
+        rays.below.fill(0.0);
+        rays.sent.weight = Vec3s::default();
+        rays.guided.by_field.fill(0);
+        rays.guided.lobe.fill(u32::MAX);
         let count = place[1] as f32;
-        guided.by_field.fill(0);
-        guided.lobe.fill(u32::MAX);
-        let by_field = &mut guided.by_field;
-        bsdfs.bsdf.for_each(&mut Follow {
-            frame,
-            points,
-            guiding,
-            set,
-            count,
-            below,
-            by_field,
-            lobe: (0, &mut guided.lobe),
-            sent,
-            past,
-        });
+        bsdfs.bsdf.for_each(&mut Follow { frame, points, guiding, set, count, number: 0, rays });
         if job.is_guided() {
             let len = points.len();
             if let Some(field) = job.guide {
-                let Guided { by_field, square, .. } = guided;
+                let Guided { by_field, square, .. } = &mut rays.guided;
                 let [u, v, _] = &set.numbers;
-                let to = (square, &mut sent.direction);
+                let to = (square, &mut rays.sent.direction);
                 guiding.sample(field, job, len, (&*by_field, [u, v]), to);
             }
-            guiding.densities(job, &sent.direction, len, |i| i, &mut guided.field);
-            bsdfs.bsdf.for_each(&mut Reweigh {
-                frame,
-                points,
-                guiding,
-                count,
-                number: 0,
-                guided,
-                sent,
-            });
+            let directions = &rays.sent.direction;
+            guiding.densities(job, directions, len, |i| i, &mut rays.guided.field);
+            bsdfs.bsdf.for_each(&mut Reweigh { frame, points, guiding, count, number: 0, rays });
         }
         let always = depth == 0 || !frame.clever;
-        frame.isa.run(Finish { points, survival, always, count, sent, past });
+        frame.isa.run(Finish { points, survival, always, count, rays });
+        let Rays { sent, past, .. } = rays;
         past.rough.is_kept = points.rough.is_kept;
         if past.rough.is_kept {
             frame.isa.run(Remember { points, sent, past });
@@ -158,7 +153,7 @@ impl Continuation {
                 *slot += if *density > 0.0 && *slot < first { first } else { 0 };
             }
         }
-        let weight = &self.sent.weight;
+        let weight = &self.rays.sent.weight;
         self.chosen.set(frame.isa, len, |i| weight.get(i) != Vec3::ZERO);
     }
 }
@@ -171,34 +166,18 @@ struct Follow<'a> {
     set: &'a SetPoints,
     /// Number of rays of each point.
     count: f32,
-    below: &'a mut Column<f32>,
-    by_field: &'a mut Column<u32>,
-    /// The number of the lobe, and those of the lobes that are followed.
-    lobe: (u32, &'a mut Column<u32>),
-    sent: &'a mut Sent,
-    past: &'a mut Past,
+    /// Number of the lobe.
+    number: u32,
+    rays: &'a mut Rays,
 }
 
 impl WithLobe for Follow<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L) {
         if L::IS_FOLLOWED {
-            let Self { frame, points, guiding, set, count, below, by_field, sent, past, .. } = self;
-            let (share, count) = (guiding.share(L::IS_DIFFUSE), *count);
-            let (number, followed) = (self.lobe.0, &mut *self.lobe.1);
-            frame.isa.run(FollowOne {
-                lobe,
-                points,
-                share,
-                set,
-                count,
-                below,
-                number,
-                by_field,
-                followed,
-                sent,
-                past,
-            });
-            self.lobe.0 += 1;
+            let Self { frame, points, guiding, set, count, number, rays } = self;
+            let (share, count, number) = (guiding.share(L::IS_DIFFUSE), *count, *number);
+            frame.isa.run(FollowOne { lobe, points, share, set, count, number, rays });
+            self.number += 1;
         }
     }
 }
@@ -210,12 +189,8 @@ struct FollowOne<'a, L> {
     share: &'a Column<f32>,
     set: &'a SetPoints,
     count: f32,
-    below: &'a mut Column<f32>,
     number: u32,
-    by_field: &'a mut Column<u32>,
-    followed: &'a mut Column<u32>,
-    sent: &'a mut Sent,
-    past: &'a mut Past,
+    rays: &'a mut Rays,
 }
 
 impl<L: Lobe> Lanewise for FollowOne<'_, L> {
@@ -223,9 +198,8 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, points, share: shares, set, count, number, .. } = self;
-        let (below, by_field, followed) = (self.below, self.by_field, self.followed);
-        let (sent, past) = (self.sent, self.past);
+        let Self { lobe, points, share: shares, set, count, number, rays } = self;
+        let Rays { below, guided, sent, past } = rays;
         let chances = &lobe.share().chance;
         for i in lanes(points.surfaces.len) {
             let [u, v, w] = set.numbers.each_ref().map(|column| column[i]);
@@ -238,20 +212,19 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             let is_sharp = lobe.is_sharp(i);
             let field = if is_sharp { 0.0 } else { shares[i] };
             let is_left = rest < field;
-            by_field[i] |= u32::from(is_chosen & is_left);
-            followed[i] = if is_chosen { number } else { followed[i] };
+            guided.by_field[i] |= u32::from(is_chosen & is_left);
+            guided.lobe[i] = select(is_chosen, number, guided.lobe[i]);
             let rest = ((rest - field) / (1.0 - field)).clamp(0.0, 0.999_999_94);
             let sampled = lobe.sample(i, &points.at(i), [u, v, rest]);
             let share = 1.0 / (chance * count);
             let weight = sampled.weight * share;
             let density = sampled.density * chance * count;
-            let keep = |new: Vec3, old: Vec3| if is_chosen { new } else { old };
-            sent.direction.set(i, keep(sampled.direction, sent.direction.get(i)));
-            sent.weight.set(i, keep(weight, sent.weight.get(i)));
-            sent.density[i] = if is_chosen { density } else { sent.density[i] };
+            sent.direction.set_if(i, is_chosen, sampled.direction);
+            sent.weight.set_if(i, is_chosen, weight);
+            sent.density[i] = select(is_chosen, density, sent.density[i]);
             let mark = if L::IS_DIFFUSE { marks::DIFFUSE } else { 0 };
             let mark = mark | if is_sharp { marks::SHARP } else { 0 };
-            past.marks[i] = if is_chosen { mark } else { past.marks[i] };
+            past.marks[i] = select(is_chosen, mark, past.marks[i]);
         }
     }
 }
@@ -264,16 +237,15 @@ struct Reweigh<'a> {
     count: f32,
     /// Number of the lobe.
     number: u32,
-    guided: &'a mut Guided,
-    sent: &'a mut Sent,
+    rays: &'a mut Rays,
 }
 
 impl WithLobe for Reweigh<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L) {
         if L::IS_FOLLOWED {
-            let Self { frame, points, guiding, count, number, guided, sent } = self;
+            let Self { frame, points, guiding, count, number, rays } = self;
             let (share, count, number) = (guiding.share(L::IS_DIFFUSE), *count, *number);
-            frame.isa.run(ReweighOne { lobe, points, share, count, number, guided, sent });
+            frame.isa.run(ReweighOne { lobe, points, share, count, number, rays });
             self.number += 1;
         }
     }
@@ -285,8 +257,7 @@ struct ReweighOne<'a, L> {
     share: &'a Column<f32>,
     count: f32,
     number: u32,
-    guided: &'a mut Guided,
-    sent: &'a mut Sent,
+    rays: &'a mut Rays,
 }
 
 impl<L: Lobe> Lanewise for ReweighOne<'_, L> {
@@ -294,7 +265,8 @@ impl<L: Lobe> Lanewise for ReweighOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, points, share, count, number, guided, sent } = self;
+        let Self { lobe, points, share, count, number, rays } = self;
+        let Rays { guided, sent, .. } = rays;
         let chances = &lobe.share().chance;
         for i in lanes(points.surfaces.len) {
             let is_mine = (guided.lobe[i] == number) & !lobe.is_sharp(i);
@@ -304,10 +276,10 @@ impl<L: Lobe> Lanewise for ReweighOne<'_, L> {
             let scale = if density > 0.0 { 1.0 / density } else { 0.0 };
             let is_changed = is_mine & (share[i] > 0.0);
             let weight = scattered.value * scale;
-            sent.weight.set(i, if is_changed { weight } else { sent.weight.get(i) });
-            sent.density[i] = if is_changed { density } else { sent.density[i] };
-            guided.own[i] = if is_mine { scattered.density } else { guided.own[i] };
-            guided.mixed[i] = if is_mine { both } else { guided.mixed[i] };
+            sent.weight.set_if(i, is_changed, weight);
+            sent.density[i] = select(is_changed, density, sent.density[i]);
+            guided.own[i] = select(is_mine, scattered.density, guided.own[i]);
+            guided.mixed[i] = select(is_mine, both, guided.mixed[i]);
         }
     }
 }
@@ -319,8 +291,7 @@ struct Finish<'a> {
     /// Whether all rays are followed.
     always: bool,
     count: f32,
-    sent: &'a mut Sent,
-    past: &'a mut Past,
+    rays: &'a mut Rays,
 }
 
 impl Lanewise for Finish<'_> {
@@ -328,8 +299,8 @@ impl Lanewise for Finish<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { points, survival, always, count, sent, past } = self;
-        let surfaces = &points.surfaces;
+        let Self { points, survival, always, count, rays } = self;
+        let (surfaces, Rays { sent, past, .. }) = (&points.surfaces, rays);
         for i in lanes(surfaces.len) {
             let direction = sent.direction.get(i);
             let weight = points.weight.get(i) * sent.weight.get(i);
@@ -340,7 +311,7 @@ impl Lanewise for Finish<'_> {
             sent.t_max[i] = f32::INFINITY;
             let is_ray = (weight.max_element() > 0.0) & sent.is_ray(i);
             sent.weight.set(i, if is_ray { weight } else { Vec3::ZERO });
-            past.from.set(i, surfaces.starts().get(i));
+            past.from.set(i, surfaces.start.get(i));
             past.normal[i] = points.receiver[i];
         }
     }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use slo_accel::Lanewise;
-use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, select};
 
 use super::bsdfs::Bsdfs;
 use super::guiding::{Densities, Guiding, mixed};
@@ -159,7 +159,7 @@ impl LampLight {
     fn choose(&mut self, frame: &FrameScene, points: &Points, rays: f32) {
         let Self { set, choices, light, tries, radiance, .. } = self;
         let Points { surfaces, receiver, .. } = points;
-        let (point, u) = (surfaces.starts(), &set.numbers[2]);
+        let (point, u) = (&surfaces.start, &set.numbers[2]);
         frame.light_tree.choose_all(frame.isa, points.len(), point, receiver, u, choices);
         for (light, &chosen) in light.iter_mut().zip(&choices.light) {
             *light = frame.first_chosen.saturating_add(chosen);
@@ -249,13 +249,13 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool), const SKIPS: bool> Lanewise for As
     #[inline(always)]
     fn run(self) {
         let Self { points, choose, to } = self;
-        let (surfaces, starts) = (&points.surfaces, points.surfaces.starts());
+        let surfaces = &points.surfaces;
         for i in lanes(surfaces.len) {
             let (lamp, is_asked) = choose(to.light[i], i);
             if SKIPS && !is_asked {
                 continue;
             }
-            let hit = starts.get(i);
+            let hit = surfaces.start.get(i);
             let u = [to.set.numbers[0][i], to.set.numbers[1][i]];
             let Sampled { way, radiance, density } = lamp.sample(hit, u);
             let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };
@@ -268,16 +268,15 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool), const SKIPS: bool> Lanewise for As
             let tries = to.tries[i];
             let by_light = if L::IS_DELTA { tries } else { tries * density };
             let flat = if L::IS_OF_THESIS { std::f32::consts::PI / tries } else { 0.0 };
-            let keep = |new: Vec3, old: Vec3| if is_asked { new } else { old };
-            to.sent.origin.set(i, keep(origin, to.sent.origin.get(i)));
-            to.sent.direction.set(i, keep(direction, to.sent.direction.get(i)));
-            to.sent.t_max[i] = if is_asked { t_max } else { to.sent.t_max[i] };
-            to.toward.set(i, keep(toward, to.toward.get(i)));
-            to.radiance.set(i, keep(radiance, to.radiance.get(i)));
-            to.by_light[i] = if is_asked { by_light } else { to.by_light[i] };
+            to.sent.origin.set_if(i, is_asked, origin);
+            to.sent.direction.set_if(i, is_asked, direction);
+            to.sent.t_max[i] = select(is_asked, t_max, to.sent.t_max[i]);
+            to.toward.set_if(i, is_asked, toward);
+            to.radiance.set_if(i, is_asked, radiance);
+            to.by_light[i] = select(is_asked, by_light, to.by_light[i]);
             let hittable = if L::IS_DELTA { 0.0 } else { 1.0 };
-            to.hittable[i] = if is_asked { hittable } else { to.hittable[i] };
-            to.flat[i] = if is_asked { flat } else { to.flat[i] };
+            to.hittable[i] = select(is_asked, hittable, to.hittable[i]);
+            to.flat[i] = select(is_asked, flat, to.flat[i]);
         }
     }
 }

@@ -43,7 +43,8 @@ impl Pilot {
         count: u32,
     ) {
         for i in 0..points.len() {
-            let (weight, mark) = (continuation.sent.weight.get(i), continuation.past.marks[i]);
+            let (weight, mark) =
+                (continuation.rays.sent.weight.get(i), continuation.rays.past.marks[i]);
             let slot = &mut continuation.labels.slot[i];
             *slot += self.stride;
             if weight == Vec3::ZERO || mark & marks::SHARP != 0 {

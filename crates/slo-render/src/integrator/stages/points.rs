@@ -142,7 +142,11 @@ impl Points {
     /// Packs the normals, if lights are chosen by them.
     pub(in crate::integrator) fn find_receivers(&mut self, frame: &FrameScene) {
         if frame.light_tree.len() > 1 {
-            frame.isa.run(Receivers(self));
+            if frame.is_physical {
+                frame.isa.run(Receivers::<true>(self));
+            } else {
+                frame.isa.run(Receivers::<false>(self));
+            }
         }
     }
 
@@ -184,13 +188,13 @@ impl Points {
     /// Returns the directions at point `i`.
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> At {
-        let Surfaces { n_shade, n_geo, tangent, .. } = &self.surfaces;
+        let Surfaces { n_shade, n_geo, floor, tangent, .. } = &self.surfaces;
         let Surfaces { is_bent, any_is_bent, .. } = &self.surfaces;
         At {
             eye: -self.direction.get(i),
             n: n_shade.get(i),
             n_geo: n_geo.get(i),
-            floor: self.surfaces.floors().get(i),
+            floor: floor.get(i),
             is_bent: *any_is_bent & (is_bent[i] == 1),
             tangent: tangent.get(i),
         }
@@ -252,17 +256,19 @@ impl Lanewise for Seeds<'_> {
     }
 }
 
-/// Packs the normals.
-struct Receivers<'a>(&'a mut Points);
+/// Packs the normals of the planes above which light arrives.
+struct Receivers<'a, const IS_PHYSICAL: bool>(&'a mut Points);
 
-impl Lanewise for Receivers<'_> {
+impl<const IS_PHYSICAL: bool> Lanewise for Receivers<'_, IS_PHYSICAL> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let points = self.0;
         for i in lanes(points.surfaces.len) {
-            points.receiver[i] = receiver::pack(points.surfaces.floors().get(i));
+            let Surfaces { floor, n_geo, .. } = &points.surfaces;
+            let normal = if IS_PHYSICAL { floor.get(i) } else { n_geo.get(i) };
+            points.receiver[i] = receiver::pack(normal);
         }
     }
 }

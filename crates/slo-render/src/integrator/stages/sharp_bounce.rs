@@ -167,9 +167,8 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             let of_photon = lobe.of_photon(i, &at, sampled.direction);
             let of_photon = if at.is_two_way(sampled.direction) { of_photon } else { 0.0 };
             let weight = sampled.weight * (adjoint(&at, sampled.direction) * of_photon / chance);
-            let keep = |new: Vec3, old: Vec3| if is_chosen { new } else { old };
-            sent.direction.set(i, keep(sampled.direction, sent.direction.get(i)));
-            sent.weight.set(i, keep(weight, sent.weight.get(i)));
+            sent.direction.set_if(i, is_chosen, sampled.direction);
+            sent.weight.set_if(i, is_chosen, weight);
         }
     }
 }
@@ -223,7 +222,7 @@ impl<L: Lobe> Lanewise for ExchangeOne<'_, L> {
             let ratio = |from: f32, to: f32| if from > 0.0 { to / from } else { 1.0 };
             let ratio = Vec3::new(ratio(from.x, to.x), ratio(from.y, to.y), ratio(from.z, to.z));
             let weight = sent.weight.get(i);
-            sent.weight.set(i, if is_chosen { weight * ratio } else { weight });
+            sent.weight.set_if(i, is_chosen, weight * ratio);
         }
     }
 }

@@ -50,7 +50,7 @@ impl ToShaded {
             sent.t_max[i] = f32::INFINITY;
             sent.weight.set(i, asked.sent.weight.get(i));
             sent.density[i] = 0.0;
-            past.from.set(i, points.surfaces.starts().get(i));
+            past.from.set(i, points.surfaces.start.get(i));
             past.normal[i] = points.receiver[i];
             past.marks[i] = marks::asking(asked.light[i] - first);
             for column in past.rough.columns_mut() {

@@ -7,6 +7,7 @@ use super::flat;
 use super::lamp::{Lamp, luminance};
 use super::rectangle::Rectangle;
 use super::spherical_rectangle::SphericalRectangle;
+use slo_accel::math::columns::select;
 use slo_scene::light::{RectangleLamp as Described, RectangleLight};
 
 /// Cosine between the sides past which a rectangle is none.
@@ -67,7 +68,9 @@ impl Lamp for RectangleLamp {
     #[inline(always)]
     fn point(&self, from: Vec3, u: [f32; 2]) -> Vec3 {
         let seen = self.seen(from);
-        let shares = if seen.is_large() { seen.sample(u) } else { u };
+        // Sampled in any case, so that loops have no branches.
+        let (is_large, sampled) = (seen.is_large(), seen.sample(u));
+        let shares = [0, 1].map(|k| select(is_large, sampled[k], u[k]));
         self.surface.point(from, shares)
     }
 

@@ -1,5 +1,6 @@
 //! Pictures whose pixels can be derived by hand. Each test explains how.
 
+mod bending;
 mod expectation;
 mod far_away;
 mod furnace;
@@ -11,5 +12,6 @@ mod motion;
 mod paths;
 mod refraction;
 mod shadow;
+mod stretched;
 mod surfaces;
 mod terminator;

@@ -21,25 +21,25 @@ use rayon::prelude::*;
 use self::boxes::{Box8, Reference, extent};
 use self::collapse::{Shapes, Wide};
 use super::hierarchy::{Bvh, FAR};
-use super::layout::stack_size;
+use super::layout::{Node, stack_size};
 use super::ray::TAME_COORDINATE;
 use crate::isa::Isa;
 use crate::math::Bounds;
 use crate::primitives::{Curved, Primitives, Triangle, triangle};
 use crate::structure::interface::BuildOptions;
+use crate::structure::shared::pages::Array;
 
 /// Builds the hierarchy over primitives.
 pub(super) fn build(primitives: Primitives, options: BuildOptions) -> Bvh {
     let BuildOptions { isa, spatial_splits } = options;
     let triangle_count = primitives.triangles.len();
-    let is_hollow = |id: u32, bounds: &Bounds| {
-        let triangle = primitives.triangles.get(id as usize);
-        triangle.is_some_and(triangle::is_degenerate) || bounds.is_empty()
-    };
-    let (references, left_out, extent) = references(primitives.len() as u32, |id| {
+    let bounds = |id: u32| {
         let bounds = primitives.bounds(id);
-        (!is_hollow(id, &bounds)).then_some(bounds)
-    });
+        let triangle = primitives.triangles.get(id as usize);
+        let is_hollow = triangle.is_some_and(triangle::is_degenerate) || bounds.is_empty();
+        (!is_hollow).then_some(bounds)
+    };
+    let (references, left_out, extent) = references(primitives.len(), bounds);
     let bounds =
         left_out.iter().fold(extent[0].bounds(), |all, &id| all.union(primitives.bounds(id)));
     let left_out = &left_out[..left_out.partition_point(|&id| (id as usize) < triangle_count)];
@@ -57,7 +57,7 @@ pub(super) fn build(primitives: Primitives, options: BuildOptions) -> Bvh {
 pub(super) fn build_moving(starts: &[Triangle], ends: &[Triangle], isa: Isa) -> Bvh {
     let shapes = Shapes { starts, ends: Some(ends) };
     // Splits are chosen by boxes in the middle of the time.
-    let (references, left_out, extent) = references(starts.len() as u32, |id| {
+    let (references, left_out, extent) = references(starts.len(), |id| {
         let [a, b] = shapes.boxes(id);
         let is_hollow = is_never_hit(&starts[id as usize], &ends[id as usize]);
         (!is_hollow)
@@ -102,18 +102,32 @@ pub(in crate::structure) fn is_never_hit(start: &Triangle, end: &Triangle) -> bo
         || [start, &at(0.5), end].into_iter().all(triangle::is_degenerate)
 }
 
+/// Builds a hierarchy over `count` boxes; those that are `None` are left out. Each leaf is a box,
+/// by its number, which stands where a curved surface would. Returns the nodes, and how many there
+/// are from the root to the deepest, both counted.
+pub(super) fn build_over(
+    count: usize,
+    bounds: impl Fn(u32) -> Option<Bounds> + Sync,
+    isa: Isa,
+) -> (Array<Node>, usize) {
+    let (references, _, extent) = references(count, bounds);
+    let nothing = Shapes { starts: &[], ends: None };
+    let tree = binary::build(references, extent, 0, isa);
+    let Wide { nodes, depth, .. } = collapse::collapse(tree, &nothing, &[]);
+    (nodes, depth)
+}
+
 /// Primitives for which one task makes references.
 const TASK: usize = 1 << 13;
 
-/// References to those of `count` primitives that have a box and so can be hit, the ids of the
-/// others, and the [`extent`].
+/// References to the primitives that have a box, the ids of the others, and the [`extent`].
 fn references(
-    count: u32,
-    box_of: impl Fn(u32) -> Option<Bounds> + Sync,
+    count: usize,
+    bounds: impl Fn(u32) -> Option<Bounds> + Sync,
 ) -> (Vec<Reference>, Vec<u32>, [Box8; 2]) {
-    let mut references: Vec<Reference> = (0..count)
+    let mut references: Vec<Reference> = (0..count as u32)
         .into_par_iter()
-        .map(|id| box_of(id).map_or(Reference::NONE, |bounds| Reference::new(bounds, id)))
+        .map(|id| bounds(id).map_or(Reference::NONE, |bounds| Reference::new(bounds, id)))
         .collect();
     let hollow = |(id, r): (usize, &Reference)| r.is_none().then_some(id as u32);
     let left_out: Vec<u32> = references.par_iter().enumerate().filter_map(hollow).collect();

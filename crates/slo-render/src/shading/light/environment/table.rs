@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use crate::shading::light::lamp::luminance;
 use crate::shading::texture::{elevation_v, equirect_direction, sample_equirect};
+use slo_accel::math::columns::select;
 use slo_accel::math::elementary::sin_cos_turns;
 use slo_scene::Texture;
 
@@ -235,15 +236,14 @@ fn starts(sums: usize) -> usize {
 fn find(sums: &[f32], starts: &[u16], u: f32) -> (usize, f32) {
     let count = starts.len() - 1;
     let interval = ((u * count as f32) as usize).min(count - 1);
-    let (mut at, mut end) = (starts[interval] as usize, starts[interval + 1] as usize + 1);
-    // The sum at `end` is above `u`, or the last.
-    while end - at > 1 {
-        let middle = (at + end) / 2;
-        if sums[middle] <= u {
-            at = middle;
-        } else {
-            end = middle;
-        }
+    let mut at = starts[interval] as usize;
+    // It is one of so many from `at` on: the next sum is above `u`, or the last.
+    let mut count = starts[interval + 1] as usize + 1 - at;
+    while count > 1 {
+        let half = count / 2;
+        // No jump: none could be foreseen.
+        at = select(sums[at + half] <= u, at + half, at);
+        count -= half;
     }
     (at, (u - sums[at]) / (sums[at + 1] - sums[at]))
 }

@@ -9,6 +9,7 @@
 //! Splitting" (2018), without their splitting.
 
 mod build;
+mod few;
 mod node;
 mod sums;
 #[cfg(test)]
@@ -18,6 +19,7 @@ use glam::Vec3;
 
 use super::bounds::LightBounds;
 use super::receiver;
+use few::{ChooseFew, FEW};
 use node::Node;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 use slo_accel::{Isa, Lanewise};
@@ -124,7 +126,12 @@ impl LightTree {
         u: &Column<f32>,
         to: &mut Choices,
     ) {
-        isa.run(ChooseAll { tree: self, len: len.min(BATCH), from, normal, u, to });
+        let len = len.min(BATCH);
+        if let Some(root) = self.root_of_few() {
+            isa.run(ChooseFew { root, len, from, normal, u, to });
+        } else {
+            isa.run(ChooseAll { tree: self, len, from, normal, u, to });
+        }
     }
 
     /// Finds the chance of one light for each of `len` hits; see [`chance`](Self::chance). It is 0
@@ -139,6 +146,12 @@ impl LightTree {
         to: &mut Column<f32>,
     ) {
         isa.run(ChanceAll { tree: self, len: len.min(BATCH), light, from, normal, to });
+    }
+
+    /// Returns the root if its children are a few lights.
+    fn root_of_few(&self) -> Option<&Node> {
+        let is_few = (2..=FEW).contains(&self.paths.len());
+        self.nodes.first().filter(|_| is_few && self.nodes.len() == 1)
     }
 
     /// Returns the number of lights.

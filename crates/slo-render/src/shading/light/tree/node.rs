@@ -148,13 +148,13 @@ impl Node {
 
     /// Whether there are distant lights, beside each other or beside others.
     #[inline(always)]
-    fn has_classes(&self) -> bool {
+    pub(super) fn has_classes(&self) -> bool {
         self.classes > 1
     }
 
     /// Gives each class of lights that brings anything a share of the choice.
     #[inline(always)]
-    fn share_among_classes(&self, parts: &mut [f32; WIDTH], total: f32) {
+    pub(super) fn share_among_classes<const N: usize>(&self, parts: &mut [f32; N], total: f32) {
         let (mut of_near, mut classes) = (0.0, 0.0);
         for (part, near) in parts.iter().zip(&self.near) {
             of_near += part * near;
@@ -172,7 +172,7 @@ impl Node {
     /// Estimates the irradiance that a child brings to a hit, by bounds of its cosines: 0 only if
     /// the child is dark there.
     #[inline(always)]
-    fn estimate(&self, k: usize, from: Vec3, normal: Vec3) -> f32 {
+    pub(super) fn estimate(&self, k: usize, from: Vec3, normal: Vec3) -> f32 {
         let vector =
             |columns: &[[f32; WIDTH]; 3]| Vec3::new(columns[0][k], columns[1][k], columns[2][k]);
         let (center, half, axis) = (vector(&self.center), vector(&self.half), vector(&self.axis));

@@ -4,7 +4,7 @@
 pub(super) const WIDTH: usize = 16;
 
 /// The largest number below 1.
-const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
+pub(super) const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
 
 /// The parts of children and the sums of 2, 4, 8 and 16 neighbours: a chain of sums would be slow.
 #[derive(Clone, Copy, Debug)]

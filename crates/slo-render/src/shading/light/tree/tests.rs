@@ -91,8 +91,13 @@ fn chances_sum_to_1_where_any_light_may_arrive() {
 #[test]
 fn the_chance_of_a_light_is_that_of_its_choice_on_all_instruction_sets() {
     let mut random = Random(StdRng::seed_from_u64(2));
-    for count in COUNTS {
-        let tree = tree(&random.lights(count));
+    let mut sets = COUNTS.map(|count| random.lights(count)).to_vec();
+    // A few of each kind, with suns and skies among them.
+    for few in [0..3, 1..5, 4..6, 3..6, 5..9, 7..9] {
+        sets.push(few.map(|i| random.light(i)).collect());
+    }
+    for lights in sets {
+        let tree = tree(&lights);
         let (mut from, mut normal, mut u) = (Vec3s::default(), [0; BATCH], [0.0; BATCH]);
         for i in 0..BATCH {
             from.set(i, random.vector(15.0));

@@ -1,0 +1,18 @@
+//! Spaces that things hang in.
+
+use crate::key_frame::KeyFrame;
+
+/// Index of a space in [`SceneDescription::spaces`](super::SceneDescription::spaces).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SpaceId(pub u32);
+
+/// The space of a `group`, or of an object or a lamp that others have as their `parent`.
+#[derive(Clone, Debug)]
+pub struct Space {
+    /// The name in the text.
+    pub name: String,
+    /// In order of time: how the space moves in its parent.
+    pub key_frames: Vec<KeyFrame>,
+    /// What the space hangs in; `None`: scene space. Spaces never hang in rings.
+    pub parent: Option<SpaceId>,
+}

@@ -1,0 +1,71 @@
+//! What hangs in what.
+
+use slo_scene::animation::Spaces;
+use slo_scene::{Files, SceneDescription, SpaceId, load};
+
+fn scene(elements: &str) -> SceneDescription {
+    let text = format!("{elements}\n{}", include_str!("../scenes/minimal.txt"));
+    let loaded = load("scene.txt", &text, &Files::built_in("", &[]));
+    assert_eq!(loaded.diagnostics.render(false), "", "{elements}");
+    loaded.scene.expect("there are no errors")
+}
+
+#[test]
+fn groups_and_parents_have_spaces_and_others_have_none() {
+    let scene = scene(
+        "Scaling s { 2 } phong_info p { } material_phong m { phong_info p }
+         sphere hand { center { 1 0 0 } radius 1 material m parent arm }
+         group arm { addKframe { time 0 key { pivot { 0 0 3 } scale { 2 1 1 } } } parent lamp }
+         lamp_point lamp { power { 1 1 1 } position { 0 0 0 } parent stand
+             addKframe { time 0 key { pivot { 5 0 0 } } } addKframe { time 1 key { pivot { 6 0 0 } } } }
+         sphere stand { center { 9 9 9 } radius 1 material m }
+         sphere free { center { 9 0 9 } radius 1 material m }"
+            .trim_start(),
+    );
+    let names: Vec<_> = scene.spaces.iter().map(|space| space.name.as_str()).collect();
+    assert_eq!(names, ["arm", "lamp", "stand"]);
+    let parents: Vec<_> = scene.spaces.iter().map(|space| space.parent).collect();
+    assert_eq!(parents, [Some(SpaceId(1)), Some(SpaceId(2)), None]);
+    let of = |name: &str| scene.objects.iter().find(|o| o.name == name).expect("it is there");
+    assert_eq!((of("hand").parent, of("stand").parent), (Some(SpaceId(0)), None));
+    assert_eq!((of("free").parent, scene.lights[0].parent), (None, Some(SpaceId(2))));
+    // Scaling applies to pivots, and not to scales.
+    let spaces = Spaces::new(&scene.spaces).expect("they are paths");
+    let hand = spaces.path(&of("hand").key_frames, of("hand").parent).expect("it is a path");
+    let place = hand.pose(0.5).point(glam::DVec3::new(2.0, 0.0, 0.0));
+    assert_eq!(place, glam::DVec3::new(11.0 + 4.0, 0.0, 6.0));
+    assert!(hand.moves([0.0, 1.0]) && !hand.is_rigid());
+    assert_eq!(scene.check(), Ok(()));
+}
+
+#[test]
+fn scenes_in_memory_are_checked() {
+    let sound = scene(
+        "phong_info p { } material_phong m { phong_info p } group a { parent b } group b { }
+         sphere s { center { 1 0 0 } radius 1 material m parent a }",
+    );
+    assert_eq!(sound.check(), Ok(()));
+    let mut ring = sound.clone();
+    ring.spaces[1].parent = Some(SpaceId(0));
+    assert!(ring.check().expect_err("a ring").contains("hangs in itself"));
+    // Whoever does not check gets some path, and an end.
+    let spaces = Spaces::new(&ring.spaces).expect("they are paths");
+    assert!(spaces.path(&[], Some(SpaceId(0))).is_ok());
+    let mut missing = sound.clone();
+    missing.objects[0].parent = Some(SpaceId(2));
+    assert!(missing.check().expect_err("no space").contains("parent that is missing"));
+    let mut above = sound;
+    above.spaces[0].parent = Some(SpaceId(7));
+    assert!(above.check().expect_err("no space").contains("parent that is missing"));
+}
+
+#[test]
+fn long_chains_take_no_time() {
+    let mut text = "phong_info p { } material_phong m { phong_info p } group g0 { }".to_owned();
+    for i in 1..20_000 {
+        text += &format!("\ngroup g{i} {{ parent g{} }}", i - 1);
+    }
+    text += " sphere s { center { 1 0 0 } radius 1 material m parent g19999 }";
+    let scene = scene(&text);
+    assert_eq!((scene.spaces.len(), scene.check()), (20_000, Ok(())));
+}
