@@ -248,7 +248,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) rays_per_child: RaysPerChild,
 }
 
-/// Counts the rays that entered the children that packets came to, so far in this batch.
+/// Counts the rays that entered the children that packets came to, so far in this batch; children
+/// that none entered count only if boxes move.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RaysPerChild {
     children: u32,
@@ -396,6 +397,10 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 rest.set &= rest.set - 1;
                 let lanes = self.enter(node, place);
                 if lanes == 0 {
+                    // A beam whose rays have many times meets many boxes that none of them enters.
+                    if S::MOVES {
+                        around.rays_per_child.count(0);
+                    }
                     continue;
                 }
                 around.rays_per_child.count(lanes);
