@@ -14,6 +14,7 @@ mod sampled_camera;
 mod sampled_motion;
 mod scene;
 mod shapes;
+mod shared;
 mod sharp;
 mod surfaces;
 mod world;

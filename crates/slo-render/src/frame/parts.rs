@@ -1,5 +1,6 @@
 //! Parts of a frame, collected object by object.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
@@ -12,6 +13,7 @@ use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::FrameObject;
 use super::shapes::{Geometry, geometry, lamp_geometry};
+use super::shared::Shared;
 use super::world::Instance;
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
@@ -88,8 +90,10 @@ pub(super) struct Parts {
     pub(super) places: Vec<(u32, DAffine)>,
     /// Whether normals of any still object may have any length.
     pub(super) stretches: bool,
-    /// Existing structures of moving objects, with the index of the object.
-    pub(super) before: Vec<(u32, Arc<Structure>)>,
+    /// Existing structures of instances, by the index of the object.
+    pub(super) before: HashMap<u32, Arc<Structure>>,
+    /// What objects of one mesh share.
+    pub(super) shared: Shared,
     /// Index of the object of each still triangle, and of each still curved surface.
     pub(super) triangle_objects: Vec<u32>,
     pub(super) curved_objects: Vec<u32>,
@@ -115,7 +119,7 @@ impl Parts {
         let path = seen.path(&object.name, &object.key_frames, object.parent)?;
         let look = Look::Material(object.material.0);
         let geometry = geometry(&object.shape);
-        let about = object_box(&geometry);
+        let about = self.shared.about(&geometry);
         let poses = seen.poses(&object.name, &path, &about)?;
         self.add_surface(look, geometry, &poses, scene, seen, isa);
         Ok(())
@@ -148,7 +152,10 @@ impl Parts {
         };
         let surface = lamp_geometry(&light.kind);
         let about_zero = ready(light, DVec3::ZERO);
-        let about = surface.as_ref().map_or_else(|| box_of(&about_zero), object_box);
+        let about = match &surface {
+            Some(surface) => self.shared.about(surface),
+            None => box_of(&about_zero),
+        };
         let poses = seen.poses(&light.name, &path, &about)?;
         let (light, about_zero, surface, poses) = if poses.iter().all(DAffine::is_rigid) {
             (light.clone(), about_zero, surface, poses)
@@ -186,13 +193,14 @@ impl Parts {
         match (poses, &geometry) {
             // A curved surface is what it is in its own space only.
             ([place], Geometry::Curved(_)) if place.growth.is_none() => {}
+            ([_], _) if self.shared.is_placed(&geometry) => {}
             ([place], _) => return self.add_still(look, geometry, place, seen),
             _ => {}
         }
         self.add_instance(look, geometry, poses, scene, seen, isa);
     }
 
-    /// Adds something that moves during the shutter, or that is stretched.
+    /// Adds something that moves during the shutter, that is stretched, or of which there are many.
     fn add_instance(
         &mut self,
         look: Look,
@@ -202,15 +210,29 @@ impl Parts {
         seen: &Seen<'_>,
         isa: Isa,
     ) {
-        let center = object_box(&geometry).center();
+        let center = self.shared.about(&geometry).center();
         let number = self.objects.len() as u32;
-        let there = self.before.iter().find(|(object, _)| *object == number);
-        let structure = there.map(|(_, structure)| structure.clone()).unwrap_or_else(|| {
+        let there = self.before.get(&number).cloned();
+        let build = || {
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, &geometry, &place);
             Arc::new(structure(local, &scene.settings, isa))
-        });
+        };
+        let normals = || vertex_normals(&geometry, &DAffine::IDENTITY).into();
+        let (structure, normals) = match self.shared.of(&geometry) {
+            Some(common) => {
+                let structure = &mut common.structure;
+                let structure = structure.get_or_insert_with(|| there.unwrap_or_else(build));
+                let is_smooth = matches!(geometry, Geometry::Mesh(_, true));
+                let normals = match is_smooth {
+                    true => common.normals.get_or_insert_with(normals).clone(),
+                    false => Arc::default(),
+                };
+                (structure.clone(), normals)
+            }
+            None => (there.unwrap_or_else(build), normals()),
+        };
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
             structure,
@@ -220,7 +242,7 @@ impl Parts {
         });
         self.looks.push(look);
         self.objects.push(FrameObject {
-            normals: vertex_normals(&geometry, &DAffine::IDENTITY),
+            normals,
             geometry,
             place: Affine::IDENTITY,
             first_triangle: 0,
@@ -247,7 +269,7 @@ impl Parts {
             first_triangle,
             first_light: None,
             light_group: 0,
-            normals,
+            normals: normals.into(),
         });
     }
 }
@@ -299,13 +321,5 @@ fn vertex_normals(geometry: &Geometry, place: &DAffine) -> Vec<Vec3> {
             mesh.normals.iter().map(|&n| transform * Vec3::from(n)).collect()
         }
         _ => Vec::new(),
-    }
-}
-
-/// Returns the bounding box of a geometry in object space.
-fn object_box(geometry: &Geometry) -> ObjectBox {
-    match geometry {
-        Geometry::Mesh(mesh, _) => ObjectBox::about(mesh.positions.iter().copied()),
-        Geometry::Curved(surface) => surface.bounds(),
     }
 }
