@@ -16,6 +16,7 @@ mod scene;
 mod shapes;
 mod shared;
 mod sharp;
+mod shown;
 mod surfaces;
 mod world;
 

@@ -14,12 +14,13 @@ use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::FrameObject;
 use super::shapes::{Geometry, geometry, lamp_geometry};
 use super::shared::Shared;
+use super::shown::{ShownLight, ShownObject, Whereabouts};
 use super::world::Instance;
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
 use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
-use slo_scene::{KeyFrame, Object, SceneDescription, Settings, SpaceId};
+use slo_scene::{SceneDescription, Settings};
 
 /// What the objects' motion is sampled for.
 pub(super) struct Seen<'a> {
@@ -37,8 +38,7 @@ impl Seen<'_> {
     fn path(
         &self,
         name: &str,
-        key_frames: &[KeyFrame],
-        parent: Option<SpaceId>,
+        Whereabouts { key_frames, parent }: Whereabouts<'_>,
     ) -> Result<Path, FrameError> {
         self.spaces
             .path(key_frames, parent)
@@ -103,7 +103,7 @@ pub(super) struct Parts {
 impl Parts {
     /// Returns the triangles of an object, in render space, if it is still.
     pub(super) fn still_triangles(&self, object: usize) -> Option<&[Triangle]> {
-        self.places.iter().find(|(number, _)| *number as usize == object)?;
+        self.places.binary_search_by_key(&(object as u32), |(number, _)| *number).ok()?;
         let Geometry::Mesh(mesh, _) = &self.objects[object].geometry else { return None };
         let first = self.objects[object].first_triangle as usize;
         self.still.triangles.get(first..first + mesh.faces.len())
@@ -111,17 +111,21 @@ impl Parts {
 
     pub(super) fn add(
         &mut self,
-        object: &Object,
+        shown: &ShownObject<'_>,
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
     ) -> Result<(), FrameError> {
-        let path = seen.path(&object.name, &object.key_frames, object.parent)?;
-        let look = Look::Material(object.material.0);
+        let object = shown.object;
+        let path = seen.path(&object.name, shown.at)?;
+        let look = Look::Material(shown.material.0);
         let geometry = geometry(&object.shape);
         let about = self.shared.about(&geometry);
         let poses = seen.poses(&object.name, &path, &about)?;
         self.add_surface(look, geometry, &poses, scene, seen, isa);
+        if let Some(added) = self.objects.last_mut() {
+            added.tint = shown.tint.into();
+        }
         Ok(())
     }
 
@@ -129,7 +133,7 @@ impl Parts {
     /// space is render space.
     pub(super) fn add_light(
         &mut self,
-        light: &slo_scene::Light,
+        shown: &ShownLight<'_>,
         look: Look,
         scene: &SceneDescription,
         seen: &Seen<'_>,
@@ -139,13 +143,14 @@ impl Parts {
         let ready = |light: &slo_scene::Light, origin: DVec3| {
             Light::new(light, origin, &scene.textures, skies)
         };
-        if light.key_frames.is_empty() && light.parent.is_none() {
+        let light = shown.light;
+        if shown.at.key_frames.is_empty() && shown.at.parent.is_none() {
             if let Some(surface) = lamp_geometry(&light.kind) {
                 self.add_still(look, surface, &DAffine::IDENTITY, seen);
             }
             return Ok((ready(light, seen.origin), Vec::new()));
         }
-        let path = seen.path(&light.name, &light.key_frames, light.parent)?;
+        let path = seen.path(&light.name, shown.at)?;
         let box_of = |light: &Light| {
             let bounds = light.bounds();
             ObjectBox { min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() }
@@ -248,6 +253,7 @@ impl Parts {
             first_triangle: 0,
             first_light: None,
             light_group: 0,
+            tint: Vec3::ONE,
         });
     }
 
@@ -269,6 +275,7 @@ impl Parts {
             first_triangle,
             first_light: None,
             light_group: 0,
+            tint: Vec3::ONE,
             normals: normals.into(),
         });
     }

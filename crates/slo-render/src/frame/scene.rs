@@ -70,6 +70,8 @@ pub struct FrameScene {
     pub(crate) softens: bool,
     /// Whether vertex normals may have any length.
     pub(super) stretches: bool,
+    /// Whether any object has a tint.
+    pub(super) tints: bool,
     pub(super) textures: Vec<Arc<Texture>>,
     pub(super) objects: Vec<FrameObject>,
     pub(super) looks: Looks,
@@ -92,6 +94,8 @@ pub(super) struct FrameObject {
     pub(super) first_light: Option<u32>,
     /// Number of the group of the light that it emits; 0: none.
     pub(super) light_group: u32,
+    /// Factor of the material's colours.
+    pub(super) tint: Vec3,
     /// Normals of the vertices: in render space if the object is still, in object space if it is an
     /// instance. They are unit, except if `place` is a stretch. Empty if the object is not smooth.
     pub(super) normals: Arc<[Vec3]>,

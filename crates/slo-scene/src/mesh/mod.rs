@@ -17,5 +17,5 @@ mod warnings;
 
 pub use data::{LoadedMesh, Mesh};
 pub use load::load;
-pub(crate) use load::{BYTE_ORDER_MARK, kind};
+pub(crate) use load::{BYTE_ORDER_MARK, kind, load_placements};
 pub use tangent::Tangent;
