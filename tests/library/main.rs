@@ -69,6 +69,8 @@ fn built() -> Scene {
         materials: vec![Material { name: "matte".into(), kind: MaterialKind::Phong(phong) }],
         textures: vec![],
         objects: vec![Object::new("ball", MaterialId(0), Shape::Sphere(sphere))],
+        copies: Vec::new(),
+        spaces: Vec::new(),
         content_hash: [0; 32],
     })
     .unwrap()

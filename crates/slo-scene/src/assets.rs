@@ -10,6 +10,7 @@ use crate::files::{ContentHash, Files, HashingReader, OpenError};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
 use crate::mesh::{self, LoadedMesh, Mesh};
+use crate::placements::Placements;
 use crate::texture::{self, Texture};
 
 /// Most spaces in front of the excerpt of a long line, which make its column number right.
@@ -23,6 +24,7 @@ pub(crate) struct Assets<'f> {
     pub(crate) hash: ContentHash,
     textures: HashMap<String, Option<Arc<Texture>>>,
     meshes: HashMap<(Vec<String>, bool), Option<Arc<Mesh>>>,
+    placements: HashMap<(String, usize), Option<Arc<Placements>>>,
     /// Paths of files that can't be loaded, which were reported.
     failed: HashSet<String>,
     /// Paths of meshes without uvs that have not been reported yet.
@@ -40,6 +42,7 @@ impl<'f> Assets<'f> {
             hash,
             textures: HashMap::new(),
             meshes: HashMap::new(),
+            placements: HashMap::new(),
             failed: HashSet::new(),
             without_uvs: HashSet::new(),
         }
@@ -121,6 +124,24 @@ impl<'f> Assets<'f> {
     /// Where files are.
     pub(crate) fn files(&self) -> &'f Files {
         self.files
+    }
+
+    /// The placements at a path, of so many `kinds` of originals; `None` if they can't be loaded.
+    pub(crate) fn placements(
+        &mut self,
+        path: Word<'_>,
+        scale: f64,
+        kinds: usize,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Arc<Placements>> {
+        let key = (path.text.to_owned(), kinds);
+        if let Some(known) = self.placements.get(&key) {
+            return known.clone();
+        }
+        let load = |reader: &mut dyn Read| mesh::load_placements(path.text, reader, scale, kinds);
+        let loaded = self.read(path, diagnostics, load).map(Arc::new);
+        self.placements.insert(key, loaded.clone());
+        loaded
     }
 
     /// Leaves the meshes to the objects that show them.

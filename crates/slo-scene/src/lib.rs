@@ -23,14 +23,15 @@ pub mod material;
 pub mod mesh;
 mod mesh_shapes;
 mod names;
+mod placements;
 mod resolve;
 pub mod settings;
 pub mod shape;
 pub mod texture;
 
 pub use description::{
-    CamSegment, Camera, KeyFrame, LightGroups, MaterialId, Object, Placement, SceneDescription,
-    Space, SpaceId,
+    CamSegment, Camera, Copy, KeyFrame, LightGroups, MOST_COPIED, MOST_NESTED, MaterialId, Object,
+    Original, Placement, SceneDescription, Space, SpaceId,
 };
 pub use files::Files;
 pub use light::{Light, LightKind};
@@ -38,6 +39,7 @@ pub use load::{Loaded, load, load_adapted};
 pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;
 pub use mesh_shapes::{MeshShapes, ShapeAt, ShapeError};
+pub use placements::Placements;
 pub use settings::{
     Accelerator, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator, Layer,
     LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Settings, ShadowMode,

@@ -20,6 +20,7 @@ pub(crate) fn empty_scene() -> SceneDescription {
         materials: Vec::new(),
         textures: Vec::new(),
         objects: Vec::new(),
+        copies: Vec::new(),
         spaces: Vec::new(),
         content_hash: [0; 32],
     }

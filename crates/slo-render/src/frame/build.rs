@@ -1,8 +1,9 @@
 //! Builds a FrameScene from a SceneDescription and a frame number.
 
+use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
@@ -10,7 +11,9 @@ use super::looks::{Look, Looks};
 use super::parts::{Parts, Seen, structure};
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
+use super::shared::Shared;
 use super::sharp::sharp_objects;
+use super::shown::Shown;
 use super::world::World;
 use crate::camera::Camera;
 use crate::photons::{Emission, targets};
@@ -19,7 +22,7 @@ use crate::shading::light::{LightBounds, LightTree, Poses, Skies, SkyShare, Tech
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
 use slo_accel::{Isa, Structure};
-use slo_scene::animation::{Clock, DAffine, Spaces};
+use slo_scene::animation::{Clock, DAffine};
 use slo_scene::{
     CamSegment, Integrator, LightSampling, PhotonSeed, SceneDescription, Settings, ShadowMode,
 };
@@ -63,15 +66,14 @@ impl FrameScene {
         let camera = Camera::new(path.views(), origin, film.width, film.height)
             .map_err(|reason| FrameError::View { segment: segment.name.clone(), reason })?;
 
-        let spaces = Spaces::new(&scene.spaces).map_err(|(space, reason)| FrameError::Path {
-            object: scene.spaces[space].name.clone(),
-            reason,
-        })?;
-        let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces: &spaces };
+        let shown = Shown::of(scene)?;
+        let spaces = &shown.spaces;
+        let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
         let before = before.map(Before::from);
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
-        let mut parts = Parts { before: moving, ..Parts::default() };
-        for object in &scene.objects {
+        let shared = Shared::new(shown.objects.iter().map(|shown| &shown.object.shape));
+        let mut parts = Parts { before: moving, shared, ..Parts::default() };
+        for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
         }
         let share = match scene.settings.integrator {
@@ -81,9 +83,9 @@ impl FrameScene {
         let sampled = Skies { share, before: before.as_ref().map(|before| &before.lights) };
         let (mut lights, mut poses) = (Vec::new(), Poses::default());
         let (mut hidden, mut passable) = (Vec::new(), Vec::new());
-        for light in &scene.lights {
-            let look = Look::Light(lights.len() as u32);
-            let (ready, path) = parts.add_light(light, look, scene, &seen, isa, sampled)?;
+        for shown in &shown.lights {
+            let (light, look) = (shown.light, Look::Light(lights.len() as u32));
+            let (ready, path) = parts.add_light(shown, look, scene, &seen, isa, sampled)?;
             lights.push(ready);
             poses.add(1, path);
             hidden.push(!light.camera_visible);
@@ -94,8 +96,8 @@ impl FrameScene {
             LightSampling::All => lights.len(),
             LightSampling::One => 0,
         };
-        let first_shaded = add_emitters(scene, &mut parts, &mut lights, &mut poses);
-        let light_groups = light_groups(scene, &mut parts, lights.len());
+        let first_shaded = add_emitters(scene, &shown.objects, &mut parts, &mut lights, &mut poses);
+        let light_groups = light_groups(scene, &shown, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
                 flags.clear();
@@ -104,7 +106,7 @@ impl FrameScene {
         let softens = softens(scene, &parts);
         let uses_photons =
             scene.settings.photons > 0.0 && scene.settings.integrator == Integrator::Path;
-        let targets = uses_photons.then(|| targets(&sharp_objects(scene, &parts)));
+        let targets = uses_photons.then(|| targets(&sharp_objects(scene, &shown.objects, &parts)));
         let still = match before {
             Some(before) if before.places == parts.places && !parts.any_is_shaped => before.still,
             // Free the old structure before building the new one.
@@ -149,6 +151,7 @@ impl FrameScene {
             is_physical: is_physical(scene),
             softens,
             stretches: parts.stretches,
+            tints: parts.objects.iter().any(|object| object.tint != Vec3::ONE),
             sampler: sampler(number),
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
@@ -210,8 +213,8 @@ fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
 struct Before {
     still: Arc<Structure>,
     places: Vec<(u32, DAffine)>,
-    /// Structures of moving objects, with the index of the object.
-    moving: Vec<(u32, Arc<Structure>)>,
+    /// Structures of instances, by the index of the object.
+    moving: HashMap<u32, Arc<Structure>>,
     /// Lights, for tables of images.
     lights: Lights,
 }

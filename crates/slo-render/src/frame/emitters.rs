@@ -10,11 +10,12 @@ use super::affine::Affine;
 use super::glow::Glow;
 use super::parts::Parts;
 use super::shapes::Geometry;
+use super::shown::{Shown, ShownObject};
 use crate::shading::Light;
 use crate::shading::light::{MOST_SHADED, Pose, Poses, Shaded, SphereLamp, Triangle};
 use slo_accel::Curved;
 use slo_scene::material::Principled;
-use slo_scene::{MaterialKind, Object, SceneDescription};
+use slo_scene::{MaterialId, MaterialKind, SceneDescription};
 
 /// Places of images that are looked up for all triangles of an object together, about.
 const LOOK_UPS: u32 = 1 << 18;
@@ -23,8 +24,8 @@ const LOOK_UPS: u32 = 1 << 18;
 const LOOK_UPS_OF_ONE: [u32; 2] = [16, 4096];
 
 /// Whether a surface emits the same light everywhere and in all directions.
-fn is_even(scene: &SceneDescription, object: &Object) -> bool {
-    let MaterialKind::Principled(of) = &scene.materials[object.material.0 as usize].kind else {
+fn is_even(scene: &SceneDescription, material: MaterialId) -> bool {
+    let MaterialKind::Principled(of) = &scene.materials[material.0 as usize].kind else {
         return false;
     };
     let Principled { emission_color, emission_strength, coat, sheen, alpha, .. } = of;
@@ -49,10 +50,12 @@ enum Primitives {
 impl Body {
     /// Returns what an object is made of; `None` if rays are not sent toward such a shape.
     fn of(parts: &Parts, object: usize) -> Option<Self> {
-        let is_object = |number: &u32| *number as usize == object;
         let geometry = &parts.objects[object].geometry;
-        let moving = parts.instances.iter().find(|instance| is_object(&instance.object));
-        if let Some(instance) = moving {
+        // Lists are in the order of objects.
+        let number = object as u32;
+        let instances = &parts.instances;
+        if let Ok(place) = instances.binary_search_by_key(&number, |of| of.object) {
+            let instance = &instances[place];
             if instance.bending.is_some() {
                 return None;
             }
@@ -72,7 +75,7 @@ impl Body {
         let primitives = match geometry {
             Geometry::Mesh(..) => Primitives::Triangles(parts.still_triangles(object)?.to_vec()),
             Geometry::Curved(_) => {
-                let place = parts.curved_objects.iter().position(is_object)?;
+                let place = parts.curved_objects.binary_search(&number).ok()?;
                 match parts.still.curved[place] {
                     Curved::Sphere { center, radius } => Primitives::Sphere(center, radius),
                     _ => return None,
@@ -134,21 +137,23 @@ fn rotation(matrix: Mat3) -> Option<Mat3> {
 /// rays that hit them.
 pub(super) fn add_emitters(
     scene: &SceneDescription,
+    objects: &[ShownObject<'_>],
     parts: &mut Parts,
     lights: &mut Vec<Light>,
     poses: &mut Poses,
 ) -> u32 {
     let glows: Vec<Glow> =
         (0..scene.materials.len()).map(|number| Glow::of(scene, number as u32)).collect();
-    let glow_of = |object: &Object| &glows[object.material.0 as usize];
-    let emits = |object: &Object| {
-        object.sampled && !object.shape.changes() && !matches!(glow_of(object), Glow::Dark)
+    let glow_of = |shown: &ShownObject<'_>| &glows[shown.material.0 as usize];
+    let emits = |shown: &ShownObject<'_>| {
+        let object = shown.object;
+        object.sampled && !object.shape.changes() && !matches!(glow_of(shown), Glow::Dark)
     };
     let most = MOST_SHADED as usize;
     let mut first_shaded = lights.len();
     for is_plain in [true, false] {
-        for (number, object) in scene.objects.iter().enumerate() {
-            if !emits(object) || is_even(scene, object) != is_plain {
+        for (number, object) in objects.iter().enumerate() {
+            if !emits(object) || is_even(scene, object.material) != is_plain {
                 continue;
             }
             let Some(body) = Body::of(parts, number) else { continue };
@@ -207,14 +212,19 @@ fn add(
 
 /// Finds the groups of all objects, and returns those of all lights, as numbers: 0 for the light
 /// without a group, and one more than the place among the names of the scene's groups for others.
-pub(super) fn light_groups(scene: &SceneDescription, parts: &mut Parts, lights: usize) -> Vec<u32> {
+pub(super) fn light_groups(
+    scene: &SceneDescription,
+    shown: &Shown<'_>,
+    parts: &mut Parts,
+    lights: usize,
+) -> Vec<u32> {
     let groups = scene.light_groups();
     let number = |name: Option<&str>| groups.index(name).map_or(0, |index| index as u32 + 1);
     let mut all: Vec<u32> =
-        scene.lights.iter().map(|light| number(light.group.as_deref())).collect();
+        shown.lights.iter().map(|of| number(of.light.group.as_deref())).collect();
     all.resize(lights, 0);
-    for (object, to) in scene.objects.iter().zip(&mut parts.objects) {
-        to.light_group = number(object.light_group.as_deref());
+    for (shown, to) in shown.objects.iter().zip(&mut parts.objects) {
+        to.light_group = number(shown.object.light_group.as_deref());
         if let Some(first) = to.first_light {
             let count = match &to.geometry {
                 Geometry::Mesh(mesh, _) => mesh.faces.len(),

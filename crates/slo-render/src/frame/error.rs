@@ -6,6 +6,7 @@ use super::lamps::LampFault;
 use crate::camera::DegenerateView;
 use slo_scene::ShapeError;
 use slo_scene::animation::{KeyFrameError, NoSegment};
+use slo_scene::{MOST_COPIED, MOST_NESTED};
 
 /// Why a frame of a scene cannot be built.
 #[derive(Clone, Debug)]
@@ -41,6 +42,13 @@ pub enum FrameError {
         /// What is wrong.
         reason: LampFault,
     },
+    /// Copies are nested too deeply, or hold themselves.
+    Nested {
+        /// Name of one of them.
+        copy: String,
+    },
+    /// There are too many copies.
+    Copies,
     /// An object is scaled so much, or so little, that numbers cannot hold it.
     Extent {
         /// Name of the object or lamp.
@@ -78,6 +86,12 @@ impl fmt::Display for FrameError {
                 "lamp `{lamp}` changes its size while the shutter is open: only its place and its \
                  direction may change then"
             ),
+            Self::Nested { copy } => {
+                write!(f, "more than {MOST_NESTED} copies are nested in one another: `{copy}`")
+            }
+            Self::Copies => {
+                write!(f, "the frame shows more than {MOST_COPIED} things, copies included")
+            }
             Self::Extent { object } => write!(
                 f,
                 "`{object}` is too large or too small in this frame: all its scales together must \

@@ -15,7 +15,9 @@ mod sampled_camera;
 mod sampled_motion;
 mod scene;
 mod shapes;
+mod shared;
 mod sharp;
+mod shown;
 mod surfaces;
 mod world;
 

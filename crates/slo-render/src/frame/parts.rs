@@ -1,5 +1,6 @@
 //! Parts of a frame, collected object by object.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
@@ -13,13 +14,15 @@ use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::FrameObject;
 use super::shapes::{Geometry, geometry, lamp_geometry};
+use super::shared::Shared;
+use super::shown::{ShownLight, ShownObject, Whereabouts};
 use super::world::Instance;
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
 use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
 use slo_scene::shape::MeshSurface;
-use slo_scene::{KeyFrame, Object, SceneDescription, Settings, Shape, SpaceId};
+use slo_scene::{SceneDescription, Settings, Shape};
 
 /// What the objects' motion is sampled for.
 pub(super) struct Seen<'a> {
@@ -37,8 +40,7 @@ impl Seen<'_> {
     fn path(
         &self,
         name: &str,
-        key_frames: &[KeyFrame],
-        parent: Option<SpaceId>,
+        Whereabouts { key_frames, parent }: Whereabouts<'_>,
     ) -> Result<Path, FrameError> {
         self.spaces
             .path(key_frames, parent)
@@ -92,8 +94,10 @@ pub(super) struct Parts {
     pub(super) any_is_shaped: bool,
     /// Whether normals of any still object may have any length.
     pub(super) stretches: bool,
-    /// Existing structures of moving objects, with the index of the object.
-    pub(super) before: Vec<(u32, Arc<Structure>)>,
+    /// Existing structures of instances, by the index of the object.
+    pub(super) before: HashMap<u32, Arc<Structure>>,
+    /// What objects of one mesh share.
+    pub(super) shared: Shared,
     /// Index of the object of each still triangle, and of each still curved surface.
     pub(super) triangle_objects: Vec<u32>,
     pub(super) curved_objects: Vec<u32>,
@@ -103,7 +107,7 @@ pub(super) struct Parts {
 impl Parts {
     /// Returns the triangles of an object, in render space, if it is still.
     pub(super) fn still_triangles(&self, object: usize) -> Option<&[Triangle]> {
-        self.places.iter().find(|(number, _)| *number as usize == object)?;
+        self.places.binary_search_by_key(&(object as u32), |(number, _)| *number).ok()?;
         let Geometry::Mesh(mesh, _) = &self.objects[object].geometry else { return None };
         let first = self.objects[object].first_triangle as usize;
         self.still.triangles.get(first..first + mesh.faces.len())
@@ -111,33 +115,39 @@ impl Parts {
 
     pub(super) fn add(
         &mut self,
-        object: &Object,
+        shown: &ShownObject<'_>,
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
     ) -> Result<(), FrameError> {
-        let path = seen.path(&object.name, &object.key_frames, object.parent)?;
-        let look = Look::Material(object.material.0);
+        let object = shown.object;
+        let path = seen.path(&object.name, shown.at)?;
+        let look = Look::Material(shown.material.0);
         let mut geometry = geometry(&object.shape);
         if let Shape::Mesh(MeshSurface { mesh, smooth, shapes: Some(shapes) }) = &object.shape {
             // What another frame knows of this object is about another shape.
-            let number = self.objects.len() as u32;
-            self.before.retain(|(object, _)| *object != number);
+            self.before.remove(&(self.objects.len() as u32));
             let shaped = Shaped::new(mesh, shapes, seen.shutter)
                 .map_err(|reason| FrameError::Shape { object: object.name.clone(), reason })?;
             match shaped {
                 Shaped::Bends(bent) => {
                     let poses = seen.poses(&object.name, &path, &bent.about())?;
                     self.add_bent(look, bent, *smooth, &poses, scene, seen, isa);
+                    if let Some(added) = self.objects.last_mut() {
+                        added.tint = shown.tint.into();
+                    }
                     return Ok(());
                 }
                 Shaped::AtRest(mesh) => geometry = Geometry::Mesh(mesh, *smooth),
             }
             self.any_is_shaped = true;
         }
-        let about = object_box(&geometry);
+        let about = self.shared.about(&geometry);
         let poses = seen.poses(&object.name, &path, &about)?;
         self.add_surface(look, geometry, &poses, scene, seen, isa);
+        if let Some(added) = self.objects.last_mut() {
+            added.tint = shown.tint.into();
+        }
         Ok(())
     }
 
@@ -145,7 +155,7 @@ impl Parts {
     /// space is render space.
     pub(super) fn add_light(
         &mut self,
-        light: &slo_scene::Light,
+        shown: &ShownLight<'_>,
         look: Look,
         scene: &SceneDescription,
         seen: &Seen<'_>,
@@ -155,20 +165,24 @@ impl Parts {
         let ready = |light: &slo_scene::Light, origin: DVec3| {
             Light::new(light, origin, &scene.textures, skies)
         };
-        if light.key_frames.is_empty() && light.parent.is_none() {
+        let light = shown.light;
+        if shown.at.key_frames.is_empty() && shown.at.parent.is_none() {
             if let Some(surface) = lamp_geometry(&light.kind) {
                 self.add_still(look, surface, &DAffine::IDENTITY, seen);
             }
             return Ok((ready(light, seen.origin), Vec::new()));
         }
-        let path = seen.path(&light.name, &light.key_frames, light.parent)?;
+        let path = seen.path(&light.name, shown.at)?;
         let box_of = |light: &Light| {
             let bounds = light.bounds();
             ObjectBox { min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() }
         };
         let surface = lamp_geometry(&light.kind);
         let about_zero = ready(light, DVec3::ZERO);
-        let about = surface.as_ref().map_or_else(|| box_of(&about_zero), object_box);
+        let about = match &surface {
+            Some(surface) => self.shared.about(surface),
+            None => box_of(&about_zero),
+        };
         let poses = seen.poses(&light.name, &path, &about)?;
         let (light, about_zero, surface, poses) = if poses.iter().all(DAffine::is_rigid) {
             (light.clone(), about_zero, surface, poses)
@@ -206,13 +220,14 @@ impl Parts {
         match (poses, &geometry) {
             // A curved surface is what it is in its own space only.
             ([place], Geometry::Curved(_)) if place.growth.is_none() => {}
+            ([_], _) if self.shared.is_placed(&geometry) => {}
             ([place], _) => return self.add_still(look, geometry, place, seen),
             _ => {}
         }
         self.add_instance(look, geometry, poses, scene, seen, isa);
     }
 
-    /// Adds something that moves during the shutter, or that is stretched.
+    /// Adds something that moves during the shutter, that is stretched, or of which there are many.
     fn add_instance(
         &mut self,
         look: Look,
@@ -222,15 +237,29 @@ impl Parts {
         seen: &Seen<'_>,
         isa: Isa,
     ) {
-        let center = object_box(&geometry).center();
+        let center = self.shared.about(&geometry).center();
         let number = self.objects.len() as u32;
-        let there = self.before.iter().find(|(object, _)| *object == number);
-        let structure = there.map(|(_, structure)| structure.clone()).unwrap_or_else(|| {
+        let there = self.before.get(&number).cloned();
+        let build = || {
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, &geometry, &place);
             Arc::new(structure(local, &scene.settings, isa))
-        });
+        };
+        let normals = || vertex_normals(&geometry, &DAffine::IDENTITY).into();
+        let (structure, normals) = match self.shared.of(&geometry) {
+            Some(common) => {
+                let structure = &mut common.structure;
+                let structure = structure.get_or_insert_with(|| there.unwrap_or_else(build));
+                let is_smooth = matches!(geometry, Geometry::Mesh(_, true));
+                let normals = match is_smooth {
+                    true => common.normals.get_or_insert_with(normals).clone(),
+                    false => Arc::default(),
+                };
+                (structure.clone(), normals)
+            }
+            None => (there.unwrap_or_else(build), normals()),
+        };
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
             structure,
@@ -241,12 +270,13 @@ impl Parts {
         });
         self.looks.push(look);
         self.objects.push(FrameObject {
-            normals: vertex_normals(&geometry, &DAffine::IDENTITY),
+            normals,
             geometry,
             place: Affine::IDENTITY,
             first_triangle: 0,
             first_light: None,
             light_group: 0,
+            tint: Vec3::ONE,
         });
     }
 
@@ -273,12 +303,13 @@ impl Parts {
         });
         self.looks.push(look);
         self.objects.push(FrameObject {
-            normals: if is_smooth { bent.normals } else { Vec::new() },
+            normals: if is_smooth { bent.normals.into() } else { Arc::default() },
             geometry: Geometry::Mesh(bent.mesh, is_smooth),
             place: Affine::IDENTITY,
             first_triangle: 0,
             first_light: None,
             light_group: 0,
+            tint: Vec3::ONE,
         });
     }
 
@@ -300,7 +331,8 @@ impl Parts {
             first_triangle,
             first_light: None,
             light_group: 0,
-            normals,
+            tint: Vec3::ONE,
+            normals: normals.into(),
         });
     }
 }
@@ -352,13 +384,5 @@ fn vertex_normals(geometry: &Geometry, place: &DAffine) -> Vec<Vec3> {
             mesh.normals.iter().map(|&n| transform * Vec3::from(n)).collect()
         }
         _ => Vec::new(),
-    }
-}
-
-/// Returns the bounding box of a geometry in object space.
-fn object_box(geometry: &Geometry) -> ObjectBox {
-    match geometry {
-        Geometry::Mesh(mesh, _) => ObjectBox::about(mesh.positions.iter().copied()),
-        Geometry::Curved(surface) => surface.bounds(),
     }
 }

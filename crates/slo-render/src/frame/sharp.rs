@@ -7,14 +7,19 @@ use slo_scene::material::{Principled, inside_out};
 use slo_scene::{Material, MaterialKind, SceneDescription};
 
 use super::parts::Parts;
+use super::shown::ShownObject;
 use crate::photons::Sharp;
 use crate::shading::bsdf::{SHARP, SHARP_INVERSE};
 use crate::shading::material;
 
 /// Returns the objects of a frame that have sharp lobes.
-pub(super) fn sharp_objects(scene: &SceneDescription, parts: &Parts) -> Vec<Sharp> {
+pub(super) fn sharp_objects(
+    scene: &SceneDescription,
+    objects: &[ShownObject<'_>],
+    parts: &Parts,
+) -> Vec<Sharp> {
     let shares = shares(&scene.materials);
-    let mut bounds = vec![Bounds::EMPTY; scene.objects.len()];
+    let mut bounds = vec![Bounds::EMPTY; objects.len()];
     let mut add = |object: u32, more: Bounds| {
         // Surfaces of lamps come after all objects.
         if let Some(bounds) = bounds.get_mut(object as usize) {
@@ -31,11 +36,11 @@ pub(super) fn sharp_objects(scene: &SceneDescription, parts: &Parts) -> Vec<Shar
         add(instance.object, instance.bounds());
     }
     let reaches = reaches(parts, &bounds);
-    let sharp = |((object, bounds), reach): ((&slo_scene::Object, Bounds), f32)| {
+    let sharp = |((object, bounds), reach): ((&ShownObject<'_>, Bounds), f32)| {
         let share = shares[object.material.0 as usize];
         (share > 0.0 && !bounds.is_empty()).then_some(Sharp { bounds, reach, share })
     };
-    scene.objects.iter().zip(bounds).zip(reaches).filter_map(sharp).collect()
+    objects.iter().zip(bounds).zip(reaches).filter_map(sharp).collect()
 }
 
 /// Returns the greatest distance of any point of each object from the middle of its bounds.

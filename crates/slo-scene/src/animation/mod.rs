@@ -15,6 +15,7 @@ mod mix;
 mod orientation;
 mod path;
 mod piece;
+mod placed;
 mod rigid;
 
 pub use affine::DAffine;
@@ -25,4 +26,5 @@ pub use key_frames::{Jump, KeyFrameError, KeyFrames};
 pub use mix::mix;
 pub use orientation::have_orientation;
 pub use path::{Path, Spaces};
+pub use placed::placed;
 pub use rigid::DRigid;

@@ -10,7 +10,7 @@ use super::key_frames::{KeyFrameError, KeyFrames};
 /// The paths of all spaces of a scene, each in its own parent.
 #[derive(Clone, Debug, Default)]
 pub struct Spaces {
-    paths: Vec<Arc<KeyFrames>>,
+    paths: Vec<Factor>,
     parents: Vec<Option<SpaceId>>,
 }
 
@@ -18,7 +18,38 @@ pub struct Spaces {
 #[derive(Clone, Debug)]
 pub struct Path {
     /// The thing's own path, then its parent's, and so on.
-    factors: Vec<Arc<KeyFrames>>,
+    factors: Vec<Factor>,
+}
+
+/// How one space lies in another.
+#[derive(Clone, Debug)]
+enum Factor {
+    Keys(Arc<KeyFrames>),
+    /// At rest.
+    Place(DAffine),
+}
+
+impl Factor {
+    fn pose(&self, time: f64) -> DAffine {
+        match self {
+            Self::Keys(path) => path.placed(time),
+            Self::Place(place) => *place,
+        }
+    }
+
+    fn is_rigid(&self) -> bool {
+        match self {
+            Self::Keys(path) => path.is_rigid(),
+            Self::Place(place) => place.is_rigid(),
+        }
+    }
+
+    fn keys(&self) -> Option<&KeyFrames> {
+        match self {
+            Self::Keys(path) => Some(path),
+            Self::Place(_) => None,
+        }
+    }
 }
 
 impl Spaces {
@@ -28,11 +59,41 @@ impl Spaces {
     /// The index of the first space whose key frames are no path.
     pub fn new(spaces: &[Space]) -> Result<Self, (usize, KeyFrameError)> {
         let path = |(number, space): (usize, &Space)| match KeyFrames::new(&space.key_frames) {
-            Ok(path) => Ok(Arc::new(path)),
+            Ok(path) => Ok(Factor::Keys(Arc::new(path))),
             Err(error) => Err((number, error)),
         };
         let paths = spaces.iter().enumerate().map(path).collect::<Result<_, _>>()?;
         Ok(Self { paths, parents: spaces.iter().map(|space| space.parent).collect() })
+    }
+
+    /// Adds a space with these key frames in a parent.
+    ///
+    /// # Errors
+    /// The key frames are no path.
+    pub fn add(
+        &mut self,
+        key_frames: &[KeyFrame],
+        parent: Option<SpaceId>,
+    ) -> Result<SpaceId, KeyFrameError> {
+        let path = KeyFrames::new(key_frames)?;
+        Ok(self.push(Factor::Keys(Arc::new(path)), parent))
+    }
+
+    /// Adds a space that rests in a parent.
+    pub fn add_place(&mut self, place: DAffine, parent: Option<SpaceId>) -> SpaceId {
+        self.push(Factor::Place(place), parent)
+    }
+
+    /// Adds a space that moves in a parent as another space does in its own.
+    pub fn add_copy(&mut self, of: SpaceId, parent: Option<SpaceId>) -> SpaceId {
+        self.push(self.paths[of.0 as usize].clone(), parent)
+    }
+
+    fn push(&mut self, factor: Factor, parent: Option<SpaceId>) -> SpaceId {
+        let id = SpaceId(self.paths.len() as u32);
+        self.paths.push(factor);
+        self.parents.push(parent);
+        id
     }
 
     /// The path of a thing with these key frames in a parent.
@@ -44,7 +105,7 @@ impl Spaces {
         key_frames: &[KeyFrame],
         parent: Option<SpaceId>,
     ) -> Result<Path, KeyFrameError> {
-        let mut factors = vec![Arc::new(KeyFrames::new(key_frames)?)];
+        let mut factors = vec![Factor::Keys(Arc::new(KeyFrames::new(key_frames)?))];
         let mut next = parent;
         // A ring, which scenes must not have, ends too.
         while let Some(number) = next.map(|id| id.0 as usize)
@@ -60,14 +121,14 @@ impl Spaces {
 impl Path {
     /// The map from object space to scene space at a scene time; always finite.
     pub fn pose(&self, time: f64) -> DAffine {
-        let mut factors = self.factors.iter().map(|factor| factor.placed(time));
+        let mut factors = self.factors.iter().map(|factor| factor.pose(time));
         let first = factors.next().unwrap_or(DAffine::IDENTITY);
         factors.fold(first, |pose, outer| outer.after(&pose))
     }
 
     /// Whether it turns and moves only, at all times.
     pub fn is_rigid(&self) -> bool {
-        self.factors.iter().all(|factor| factor.is_rigid())
+        self.factors.iter().all(Factor::is_rigid)
     }
 
     /// Whether the thing is at one place at all times.
@@ -78,18 +139,22 @@ impl Path {
     /// Whether any of the spaces moves in its parent within an interval of scene time; see
     /// [`KeyFrames::moves`].
     pub fn moves(&self, interval: [f64; 2]) -> bool {
-        self.factors.iter().any(|factor| factor.moves(interval))
+        self.keys().any(|keys| keys.moves(interval))
     }
 
     /// The moments within an interval of scene time, ends included, at which any of the spaces
     /// jumps.
     pub fn jumps(&self, interval: [f64; 2]) -> impl Iterator<Item = f64> {
-        self.factors.iter().flat_map(move |factor| factor.jumps(interval)).map(|jump| jump.time)
+        self.keys().flat_map(move |keys| keys.jumps(interval)).map(|jump| jump.time)
     }
 
     /// Times of the keys of all spaces inside an interval, its ends left out, in no order.
     pub fn key_times_within(&self, interval: [f64; 2]) -> impl Iterator<Item = f64> {
-        self.factors.iter().flat_map(move |factor| factor.key_times_within(interval))
+        self.keys().flat_map(move |keys| keys.key_times_within(interval))
+    }
+
+    fn keys(&self) -> impl Iterator<Item = &KeyFrames> {
+        self.factors.iter().filter_map(Factor::keys)
     }
 }
 
@@ -110,7 +175,7 @@ mod tests {
     }
 
     fn space(key_frames: Vec<KeyFrame>, parent: Option<u32>) -> Space {
-        Space { name: String::new(), key_frames, parent: parent.map(SpaceId) }
+        Space { name: String::new(), key_frames, parent: parent.map(SpaceId), hidden: false }
     }
 
     #[test]

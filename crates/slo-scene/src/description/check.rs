@@ -1,6 +1,6 @@
 //! Whether a scene that was built in memory holds together.
 
-use super::{MaterialId, Object, SceneDescription, SpaceId};
+use super::{Copy, MaterialId, Object, Original, SceneDescription, SpaceId};
 use crate::light::{Environment, Light, LightKind, Sky};
 use crate::material::{MOST_MIXES, Material, Tangle, inside_out};
 
@@ -26,7 +26,36 @@ impl SceneDescription {
         self.lights.iter().try_for_each(|light| self.check_light(light))?;
         self.materials.iter().try_for_each(|material| self.check_material(material))?;
         inside_out(&self.materials).map_err(|tangle| self.tangled(&tangle))?;
+        self.copies.iter().try_for_each(|copy| self.check_copy(copy))?;
         self.objects.iter().try_for_each(|object| self.check_object(object))
+    }
+
+    /// Whether what hangs in a space is left out of the picture.
+    pub fn hides(&self, parent: Option<SpaceId>) -> bool {
+        let above = |id: &SpaceId| self.spaces.get(id.0 as usize)?.parent;
+        let spaces = std::iter::successors(parent, above).take(self.spaces.len());
+        spaces.into_iter().any(|id| self.spaces.get(id.0 as usize).is_some_and(|of| of.hidden))
+    }
+
+    fn check_copy(&self, copy: &Copy) -> Result<(), String> {
+        let name = &copy.name;
+        let is_there = |original: &Original| match *original {
+            Original::Object(index) => (index as usize) < self.objects.len(),
+            Original::Light(index) => (index as usize) < self.lights.len(),
+            Original::Group(space) => (space.0 as usize) < self.spaces.len(),
+            Original::Copy(index) => (index as usize) < self.copies.len(),
+        };
+        if !copy.of.iter().all(is_there) {
+            return Err(format!("`{name}` is a copy of what is missing"));
+        }
+        if copy.material.is_some_and(|id| id.0 as usize >= self.materials.len()) {
+            return Err(format!("`{name}` refers to a material that is missing"));
+        }
+        let kinds = copy.placements.iter().flat_map(|placements| &placements.kinds);
+        if let Some(kind) = kinds.into_iter().find(|kind| **kind as usize >= copy.of.len()) {
+            return Err(format!("`{name}` has no original of kind {kind}"));
+        }
+        self.check_parent(name, copy.parent)
     }
 
     fn check_spaces(&self) -> Result<(), String> {

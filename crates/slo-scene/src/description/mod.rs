@@ -5,6 +5,7 @@
 
 mod camera;
 mod check;
+mod copies;
 mod light_groups;
 mod object;
 mod space;
@@ -19,6 +20,7 @@ use crate::texture::Texture;
 pub use crate::key_frame::{KeyFrame, Placement};
 pub use crate::material::MaterialId;
 pub use camera::{CamSegment, Camera};
+pub use copies::{Copy, MOST_COPIED, MOST_NESTED, Original};
 pub use light_groups::LightGroups;
 pub use object::Object;
 pub use space::{Space, SpaceId};
@@ -40,6 +42,8 @@ pub struct SceneDescription {
     pub objects: Vec<Object>,
     /// What objects, lights and other spaces hang in.
     pub spaces: Vec<Space>,
+    /// Other places for objects, lights, and all that hangs in a space.
+    pub copies: Vec<Copy>,
     /// BLAKE3 over everything that can change a picture of this scene: the text and the bytes of
     /// every mesh and texture, in the order of their loading.
     pub content_hash: [u8; 32],

@@ -22,6 +22,8 @@ pub struct Object {
     /// Whether rays are sent toward it if its material emits light. Otherwise only rays that hit it
     /// find its light.
     pub sampled: bool,
+    /// Whether it is left out of the picture. Copies of it are not.
+    pub hidden: bool,
     /// `light_group`: the layer that holds the light that its material emits.
     pub light_group: Option<String>,
 }
@@ -37,6 +39,7 @@ impl Object {
             key_frames,
             parent: None,
             sampled: true,
+            hidden: false,
             light_group,
         }
     }

@@ -15,4 +15,7 @@ pub struct Space {
     pub key_frames: Vec<KeyFrame>,
     /// What the space hangs in; `None`: scene space. Spaces never hang in rings.
     pub parent: Option<SpaceId>,
+    /// Whether all that hangs in it is left out of the picture, directly or by other spaces. Copies
+    /// of it are not.
+    pub hidden: bool,
 }

@@ -7,6 +7,7 @@ use super::finish::Hollow;
 use super::{finish, obj, ply, slo};
 use crate::file_kinds;
 use crate::format::FileError;
+use crate::placements::Placements;
 
 /// Reads a mesh; the extension of `path_name` (in any case) says which format it is in.
 ///
@@ -55,6 +56,31 @@ fn read(path_name: &str, reader: &mut dyn Read, smooth: bool) -> Result<LoadedMe
         other => return Err(unknown_extension(other)),
     };
     loaded.map_err(|error| explain(error, &extension, start.get_ref()))
+}
+
+/// Reads the placements of copies from the vertices of a `.ply` file. Positions are multiplied by
+/// `scale`; `kinds` is the number of originals.
+///
+/// # Errors
+/// The file can't be read, or is not such a file.
+pub(crate) fn load_placements(
+    path_name: &str,
+    reader: &mut dyn Read,
+    scale: f64,
+    kinds: usize,
+) -> Result<Placements, FileError> {
+    let extension = extension(path_name);
+    if extension != "ply" {
+        let message = "placements are the vertices of a .ply file";
+        return Err(FileError::whole_file(message));
+    }
+    let start = start(reader)?;
+    check_kind(&extension, start.get_ref())?;
+    let has_old_lines = has_old_lines(&extension, start.get_ref());
+    let mut reader = Cursor::new(start.get_ref()).chain(reader);
+    let reader: &mut dyn Read =
+        if has_old_lines { &mut OldLines(&mut reader) } else { &mut reader };
+    ply::placements::read(reader, scale, kinds)
 }
 
 /// Refuses a file whose first bytes are not of the kind that its extension promises.

@@ -16,6 +16,6 @@ mod tangents;
 mod warnings;
 
 pub use data::{LoadedMesh, Mesh};
-pub(crate) use load::{BYTE_ORDER_MARK, kind};
+pub(crate) use load::{BYTE_ORDER_MARK, kind, load_placements};
 pub use load::{load, load_shape};
 pub use tangent::Tangent;

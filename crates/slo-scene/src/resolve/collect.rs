@@ -131,6 +131,7 @@ impl<'t, 'a> Scene<'t, 'a> {
     pub(super) fn references(&self, diagnostics: &mut Diagnostics) -> References<'a> {
         let mut references = References::new(&self.unknown, self.is_truncated);
         let [mut lights, mut objects, mut groups] = ["light", "object", "group"].map(Names::new);
+        let mut copies = Names::new("copy");
         for (role, element) in &self.elements {
             match role.referred() {
                 Some(Referred::Object) => references.declare_object(element.name),
@@ -141,6 +142,7 @@ impl<'t, 'a> Scene<'t, 'a> {
                 Role::Light(_) => warn_of_double(&mut lights, element.name, diagnostics),
                 Role::Object(_) => warn_of_double(&mut objects, element.name, diagnostics),
                 Role::Group => warn_of_double(&mut groups, element.name, diagnostics),
+                Role::Copy => warn_of_double(&mut copies, element.name, diagnostics),
                 Role::Scaling
                 | Role::Settings
                 | Role::Camera
@@ -156,7 +158,9 @@ impl<'t, 'a> Scene<'t, 'a> {
 /// A name that only people read may be given twice.
 fn warn_of_double<'a>(names: &mut Names<'a>, name: Word<'a>, diagnostics: &mut Diagnostics) {
     if let Some(double) = names.declare(name) {
-        let message = format!("two {}s are called `{}`", names.kind(), name.text);
+        let plural =
+            if names.kind() == "copy" { "copies".into() } else { format!("{}s", names.kind()) };
+        let message = format!("two {plural} are called `{}`", name.text);
         let warning = Diagnostic::warning(message).at(double.again, "again");
         diagnostics.push(warning.also(double.first, "first here"));
     }

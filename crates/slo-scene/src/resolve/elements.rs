@@ -24,13 +24,14 @@ pub(super) enum Role {
     Texture,
     Object(ReadShape),
     Group,
+    Copy,
 }
 
 impl Role {
     /// Whether `Scaling` changes what the element says.
     pub(super) fn has_positions(self) -> bool {
         match self {
-            Self::Camera | Self::Light(_) | Self::Object(_) | Self::Group => true,
+            Self::Camera | Self::Light(_) | Self::Object(_) | Self::Group | Self::Copy => true,
             Self::Scaling
             | Self::Settings
             | Self::PhongInfo
@@ -45,7 +46,7 @@ impl Role {
             Self::PhongInfo => Some(Referred::PhongInfo),
             Self::Material(_) => Some(Referred::Material),
             Self::Texture => Some(Referred::Texture),
-            Self::Light(_) | Self::Object(_) | Self::Group => Some(Referred::Object),
+            Self::Light(_) | Self::Object(_) | Self::Group | Self::Copy => Some(Referred::Object),
             Self::Scaling | Self::Settings | Self::Camera => None,
         }
     }
@@ -71,12 +72,30 @@ const OBJECT: &[Attribute] = &[
     word("material", "NAME").required(),
     number("sampled"),
     word("light_group", "NAME"),
+    HIDDEN,
     PARENT,
     block(&ADD_KFRAME).repeated(),
 ];
 
+/// Whether something is left out of the picture.
+const HIDDEN: Attribute = number("hidden");
+
 /// `group`
-const GROUP: Schema = Schema::new("group", &[PARENT, block(&ADD_KFRAME).repeated()]);
+const GROUP: Schema = Schema::new("group", &[HIDDEN, PARENT, block(&ADD_KFRAME).repeated()]);
+
+/// What copies take beside what they are copies of.
+const COPIED: &[Attribute] =
+    &[word("material", "NAME"), HIDDEN, PARENT, block(&ADD_KFRAME).repeated()];
+
+/// `copy`
+const COPY: Schema = Schema::new("copy", &[word("of", "NAME").required()]).with(COPIED);
+
+/// `copies`
+const COPIES: Schema = Schema::new(
+    "copies",
+    &[word("of", "NAME").required().repeated(), word("placements", "PATH").required()],
+)
+.with(COPIED);
 
 /// All elements, in the order of messages.
 pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
@@ -91,6 +110,8 @@ pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
     elements.push(Known { schema: TEXTURE, role: Role::Texture });
     elements.extend(written(Shape::KINDS, OBJECT, Role::Object));
     elements.push(Known { schema: GROUP, role: Role::Group });
+    elements.push(Known { schema: COPY, role: Role::Copy });
+    elements.push(Known { schema: COPIES, role: Role::Copy });
     elements
 });
 
@@ -135,7 +156,8 @@ mod tests {
         let lamps = ["lamp_point", "lamp_spot", "lamp_sun", "lamp_rectangle", "lamp_disc"];
         let objects = ELEMENTS.iter().filter(|known| matches!(known.role, Role::Object(_)));
         let objects = objects.map(|known| known.schema.keyword);
-        let moving: Vec<_> = lamps.into_iter().chain(objects).chain(["group"]).collect();
+        let moving: Vec<_> =
+            lamps.into_iter().chain(objects).chain(["group", "copy", "copies"]).collect();
         assert_eq!(LANGUAGE.owners("addKframe"), moving);
         assert_eq!(LANGUAGE.owners("parent"), moving);
         let visible: Vec<_> = lamps.into_iter().chain(["environment"]).collect();

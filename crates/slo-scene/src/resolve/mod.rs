@@ -2,6 +2,7 @@
 
 mod camera;
 mod collect;
+mod copies;
 mod elements;
 mod key_frames;
 mod lights;

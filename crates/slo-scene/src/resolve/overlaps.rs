@@ -42,7 +42,8 @@ pub(super) fn check(
     diagnostics: &mut Diagnostics,
 ) {
     let Ok(spaces) = Spaces::new(&scene.spaces) else { return };
-    let Some(faces) = faces(objects, lights, &spaces) else { return };
+    let hides = |parent| scene.hides(parent);
+    let Some(faces) = faces(objects, lights, &spaces, &hides) else { return };
     let eyes: Vec<DVec3> = scene.camera.segments.iter().flat_map(|s| s.positions.clone()).collect();
     let span_of = |owner: usize| match objects.get(owner) {
         Some((object, span)) => (object.name.as_str(), *span),
@@ -93,13 +94,20 @@ fn faces(
     objects: &[(Object, Span)],
     lights: &[(Light, Span)],
     spaces: &Spaces,
+    hides: &dyn Fn(Option<SpaceId>) -> bool,
 ) -> Option<Vec<Face>> {
     let place = |key_frames: &[KeyFrame], parent: Option<SpaceId>| {
+        if hides(parent) {
+            return None;
+        }
         let path = spaces.path(key_frames, parent).ok()?;
         path.rests().then(|| path.pose(0.0))
     };
     let mut faces = Vec::new();
     for (owner, (object, _)) in objects.iter().enumerate() {
+        if object.hidden {
+            continue;
+        }
         let Some(place) = place(&object.key_frames, object.parent) else { continue };
         add_faces(&mut faces, owner, Look::Material(object.material.0), &object.shape, &place)?;
     }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::collect::Scene;
+use super::copies::{self, Shown, WrittenCopy};
 use super::elements::{LANGUAGE, Role};
 use super::oddities::Said;
 use super::spaces::{Hanging, Hangings};
@@ -96,13 +97,23 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         warn_of_alpha(&images, &materials, self.diagnostics);
         let (mut objects, object_numbers) = self.objects(camera.as_ref(), &wholes(&materials));
         self.groups(camera.as_ref());
+        let copies = self.copies(camera.as_ref());
+        self.assets.release_meshes();
         let hung = self.hangings.hang(self.diagnostics);
-        for ((light, _), number) in lights.iter_mut().zip(light_numbers) {
-            light.parent = hung.parent(number);
+        for ((light, _), number) in lights.iter_mut().zip(&light_numbers) {
+            light.parent = hung.parent(*number);
         }
-        for ((object, _), number) in objects.iter_mut().zip(object_numbers) {
-            object.parent = hung.parent(number);
+        for ((object, _), number) in objects.iter_mut().zip(&object_numbers) {
+            object.parent = hung.parent(*number);
         }
+        let shown = Shown {
+            objects: &objects,
+            object_numbers: &object_numbers,
+            light_numbers: &light_numbers,
+            hangings: &self.hangings,
+            hung: &hung,
+        };
+        let copies = copies::copies(copies, &shown, self.diagnostics);
         let mut scene = SceneDescription {
             settings,
             camera: camera?,
@@ -111,6 +122,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             textures: textures.into_iter().collect::<Option<_>>()?,
             objects: objects.iter().map(|(object, _)| object.clone()).collect(),
             spaces: hung.spaces,
+            copies,
             content_hash: self.assets.hash.finish(),
         };
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
@@ -250,7 +262,6 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         };
         let (mut objects, numbers): (Vec<_>, Vec<_>) =
             elements.into_iter().filter_map(object).unzip();
-        self.assets.release_meshes();
         tangents::add_tangents(&mut objects, materials);
         (objects, numbers)
     }
@@ -266,6 +277,22 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             }
             self.hangings.insert(number, hanging);
         }
+    }
+
+    /// Reads copies, once all other elements that may hang were read.
+    fn copies(&mut self, camera: Option<&Camera>) -> Vec<WrittenCopy> {
+        let elements = self.scene.hanging(|role| matches!(role, Role::Copy).then_some(()));
+        let copy = |(number, (), element)| {
+            let mut fields = Fields::read(element, &LANGUAGE, self.scale, self.diagnostics);
+            let hanging = Hanging::read(&mut fields, &mut self.references, false);
+            if let Some(camera) = camera {
+                oddities::check_key_times(&mut fields, hanging.key_frames(), camera);
+            }
+            self.hangings.insert(number, hanging);
+            let (references, assets) = (&mut self.references, &mut self.assets);
+            copies::read(number, &mut fields, &self.hangings, references, assets)
+        };
+        elements.into_iter().filter_map(copy).collect()
     }
 
     fn object(
@@ -285,6 +312,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             oddities::check_key_times(&mut fields, &key_frames, camera);
         }
         let sampled = fields.count("sampled", 0, 1).is_none_or(|flag| flag.value == 1);
+        let hidden = fields.count("hidden", 0, 1).is_some_and(|flag| flag.value == 1);
         let light_group = fields.word("light_group");
         self.said.groups.extend(light_group);
         let light_group = light_group.map(|group| group.text.to_owned());
@@ -305,6 +333,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             key_frames,
             parent: None,
             sampled,
+            hidden,
             light_group,
         })
     }

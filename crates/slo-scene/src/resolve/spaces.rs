@@ -19,6 +19,10 @@ pub(super) struct Hanging {
     /// Number of the element that it hangs in, with the place that says so.
     parent: Option<(usize, Span)>,
     is_group: bool,
+    /// Whether it takes a parent at all.
+    may_hang: bool,
+    /// Whether it is a group with all that hangs in it out of the picture.
+    is_hidden: bool,
 }
 
 impl Hanging {
@@ -32,9 +36,13 @@ impl Hanging {
         let parent = fields.word("parent").and_then(|word| {
             Some((references.find_only(Referred::Object, word, fields.diagnostics)?, word.span))
         });
+        let is_hidden =
+            is_group && fields.count("hidden", 0, 1).is_some_and(|flag| flag.value == 1);
         let element = &fields.element;
+        let may_hang = element.schema.attribute("parent").is_some();
         let (name, title) = (element.name.text.to_owned(), element.title());
-        Self { name, title, place: element.head(), key_frames, parent, is_group }
+        let place = element.head();
+        Self { name, title, place, key_frames, parent, is_group, may_hang, is_hidden }
     }
 
     /// The key frames, in order of time.
@@ -53,12 +61,19 @@ pub(super) struct Hung {
     pub(super) spaces: Vec<Space>,
     /// By the number of the element.
     parents: Vec<Option<SpaceId>>,
+    /// By the number of the element.
+    ids: Vec<Option<SpaceId>>,
 }
 
 impl Hung {
     /// What an element hangs in.
     pub(super) fn parent(&self, number: usize) -> Option<SpaceId> {
         self.parents.get(number).copied().flatten()
+    }
+
+    /// The space of an element, if others hang in it or it is a group.
+    pub(super) fn space(&self, number: usize) -> Option<SpaceId> {
+        self.ids.get(number).copied().flatten()
     }
 }
 
@@ -69,6 +84,45 @@ impl Hangings {
             self.0.resize(number + 1, None);
         }
         self.0[number] = Some(hanging);
+    }
+
+    /// Number of all elements that may hang.
+    pub(super) fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn get(&self, number: usize) -> Option<&Hanging> {
+        self.0.get(number)?.as_ref()
+    }
+
+    /// The key frames of an element, in order of time.
+    pub(super) fn key_frames(&self, number: usize) -> &[KeyFrame] {
+        self.get(number).map_or(&[], |of| &of.key_frames)
+    }
+
+    /// Whether an element is a group.
+    pub(super) fn is_group(&self, number: usize) -> bool {
+        self.get(number).is_some_and(|of| of.is_group)
+    }
+
+    /// Whether an element is a group that is out of the picture.
+    pub(super) fn is_hidden_group(&self, number: usize) -> bool {
+        self.get(number).is_some_and(|of| of.is_hidden)
+    }
+
+    /// Whether an element takes a parent at all.
+    pub(super) fn may_hang(&self, number: usize) -> bool {
+        self.get(number).is_none_or(|of| of.may_hang)
+    }
+
+    /// As messages call an element.
+    pub(super) fn title(&self, number: usize) -> &str {
+        self.get(number).map_or("", |of| &of.title)
+    }
+
+    /// Number of the element that one hangs in.
+    pub(super) fn parent_of(&self, number: usize) -> Option<usize> {
+        self.parent(number).map(|(parent, _)| parent)
     }
 
     fn parent(&self, number: usize) -> Option<(usize, Span)> {
@@ -104,9 +158,11 @@ impl Hangings {
                 name: of.map_or_else(String::new, |of| of.name.clone()),
                 key_frames: of.map_or_else(Vec::new, |of| of.key_frames.clone()),
                 parent: parents[number],
+                hidden: of.is_some_and(|of| of.is_hidden),
             })
         };
-        Hung { spaces: self.0.iter().enumerate().filter_map(space).collect(), parents }
+        let spaces = self.0.iter().enumerate().filter_map(space).collect();
+        Hung { spaces, parents, ids }
     }
 
     /// Reports elements that hang in themselves, directly or by others. Returns whether there are any.
@@ -145,7 +201,7 @@ impl Hangings {
         let first = ring.iter().enumerate().min_by_key(|(_, number)| **number);
         let first = first.map_or(0, |(place, _)| place);
         ring.rotate_left(first);
-        let named = |number: usize| self.0[number].as_ref().map_or("", |of| &of.title);
+        let named = |number: usize| self.title(number);
         let place = |number: usize| self.parent(number).map(|(_, span)| span);
         let Some(written) = place(ring[0]) else { return Diagnostic::error("a ring of parents") };
         let [only] = ring[..] else {

@@ -12,7 +12,10 @@ const SCENES: [&str; 5] = [
     include_str!("../scenes/errors/a_hundred_errors.txt"),
 ];
 
-const FILES: &[(&str, &[u8])] = &[("files/plank.png", include_bytes!("../scenes/files/plank.png"))];
+const FILES: &[(&str, &[u8])] = &[
+    ("files/plank.png", include_bytes!("../scenes/files/plank.png")),
+    ("files/row.ply", include_bytes!("../scenes/files/row.ply")),
+];
 
 /// Pieces that mean something to the parser.
 const PIECES: [&str; 24] = [

@@ -4,7 +4,10 @@ use slo_scene::{Files, load};
 
 const EVERYTHING: &str = include_str!("../scenes/everything.txt");
 const SCENES: [&str; 2] = [EVERYTHING, include_str!("../scenes/materials.txt")];
-const FILES: &[(&str, &[u8])] = &[("files/plank.png", include_bytes!("../scenes/files/plank.png"))];
+const FILES: &[(&str, &[u8])] = &[
+    ("files/plank.png", include_bytes!("../scenes/files/plank.png")),
+    ("files/row.ply", include_bytes!("../scenes/files/row.ply")),
+];
 
 /// How many errors a scene has if the bytes `start..end` are replaced, and the report.
 fn errors(scene: &str, start: usize, end: usize, replacement: &str) -> (usize, String) {

@@ -1,7 +1,7 @@
 //! What hangs in what.
 
 use slo_scene::animation::Spaces;
-use slo_scene::{Files, SceneDescription, SpaceId, load};
+use slo_scene::{Files, Original, SceneDescription, SpaceId, load};
 
 fn scene(elements: &str) -> SceneDescription {
     let text = format!("{elements}\n{}", include_str!("../scenes/minimal.txt"));
@@ -68,4 +68,41 @@ fn long_chains_take_no_time() {
     text += " sphere s { center { 1 0 0 } radius 1 material m parent g19999 }";
     let scene = scene(&text);
     assert_eq!((scene.spaces.len(), scene.check()), (20_000, Ok(())));
+}
+
+#[test]
+fn copies_know_what_they_show() {
+    let scene = scene(
+        "phong_info p { } material_phong m { phong_info p } material_phong other { phong_info p }
+         copy last { of street material other parent up hidden 1 }
+         group up { addKframe { time 0 key { pivot { 0 0 9 } } } }
+         group house { hidden 1 }
+         group street { }
+         sphere roof { center { 0 0 1 } radius 1 material m parent house }
+         lamp_point lamp { power { 1 1 1 } position { 0 0 2 } parent house }
+         copy one { of house parent street } copy two { of roof parent street }
+         copy three { of lamp } copy four { of two }",
+    );
+    let of = |name: &str| scene.copies.iter().find(|copy| copy.name == name).expect("it is there");
+    let space = |name: &str| {
+        let index = scene.spaces.iter().position(|space| space.name == name);
+        SpaceId(index.expect("it is there") as u32)
+    };
+    assert_eq!(of("last").of, [Original::Group(space("street"))]);
+    assert_eq!((of("last").parent, of("last").hidden), (Some(space("up")), true));
+    assert_eq!(
+        of("last").material.map(|id| scene.materials[id.0 as usize].name.as_str()),
+        Some("other")
+    );
+    assert_eq!(of("one").of, [Original::Group(space("house"))]);
+    let roof = scene.objects.iter().position(|object| object.name == "roof");
+    assert_eq!(of("two").of, [Original::Object(roof.expect("it is there") as u32)]);
+    assert_eq!(of("three").of, [Original::Light(0)]);
+    let two = scene.copies.iter().position(|copy| copy.name == "two");
+    assert_eq!(of("four").of, [Original::Copy(two.expect("it is there") as u32)]);
+    assert!(scene.hides(Some(space("house"))) && !scene.hides(Some(space("street"))));
+    assert_eq!(scene.check(), Ok(()));
+    let mut wrong = scene.clone();
+    wrong.copies[0].of = vec![Original::Copy(99)];
+    assert!(wrong.check().expect_err("no copy").contains("copy of what is missing"));
 }

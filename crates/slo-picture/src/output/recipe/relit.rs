@@ -122,6 +122,7 @@ mod tests {
             materials: Vec::new(),
             textures: Vec::new(),
             objects: Vec::new(),
+            copies: Vec::new(),
             spaces: Vec::new(),
             content_hash: [7; 32],
         };

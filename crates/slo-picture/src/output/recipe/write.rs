@@ -143,6 +143,8 @@ mod tests {
             materials: Vec::new(),
             textures: Vec::new(),
             objects: Vec::new(),
+            copies: Vec::new(),
+            spaces: Vec::new(),
             content_hash: [0xab; 32],
         }
     }

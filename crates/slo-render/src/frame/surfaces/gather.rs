@@ -333,18 +333,30 @@ impl FrameScene {
                 let image = &self.textures[texture.texture.0 as usize];
                 let [scale_u, scale_v] = texture.scale;
                 let uv = to.uv(i);
-                to.tint.set(i, sample_bilinear(image, uv.x * scale_u, uv.y * scale_v).into());
+                let color = Vec3::from(sample_bilinear(image, uv.x * scale_u, uv.y * scale_v));
+                to.tint.set(i, if self.tints { to.tint.get(i) * color } else { color });
             }
         }
     }
 
-    /// Multiplies the numbers of physical materials by what images hold at the hits of a batch.
+    /// Whether [`multiply_images`](Self::multiply_images) changes anything.
+    pub(crate) fn multiplies(&self) -> bool {
+        self.tints || self.material_table.images.any_needs_uv()
+    }
+
+    /// Multiplies the numbers of physical materials by what images hold at the hits of a batch, and
+    /// by tints.
     pub(crate) fn multiply_images(&self, surfaces: &Surfaces, to: &mut Parameters) {
         let images = &self.material_table.images;
         if images.any_needs_uv() {
             for i in 0..surfaces.len.min(BATCH) {
                 let material = surfaces.material[i];
                 images.multiply(material, &self.textures, surfaces.uv(i), i, to);
+            }
+        }
+        if self.tints {
+            for i in 0..surfaces.len.min(BATCH) {
+                to.base_color.set(i, to.base_color.get(i) * surfaces.tint.get(i));
             }
         }
     }
@@ -410,22 +422,28 @@ impl Lanewise for Images<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { frame, found, to } = self;
-        if frame.textures.is_empty() {
+        if frame.textures.is_empty() && !frame.tints {
             let Vec3s { x, y, z } = &mut to.tint;
             [x, y, z].into_iter().for_each(|column| column[lanes(to.len)].fill(1.0));
             return;
         }
         for i in 0..to.len.min(BATCH) {
             let material = frame.materials.get(to.material[i] as usize);
+            let hit = Hit::new(found, to.ray[i] as usize);
+            let tint = if frame.tints {
+                frame.objects[frame.object_of(hit.primitive, hit.instance) as usize].tint
+            } else {
+                Vec3::ONE
+            };
             let Some(texture) = material.and_then(|material| material.texture) else {
-                to.tint.set(i, Vec3::ONE);
+                to.tint.set(i, tint);
                 continue;
             };
-            let hit = Hit::new(found, to.ray[i] as usize);
             let [u, v] = frame.uv(&hit, to.point.get(i));
             let image = &frame.textures[texture.texture.0 as usize];
             let color = sample_bilinear(image, u * texture.scale[0], v * texture.scale[1]);
-            to.tint.set(i, color.into());
+            let color = Vec3::from(color);
+            to.tint.set(i, if frame.tints { tint * color } else { color });
         }
     }
 }

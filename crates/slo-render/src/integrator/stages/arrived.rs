@@ -7,10 +7,16 @@ use super::hits::Hits;
 use crate::frame::{FrameScene, Look};
 use crate::integrator::batch::{Batch, Past, marks};
 use crate::integrator::branching::rays_to;
+use crate::shading::light::{Sampled, Samples};
 
 /// Light of the rays that are not shaded.
 #[derive(Debug)]
 pub(in crate::integrator) struct Arrived {
+    /// The rays in their batch.
+    ray: Column<u32>,
+    /// The entries whose rays hit nothing.
+    escaped: Vec<u16>,
+    skies: Skies,
     /// Weighted radiance.
     pub(in crate::integrator) light: Vec3s,
     pub(in crate::integrator) slot: Column<u32>,
@@ -19,7 +25,37 @@ pub(in crate::integrator) struct Arrived {
 
 impl Default for Arrived {
     fn default() -> Self {
-        Self { light: Vec3s::default(), slot: [0; BATCH], len: 0 }
+        Self {
+            ray: [0; BATCH],
+            escaped: Vec::new(),
+            skies: Skies::default(),
+            light: Vec3s::default(),
+            slot: [0; BATCH],
+            len: 0,
+        }
+    }
+}
+
+/// Light of skies, for the rays that hit nothing.
+#[derive(Debug)]
+struct Skies {
+    time: Column<f32>,
+    /// Where the rays left the last surface.
+    from: Vec3s,
+    /// What one sky shows.
+    found: Samples,
+    /// The light of all skies.
+    sum: Vec3s,
+}
+
+impl Default for Skies {
+    fn default() -> Self {
+        Self {
+            time: [0.0; BATCH],
+            from: Vec3s::default(),
+            found: Samples::default(),
+            sum: Vec3s::default(),
+        }
     }
 }
 
@@ -42,6 +78,7 @@ impl Arrived {
         (stride, part): (u32, usize),
     ) {
         self.len = 0;
+        self.escaped.clear();
         let skies = if stride > 0 { frame.skies.get(part..=part) } else { Some(&frame.skies[..]) };
         let skies = skies.unwrap_or_default();
         for i in hits.shaded.others(batch.len()) {
@@ -53,16 +90,52 @@ impl Arrived {
                 Look::Light(_) if part > 0 => continue,
                 Look::Light(number) => (lamp(frame, number, batch, hits, i, depth), Some(number)),
                 Look::Nothing | Look::Material(_) => {
-                    let first = skies.first().copied();
+                    self.escaped.push(self.len as u16);
                     let background = Vec3::from(frame.settings.background);
-                    let background = if part > 0 { Vec3::ZERO } else { background };
-                    (background + sky(frame, skies, batch, i, depth), first)
+                    (if part > 0 { Vec3::ZERO } else { background }, skies.first().copied())
                 }
             };
             let group = first.filter(|_| stride > 0).map_or(0, |number| frame.group_of(number));
-            self.light.set(self.len, batch.weight.get(i) * light);
+            self.light.set(self.len, light);
             self.slot[self.len] = batch.labels.slot[i] + group * stride;
+            self.ray[self.len] = i as u32;
             self.len += 1;
+        }
+        if !skies.is_empty() {
+            self.add_skies(frame, skies, batch, depth);
+        }
+        for k in 0..self.len.min(BATCH) {
+            self.light.set(k, batch.weight.get(self.ray[k] as usize) * self.light.get(k));
+        }
+    }
+
+    /// Adds the light of skies to that of the rays that hit nothing.
+    fn add_skies(&mut self, frame: &FrameScene, numbers: &[u32], batch: &Batch, depth: u32) {
+        let Self { ray, escaped, skies, light, .. } = self;
+        let rays = || escaped.iter().map(|k| ray[usize::from(*k)] as usize);
+        for (k, i) in rays().enumerate().take(BATCH) {
+            skies.time[k] = batch.labels.time[i];
+            skies.from.set(k, batch.past.from.get(i));
+            skies.found.way.set(k, batch.rays.direction(i));
+            skies.sum.set(k, Vec3::ZERO);
+        }
+        for &number in numbers {
+            if depth == 0 && frame.is_hidden(number) {
+                continue;
+            }
+            let Skies { time, from, found, sum } = &mut *skies;
+            let hits = (&*time, &*from, escaped.len());
+            frame.lights.found_each(frame.isa, number, hits, found);
+            for (k, i) in rays().enumerate().take(BATCH) {
+                let Sampled { way, radiance, density } = found.get(k);
+                let end = End { light: number, way, density };
+                let is_shared = depth > 0 && radiance != Vec3::ZERO;
+                let share = if is_shared { share(frame, end, batch, i, depth) } else { 1.0 };
+                sum.set(k, sum.get(k) + radiance * share);
+            }
+        }
+        for (k, entry) in escaped.iter().map(|entry| usize::from(*entry)).enumerate().take(BATCH) {
+            light.set(entry, light.get(entry) + skies.sum.get(k));
         }
     }
 }
@@ -77,20 +150,6 @@ fn lamp(frame: &FrameScene, number: u32, batch: &Batch, hits: &Hits, i: usize, d
         return Vec3::ZERO;
     }
     light(frame, number, [from, way], batch, i, depth)
-}
-
-/// Returns the light of skies.
-fn sky(frame: &FrameScene, skies: &[u32], batch: &Batch, i: usize, depth: u32) -> Vec3 {
-    let direction = batch.rays.direction(i);
-    let from = batch.past.from.get(i);
-    let mut sum = Vec3::ZERO;
-    for &number in skies {
-        if depth == 0 && frame.is_hidden(number) {
-            continue;
-        }
-        sum += light(frame, number, [from, direction], batch, i, depth);
-    }
-    sum
 }
 
 /// Where a ray ends on a light.

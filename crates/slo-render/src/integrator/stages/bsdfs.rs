@@ -78,7 +78,8 @@ impl Bsdfs {
             &mut self.is_principled,
         );
         if table.is_physical() {
-            frame.isa.run(LookUp { table, points, to: &mut self.parameters });
+            let multiplied = frame.multiplies();
+            frame.isa.run(LookUp { table, points, multiplied, to: &mut self.parameters });
             frame.multiply_images(&points.surfaces, &mut self.parameters);
             let Self { is_principled, parameters, .. } = self;
             let is_opaque =
@@ -217,6 +218,8 @@ impl Bsdfs {
 struct LookUp<'a> {
     table: &'a MaterialTable,
     points: &'a Points,
+    /// Whether the numbers are multiplied afterwards.
+    multiplied: bool,
     to: &'a mut Parameters,
 }
 
@@ -225,8 +228,8 @@ impl Lanewise for LookUp<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { table, points, to } = self;
-        let (surfaces, multiplied) = (&points.surfaces, table.images.any_needs_uv());
+        let Self { table, points, multiplied, to } = self;
+        let surfaces = &points.surfaces;
         table.principled.look_up(&surfaces.material, surfaces.len, multiplied, to);
     }
 }

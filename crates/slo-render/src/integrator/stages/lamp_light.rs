@@ -15,7 +15,7 @@ use crate::integrator::work::Job;
 use crate::sampling::Purpose;
 use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{Lobe, WithLobe};
-use crate::shading::light::{Choices, Moving, Sampled};
+use crate::shading::light::{Choices, Moving, Sampled, Samples};
 use crate::shading::{Lamp, WithLamp, WithLamps};
 
 use super::direct_light::Question;
@@ -29,6 +29,8 @@ const FEW: usize = 8;
 pub(in crate::integrator) struct LampLight {
     set: SetPoints,
     choices: Choices,
+    /// Points of a light that looks up tables.
+    samples: Option<Box<Samples>>,
     /// Index of the light of each point.
     pub(super) light: Column<u32>,
     /// Number of rays to the light: the probability of the choice, times the number of rays.
@@ -60,6 +62,7 @@ impl Default for LampLight {
         Self {
             set: SetPoints::default(),
             choices: Choices::default(),
+            samples: None,
             light: [0; BATCH],
             tries: zeros,
             toward: Vec3s::default(),
@@ -189,15 +192,21 @@ impl WithLamp for AskOne<'_> {
         if frame.lights.move_about() {
             let pose = |i: usize| frame.lights.pose(number, points.labels.time[i]);
             let choose = |light: u32, i: usize| (Moving { lamp, pose: pose(i) }, light == number);
-            frame.isa.run(Ask::<_, true> { points, choose, to });
+            frame.isa.run(Ask::<_, _, true> { points, choose, from: Itself, to });
             return;
         }
         // A copy of the lamp cannot alias a column.
         let choose = move |light: u32, _: usize| (lamp, light == number);
         if L::LOOKS_UP {
-            frame.isa.run(Ask::<_, true> { points, choose, to });
+            let mut samples = to.samples.take().unwrap_or_default();
+            let hits = (&points.surfaces.start, points.len());
+            let [u, v, _] = &to.set.numbers;
+            lamp.sample_each(frame.isa, hits, [u, v], |i| to.light[i] == number, &mut samples);
+            let from = LookedUp(&samples);
+            frame.isa.run(Ask::<_, _, false> { points, choose, from, to });
+            to.samples = Some(samples);
         } else {
-            frame.isa.run(Ask::<_, false> { points, choose, to });
+            frame.isa.run(Ask::<_, _, false> { points, choose, from: Itself, to });
         }
     }
 }
@@ -226,10 +235,10 @@ impl WithLamps for AskChosen<'_> {
                 let (lamp, is_asked) = choose(light);
                 (Moving { lamp, pose: pose(light, i) }, is_asked)
             };
-            frame.isa.run(Ask::<_, true> { points, choose, to: self.to });
+            frame.isa.run(Ask::<_, _, true> { points, choose, from: Itself, to: self.to });
         } else {
             let choose = |light: u32, _: usize| choose(light);
-            frame.isa.run(Ask::<_, true> { points, choose, to: self.to });
+            frame.isa.run(Ask::<_, _, true> { points, choose, from: Itself, to: self.to });
         }
     }
 }
@@ -237,18 +246,52 @@ impl WithLamps for AskChosen<'_> {
 /// Creates a ray from every point to a light. `choose(light, i)` returns the light with an index
 /// as point `i` sees it, and whether to ask it. If not, the point keeps the ray that it has, and is
 /// skipped if `SKIPS`; otherwise the loop has no branches.
-struct Ask<'a, C, const SKIPS: bool> {
+struct Ask<'a, C, S, const SKIPS: bool> {
     points: &'a Points,
     choose: C,
+    /// Where samples of the light come from.
+    from: S,
     to: &'a mut LampLight,
 }
 
-impl<L: Lamp, C: Fn(u32, usize) -> (L, bool), const SKIPS: bool> Lanewise for Ask<'_, C, SKIPS> {
+/// Where samples of a light come from.
+trait Source {
+    /// Returns the sample of a light for hit `i`, which is at `hit`, by a point `u` of the unit
+    /// square.
+    fn sample<L: Lamp>(&self, lamp: L, i: usize, hit: Vec3, u: [f32; 2]) -> Sampled;
+}
+
+/// The light itself.
+struct Itself;
+
+/// Samples that were taken before.
+struct LookedUp<'a>(&'a Samples);
+
+impl Source for Itself {
+    #[inline(always)]
+    fn sample<L: Lamp>(&self, lamp: L, _: usize, hit: Vec3, u: [f32; 2]) -> Sampled {
+        lamp.sample(hit, u)
+    }
+}
+
+impl Source for LookedUp<'_> {
+    #[inline(always)]
+    fn sample<L: Lamp>(&self, _: L, i: usize, _: Vec3, _: [f32; 2]) -> Sampled {
+        self.0.get(i)
+    }
+}
+
+impl<L, C, S, const SKIPS: bool> Lanewise for Ask<'_, C, S, SKIPS>
+where
+    L: Lamp,
+    C: Fn(u32, usize) -> (L, bool),
+    S: Source,
+{
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { points, choose, to } = self;
+        let Self { points, choose, from, to } = self;
         let surfaces = &points.surfaces;
         for i in lanes(surfaces.len) {
             let (lamp, is_asked) = choose(to.light[i], i);
@@ -257,7 +300,7 @@ impl<L: Lamp, C: Fn(u32, usize) -> (L, bool), const SKIPS: bool> Lanewise for As
             }
             let hit = surfaces.start.get(i);
             let u = [to.set.numbers[0][i], to.set.numbers[1][i]];
-            let Sampled { way, radiance, density } = lamp.sample(hit, u);
+            let Sampled { way, radiance, density } = from.sample(lamp, i, hit, u);
             let toward = if L::IS_DISTANT { way } else { way * (1.0 / way.length()) };
             let origin = surfaces.depart(i, toward);
             let (direction, t_max) = if L::IS_DISTANT {

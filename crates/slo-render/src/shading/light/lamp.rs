@@ -3,6 +3,8 @@
 use glam::Vec3;
 
 use super::bounds::LightBounds;
+use slo_accel::Isa;
+use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
 /// A sampled point of a light, as a hit sees it.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +15,41 @@ pub struct Sampled {
     pub radiance: Vec3,
     /// See [`Lamp::density`].
     pub density: f32,
+}
+
+/// [`Sampled`] points of a light for a batch of hits, in columns.
+#[derive(Debug)]
+pub struct Samples {
+    /// See [`Sampled::way`].
+    pub way: Vec3s,
+    /// See [`Sampled::radiance`].
+    pub radiance: Vec3s,
+    /// See [`Sampled::density`].
+    pub density: Column<f32>,
+    /// Working memory of images: where they show the points, and of which cell of their tables.
+    pub(super) uv: [Column<f32>; 2],
+    pub(super) cell: [Column<u32>; 2],
+}
+
+impl Samples {
+    /// Returns sample `i`.
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Sampled {
+        let (way, radiance) = (self.way.get(i), self.radiance.get(i));
+        Sampled { way, radiance, density: self.density[i] }
+    }
+}
+
+impl Default for Samples {
+    fn default() -> Self {
+        Self {
+            way: Vec3s::default(),
+            radiance: Vec3s::default(),
+            density: [0.0; BATCH],
+            uv: [[0.0; BATCH]; 2],
+            cell: [[0; BATCH]; 2],
+        }
+    }
 }
 
 /// A light of one kind, in render space. All functions but [`bounds`](Self::bounds) are free of
@@ -74,6 +111,36 @@ pub trait Lamp: Copy {
     #[inline(always)]
     fn found(&self, from: Vec3, way: Vec3) -> (Vec3, f32) {
         (self.radiance(way), self.density(from, way))
+    }
+
+    /// [`sample`](Self::sample) for those of `len` hits that ask, by points `u`. The others keep what
+    /// they have. Lights that look up tables do this step by step, so that many look-ups are under
+    /// way at the same time.
+    fn sample_each(
+        &self,
+        isa: Isa,
+        (hits, len): (&Vec3s, usize),
+        u: [&Column<f32>; 2],
+        asks: impl Fn(usize) -> bool,
+        to: &mut Samples,
+    ) {
+        let _ = isa;
+        for i in (0..len.min(BATCH)).filter(|i| asks(*i)) {
+            let sampled = self.sample(hits.get(i), u.map(|column| column[i]));
+            to.way.set(i, sampled.way);
+            to.radiance.set(i, sampled.radiance);
+            to.density[i] = sampled.density;
+        }
+    }
+
+    /// [`found`](Self::found) for `len` hits, with `way` of the samples.
+    fn found_each(&self, isa: Isa, hits: &Vec3s, len: usize, to: &mut Samples) {
+        let _ = isa;
+        for i in 0..len.min(BATCH) {
+            let (radiance, density) = self.found(hits.get(i), to.way.get(i));
+            to.radiance.set(i, radiance);
+            to.density[i] = density;
+        }
     }
 
     /// Returns the direction of a shadow ray from `from` to a `point` of the light, not normalized,

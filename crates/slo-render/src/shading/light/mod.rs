@@ -27,13 +27,15 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use kinds::lamps;
+use slo_accel::Isa;
+use slo_accel::math::columns::{BATCH, Column, Vec3s};
 use slo_scene::light::Sky;
 use slo_scene::{LightKind, Texture};
 
 pub use bounds::LightBounds;
 pub use environment::{EvenSky, ImageSky, ImageView, SkyShare, SkyTable};
 pub use kinds::{WithLamp, WithLamps};
-pub use lamp::{Lamp, Sampled};
+pub use lamp::{Lamp, Sampled, Samples};
 pub use lamp_disc::DiscLamp;
 pub use lamp_point::PointLamp;
 pub use lamp_rectangle::RectangleLamp;
@@ -178,6 +180,33 @@ impl Lights {
             }
         }
         self[light as usize].with(Found(self.pose(light, time), from, way))
+    }
+
+    /// [`found`](Self::found) for `len` rays in the directions `way` of the samples.
+    pub fn found_each(
+        &self,
+        isa: Isa,
+        light: u32,
+        (time, from, len): (&Column<f32>, &Vec3s, usize),
+        to: &mut Samples,
+    ) {
+        struct FoundEach<'a>(Isa, &'a Vec3s, usize, &'a mut Samples);
+        impl WithLamp for FoundEach<'_> {
+            type Output = ();
+
+            fn run<L: Lamp>(self, lamp: L) {
+                let Self(isa, from, len, to) = self;
+                lamp.found_each(isa, from, len, to);
+            }
+        }
+        if !self.move_about() {
+            return self[light as usize].with(FoundEach(isa, from, len, to));
+        }
+        for i in 0..len.min(BATCH) {
+            let (radiance, density) = self.found(light, time[i], from.get(i), to.way.get(i));
+            to.radiance.set(i, radiance);
+            to.density[i] = density;
+        }
     }
 
     /// Whether a point lies inside a light at a time; see [`Lamp::encloses`].

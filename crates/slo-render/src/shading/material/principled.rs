@@ -279,8 +279,8 @@ impl PrincipledTable {
         ]
     }
 
-    /// Looks up the numbers of the materials of a batch of hits. `multiplied` tells that images
-    /// change them afterwards.
+    /// Looks up the numbers of the materials of a batch of hits. `multiplied` tells that the
+    /// numbers are changed afterwards.
     #[inline(always)]
     pub fn look_up(
         &self,

@@ -1,6 +1,7 @@
 //! Pictures whose pixels can be derived by hand. Each test explains how.
 
 mod bending;
+mod copied;
 mod expectation;
 mod far_away;
 mod furnace;

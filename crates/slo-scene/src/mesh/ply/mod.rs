@@ -4,6 +4,7 @@ mod elements;
 mod faces;
 mod header;
 mod left_out;
+pub(super) mod placements;
 mod properties;
 #[cfg(test)]
 mod tests;

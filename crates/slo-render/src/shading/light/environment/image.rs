@@ -5,10 +5,12 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::even::bounds;
-use super::table::{SkyShare, SkyTable, TableSample, TableView};
+use super::table::{Cell, SkyShare, SkyTable, TableSample, TableView};
 use crate::shading::light::bounds::LightBounds;
-use crate::shading::light::lamp::{Lamp, Sampled};
+use crate::shading::light::lamp::{Lamp, Sampled, Samples};
 use crate::shading::texture::{equirect_uv, sample_around};
+use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
+use slo_accel::{Isa, Lanewise};
 use slo_scene::{Curve, Texture};
 
 /// A sky that an image shows. It is sampled by the image's luminance, or by what exceeds the mean;
@@ -136,6 +138,24 @@ impl Lamp for ImageView<'_> {
         (self.shown(uv), self.table.density(uv))
     }
 
+    fn sample_each(
+        &self,
+        isa: Isa,
+        (_, len): (&Vec3s, usize),
+        u: [&Column<f32>; 2],
+        asks: impl Fn(usize) -> bool,
+        to: &mut Samples,
+    ) {
+        isa.run(FindCells { table: self.table, len, u, asks: &asks, to });
+        isa.run(Ways { sky: *self, len, to });
+        isa.run(Shown { sky: *self, len, asks, to });
+    }
+
+    fn found_each(&self, isa: Isa, _hits: &Vec3s, len: usize, to: &mut Samples) {
+        isa.run(Places { sky: *self, len, to });
+        isa.run(Shown { sky: *self, len, asks: |_| true, to });
+    }
+
     #[inline(always)]
     fn shadow_ray(&self, _from: Vec3, point: Vec3) -> (Vec3, f32) {
         (point, f32::INFINITY)
@@ -143,5 +163,100 @@ impl Lamp for ImageView<'_> {
 
     fn bounds(&self) -> LightBounds {
         bounds(self.table.mean() * self.strength)
+    }
+}
+
+/// Finds the cells of samples, and where in their cells these lie.
+struct FindCells<'a, A> {
+    table: TableView<'a>,
+    len: usize,
+    u: [&'a Column<f32>; 2],
+    asks: &'a A,
+    to: &'a mut Samples,
+}
+
+impl<A: Fn(usize) -> bool> Lanewise for FindCells<'_, A> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { table, len, u, asks, to } = self;
+        for i in (0..len.min(BATCH)).filter(|i| asks(*i)) {
+            let Cell { row, column, versine, right } = table.find(u.map(|column| column[i]));
+            (to.cell[0][i], to.cell[1][i]) = (row as u32, column as u32);
+            (to.uv[0][i], to.uv[1][i]) = (right, versine);
+        }
+    }
+}
+
+/// Computes the directions of samples in their cells.
+struct Ways<'a> {
+    sky: ImageView<'a>,
+    len: usize,
+    to: &'a mut Samples,
+}
+
+impl Lanewise for Ways<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sky, len, to } = self;
+        let (rows, columns) = sky.table.size();
+        for i in lanes(len) {
+            let [right, versine] = [to.uv[0][i], to.uv[1][i]];
+            let is_upper = 2 * to.cell[0][i] < rows;
+            let (way, uv) = TableView::way(is_upper, to.cell[1][i], columns, versine, right);
+            to.way.set(i, sky.turned(way));
+            (to.uv[0][i], to.uv[1][i]) = (uv[0], uv[1]);
+        }
+    }
+}
+
+/// Finds where the image shows directions, and their cells.
+struct Places<'a> {
+    sky: ImageView<'a>,
+    len: usize,
+    to: &'a mut Samples,
+}
+
+impl Lanewise for Places<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sky, len, to } = self;
+        for i in lanes(len) {
+            let uv = sky.uv(to.way.get(i));
+            (to.uv[0][i], to.uv[1][i]) = (uv[0], uv[1]);
+        }
+        for i in 0..len.min(BATCH) {
+            let [row, column] = sky.table.cell([to.uv[0][i], to.uv[1][i]]);
+            (to.cell[0][i], to.cell[1][i]) = (row as u32, column as u32);
+        }
+    }
+}
+
+/// Looks up what the image shows at places, and the densities of their cells.
+struct Shown<'a, A> {
+    sky: ImageView<'a>,
+    len: usize,
+    asks: A,
+    to: &'a mut Samples,
+}
+
+impl<A: Fn(usize) -> bool> Lanewise for Shown<'_, A> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sky, len, asks, to } = self;
+        for i in (0..len.min(BATCH)).filter(|i| asks(*i)) {
+            to.radiance.set(i, sky.shown([to.uv[0][i], to.uv[1][i]]));
+        }
+        for i in (0..len.min(BATCH)).filter(|i| asks(*i)) {
+            let [row, column] = [0, 1].map(|k| to.cell[k][i] as usize);
+            to.density[i] = sky.table.density_in(row, column);
+        }
     }
 }

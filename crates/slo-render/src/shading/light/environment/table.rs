@@ -248,6 +248,17 @@ fn find(sums: &[f32], starts: &[u16], u: f32) -> (usize, f32) {
     (at, (u - sums[at]) / (sums[at + 1] - sums[at]))
 }
 
+/// A sampled cell, and a place in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub(super) row: usize,
+    pub(super) column: usize,
+    /// Versine of the angle from +z, in the lower half from -z.
+    pub(super) versine: f32,
+    /// Distance from the left edge, in cells.
+    pub(super) right: f32,
+}
+
 /// A sampled direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TableSample {
@@ -277,37 +288,65 @@ impl TableView<'_> {
         &self.table.cell_starts[row * stride..][..stride]
     }
 
-    /// Samples a direction by a point `u` of the unit square.
+    /// Returns the number of rows and of columns.
+    pub(super) fn size(&self) -> (u32, u32) {
+        (self.table.rows, self.table.columns)
+    }
+
+    /// Samples a cell, and a place in it, by a point `u` of the unit square.
     #[inline(always)]
-    pub(super) fn sample(&self, u: [f32; 2]) -> TableSample {
+    pub(super) fn find(&self, u: [f32; 2]) -> Cell {
         let table = self.table;
         let (row, below) = find(&table.row_sums, &table.row_starts, u[1]);
         let (column, right) = find(self.cells(row), self.starts(row), u[0]);
         let [start, height] = table.edges[row];
         let versine = (start + height * below.clamp(0.0, 1.0)).clamp(0.0, 2.0);
+        Cell { row, column, versine, right: right.clamp(0.0, 1.0) }
+    }
+
+    /// Returns the unit direction of a place in a cell, and where the image shows it.
+    #[inline(always)]
+    pub(super) fn way(
+        is_upper: bool,
+        column: u32,
+        columns: u32,
+        versine: f32,
+        right: f32,
+    ) -> (Vec3, [f32; 2]) {
         let sine = (versine * (2.0 - versine)).sqrt();
-        let z = if 2 * row < table.rows as usize { 1.0 - versine } else { versine - 1.0 };
-        let across = (column as f32 + right.clamp(0.0, 1.0)) / table.columns as f32;
+        let z = if is_upper { 1.0 - versine } else { versine - 1.0 };
+        let across = (column as f32 + right) / columns as f32;
         let (s, c) = sin_cos_turns(0.5 - across);
-        let uv = [across, elevation_v(z, sine)];
-        TableSample {
-            way: Vec3::new(sine * c, sine * s, z),
-            uv,
-            density: self.density_in(row, column),
-        }
+        (Vec3::new(sine * c, sine * s, z), [across, elevation_v(z, sine)])
+    }
+
+    /// Samples a direction by a point `u` of the unit square.
+    #[inline(always)]
+    pub(super) fn sample(&self, u: [f32; 2]) -> TableSample {
+        let Cell { row, column, versine, right } = self.find(u);
+        let (rows, columns) = self.size();
+        let is_upper = 2 * (row as u32) < rows;
+        let (way, uv) = Self::way(is_upper, column as u32, columns, versine, right);
+        TableSample { way, uv, density: self.density_in(row, column) }
+    }
+
+    /// Returns the row and the column of the cell that the image shows at `(u, v)`.
+    #[inline(always)]
+    pub(super) fn cell(&self, [u, v]: [f32; 2]) -> [usize; 2] {
+        let cell = |x: f32, count: u32| ((x * count as f32) as usize).min(count as usize - 1);
+        [cell(1.0 - v, self.table.rows), cell(u, self.table.columns)]
     }
 
     /// Returns the `pdf_solid_angle` of the direction that the image shows at `(u, v)`.
     #[inline(always)]
-    pub(super) fn density(&self, [u, v]: [f32; 2]) -> f32 {
-        let table = self.table;
-        let cell = |x: f32, count: u32| ((x * count as f32) as usize).min(count as usize - 1);
-        self.density_in(cell(1.0 - v, table.rows), cell(u, table.columns))
+    pub(super) fn density(&self, uv: [f32; 2]) -> f32 {
+        let [row, column] = self.cell(uv);
+        self.density_in(row, column)
     }
 
     /// Returns the `pdf_solid_angle` of the directions in a cell.
     #[inline(always)]
-    fn density_in(&self, row: usize, column: usize) -> f32 {
+    pub(super) fn density_in(&self, row: usize, column: usize) -> f32 {
         let table = self.table;
         let cells = self.cells(row);
         let chance =

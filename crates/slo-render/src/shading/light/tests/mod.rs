@@ -1,5 +1,6 @@
 //! Tests of all kinds of lights together.
 
+mod batches;
 mod densities;
 mod irradiance;
 mod kinds;

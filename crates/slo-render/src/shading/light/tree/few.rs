@@ -42,10 +42,9 @@ impl ChooseFew<'_> {
         let lights = [0, 1, 2, 3].map(|k| root.light(k).unwrap_or(NO_LIGHT));
         for i in lanes(len) {
             let (from, normal) = (from.get(i), receiver::unpack(normal[i]));
-            let mut parts = [0.0; FEW];
-            for (k, part) in parts.iter_mut().enumerate() {
-                *part = root.estimate(k, from, normal);
-            }
+            // Written out, since an inner loop would keep this one from becoming vector code.
+            let part = |k: usize| root.estimate(k, from, normal);
+            let mut parts = [part(0), part(1), part(2), part(3)];
             let total = sum(parts);
             if HAS_CLASSES {
                 root.share_among_classes(&mut parts, total);
