@@ -233,5 +233,5 @@ fn torn() -> Shape {
         faces: vec![[0, 1, 3]],
         ..Mesh::default()
     };
-    Shape::Mesh(shape::MeshSurface { mesh: mesh.into(), smooth: false })
+    Shape::Mesh(shape::MeshSurface::new(mesh, false))
 }

@@ -3,27 +3,39 @@
 //!
 //! ```text
 //! trace_rays MESH.tri RAYS.rays [--accelerator BVH|KDTREE|CWBVH|NONE] [--spatial-splits]
-//!            [--isa auto|avx512|avx2|portable] [--threads N] [--repeat N]
+//!            [--isa auto|avx512|avx2|portable] [--threads N] [--repeat N] [--shapes MESH2.tri]
+//!            [--copies FILE]
 //! ```
 //!
 //! Both files are little-endian. A mesh is the number of triangles (u32), then nine f32 for each.
 //! Rays are the number of sets (u32); a set is its number of rays n, its kind (0 closest hit, 1 any
-//! hit), n rays of eight f32 (origin, direction, end, padding), and n hits of an f32 and a u32
+//! hit), n rays of eight f32 (origin, direction, end, time), and n hits of an f32 and a u32
 //! (distance, triangle): no hit where the distance is above 1e29; for any hit, 1 where blocked. The
 //! first three sets are taken for rays whose neighbours are alike: camera, lens, and shadow rays.
 //!
-//! Prints a line of JSON for the structure, and one for each set.
+//! With a second shape, the triangles of the mesh move to it while the time goes from 0 to 1, and each
+//! ray meets them at its own time.
+//!
+//! Copies place the mesh: a u32 n, then n times twelve f32, the rows of object to world.
+//!
+//! `mrays_per_s` counts the time that passes, `cpu_mrays_per_s` the time that the processor works, of
+//! all threads.
+//!
+//! Prints a line of JSON for the structure, one for copies, and one for each set.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use clap::Parser;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
+use slo_accel::instances::{Affine, Child, Placements};
 use slo_accel::{
-    Accelerator, BuildOptions, Coherence, Hits, Isa, NO_HIT, Rays, Scratch, Structure, Triangle,
+    Accelerator, Bending, BuildOptions, Coherence, Hits, Instances, InstancesScratch, Isa, NO_HIT,
+    Rays, Scratch, Structure, Triangle,
 };
 
 /// Rays that one call answers.
@@ -56,12 +68,31 @@ struct Options {
     /// How often each set is traced; the best counts
     #[arg(long, default_value_t = 5)]
     repeat: usize,
+    /// The shape to which the triangles of the mesh move
+    #[arg(long, conflicts_with = "copies")]
+    shapes: Option<PathBuf>,
+    /// Where copies of the mesh are
+    #[arg(long)]
+    copies: Option<PathBuf>,
+}
+
+/// What rays are traced through.
+enum Scene {
+    Mesh(Structure),
+    Bending(Bending),
+    Copies(Instances),
+}
+
+/// Rays that one call answers, each with its time.
+struct Batch {
+    rays: Rays,
+    times: Vec<f32>,
 }
 
 /// Rays of one kind, in batches, and the hits that they should have.
 struct RaySet {
     any_hit: bool,
-    batches: Vec<Rays>,
+    batches: Vec<Batch>,
     stored: Vec<f32>,
 }
 
@@ -100,6 +131,24 @@ fn read_triangles(path: &Path) -> Result<Vec<Triangle>, String> {
     parse(&mut numbers).map_err(|e| format!("{}: {e}", path.display()))
 }
 
+fn read_copies(path: &Path) -> Result<Placements, String> {
+    let bytes = read(path)?;
+    let mut numbers = Numbers(&bytes);
+    let parse = |numbers: &mut Numbers| {
+        let count = numbers.u32()? as usize;
+        let mut placements = Placements::with_capacity(count);
+        for _ in 0..count {
+            let mut row = || Ok::<_, String>((numbers.vector()?, numbers.f32()?));
+            let rows = [row()?, row()?, row()?];
+            let matrix = Mat3::from_cols(rows[0].0, rows[1].0, rows[2].0).transpose();
+            let translation = Vec3::from_array(rows.map(|(_, last)| last));
+            placements.push(0, &[Affine { matrix, translation }]);
+        }
+        Ok(placements)
+    };
+    parse(&mut numbers).map_err(|e: String| format!("{}: {e}", path.display()))
+}
+
 fn read_rays(path: &Path) -> Result<Vec<RaySet>, String> {
     let bytes = read(path)?;
     let mut numbers = Numbers(&bytes);
@@ -118,12 +167,13 @@ fn read_set(numbers: &mut Numbers) -> Result<RaySet, String> {
     let mut batches = Vec::new();
     for i in 0..count {
         if i % BATCH == 0 {
-            batches.push(Rays::with_capacity(BATCH.min(count - i)));
+            batches.push(Batch { rays: Rays::with_capacity(BATCH.min(count - i)), times: vec![] });
         }
         let (origin, direction) = (numbers.vector()?, numbers.vector()?);
-        let t_max = numbers.f32()?;
-        numbers.f32()?;
-        batches.last_mut().ok_or("no batch")?.push(origin, direction, t_max);
+        let (t_max, time) = (numbers.f32()?, numbers.f32()?);
+        let batch = batches.last_mut().ok_or("no batch")?;
+        batch.rays.push(origin, direction, t_max);
+        batch.times.push(time);
     }
     let mut stored = Vec::new();
     for _ in 0..count {
@@ -137,16 +187,35 @@ fn read_set(numbers: &mut Numbers) -> Result<RaySet, String> {
 #[derive(Default)]
 struct Answers {
     hits: Hits,
+    instance: Vec<u32>,
     blocked: Vec<bool>,
     scratch: Scratch,
+    instances_scratch: InstancesScratch,
 }
 
 impl Answers {
-    fn ask(&mut self, structure: &Structure, rays: &Rays, any_hit: bool, coherence: Coherence) {
-        if any_hit {
-            structure.occluded(rays, coherence, &mut self.blocked, &mut self.scratch);
-        } else {
-            structure.intersect(rays, coherence, &mut self.hits, &mut self.scratch);
+    fn ask(&mut self, scene: &Scene, batch: &Batch, any_hit: bool, coherence: Coherence) {
+        let Self { hits, instance, blocked, scratch, instances_scratch } = self;
+        let Batch { rays, times } = batch;
+        match (scene, any_hit) {
+            (Scene::Mesh(structure), true) => {
+                structure.occluded(rays, coherence, blocked, scratch);
+            }
+            (Scene::Mesh(structure), false) => {
+                structure.intersect(rays, coherence, hits, scratch);
+            }
+            (Scene::Bending(bending), true) => {
+                bending.occluded(rays, times, coherence, blocked, scratch);
+            }
+            (Scene::Bending(bending), false) => {
+                bending.intersect(rays, times, coherence, hits, scratch);
+            }
+            (Scene::Copies(copies), true) => {
+                copies.occluded(rays, times, coherence, blocked, instances_scratch);
+            }
+            (Scene::Copies(copies), false) => {
+                copies.intersect(rays, times, coherence, hits, instance, instances_scratch);
+            }
         }
     }
 
@@ -165,32 +234,48 @@ impl Answers {
     }
 }
 
-/// Seconds that the threads take for a set: each takes the next batch as soon as it is free.
-fn trace(structure: &Structure, set: &RaySet, coherence: Coherence, threads: usize) -> f64 {
+/// Seconds that the threads take for a set, and seconds that processors work for it: each thread
+/// takes the next batch as soon as it is free.
+fn trace(scene: &Scene, set: &RaySet, coherence: Coherence, threads: usize) -> [f64; 2] {
     let (next, ready) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || {
         let mut answers = Answers::default();
         // Memory is touched, and threads are awake, before the clock starts.
-        if let Some(rays) = set.batches.first() {
-            answers.ask(structure, rays, set.any_hit, coherence);
+        if let Some(batch) = set.batches.first() {
+            answers.ask(scene, batch, set.any_hit, coherence);
         }
         ready.fetch_add(1, Ordering::SeqCst);
         while ready.load(Ordering::SeqCst) < threads {
             std::hint::spin_loop();
         }
-        let start = Instant::now();
-        while let Some(rays) = set.batches.get(next.fetch_add(1, Ordering::Relaxed)) {
-            answers.ask(structure, rays, set.any_hit, coherence);
+        let (start, worked) = (Instant::now(), seconds_worked());
+        while let Some(batch) = set.batches.get(next.fetch_add(1, Ordering::Relaxed)) {
+            answers.ask(scene, batch, set.any_hit, coherence);
         }
-        (start, Instant::now())
+        (start, Instant::now(), seconds_worked() - worked)
     };
     std::thread::scope(|scope| {
         let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
         let mine = work();
         let spans = others.into_iter().map(|other| other.join().expect("no thread panics"));
-        let (start, end) = spans.fold(mine, |(start, end), (s, e)| (start.min(s), end.max(e)));
-        (end - start).as_secs_f64()
+        let (start, end, worked) = spans
+            .fold(mine, |(start, end, worked), (s, e, w)| (start.min(s), end.max(e), worked + w));
+        [(end - start).as_secs_f64(), worked]
     })
+}
+
+/// Seconds that a processor has worked for this thread.
+#[cfg(target_os = "linux")]
+fn seconds_worked() -> f64 {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
+}
+
+/// Seconds since the first call: other systems have other clocks.
+#[cfg(not(target_os = "linux"))]
+fn seconds_worked() -> f64 {
+    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    START.elapsed().as_secs_f64()
 }
 
 fn run(options: &Options) -> Result<(), String> {
@@ -205,11 +290,41 @@ fn run(options: &Options) -> Result<(), String> {
     let triangles = read_triangles(&options.mesh)?;
     let sets = read_rays(&options.rays)?;
     let count = triangles.len();
+    let end = options.shapes.as_deref().map(read_triangles).transpose()?;
+    if end.as_ref().is_some_and(|end| end.len() != count) {
+        return Err("the second shape has another number of triangles".to_owned());
+    }
     let start = Instant::now();
-    let structure = Structure::build(accelerator, triangles, how);
+    let (mesh, bytes) = match end {
+        None => {
+            let structure = Structure::build(accelerator, triangles, how);
+            let bytes = structure.memory();
+            (Scene::Mesh(structure), bytes)
+        }
+        Some(end) => {
+            let bending = Bending::build(&[triangles, end], &[0.0, 1.0], isa);
+            let bytes = bending.memory();
+            (Scene::Bending(bending), bytes)
+        }
+    };
     let build = start.elapsed().as_secs_f64();
-    let bytes = structure.memory() as f64 / count.max(1) as f64;
+    let bytes = bytes as f64 / count.max(1) as f64;
     print(&format!(r#"{{"build_s":{build:.4},"bytes_per_triangle":{bytes:.1}}}"#))?;
+    let scene = match (&options.copies, mesh) {
+        (Some(path), Scene::Mesh(structure)) => {
+            let placements = read_copies(path)?;
+            let count = placements.len();
+            let start = Instant::now();
+            let child = Child::Structure(Arc::new(structure));
+            let copies =
+                Instances::build(vec![child], placements, isa).map_err(|e| e.to_string())?;
+            let build = start.elapsed().as_secs_f64();
+            let bytes = copies.memory() as f64 / count.max(1) as f64;
+            print(&format!(r#"{{"copies_build_s":{build:.4},"bytes_per_copy":{bytes:.1}}}"#))?;
+            Scene::Copies(copies)
+        }
+        (_, mesh) => mesh,
+    };
     for (i, set) in sets.iter().enumerate() {
         let coherence = if i < COHERENT_SETS { Coherence::Coherent } else { Coherence::Incoherent };
         let rays = set.stored.len();
@@ -218,18 +333,18 @@ fn run(options: &Options) -> Result<(), String> {
             .batches
             .iter()
             .zip(set.stored.chunks(BATCH))
-            .map(|(rays, stored)| {
-                answers.ask(&structure, rays, set.any_hit, coherence);
+            .map(|(batch, stored)| {
+                answers.ask(&scene, batch, set.any_hit, coherence);
                 answers.disagreements(set.any_hit, stored)
             })
             .sum();
         let best = (0..options.repeat.max(1))
-            .map(|_| trace(&structure, set, coherence, threads))
-            .fold(f64::INFINITY, f64::min);
-        let speed = rays as f64 / best / 1e6;
+            .map(|_| trace(&scene, set, coherence, threads))
+            .fold([f64::INFINITY; 2], |best, one| [best[0].min(one[0]), best[1].min(one[1])]);
+        let [speed, of_cpu] = best.map(|seconds| rays as f64 / seconds / 1e6);
         let share = disagreements as f64 / rays.max(1) as f64;
         print(&format!(
-            r#"{{"set":{i},"rays":{rays},"mrays_per_s":{speed:.3},"disagreement":{share:.3e}}}"#
+            r#"{{"set":{i},"rays":{rays},"mrays_per_s":{speed:.3},"cpu_mrays_per_s":{of_cpu:.3},"disagreement":{share:.3e}}}"#
         ))?;
     }
     Ok(())

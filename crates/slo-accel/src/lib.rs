@@ -20,6 +20,10 @@
 //!   set ([`Isa`]). It answers two questions about each of a batch of [`Rays`]: which primitive is
 //!   hit first ([`intersect`](Structure::intersect), to [`Hits`]), and whether any is
 //!   ([`occluded`](Structure::occluded)).
+//! - A [`Bending`] is the same for triangles whose corners move: each ray has a time, and meets the
+//!   triangles as they are then.
+//! - [`Instances`] put structures, and other instances, at many places. They answer the same
+//!   questions, and tell in which place a ray hits.
 //! - A [`BoxTree`] lists the rays that enter boxes: the upper level over several structures.
 //! - [`Lanewise`] work, [`math::columns`] and [`math::elementary`] are for what a renderer does
 //!   between two batches: loops over columns that are compiled once for each instruction set.
@@ -39,9 +43,10 @@
 //! [`BATCH`](math::columns::BATCH) entries. Kernels exist for AVX2 and AVX-512; on other CPUs the
 //! same algorithms run in plain Rust.
 //!
-//! The crate knows no materials, no time, no scene and no file.
+//! The crate knows no materials, no scene and no file.
 
 mod box_tree;
+pub mod instances;
 mod isa;
 pub mod math;
 mod primitives;
@@ -52,11 +57,12 @@ mod structure;
 
 pub use box_tree::{BoxScratch, BoxTree};
 pub use glam;
+pub use instances::{Instances, InstancesScratch};
 pub use isa::compress::{GROUP, Word};
 pub use isa::{Isa, Lanewise};
 pub use primitives::{Curved, Primitives, Triangle, curved, triangle};
 pub use rays::{Coherence, Hits, LANES, NO_HIT, Rays};
-pub use structure::{Accelerator, BuildOptions, Scratch, Structure};
+pub use structure::{Accelerator, Bending, BuildOptions, Moment, Scratch, Structure};
 
 /// The examples of the README, compiled and run.
 #[cfg(doctest)]

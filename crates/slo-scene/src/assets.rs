@@ -10,7 +10,7 @@ use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
 use crate::files::{ContentHash, Files, HashingReader, OpenError, is_absolute};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
-use crate::mesh::{self, Mesh};
+use crate::mesh::{self, LoadedMesh, Mesh};
 use crate::placements::Placements;
 use crate::settings::Axes;
 use crate::texture::{self, Texture};
@@ -128,6 +128,54 @@ impl<'f> Assets<'f> {
         whole
     }
 
+    /// The first shape of a mesh, at a path that stands in the text at a place; `None` if it can't be
+    /// loaded, which is reported once.
+    pub(crate) fn first_shape(
+        &mut self,
+        (path, span): (&str, Span),
+        standing: Standing,
+        scale: f64,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Arc<Mesh>> {
+        let path = Word { text: path, span };
+        let mut mesh = self.loaded_mesh(path, diagnostics, |path, reader| {
+            mesh::load_shape(path, reader, standing.smooth, scale)
+        })?;
+        check_reach(&mesh, path, diagnostics)?;
+        mesh.stand_up(standing.axes);
+        Some(Arc::new(mesh))
+    }
+
+    /// A path that stands in the text at a place, seen from the folder of the scene.
+    pub(crate) fn full_path(&self, (path, span): (&str, Span)) -> String {
+        self.full(Word { text: path, span })
+    }
+
+    /// Whether a file is there, at a path that stands in the text at a place. If not, this is
+    /// reported once. Its content is not read.
+    pub(crate) fn is_there(
+        &mut self,
+        (path, span): (&str, Span),
+        diagnostics: &mut Diagnostics,
+    ) -> bool {
+        let word = Word { text: path, span };
+        let full = self.full(word);
+        if self.failed.contains(&full) {
+            return false;
+        }
+        let opened = self.files.open(&full);
+        let Err(error) = opened else { return true };
+        let is_in_main = !self.folders.contains_key(&span.source);
+        diagnostics.push(cannot_open(word, &error, is_in_main));
+        self.failed.insert(full);
+        false
+    }
+
+    /// Where files are.
+    pub(crate) fn files(&self) -> &'f Files {
+        self.files
+    }
+
     /// The placements at a path, of so many `kinds` of originals; `None` if they can't be loaded.
     pub(crate) fn placements(
         &mut self,
@@ -182,17 +230,27 @@ impl<'f> Assets<'f> {
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Mesh> {
-        let loaded =
-            self.read(path, diagnostics, |reader| mesh::load(path.text, reader, smooth, scale))?;
+        let load = |path: &str, reader: &mut dyn Read| mesh::load(path, reader, smooth, scale);
+        let mesh = self.loaded_mesh(path, diagnostics, load)?;
+        if size.is_none() {
+            check_reach(&mesh, path, diagnostics)?;
+        }
+        Some(mesh)
+    }
+
+    fn loaded_mesh(
+        &mut self,
+        path: Word<'_>,
+        diagnostics: &mut Diagnostics,
+        load: impl FnOnce(&str, &mut dyn Read) -> Result<LoadedMesh, FileError>,
+    ) -> Option<Mesh> {
+        let loaded = self.read(path, diagnostics, |reader| load(path.text, reader))?;
         for warning in loaded.warnings {
             let message = format!("mesh `{}`: {warning}", path.text);
             diagnostics.push(Diagnostic::warning(message).at(path.span, ""));
         }
         if loaded.mesh.uvs.is_empty() {
             self.without_uvs.insert(self.full(path));
-        }
-        if size.is_none() {
-            check_reach(&loaded.mesh, path, diagnostics)?;
         }
         Some(loaded.mesh)
     }

@@ -21,6 +21,7 @@ pub mod light;
 mod load;
 pub mod material;
 pub mod mesh;
+mod mesh_shapes;
 mod names;
 mod placements;
 mod resolve;
@@ -38,6 +39,7 @@ pub use light::{Light, LightKind};
 pub use load::{Loaded, load, load_adapted};
 pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;
+pub use mesh_shapes::{MeshShapes, ShapeAt, ShapeError};
 pub use placements::Placements;
 pub use settings::{
     Accelerator, CausticFilter, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator,

@@ -9,7 +9,7 @@ use crate::cli::options::Job;
 use slo_picture::output::check_prefix;
 use slo_render::frame::{FrameError, FrameScene};
 use slo_scene::animation::NoSegment;
-use slo_scene::{Files, Loaded, SceneDescription, load_adapted};
+use slo_scene::{Files, Loaded, SceneDescription, ShapeError, load_adapted};
 
 /// Loads the job's scene, and applies the settings of the command line. Prints the errors of the
 /// scene, and warnings about what these settings make of it.
@@ -52,6 +52,9 @@ pub(crate) fn frame(
 ) -> Result<FrameScene, Problem> {
     FrameScene::build_after(scene, number, job.isa, before).map_err(|error| match error {
         FrameError::NoSegment(error) => no_segment(&error),
+        FrameError::Shape { reason: ShapeError::Unreadable { .. }, .. } => {
+            Problem::new(Exit::NoInput, error)
+        }
         other => Problem::new(Exit::BadInput, other),
     })
 }

@@ -66,6 +66,12 @@ pub(crate) trait SpatialIndex: Debug + Sized + Send + Sync {
     /// The primitives, as they were given.
     fn geometry(&self) -> &Self::Geometry;
 
+    /// Boxes about all primitives that can be hit, at most `count`, or 8 if that is less.
+    fn parts(&self, count: usize) -> Vec<Bounds> {
+        let _ = count;
+        vec![self.geometry().all_bounds()]
+    }
+
     /// Bytes held beyond the geometry.
     fn overhead(&self) -> usize;
 

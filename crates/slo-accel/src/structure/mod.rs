@@ -4,17 +4,19 @@
 //! below, and one line of the list. The compiler then asks for nothing else in this crate, and the
 //! tests in `tests.rs` compare it with brute force.
 
+mod bending;
 mod brute;
-mod bvh;
+pub(crate) mod bvh;
 mod cwbvh;
 pub(crate) mod interface;
 mod kdtree;
 pub(crate) mod shared;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 
+pub use self::bending::{Bending, Moment};
 pub use self::interface::BuildOptions;
 use self::interface::{Geometry, SpatialIndex};
 use crate::math::Bounds;
@@ -56,6 +58,7 @@ macro_rules! structures {
         #[derive(Debug, Default)]
         pub struct Scratch {
             $($folder: <$folder::$type as SpatialIndex>::Scratch,)*
+            of_piece: bending::OfPiece,
         }
 
         /// Asks the structure that was built.
@@ -173,6 +176,13 @@ impl Structure {
     /// The smallest box about all primitives.
     pub fn bounds(&self) -> Bounds {
         ask!(&self.built, index => index.geometry().all_bounds())
+    }
+
+    /// Boxes about all primitives that can be hit, at most `count`, or 8 if that is less.
+    pub(crate) fn parts(&self, count: usize) -> Vec<Bounds> {
+        let mut parts = ask!(&self.built, index => index.parts(count));
+        parts.retain(|part| !part.is_empty());
+        parts
     }
 
     /// Writes the first hit of each ray with `0 < t < t_max` to `hits[0..rays.len()]`; what `hits`

@@ -1,5 +1,6 @@
 //! Builds a FrameScene from a SceneDescription and a frame number.
 
+use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
@@ -11,6 +12,7 @@ use super::looks::{Look, Looks};
 use super::parts::{Parts, Seen, structure};
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
+use super::shared::Shared;
 use super::sharp::sharp_objects;
 use super::shown::Shown;
 use super::world::World;
@@ -70,7 +72,8 @@ impl FrameScene {
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
         let before = before.map(Before::from);
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
-        let mut parts = Parts { before: moving, ..Parts::default() };
+        let shared = Shared::new(shown.objects.iter().map(|shown| &shown.object.shape));
+        let mut parts = Parts { before: moving, shared, ..Parts::default() };
         for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
         }
@@ -119,7 +122,7 @@ impl FrameScene {
         let sends = uses_photons || is_photon_map;
         let targets = sends.then(|| targets(&sharp_objects(scene, &shown.objects, &parts)));
         let still = match before {
-            Some(before) if before.places == parts.places => before.still,
+            Some(before) if before.places == parts.places && !parts.any_is_shaped => before.still,
             // Free the old structure before building the new one.
             other => {
                 drop(other);
@@ -232,8 +235,8 @@ fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
 struct Before {
     still: Arc<Structure>,
     places: Vec<(u32, DAffine)>,
-    /// Structures of moving objects, with the index of the object.
-    moving: Vec<(u32, Arc<Structure>)>,
+    /// Structures of instances, by the index of the object.
+    moving: HashMap<u32, Arc<Structure>>,
     /// Lights, for tables of images.
     lights: Lights,
 }

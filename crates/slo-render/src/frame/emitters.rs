@@ -56,6 +56,9 @@ impl Body {
         let instances = &parts.instances;
         if let Ok(place) = instances.binary_search_by_key(&number, |of| of.object) {
             let instance = &instances[place];
+            if instance.bending.is_some() {
+                return None;
+            }
             let structure = &instance.structure;
             let primitives = match (geometry, structure.curved()) {
                 (Geometry::Curved(_), [Curved::Sphere { center, radius }]) => {
@@ -142,8 +145,10 @@ pub(super) fn add_emitters(
     let glows: Vec<Glow> =
         (0..scene.materials.len()).map(|number| Glow::of(scene, number as u32)).collect();
     let glow_of = |shown: &ShownObject<'_>| &glows[shown.material.0 as usize];
-    let emits =
-        |shown: &ShownObject<'_>| shown.object.sampled && !matches!(glow_of(shown), Glow::Dark);
+    let emits = |shown: &ShownObject<'_>| {
+        let object = shown.object;
+        object.sampled && !object.shape.changes() && !matches!(glow_of(shown), Glow::Dark)
+    };
     let most = MOST_SHADED as usize;
     let mut first_shaded = lights.len();
     for is_plain in [true, false] {

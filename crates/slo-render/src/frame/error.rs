@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::lamps::LampFault;
 use crate::camera::DegenerateView;
+use slo_scene::ShapeError;
 use slo_scene::animation::{KeyFrameError, NoSegment};
 use slo_scene::{MOST_COPIED, MOST_NESTED};
 
@@ -19,6 +20,13 @@ pub enum FrameError {
         segment: String,
         /// What is wrong.
         reason: DegenerateView,
+    },
+    /// A shape of a mesh cannot be used.
+    Shape {
+        /// Name of the object.
+        object: String,
+        /// What is wrong.
+        reason: ShapeError,
     },
     /// An object's key frames do not form a path.
     Path {
@@ -52,6 +60,7 @@ impl fmt::Display for FrameError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoSegment(error) => error.fmt(f),
+            Self::Shape { object, reason } => write!(f, "mesh `{object}`: {reason}"),
             Self::View { segment, reason } => {
                 write!(f, "the camera of segment `{segment}` can't see in this frame: ")?;
                 f.write_str(match reason {

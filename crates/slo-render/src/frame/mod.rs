@@ -2,6 +2,7 @@
 //! threads.
 
 mod affine;
+mod bend;
 mod build;
 mod compositing;
 mod emitters;
@@ -16,6 +17,7 @@ mod sampled_camera;
 mod sampled_motion;
 mod scene;
 mod shapes;
+mod shared;
 mod sharp;
 mod shown;
 mod surfaces;

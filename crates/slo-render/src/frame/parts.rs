@@ -1,10 +1,12 @@
 //! Parts of a frame, collected object by object.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
 
 use super::affine::Affine;
+use super::bend::{Bent, Shaped};
 use super::error::FrameError;
 use super::lamps::carried;
 use super::looks::Look;
@@ -12,13 +14,15 @@ use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::FrameObject;
 use super::shapes::{Geometry, geometry, lamp_geometry};
+use super::shared::Shared;
 use super::shown::{ShownLight, ShownObject, Whereabouts};
 use super::world::Instance;
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
 use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
-use slo_scene::{SceneDescription, Settings};
+use slo_scene::shape::MeshSurface;
+use slo_scene::{SceneDescription, Settings, Shape};
 
 /// What the objects' motion is sampled for.
 pub(super) struct Seen<'a> {
@@ -86,10 +90,14 @@ pub(super) struct Parts {
     pub(super) still: Primitives,
     /// Index and place of each still object.
     pub(super) places: Vec<(u32, DAffine)>,
+    /// Whether any object has its shape in this frame only.
+    pub(super) any_is_shaped: bool,
     /// Whether normals of any still object may have any length.
     pub(super) stretches: bool,
-    /// Existing structures of moving objects, with the index of the object.
-    pub(super) before: Vec<(u32, Arc<Structure>)>,
+    /// Existing structures of instances, by the index of the object.
+    pub(super) before: HashMap<u32, Arc<Structure>>,
+    /// What objects of one mesh share.
+    pub(super) shared: Shared,
     /// Index of the object of each still triangle, and of each still curved surface.
     pub(super) triangle_objects: Vec<u32>,
     pub(super) curved_objects: Vec<u32>,
@@ -115,8 +123,26 @@ impl Parts {
         let object = shown.object;
         let path = seen.path(&object.name, shown.at)?;
         let look = Look::Material(shown.material.0);
-        let geometry = geometry(&object.shape);
-        let about = object_box(&geometry);
+        let mut geometry = geometry(&object.shape);
+        if let Shape::Mesh(MeshSurface { mesh, smooth, shapes: Some(shapes) }) = &object.shape {
+            // What another frame knows of this object is about another shape.
+            self.before.remove(&(self.objects.len() as u32));
+            let shaped = Shaped::new(mesh, shapes, seen.shutter)
+                .map_err(|reason| FrameError::Shape { object: object.name.clone(), reason })?;
+            match shaped {
+                Shaped::Bends(bent) => {
+                    let poses = seen.poses(&object.name, &path, &bent.about())?;
+                    self.add_bent(look, bent, *smooth, &poses, scene, seen, isa);
+                    if let Some(added) = self.objects.last_mut() {
+                        added.tint = shown.tint.into();
+                    }
+                    return Ok(());
+                }
+                Shaped::AtRest(mesh) => geometry = Geometry::Mesh(mesh, *smooth),
+            }
+            self.any_is_shaped = true;
+        }
+        let about = self.shared.about(&geometry);
         let poses = seen.poses(&object.name, &path, &about)?;
         self.add_surface(look, geometry, &poses, scene, seen, isa);
         if let Some(added) = self.objects.last_mut() {
@@ -153,7 +179,10 @@ impl Parts {
         };
         let surface = lamp_geometry(&light.kind);
         let about_zero = ready(light, DVec3::ZERO);
-        let about = surface.as_ref().map_or_else(|| box_of(&about_zero), object_box);
+        let about = match &surface {
+            Some(surface) => self.shared.about(surface),
+            None => box_of(&about_zero),
+        };
         let poses = seen.poses(&light.name, &path, &about)?;
         let (light, about_zero, surface, poses) = if poses.iter().all(DAffine::is_rigid) {
             (light.clone(), about_zero, surface, poses)
@@ -191,13 +220,14 @@ impl Parts {
         match (poses, &geometry) {
             // A curved surface is what it is in its own space only.
             ([place], Geometry::Curved(_)) if place.growth.is_none() => {}
+            ([_], _) if self.shared.is_placed(&geometry) => {}
             ([place], _) => return self.add_still(look, geometry, place, seen),
             _ => {}
         }
         self.add_instance(look, geometry, poses, scene, seen, isa);
     }
 
-    /// Adds something that moves during the shutter, or that is stretched.
+    /// Adds something that moves during the shutter, that is stretched, or of which there are many.
     fn add_instance(
         &mut self,
         look: Look,
@@ -207,26 +237,74 @@ impl Parts {
         seen: &Seen<'_>,
         isa: Isa,
     ) {
-        let center = object_box(&geometry).center();
+        let center = self.shared.about(&geometry).center();
         let number = self.objects.len() as u32;
-        let there = self.before.iter().find(|(object, _)| *object == number);
-        let structure = there.map(|(_, structure)| structure.clone()).unwrap_or_else(|| {
+        let there = self.before.get(&number).cloned();
+        let build = || {
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, &geometry, &place);
             Arc::new(structure(local, &scene.settings, isa))
-        });
+        };
+        let normals = || vertex_normals(&geometry, &DAffine::IDENTITY).into();
+        let (structure, normals) = match self.shared.of(&geometry) {
+            Some(common) => {
+                let structure = &mut common.structure;
+                let structure = structure.get_or_insert_with(|| there.unwrap_or_else(build));
+                let is_smooth = matches!(geometry, Geometry::Mesh(_, true));
+                let normals = match is_smooth {
+                    true => common.normals.get_or_insert_with(normals).clone(),
+                    false => Arc::default(),
+                };
+                (structure.clone(), normals)
+            }
+            None => (there.unwrap_or_else(build), normals()),
+        };
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
             structure,
+            bending: None,
             center: center.as_vec3(),
             poses: poses.collect(),
             object: number,
         });
         self.looks.push(look);
         self.objects.push(FrameObject {
-            normals: vertex_normals(&geometry, &DAffine::IDENTITY),
+            normals,
             geometry,
+            place: Affine::IDENTITY,
+            first_triangle: 0,
+            first_light: None,
+            light_group: 0,
+            tint: Vec3::ONE,
+        });
+    }
+
+    /// Adds a mesh that bends during the shutter.
+    #[allow(clippy::too_many_arguments)]
+    fn add_bent(
+        &mut self,
+        look: Look,
+        bent: Bent,
+        is_smooth: bool,
+        poses: &[DAffine],
+        scene: &SceneDescription,
+        seen: &Seen<'_>,
+        isa: Isa,
+    ) {
+        let center = bent.about().center();
+        let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
+        self.instances.push(Instance {
+            structure: Arc::new(structure(Primitives::default(), &scene.settings, isa)),
+            bending: Some(bent.structure(center, isa)),
+            center: center.as_vec3(),
+            poses: poses.collect(),
+            object: self.objects.len() as u32,
+        });
+        self.looks.push(look);
+        self.objects.push(FrameObject {
+            normals: if is_smooth { bent.normals.into() } else { Arc::default() },
+            geometry: Geometry::Mesh(bent.mesh, is_smooth),
             place: Affine::IDENTITY,
             first_triangle: 0,
             first_light: None,
@@ -254,7 +332,7 @@ impl Parts {
             first_light: None,
             light_group: 0,
             tint: Vec3::ONE,
-            normals,
+            normals: normals.into(),
         });
     }
 }
@@ -306,13 +384,5 @@ fn vertex_normals(geometry: &Geometry, place: &DAffine) -> Vec<Vec3> {
             mesh.normals.iter().map(|&n| transform * Vec3::from(n)).collect()
         }
         _ => Vec::new(),
-    }
-}
-
-/// Returns the bounding box of a geometry in object space.
-fn object_box(geometry: &Geometry) -> ObjectBox {
-    match geometry {
-        Geometry::Mesh(mesh, _) => ObjectBox::about(mesh.positions.iter().copied()),
-        Geometry::Curved(surface) => surface.bounds(),
     }
 }

@@ -1,5 +1,6 @@
 //! A scene during one shutter.
 
+use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
@@ -8,7 +9,7 @@ use super::affine::Affine;
 use super::compositing::Compositing;
 use super::looks::Looks;
 use super::shapes::Geometry;
-use super::world::{World, WorldHits};
+use super::world::{Instance, World, WorldHits};
 use crate::camera::Camera;
 use crate::guiding::Field;
 use crate::photons::{Emission, PhotonLamps};
@@ -16,7 +17,7 @@ use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
 use slo_accel::math::columns::Column;
-use slo_accel::{Isa, Structure};
+use slo_accel::{Bending, Isa, Structure};
 use slo_scene::animation::DAffine;
 use slo_scene::{Integrator, Settings, ShadowMode, Texture};
 
@@ -101,7 +102,7 @@ pub(super) struct FrameObject {
     pub(super) tint: Vec3,
     /// Normals of the vertices: in render space if the object is still, in object space if it is an
     /// instance. They are unit, except if `place` is a stretch. Empty if the object is not smooth.
-    pub(super) normals: Vec<Vec3>,
+    pub(super) normals: Arc<[Vec3]>,
 }
 
 impl FrameScene {
@@ -216,7 +217,10 @@ impl FrameScene {
     /// Returns the memory, in bytes, of the structures and tables of this frame without meshes and
     /// textures.
     pub fn memory(&self) -> usize {
-        let normals: usize = self.objects.iter().map(|object| object.normals.capacity()).sum();
+        let mut known = HashSet::new();
+        let all = self.objects.iter().map(|object| &object.normals);
+        let normals: usize =
+            all.filter(|normals| known.insert(normals.as_ptr())).map(|normals| normals.len()).sum();
         self.world.memory()
             + self.still_objects.len() * size_of::<u32>()
             + normals * size_of::<Vec3>()
@@ -236,14 +240,17 @@ impl FrameScene {
 
     /// Returns the number of objects that move within the shutter.
     pub fn moving_objects(&self) -> usize {
-        self.world.instances.len()
+        let moves = |of: &&Instance| of.poses.len() > 1 || of.bending.is_some();
+        self.world.instances.iter().filter(moves).count()
     }
 
-    /// Returns the number of primitives in all structures.
+    /// Returns the number of primitives in all structures. Objects that share a structure count
+    /// once.
     pub fn primitives(&self) -> usize {
         let of = |s: &Structure| s.triangle_count() + s.curved().len();
-        let moving: usize = self.world.instances.iter().map(|i| of(&i.structure)).sum();
-        of(&self.world.still) + moving
+        let bending = |i: &Instance| i.bending.as_ref().map_or(0, Bending::triangle_count);
+        let bending: usize = self.world.instances.iter().map(bending).sum();
+        self.world.structures().map(|structure| of(structure)).sum::<usize>() + bending
     }
 }
 
@@ -270,15 +277,67 @@ mod tests {
         vertices { 0 0 0 1 0 0 0 1 0 0 0 1 }
         faces { 0 2 1 0 1 3 1 2 3 2 0 3 }";
 
-    fn memory(text: &str) -> usize {
-        let loaded = load("scene.txt", text, &Files::built_in("", &[("tetra.slo", TETRA)]));
+    fn frame(text: &str, mesh: &[u8]) -> FrameScene {
+        let loaded = load("scene.txt", text, &Files::built_in("", &[("tetra.slo", mesh)]));
         let scene = loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
-        FrameScene::build(&scene, 0, Isa::Portable).unwrap().memory()
+        FrameScene::build(&scene, 0, Isa::best()).unwrap()
+    }
+
+    fn memory(text: &str) -> usize {
+        frame(text, TETRA).memory()
+    }
+
+    /// The scene with `count` more objects of the mesh, each with what `keys` returns.
+    fn with_copies(count: usize, keys: impl Fn(usize) -> String) -> String {
+        let copy = |i| {
+            format!(
+                "mesh m{i} {{ filename tetra.slo smooth_normals 1 material matte {} }}",
+                keys(i)
+            )
+        };
+        SCENE.to_owned() + &(0..count).map(copy).collect::<String>()
     }
 
     #[test]
     fn normals_of_vertices_take_memory() {
         let flat = memory(&SCENE.replace("smooth_normals 1", "smooth_normals 0"));
         assert_eq!(memory(SCENE), flat + 4 * size_of::<Vec3>());
+    }
+
+    #[test]
+    fn moving_objects_share_what_they_have_in_common() {
+        let key =
+            |x: usize, time| format!("addKframe {{ time {time} key {{ pivot {{ {x} 0 0 }} }} }}");
+        let scene = with_copies(40, |i| key(i, 0) + &key(i + 1, 1));
+        let frame = frame(&scene, TETRA);
+        // The first one is still.
+        assert_eq!((frame.moving_objects(), frame.primitives()), (40, 4 + 4));
+        let normals = |i: usize| frame.objects[i].normals.as_ptr();
+        assert!(normals(1) == normals(40) && normals(0) != normals(1));
+    }
+
+    #[test]
+    fn many_still_objects_of_a_large_mesh_are_stored_once() {
+        const SIDE: usize = 32;
+        let vertices: String = (0..=SIDE)
+            .flat_map(|i| (0..=SIDE).map(move |j| format!("{i} {j} {} ", (i * j) % 3)))
+            .collect();
+        let corner = |i: usize, j: usize| i * (SIDE + 1) + j;
+        let quad = |i: usize, j: usize| {
+            let (a, b) = (corner(i, j), corner(i + 1, j));
+            let (c, d) = (corner(i + 1, j + 1), corner(i, j + 1));
+            format!("{a} {b} {c} {a} {c} {d} ")
+        };
+        let faces: String = (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| quad(i, j))).collect();
+        let mesh = format!("slo_mesh 1 vertices {{ {vertices} }} faces {{ {faces} }}");
+        let place =
+            |i: usize| format!("addKframe {{ time 0 key {{ pivot {{ {} 5 0 }} }} }}", 40 * i);
+        let faces = 2 * SIDE * SIDE;
+        let few = frame(&with_copies(3, place), mesh.as_bytes());
+        assert_eq!((few.primitives(), few.world.instances.len()), (4 * faces, 0));
+        let many = frame(&with_copies(600, place), mesh.as_bytes());
+        assert_eq!((many.primitives(), many.world.instances.len()), (faces, 601));
+        assert!(!many.moves() && many.moving_objects() == 0);
+        assert!(many.memory() < 2 * few.memory());
     }
 }

@@ -118,6 +118,12 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
         Some(Fields::read(element, self.language, self.scale, self.diagnostics))
     }
 
+    /// Whether there are attributes that this element does not take and that resemble none of its
+    /// own.
+    pub(crate) fn has_strangers(&self) -> bool {
+        self.strangers > 0
+    }
+
     /// The first attribute of that name.
     pub(crate) fn get(&self, name: &str) -> Option<Field<'t, 'a>> {
         self.found.iter().find(|f| f.attribute.name == name).copied()

@@ -10,7 +10,14 @@ use crate::mesh::data::Mesh;
 /// The largest coordinate. Its square is still an f32, and the area of a triangle an f64.
 const MAX_COORDINATE: f64 = 1e18;
 
-/// Scales a mesh, drops its degenerate triangles, and prepares its normals: none unless `smooth`,
+/// What becomes of triangles without area.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Hollow {
+    Dropped,
+    Kept,
+}
+
+/// Scales a mesh, drops its degenerate triangles if they are to be dropped, and prepares its normals: none unless `smooth`,
 /// otherwise the normals of the file, normalised, or computed ones if the file has none.
 ///
 /// All indices must be in range.
@@ -21,11 +28,14 @@ pub(super) fn finish(
     loaded: LoadedMesh,
     smooth: bool,
     scale: f64,
+    hollow: Hollow,
 ) -> Result<LoadedMesh, FileError> {
     let LoadedMesh { mut mesh, mut warnings } = loaded;
     mesh.positions.iter_mut().for_each(|position| *position *= scale);
     check_positions(&mut mesh)?;
-    warnings.extend(drop_degenerate(&mut mesh)?);
+    if hollow == Hollow::Dropped {
+        warnings.extend(drop_degenerate(&mut mesh)?);
+    }
     if smooth {
         complete_normals(&mut mesh);
     } else {

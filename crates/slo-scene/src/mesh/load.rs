@@ -3,6 +3,7 @@
 use std::io::{self, Cursor, Read};
 
 use super::data::LoadedMesh;
+use super::finish::Hollow;
 use super::{finish, obj, ply, slo};
 use crate::file_kinds;
 use crate::format::FileError;
@@ -22,6 +23,25 @@ pub fn load(
     smooth: bool,
     scale: f64,
 ) -> Result<LoadedMesh, FileError> {
+    finish::finish(read(path_name, reader, smooth)?, smooth, scale, Hollow::Dropped)
+}
+
+/// Reads one of the shapes of a mesh, as [`load`] does. Triangles without area stay, since they may
+/// have one in other shapes.
+///
+/// # Errors
+/// The file can't be read, is not in its format, or has no triangle.
+pub fn load_shape(
+    path_name: &str,
+    reader: &mut dyn Read,
+    smooth: bool,
+    scale: f64,
+) -> Result<LoadedMesh, FileError> {
+    finish::finish(read(path_name, reader, smooth)?, smooth, scale, Hollow::Kept)
+}
+
+/// Reads what a file says.
+fn read(path_name: &str, reader: &mut dyn Read, smooth: bool) -> Result<LoadedMesh, FileError> {
     let extension = extension(path_name);
     let start = start(reader)?;
     check_kind(&extension, start.get_ref())?;
@@ -35,8 +55,7 @@ pub fn load(
         "ply" => ply::read(reader, smooth),
         other => return Err(unknown_extension(other)),
     };
-    let loaded = loaded.map_err(|error| explain(error, &extension, start.get_ref()))?;
-    finish::finish(loaded, smooth, scale)
+    loaded.map_err(|error| explain(error, &extension, start.get_ref()))
 }
 
 /// Reads the placements of copies from the vertices of a `.ply` file. Positions are multiplied by

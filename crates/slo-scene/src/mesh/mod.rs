@@ -17,6 +17,6 @@ mod tangents;
 mod warnings;
 
 pub use data::{LoadedMesh, Mesh};
-pub use load::load;
 pub(crate) use load::{BYTE_ORDER_MARK, kind, load_placements};
+pub use load::{load, load_shape};
 pub use tangent::Tangent;

@@ -9,6 +9,7 @@ mod flat;
 mod mesh;
 mod plane;
 mod rectangle;
+mod shapes;
 mod sphere;
 mod surface;
 mod triangle;
@@ -60,6 +61,11 @@ impl Shape {
     /// Whether all of its indices lead somewhere.
     pub(crate) fn is_consistent(&self) -> bool {
         self.common().is_consistent()
+    }
+
+    /// Whether it has several shapes over time.
+    pub fn changes(&self) -> bool {
+        matches!(self, Self::Mesh(mesh) if mesh.shapes.is_some())
     }
 
     /// Number of triangles that the shape consists of; 0 if it is curved.

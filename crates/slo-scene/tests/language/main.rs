@@ -8,4 +8,5 @@ mod materials;
 mod meshes;
 mod messages;
 mod mistakes;
+mod shapes;
 mod spaces;

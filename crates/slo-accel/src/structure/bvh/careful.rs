@@ -26,9 +26,12 @@ pub(super) fn trace(bvh: &Bvh, rays: &Rays, mut ray: Ray, any: bool) -> Ray {
             }
         } else {
             let node = &bvh.nodes[child.index()];
+            let changes = bvh.moves.then(|| (&bvh.nodes[child.index() + 1], ray.time));
             for word in node.order {
                 let place = (word >> ray.order_shift & 7) as usize;
-                if let Some(t) = enter(node, place, origin, direction, f64::from(ray.t)) {
+                let errors = (f64::from(POSITION_ERROR), 0.0);
+                let (ray_line, end) = ((origin, direction), f64::from(ray.t));
+                if let Some(t) = enter((node, changes), place, ray_line, end, errors) {
                     stack.push((t, node.children[place]));
                 }
             }
@@ -45,7 +48,7 @@ fn test_leaf(bvh: &Bvh, rays: &Rays, child: Child, ray: &mut Ray, any: bool) {
     let sheared = ShearedRay::new(rays.origin(index), rays.direction(index));
     let (first, count) = (child.index(), child.block_len());
     for lane in 0..count {
-        let triangle = bvh.corners.triangle(first, count, lane);
+        let triangle = bvh.corners.triangle_at(first, count, lane, ray.time);
         let t_max = if any { ray.t } else { ray.t.next_up() };
         if let Some(hit) = triangle::intersect(&sheared, &triangle, t_max) {
             ray.offer(hit.t, hit.u, hit.v, bvh.corners.id(first, count, lane));
@@ -54,11 +57,21 @@ fn test_leaf(bvh: &Bvh, rays: &Rays, child: Child, ray: &mut Ray, any: bool) {
 }
 
 /// The t at which a ray enters a child's box, unless it is beyond `t_max`. Hits may lie outside the
-/// box by [`POSITION_ERROR`].
-fn enter(node: &Node, place: usize, origin: Vec3, direction: Vec3, t_max: f64) -> Option<f64> {
+/// box by the sum of two errors: one in units of the largest distance of its planes from the ray's
+/// origin ([`POSITION_ERROR`]), one as it is. If boxes move, `changes` tell how, and the time.
+pub(super) fn enter(
+    (node, changes): (&Node, Option<(&Node, f32)>),
+    place: usize,
+    (origin, direction): (Vec3, Vec3),
+    t_max: f64,
+    (relative, absolute): (f64, f64),
+) -> Option<f64> {
     let planes = |side: usize| {
         DVec3::from_array(std::array::from_fn(|axis| {
-            f64::from(node.planes[2 * axis + side][place])
+            let change = |(changes, time): (&Node, f32)| {
+                f64::from(changes.planes[2 * axis + side][place]) * f64::from(time)
+            };
+            f64::from(node.planes[2 * axis + side][place]) + changes.map_or(0.0, change)
         }))
     };
     let origin = origin.as_dvec3();
@@ -67,7 +80,7 @@ fn enter(node: &Node, place: usize, origin: Vec3, direction: Vec3, t_max: f64) -
     if size.is_infinite() && lower.x > upper.x {
         return None;
     }
-    let error = f64::from(POSITION_ERROR) * size;
+    let error = relative * size + absolute;
     let (mut near, mut far) = (0.0f64, t_max);
     for axis in 0..3 {
         let d = f64::from(direction[axis]);

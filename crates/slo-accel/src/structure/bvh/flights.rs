@@ -1,7 +1,5 @@
 //! Rays in flight and their stacks.
 
-#[cfg(target_arch = "x86_64")]
-use super::layout::Corners;
 use super::layout::{Child, Node, Stop};
 use super::ray::Ray;
 use super::steps::Steps;
@@ -80,9 +78,14 @@ impl Memory {
     /// child that is `s`-th from the far end.
     ///
     /// # Safety
-    /// There is room for eight entries; the CPU has the instruction set.
+    /// There is such a node, and room for eight entries; the CPU has the instruction set.
     #[inline(always)]
-    pub(super) unsafe fn push_children<S: Steps>(&self, node: &Node, ray: &mut Ray, among: u8) {
+    pub(super) unsafe fn push_children<S: Steps>(
+        &self,
+        node: *const Node,
+        ray: &mut Ray,
+        among: u8,
+    ) {
         // SAFETY: the caller's.
         unsafe {
             let count = S::children(node, ray, among, ray.top, ray.top.add(self.stack).cast());
@@ -127,9 +130,9 @@ impl Memory {
         {
             use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
             let node = self.nodes.wrapping_add(child.0 as usize).cast::<i8>();
-            let block = self.rows.wrapping_add(child.index() * Corners::PER_TRIANGLE).cast::<i8>();
+            let block = self.rows.wrapping_add(child.index() * S::ROWS).cast::<i8>();
             let at = if child.is_leaf() { block } else { node };
-            for line in 0..4 {
+            for line in 0..if S::MOVES { 7 } else { 4 } {
                 let line = at.wrapping_add(64 * line);
                 // SAFETY: a prefetch reads nothing.
                 unsafe {

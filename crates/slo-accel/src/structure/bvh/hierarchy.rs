@@ -27,7 +27,9 @@ pub(crate) struct Bvh {
     /// Whether tame rays stay tame here.
     pub(super) is_tame: bool,
     /// Whether its nodes are far away, beyond [`FAR`].
-    pub(super) is_far: bool,
+    pub(in crate::structure) is_far: bool,
+    /// Whether its triangles move: see [`Corners`] and [`nodes_per_node`](super::layout::nodes_per_node).
+    pub(super) moves: bool,
 }
 
 impl Geometry for Bvh {
@@ -59,6 +61,13 @@ impl Geometry for Bvh {
 }
 
 impl Bvh {
+    /// The triangle of an id, at a time from 0 to 1 if triangles move.
+    #[inline]
+    pub(in crate::structure) fn triangle_at(&self, id: u32, time: f32) -> Triangle {
+        let place = self.places[id as usize];
+        self.corners.triangle_at(place.slot(), place.count(), place.lane(), time)
+    }
+
     /// Bytes of nodes and of all that they lead to.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.nodes) + self.memory()

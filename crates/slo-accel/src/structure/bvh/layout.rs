@@ -21,6 +21,16 @@ pub(super) const BLOCK: usize = 4;
 /// first when it is stored, the ray for the second when it is prepared.
 pub(super) const BOX_ERROR: f32 = POSITION_ERROR + 8.0 * UNIT_ROUNDOFF;
 
+/// The same for boxes that move, and for corners that do: five more roundings of each, whose error
+/// is up to twice the largest coordinate, and some to spare.
+const MOVING_BOX_ERROR: f32 = BOX_ERROR + 16.0 * UNIT_ROUNDOFF;
+
+/// Nodes in a row that make one node: if boxes move, the planes of the second tell how far they
+/// do so over the time of the hierarchy, and its other fields mean nothing.
+pub(super) const fn nodes_per_node(moves: bool) -> usize {
+    if moves { 2 } else { 1 }
+}
+
 /// A node: boxes and names of eight children, in four cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
@@ -65,6 +75,26 @@ impl Node {
             self.planes[2 * axis + 1][place] = (bounds.max[axis] + error).next_up();
         }
         self.children[place] = child;
+    }
+
+    /// The second part of a node whose boxes move, before any child is set.
+    pub(super) const AT_REST: Self = Self { planes: [[0.0; WIDTH]; 6], ..Self::EMPTY };
+
+    /// Sets a child of a node whose boxes move, with its boxes at the start and at the end, and
+    /// widens them.
+    pub(super) fn set_moving(nodes: &mut [Self], place: usize, child: Child, boxes: [Bounds; 2]) {
+        let [start, end] = boxes;
+        let reach = |b: Bounds| b.min.abs().max(b.max.abs()).max_element();
+        let error = MOVING_BOX_ERROR * reach(start).max(reach(end));
+        for axis in 0..3 {
+            let lower = [start, end].map(|b| (b.min[axis] - error).next_down());
+            let upper = [start, end].map(|b| (b.max[axis] + error).next_up());
+            for (side, [from, to]) in [lower, upper].into_iter().enumerate() {
+                nodes[0].planes[2 * axis + side][place] = from;
+                nodes[1].planes[2 * axis + side][place] = to - from;
+            }
+        }
+        nodes[0].children[place] = child;
     }
 }
 
@@ -164,21 +194,31 @@ pub(super) const MAX_SLOTS: usize = 1 << 28;
 
 /// The triangles, block by block in the order of leaves. A block of n triangles is ten rows of n:
 /// x, y, and z of the first corners, then of the second, then of the third, then bits of ids. An id
-/// thus lies in a line of memory that its triangle's test has just read.
-#[derive(Debug, Default)]
+/// thus lies in a line of memory that its triangle's test has just read. If corners move, nine rows
+/// follow: by how much each of the first nine changes.
+#[derive(Debug)]
 pub(super) struct Corners {
     rows: Array<f32>,
+    /// See [`rows_of`].
+    per_triangle: usize,
 }
+
+/// Rows of a block: numbers for each triangle.
+pub(super) const fn rows_of(moves: bool) -> usize {
+    if moves { FIRST_CHANGE + 9 } else { FIRST_CHANGE }
+}
+
+/// The first row of a block that tells how a coordinate changes.
+pub(super) const FIRST_CHANGE: usize = 10;
 
 impl Corners {
     /// Elements that are readable beyond the last row, so that four lanes can be loaded.
     pub(super) const PADDING: usize = 4;
 
-    pub(super) const PER_TRIANGLE: usize = 10;
-
     /// Room for `count` triangles.
-    pub(super) fn new(count: usize) -> Self {
-        Self { rows: Array::filled(0.0, count * Self::PER_TRIANGLE + Self::PADDING) }
+    pub(super) fn new(count: usize, moves: bool) -> Self {
+        let per_triangle = rows_of(moves);
+        Self { rows: Array::filled(0.0, count * per_triangle + Self::PADDING), per_triangle }
     }
 
     pub(super) fn rows_mut(&mut self) -> &mut [f32] {
@@ -193,18 +233,35 @@ impl Corners {
     /// Number of triangles that there is room for.
     #[cfg(test)]
     pub(super) fn slots(&self) -> usize {
-        (self.rows.len() - Self::PADDING) / Self::PER_TRIANGLE
+        (self.rows.len() - Self::PADDING) / self.per_triangle
     }
 
     /// The id of a triangle of the block of `count` that begins at `slot`.
     pub(super) fn id(&self, slot: usize, count: usize, lane: usize) -> u32 {
-        self.rows[slot * Self::PER_TRIANGLE + ID_ROW * count + lane].to_bits()
+        self.rows[slot * self.per_triangle + ID_ROW * count + lane].to_bits()
     }
 
-    /// One triangle of the block of `count` that begins at `slot`.
+    /// One triangle of the block of `count` that begins at `slot`; as it is at first, if it moves.
     #[inline]
     pub(super) fn triangle(&self, slot: usize, count: usize, lane: usize) -> Triangle {
-        block_triangle(&self.rows[slot * Self::PER_TRIANGLE..], count, lane)
+        block_triangle(&self.rows[slot * self.per_triangle..], count, lane)
+    }
+
+    /// One triangle of the block of `count` that begins at `slot`, at a time from 0 to 1.
+    #[inline]
+    pub(super) fn triangle_at(
+        &self,
+        slot: usize,
+        count: usize,
+        lane: usize,
+        time: f32,
+    ) -> Triangle {
+        let rows = &self.rows[slot * self.per_triangle..];
+        if self.per_triangle == rows_of(true) {
+            moved_triangle(rows, count, lane, time)
+        } else {
+            block_triangle(rows, count, lane)
+        }
     }
 }
 
@@ -214,6 +271,14 @@ pub(super) fn block_triangle(rows: &[f32], count: usize, lane: usize) -> Triangl
     std::array::from_fn(|corner| {
         Vec3::from_array(std::array::from_fn(|axis| rows[(3 * corner + axis) * count + lane]))
     })
+}
+
+/// The same at a time from 0 to 1, if corners move.
+#[inline(always)]
+pub(super) fn moved_triangle(rows: &[f32], count: usize, lane: usize, time: f32) -> Triangle {
+    let start = block_triangle(rows, count, lane);
+    let change = block_triangle(&rows[FIRST_CHANGE * count..], count, lane);
+    std::array::from_fn(|corner| start[corner] + change[corner] * time)
 }
 
 /// The row of a block that holds ids.
@@ -229,14 +294,24 @@ pub(super) unsafe fn id_at(block: *const f32, count: usize, lane: usize) -> u32 
     unsafe { *block.add(ID_ROW * count + lane).cast() }
 }
 
-/// One triangle of the block of `count` that begins at `block`.
+/// One triangle of the block of `count` that begins at `block`, at a time from 0 to 1 if corners
+/// move.
 ///
 /// # Safety
 /// There is such a block.
-pub(super) unsafe fn triangle_at(block: *const f32, count: usize, lane: usize) -> Triangle {
+#[inline(always)]
+pub(super) unsafe fn triangle_at(
+    block: *const f32,
+    count: usize,
+    lane: usize,
+    time: Option<f32>,
+) -> Triangle {
     // SAFETY: the caller's.
-    let rows = unsafe { std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE) };
-    block_triangle(rows, count, lane)
+    let rows = unsafe { std::slice::from_raw_parts(block, count * rows_of(time.is_some())) };
+    match time {
+        Some(time) => moved_triangle(rows, count, lane, time),
+        None => block_triangle(rows, count, lane),
+    }
 }
 
 /// Place of a triangle: slot of its block, number of triangles there, and its lane.

@@ -8,6 +8,7 @@ mod builder;
 mod careful;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod flights;
+pub(crate) mod halting;
 mod hierarchy;
 mod layout;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
@@ -17,16 +18,18 @@ mod ray;
 mod steps;
 mod stream;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+#[cfg(test)]
+pub(super) use self::builder::is_never_hit;
 pub(super) use self::hierarchy::Bvh;
 use self::query::{Any, Closest, Query};
 use self::steps::Portable;
-#[cfg(target_arch = "x86_64")]
 use crate::isa::Isa;
-use crate::primitives::Primitives;
+use crate::math::Bounds;
+use crate::primitives::{Primitives, Triangle};
 use crate::rays::{Coherence, Hits, Rays};
 use crate::structure::interface::{BuildOptions, SpatialIndex};
 
@@ -49,6 +52,10 @@ impl SpatialIndex for Bvh {
         self
     }
 
+    fn parts(&self, count: usize) -> Vec<Bounds> {
+        halting::parts(&self.nodes, count)
+    }
+
     fn overhead(&self) -> usize {
         size_of_val(&*self.nodes)
     }
@@ -60,7 +67,7 @@ impl SpatialIndex for Bvh {
         hits: &mut Hits,
         scratch: &mut Scratch,
     ) -> Coherence {
-        self.run(rays, coherence, &mut Closest { hits }, scratch)
+        self.run::<_, false>((rays, &[]), coherence, &mut Closest { hits }, scratch)
     }
 
     fn occluded(
@@ -70,19 +77,51 @@ impl SpatialIndex for Bvh {
         blocked: &mut [bool],
         scratch: &mut Scratch,
     ) -> Coherence {
-        self.run(rays, coherence, &mut Any { blocked }, scratch)
+        self.run::<_, false>((rays, &[]), coherence, &mut Any { blocked }, scratch)
     }
 }
 
 impl Bvh {
-    fn run<Q: Query>(
+    /// Builds the hierarchy over triangles whose corners move, each from where it is in the first
+    /// shape to where it is in the second. Queries are those with a time.
+    pub(super) fn build_moving(starts: &[Triangle], ends: &[Triangle], isa: Isa) -> Self {
+        builder::build_moving(starts, ends, isa)
+    }
+
+    /// As [`SpatialIndex::intersect`], for a hierarchy that moves: each ray has a time from 0 to 1.
+    pub(super) fn intersect_at(
         &self,
-        rays: &Rays,
+        batch: (&Rays, &[f32]),
+        coherence: Coherence,
+        hits: &mut Hits,
+        scratch: &mut Scratch,
+    ) -> Coherence {
+        self.run::<_, true>(batch, coherence, &mut Closest { hits }, scratch)
+    }
+
+    /// As [`SpatialIndex::occluded`], for a hierarchy that moves: each ray has a time from 0 to 1.
+    pub(super) fn occluded_at(
+        &self,
+        batch: (&Rays, &[f32]),
+        coherence: Coherence,
+        blocked: &mut [bool],
+        scratch: &mut Scratch,
+    ) -> Coherence {
+        self.run::<_, true>(batch, coherence, &mut Any { blocked }, scratch)
+    }
+
+    fn run<Q: Query, const MOVES: bool>(
+        &self,
+        batch: (&Rays, &[f32]),
         coherence: Coherence,
         query: &mut Q,
         scratch: &mut Scratch,
     ) -> Coherence {
-        if self.nodes.is_empty() {
+        assert_eq!(self.moves, MOVES);
+        if MOVES {
+            assert!(batch.0.len() <= batch.1.len(), "a time for each ray");
+        }
+        if self.nodes.is_empty() || batch.0.is_empty() {
             return coherence;
         }
         let stream = &mut scratch.stream;
@@ -91,17 +130,21 @@ impl Bvh {
             match (self.isa, self.is_far) {
                 #[cfg(target_arch = "x86_64")]
                 (Isa::Avx512, false) => {
-                    stream_avx512::<Q, false>(self, rays, coherence, query, stream)
+                    stream_avx512::<Q, false, MOVES>(self, batch, coherence, query, stream)
                 }
                 #[cfg(target_arch = "x86_64")]
                 (Isa::Avx512, true) => {
-                    stream_avx512::<Q, true>(self, rays, coherence, query, stream)
+                    stream_avx512::<Q, true, MOVES>(self, batch, coherence, query, stream)
                 }
                 #[cfg(target_arch = "x86_64")]
-                (Isa::Avx2, false) => stream_avx2::<Q, false>(self, rays, coherence, query, stream),
+                (Isa::Avx2, false) => {
+                    stream_avx2::<Q, false, MOVES>(self, batch, coherence, query, stream)
+                }
                 #[cfg(target_arch = "x86_64")]
-                (Isa::Avx2, true) => stream_avx2::<Q, true>(self, rays, coherence, query, stream),
-                _ => stream::trace::<Portable, Q>(self, rays, coherence, query, stream),
+                (Isa::Avx2, true) => {
+                    stream_avx2::<Q, true, MOVES>(self, batch, coherence, query, stream)
+                }
+                _ => stream::trace::<Portable<MOVES>, Q>(self, batch, coherence, query, stream),
             }
         }
     }
@@ -109,26 +152,26 @@ impl Bvh {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
-unsafe fn stream_avx512<Q: Query, const FAR: bool>(
+unsafe fn stream_avx512<Q: Query, const FAR: bool, const MOVES: bool>(
     bvh: &Bvh,
-    rays: &Rays,
+    batch: (&Rays, &[f32]),
     coherence: Coherence,
     query: &mut Q,
     stream: &mut stream::Stream,
 ) -> Coherence {
     // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx512<FAR>, Q>(bvh, rays, coherence, query, stream) }
+    unsafe { stream::trace::<x86::Avx512<FAR, MOVES>, Q>(bvh, batch, coherence, query, stream) }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn stream_avx2<Q: Query, const FAR: bool>(
+unsafe fn stream_avx2<Q: Query, const FAR: bool, const MOVES: bool>(
     bvh: &Bvh,
-    rays: &Rays,
+    batch: (&Rays, &[f32]),
     coherence: Coherence,
     query: &mut Q,
     stream: &mut stream::Stream,
 ) -> Coherence {
     // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx2<FAR>, Q>(bvh, rays, coherence, query, stream) }
+    unsafe { stream::trace::<x86::Avx2<FAR, MOVES>, Q>(bvh, batch, coherence, query, stream) }
 }

@@ -12,7 +12,7 @@
 
 use super::flights::{Flights, Memory};
 use super::hierarchy::Bvh;
-use super::layout::{Child, Corners, Node, WIDTH, id_at, triangle_at};
+use super::layout::{Child, FIRST_CHANGE, Node, WIDTH, id_at, triangle_at};
 use super::query::Query;
 use super::ray::{Prepared, Ray};
 use super::steps::{Portable, Steps};
@@ -82,7 +82,7 @@ pub(super) trait Packets: Steps {
 }
 
 /// Plain Rust makes no packets.
-impl Packets for Portable {}
+impl<const MOVES: bool> Packets for Portable<MOVES> {}
 
 /// The steps of packets for one instruction set.
 pub(super) trait PacketSteps: Steps {
@@ -93,8 +93,8 @@ pub(super) trait PacketSteps: Steps {
     /// lies `s`-th from the near end.
     ///
     /// # Safety
-    /// The CPU has the instruction set.
-    unsafe fn may_enter(node: &Node, beam: &Beam) -> u32;
+    /// The CPU has the instruction set; there is such a node.
+    unsafe fn may_enter(node: *const Node, beam: &Beam) -> u32;
 
     /// [`walk`], as a function of its own, so that its loop and those of the stream do not compete
     /// for registers.
@@ -124,27 +124,30 @@ pub(super) struct Beam {
     pub(super) t_max: f32,
     pub(super) order_shift: u32,
     pub(super) entries: [u32; 3],
+    /// The first and the last time, if boxes move.
+    pub(super) times: [f32; 2],
 }
 
 impl Beam {
     /// Bounds of the rays of a set, whose first lane is lane `base` of the prepared rays.
     ///
     /// # Safety
-    /// The CPU has the instructions of `L`; `base` leaves enough lanes.
+    /// The CPU has the instruction set; `base` leaves enough lanes.
     #[inline(always)]
-    unsafe fn new<L: Lanes>(rays: &Prepared, base: usize, set: u32) -> Self {
+    unsafe fn new<S: PacketSteps>(rays: &Prepared, base: usize, set: u32) -> Self {
         let octant = rays.octant[base + set.trailing_zeros() as usize];
         // SAFETY: the caller's.
         unsafe {
-            let [x, y, z] = of_set::<L>(&rays.leaving, base, set);
-            let leaving = L::leasts([x, y, z, x]);
-            let [x, y, z] = of_set::<L>(&rays.size, base, set);
-            let least = L::leasts([x, y, z, x]);
-            let [x, y, z] = negated_of_set::<L>(&rays.size, base, set);
-            let most = L::leasts([x, y, z, x]);
-            let [x, y, z] = negated_of_set::<L>(&rays.entering, base, set);
-            let t_max = L::load(rays.t_max.as_ptr().add(base)).replace(!set, L::splat(0.0));
-            let entering = L::leasts([x, y, z, L::splat(0.0).sub(t_max)]);
+            let [x, y, z] = of_set::<S::Lanes>(&rays.leaving, base, set);
+            let leaving = S::Lanes::leasts([x, y, z, x]);
+            let [x, y, z] = of_set::<S::Lanes>(&rays.size, base, set);
+            let least = S::Lanes::leasts([x, y, z, x]);
+            let [x, y, z] = negated_of_set::<S::Lanes>(&rays.size, base, set);
+            let most = S::Lanes::leasts([x, y, z, x]);
+            let [x, y, z] = negated_of_set::<S::Lanes>(&rays.entering, base, set);
+            let t_max =
+                S::Lanes::load(rays.t_max.as_ptr().add(base)).replace(!set, S::Lanes::splat(0.0));
+            let entering = S::Lanes::leasts([x, y, z, S::Lanes::splat(0.0).sub(t_max)]);
             let mut beam = Self {
                 least: [0.0; 3],
                 most: [0.0; 3],
@@ -153,7 +156,15 @@ impl Beam {
                 t_max: -entering[3],
                 order_shift: 4 * octant,
                 entries: Ray::entries(octant),
+                times: [0.0; 2],
             };
+            if S::MOVES {
+                let time = S::Lanes::load(rays.time.as_ptr().add(base));
+                let first = time.replace(!set, S::Lanes::splat(1.0));
+                let last = S::Lanes::splat(0.0).sub(time.replace(!set, S::Lanes::splat(0.0)));
+                let [first, last, ..] = S::Lanes::leasts([first, last, first, last]);
+                beam.times = [first, -last];
+            }
             for axis in 0..3 {
                 let sign = if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
                 beam.least[axis] = least[axis] * sign;
@@ -173,12 +184,13 @@ impl Beam {
 /// There is such a block.
 #[cold]
 #[inline(never)]
-unsafe fn pair_at(
+unsafe fn pair_at<S: Steps>(
     (prepared, lane): (&Prepared, usize),
     (block, count, triangle): (*const f32, usize, usize),
 ) -> (ShearedRay, Triangle) {
     // SAFETY: the caller's.
-    let triangle = unsafe { triangle_at(block, count, triangle) };
+    let triangle =
+        unsafe { triangle_at(block, count, triangle, S::MOVES.then_some(prepared.time[lane])) };
     (Ray::new(prepared, lane).sheared(), triangle)
 }
 
@@ -228,13 +240,16 @@ unsafe fn negated<L: Lanes>([x, y, z]: [L; 3]) -> [L; 3] {
 pub(super) struct Surroundings<'a> {
     pub(super) bvh: &'a Bvh,
     pub(super) rays: &'a Rays,
+    /// Times of the rays, if triangles move.
+    pub(super) times: &'a [f32],
     pub(super) memory: Memory,
     pub(super) stack: &'a mut Stack,
     pub(super) flights: Flights<'a>,
     pub(super) rays_per_child: RaysPerChild,
 }
 
-/// Counts the rays that entered the children that packets came to, so far in this batch.
+/// Counts the rays that entered the children that packets came to, so far in this batch; children
+/// that none entered count only if boxes move.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RaysPerChild {
     children: u32,
@@ -313,6 +328,8 @@ struct Packet<'a, S: PacketSteps> {
     origin: [S::Lanes; 3],
     shear: [S::Lanes; 3],
     axes: [usize; 3],
+    /// Times of the rays, if boxes and triangles move.
+    time: S::Lanes,
     /// Best distances; minus infinity in lanes without a ray, or whose ray is done.
     t: S::Lanes,
     u: S::Lanes,
@@ -335,12 +352,13 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
             let nothing = S::Lanes::splat(0.0);
             let t = S::Lanes::load(prepared.t_max.as_ptr().add(base));
             Self {
-                beam: Beam::new::<S::Lanes>(prepared, base, set),
+                beam: Beam::new::<S>(prepared, base, set),
                 inverse: load3(&prepared.inverse, base),
                 minus_near: negated(load3(&prepared.near, base)),
                 minus_far: negated(load3(&prepared.far, base)),
                 origin: load3(&prepared.origin, base),
                 shear: load3(&prepared.shear, base),
+                time: S::Lanes::load(prepared.time.as_ptr().add(base)),
                 axes: [(z_axis + 1) % 3, (z_axis + 2) % 3, z_axis],
                 t: t.replace(!set, S::Lanes::splat(f32::NEG_INFINITY)),
                 u: nothing,
@@ -363,7 +381,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
         unsafe {
             let rests = around.stack.rests.as_mut_ptr();
             let mut top = 0;
-            let mut rest = Rest { node: 0, set: S::may_enter(&*around.memory.nodes, &self.beam) };
+            let mut rest = Rest { node: 0, set: S::may_enter(around.memory.nodes, &self.beam) };
             loop {
                 if rest.set == 0 {
                     if top == 0 {
@@ -372,13 +390,17 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                     top -= 1;
                     rest = *rests.add(top);
                 }
-                let node = &*around.memory.nodes.add(rest.node as usize);
-                let order = node.order[WIDTH - 1 - rest.set.trailing_zeros() as usize % WIDTH];
+                let node = around.memory.nodes.add(rest.node as usize);
+                let order = (*node).order[WIDTH - 1 - rest.set.trailing_zeros() as usize % WIDTH];
                 let place = (order >> self.beam.order_shift & 7) as usize;
-                let child = node.children[place];
+                let child = (*node).children[place];
                 rest.set &= rest.set - 1;
                 let lanes = self.enter(node, place);
                 if lanes == 0 {
+                    // A beam whose rays have many times meets many boxes that none of them enters.
+                    if S::MOVES {
+                        around.rays_per_child.count(0);
+                    }
                     continue;
                 }
                 around.rays_per_child.count(lanes);
@@ -394,7 +416,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                     self.part(around, child, lanes, top);
                 } else {
                     rest.node = child.0;
-                    let node = &*around.memory.nodes.add(child.index());
+                    let node = around.memory.nodes.add(child.index());
                     rest.set = S::may_enter(node, &self.beam);
                 }
             }
@@ -405,14 +427,19 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
     /// The lanes that enter a child.
     ///
     /// # Safety
-    /// The CPU has the instruction set.
+    /// The CPU has the instruction set; there is such a node.
     #[inline(always)]
-    unsafe fn enter(&self, node: &Node, place: usize) -> u32 {
+    unsafe fn enter(&self, node: *const Node, place: usize) -> u32 {
         // SAFETY: entries and places lie within the node's planes.
         unsafe {
-            let planes = node.planes.as_ptr().cast::<u8>();
-            let plane =
-                |entry: u32| S::Lanes::splat(*planes.add(entry as usize).cast::<f32>().add(place));
+            let number = |node: *const Node, entry: u32| {
+                let planes = node.cast::<u8>().add(entry as usize);
+                S::Lanes::splat(*planes.cast::<f32>().add(place))
+            };
+            let plane = |entry: u32| {
+                let plane = number(node, entry);
+                if S::MOVES { number(node.add(1), entry).mul_add(self.time, plane) } else { plane }
+            };
             let [x, y, z] = self.beam.entries;
             let near = plane(x).mul_add(self.inverse[0], self.minus_near[0]);
             let near = near.max(plane(y).mul_add(self.inverse[1], self.minus_near[1]));
@@ -432,22 +459,27 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
         let count = child.block_len();
         // SAFETY: the caller's.
         unsafe {
-            let block = around.memory.rows.add(child.index() * Corners::PER_TRIANGLE);
+            let block = around.memory.rows.add(child.index() * S::ROWS);
             let [x, y, z] = self.axes;
             let rows = [block.add(x * count), block.add(y * count), block.add(z * count)];
             for k in 0..count {
                 let mut corners = [[self.u; 3]; 3];
                 for (c, corner) in corners.iter_mut().enumerate() {
                     for (row, x) in rows.iter().zip(corner) {
-                        *x = S::Lanes::splat(*row.add(3 * c * count + k));
+                        let number = |row_of| S::Lanes::splat(*row.add(row_of * count + k));
+                        *x = number(3 * c);
+                        if S::MOVES {
+                            *x = x.add(number(FIRST_CHANGE + 3 * c).mul(self.time));
+                        }
                     }
                 }
                 let tested = Tested::with_branch(corners, self.origin, self.shear, self.t, lanes);
                 if tested.hits == 0 {
                     continue;
                 }
-                let tested = tested
-                    .settle(|lane| pair_at((self.prepared, self.base + lane), (block, count, k)));
+                let tested = tested.settle(|lane| {
+                    pair_at::<S>((self.prepared, self.base + lane), (block, count, k))
+                });
                 let nearer = tested.hits & tested.t.lt(self.t);
                 if Q::ANY {
                     self.block(nearer);
@@ -524,7 +556,7 @@ impl<'a, S: PacketSteps> Packet<'a, S> {
                 let ray = around.flights.park(ray, child);
                 for i in 0..top {
                     let Rest { node, set } = *around.stack.rests.get_unchecked(i);
-                    let node = &*around.memory.nodes.add(node as usize);
+                    let node = around.memory.nodes.add(node as usize);
                     around.memory.push_children::<S>(node, &mut *ray, (set as u8).reverse_bits());
                 }
             }

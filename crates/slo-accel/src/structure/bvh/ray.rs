@@ -51,6 +51,8 @@ pub(super) struct Prepared {
     pub(super) is_tame: [u32; LANES],
     /// Its index in the batch.
     pub(super) index: [u32; LANES],
+    /// Time of the ray, from 0 to 1, if what it may hit moves.
+    pub(super) time: [f32; LANES],
     /// Whether the indices are consecutive.
     pub(super) are_neighbours: bool,
 }
@@ -70,18 +72,40 @@ impl Prepared {
         octant: [0; LANES],
         is_tame: [0; LANES],
         index: [0; LANES],
+        time: [0.0; LANES],
         are_neighbours: true,
     };
+
+    /// Sets the times of the rays from those of the batch.
+    #[inline(always)]
+    pub(super) fn set_times(&mut self, times: &[f32]) {
+        let last = times.len() - 1;
+        for (time, &index) in self.time.iter_mut().zip(&self.index) {
+            *time = times[(index as usize).min(last)];
+        }
+        for time in &mut self.time {
+            // Boxes hold triangles from 0 to 1. NaN becomes 0.
+            *time = if *time > 0.0 { *time } else { 0.0 };
+            *time = if *time < 1.0 { *time } else { 1.0 };
+        }
+    }
 
     /// Prepares the sixteen rays from `first` on.
     #[inline(always)]
     pub(super) fn fill(&mut self, rays: &Rays, first: usize) {
+        self.fill_widened(rays, &rays.t_max, first, BOX_ERROR);
+    }
+
+    /// As [`fill`](Self::fill), for rays that end at `t_max` and are widened by `error`, in units of
+    /// the largest coordinate of their origins.
+    #[inline(always)]
+    pub(super) fn fill_widened(&mut self, rays: &Rays, t_max: &[f32], first: usize, error: f32) {
         for (lane, index) in self.index.iter_mut().enumerate() {
             *index = (first + lane) as u32;
         }
         self.are_neighbours = true;
-        self.t_max.copy_from_slice(&rays.t_max[first..first + LANES]);
-        self.derive(lanes_from(&rays.origin, first), lanes_from(&rays.direction, first));
+        self.t_max.copy_from_slice(&t_max[first..first + LANES]);
+        self.derive(lanes_from(&rays.origin, first), lanes_from(&rays.direction, first), error);
     }
 
     /// Prepares sixteen rays of a batch, given by index and value.
@@ -94,12 +118,12 @@ impl Prepared {
         self.index = *indices;
         self.are_neighbours = false;
         self.t_max = *t_max;
-        self.derive([*ox, *oy, *oz], [*dx, *dy, *dz]);
+        self.derive([*ox, *oy, *oz], [*dx, *dy, *dz], BOX_ERROR);
     }
 
     /// Inlined, so that loops over lanes are compiled for the caller's instruction set.
     #[inline(always)]
-    fn derive(&mut self, origin: [[f32; LANES]; 3], direction: [[f32; LANES]; 3]) {
+    fn derive(&mut self, origin: [[f32; LANES]; 3], direction: [[f32; LANES]; 3], error: f32) {
         for lane in 0..LANES {
             let [ox, oy, oz] = [origin[0][lane], origin[1][lane], origin[2][lane]];
             let [dx, dy, dz] = [direction[0][lane], direction[1][lane], direction[2][lane]];
@@ -110,7 +134,7 @@ impl Prepared {
                 let (o, d) = ([ox, oy, oz][axis], [dx, dy, dz][axis]);
                 let size = 1.0 / larger(d.abs(), largest * LEAST_COMPONENT);
                 let forward = f32::from_bits(o.to_bits() ^ d.to_bits() & 1 << 31);
-                let error = BOX_ERROR * reach;
+                let error = error * reach;
                 self.entering[axis][lane] = forward + error;
                 self.leaving[axis][lane] = forward - error;
                 self.size[axis][lane] = size;
@@ -161,6 +185,8 @@ pub(super) struct Ray {
     pub(super) is_hit: u32,
     /// Where the distance of the stack's next entry is stored.
     pub(super) top: *mut f32,
+    /// See [`Prepared`].
+    pub(super) time: f32,
 }
 
 impl Ray {
@@ -185,16 +211,21 @@ impl Ray {
             entries: Self::entries(octant),
             is_hit: 0,
             top: std::ptr::null_mut(),
+            time: rays.time[lane],
         }
     }
 
-    /// Sixteen rays as [`new`](Self::new) makes them, but for `top`, transposed by wide registers.
+    /// Sixteen rays as [`new`](Self::new) makes them, but for `top`, and for `time` if nothing
+    /// moves, transposed by wide registers.
     ///
     /// # Safety
     /// The CPU has the instructions of `L`.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     #[inline(always)]
-    pub(super) unsafe fn deal<L: Quads>(rays: &Prepared, to: &mut [Self; LANES]) {
+    pub(super) unsafe fn deal<L: Quads, const MOVES: bool>(
+        rays: &Prepared,
+        to: &mut [Self; LANES],
+    ) {
         let mut entries = [[0u32; LANES]; 3];
         let mut axes = [[0u32; LANES]; 3];
         let mut shifts = [0u32; LANES];
@@ -226,6 +257,11 @@ impl Ray {
         const { assert!(std::mem::offset_of!(Self, top) == 7 * 16) };
         // SAFETY: the caller's; rows have sixteen numbers, and rays seven times four.
         unsafe { deal_rows::<L>(&rows, to.as_mut_ptr().cast(), size_of::<Self>() / 4) }
+        if MOVES {
+            for (ray, &time) in to.iter_mut().zip(&rays.time) {
+                ray.time = time;
+            }
+        }
     }
 
     /// See the field.

@@ -1,6 +1,6 @@
 //! The two steps of a ray, boxes and triangles, in plain Rust: the reference of the others.
 
-use super::layout::{BLOCK, Child, Corners, Node, WIDTH, block_triangle};
+use super::layout::{BLOCK, Child, Node, WIDTH, rows_of, triangle_at};
 use super::ray::{Prepared, Ray};
 use crate::primitives::triangle;
 use crate::rays::LANES;
@@ -12,6 +12,12 @@ pub(super) trait Steps {
     /// How rays are chosen from a batch.
     type Choosing: Choosing;
 
+    /// Whether boxes and corners move.
+    const MOVES: bool;
+
+    /// Rows of a block.
+    const ROWS: usize = rows_of(Self::MOVES);
+
     /// Whether it is for hierarchies that are mostly outside the caches of a core.
     const IS_FAR: bool = false;
 
@@ -21,9 +27,10 @@ pub(super) trait Steps {
     /// may be overwritten.
     ///
     /// # Safety
-    /// The CPU has the instruction set; both arrays are writable for eight entries.
+    /// The CPU has the instruction set; there is such a node; both arrays are writable for eight
+    /// entries.
     unsafe fn children(
-        node: &Node,
+        node: *const Node,
         ray: &Ray,
         among: u8,
         ts: *mut f32,
@@ -105,26 +112,34 @@ impl BlockHits {
 }
 
 /// Plain Rust.
-pub(super) struct Portable;
+pub(super) struct Portable<const MOVES: bool>;
 
-impl Steps for Portable {
+impl<const MOVES: bool> Steps for Portable<MOVES> {
     type Choosing = order::Portable;
+
+    const MOVES: bool = MOVES;
 
     #[inline(always)]
     unsafe fn children(
-        node: &Node,
+        node: *const Node,
         ray: &Ray,
         among: u8,
         ts: *mut f32,
         children: *mut Child,
     ) -> usize {
+        // SAFETY: the caller's; a node whose boxes move is followed by how they do.
+        let (node, changes) = unsafe { (&*node, &*node.add(usize::from(MOVES))) };
         let mut enters = [f32::INFINITY; WIDTH];
         for (child, enter) in enters.iter_mut().enumerate() {
             let (mut near, mut far) = (0.0f32, ray.t);
             for axis in 0..3 {
                 let negative = (ray.entries[axis] >> 5 & 1) as usize;
-                let entry = node.planes[2 * axis + negative][child];
-                let exit = node.planes[2 * axis + 1 - negative][child];
+                let mut entry = node.planes[2 * axis + negative][child];
+                let mut exit = node.planes[2 * axis + 1 - negative][child];
+                if MOVES {
+                    entry += changes.planes[2 * axis + negative][child] * ray.time;
+                    exit += changes.planes[2 * axis + 1 - negative][child] * ray.time;
+                }
                 near = near.max(entry * ray.inverse[axis] - ray.near[axis]);
                 far = far.min(exit * ray.inverse[axis] - ray.far[axis]);
             }
@@ -153,13 +168,13 @@ impl Steps for Portable {
     unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32 {
         let Meeting { block, count, ray } = meetings[0];
         // SAFETY: the caller's.
-        let (block, ray) =
-            unsafe { (std::slice::from_raw_parts(block, count * Corners::PER_TRIANGLE), &*ray) };
+        let ray = unsafe { &*ray };
         let sheared = ray.sheared();
         let t_max = if any { ray.t } else { ray.t.next_up() };
         let mut set = 0;
         for lane in 0..count {
-            let triangle = block_triangle(block, count, lane);
+            // SAFETY: the caller's.
+            let triangle = unsafe { triangle_at(block, count, lane, MOVES.then_some(ray.time)) };
             if let Some(hit) = triangle::intersect(&sheared, &triangle, t_max) {
                 hits.t[lane] = hit.t;
                 (hits.weights[0][lane], hits.weights[1][lane]) = (hit.u, hit.v);

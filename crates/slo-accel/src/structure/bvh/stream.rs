@@ -7,7 +7,7 @@
 
 use super::flights::{Flights, Line, Memory, RAY_LINES};
 use super::hierarchy::Bvh;
-use super::layout::{BLOCK, Child, Corners, Stop, Stops, id_at};
+use super::layout::{BLOCK, Child, Stop, Stops, id_at};
 use super::packet::{self, Packets, RaysPerChild, Surroundings};
 use super::query::Query;
 use super::ray::{Prepared, Ray};
@@ -103,10 +103,13 @@ impl Pending<'_> {
         count: usize,
         query: &mut Q,
     ) {
-        let Surroundings { bvh, rays, .. } = self.around;
+        let Surroundings { bvh, rays, times, .. } = self.around;
         match sixteen {
             Sixteen::Neighbours(first) => self.prepared.fill(rays, first),
             Sixteen::Chosen(indices, numbers) => self.prepared.choose(indices, numbers),
+        }
+        if S::MOVES {
+            self.prepared.set_times(times);
         }
         let (mut has_length, mut tame) = (0u32, 0u32);
         for lane in 0..LANES {
@@ -135,14 +138,15 @@ impl Pending<'_> {
     }
 }
 
-/// Traces the rays of a batch; returns how alike they turned out to be.
+/// Traces the rays of a batch; returns how alike they turned out to be. If triangles move, there is
+/// a time for each ray.
 ///
 /// # Safety
-/// The CPU has the instruction set of `S`.
+/// The CPU has the instruction set of `S`, which moves if the hierarchy does.
 #[inline(always)]
 pub(super) unsafe fn trace<S: Packets, Q: Query>(
     bvh: &Bvh,
-    rays: &Rays,
+    (rays, times): (&Rays, &[f32]),
     coherence: Coherence,
     query: &mut Q,
     stream: &mut Stream,
@@ -170,7 +174,7 @@ pub(super) unsafe fn trace<S: Packets, Q: Query>(
         order.keep(rays)
     }
     let rays_per_child = RaysPerChild::new(bvh.bytes());
-    let around = Surroundings { bvh, rays, memory, stack, flights, rays_per_child };
+    let around = Surroundings { bvh, rays, times, memory, stack, flights, rays_per_child };
     // SAFETY: any bits are a ray; lines are aligned as rays are, and as long as sixteen.
     let ready = unsafe { &mut *ready.as_mut_ptr().cast::<[Ray; LANES]>() };
     let mut pending = Pending { around, prepared, ready, packets, order, next: 0, left: 0 };
@@ -229,7 +233,7 @@ unsafe fn test_nodes<S: Steps>(memory: &Memory, flights: &Flights, stops: &mut S
             let end = len.min(begin + turn);
             for i in begin..end {
                 let stop = stops.get(Stops::NODES, i);
-                let node = &*memory.nodes.add(stop.child().0 as usize);
+                let node = memory.nodes.add(stop.child().0 as usize);
                 memory.push_children::<S>(node, &mut *flights.ray(stop.place()), u8::MAX);
             }
             for i in begin..end {
@@ -255,7 +259,7 @@ unsafe fn test_blocks<S: Steps, Q: Query>(memory: &Memory, flights: &Flights, st
     // SAFETY: stops of this list are blocks, and rays in flight.
     unsafe {
         let meeting = |stop: Stop| Meeting {
-            block: memory.rows.add(stop.child().index() * Corners::PER_TRIANGLE),
+            block: memory.rows.add(stop.child().index() * S::ROWS),
             count: stop.child().block_len(),
             ray: flights.ray(stop.place()),
         };

@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::layout::{BLOCK, Child, Node, triangle_at};
+use super::layout::{BLOCK, Child, FIRST_CHANGE, Node, triangle_at};
 use super::packet::{self, Beam, PacketSteps, Packets, Surroundings};
 use super::query::Query;
 use super::ray::{Prepared, Ray};
@@ -15,18 +15,25 @@ use crate::simd::sets::LANES_OF;
 use crate::structure::shared::order::x86 as order;
 
 /// AVX2 with fused multiply-add.
-pub(super) struct Avx2<const FAR: bool>;
+pub(super) struct Avx2<const FAR: bool, const MOVES: bool>;
 
 /// AVX-512 on 8 lanes.
-pub(super) struct Avx512<const FAR: bool>;
+pub(super) struct Avx512<const FAR: bool, const MOVES: bool>;
 
 /// Distances where a ray enters and leaves the eight boxes.
 ///
 /// # Safety
-/// The CPU has AVX2 and FMA.
+/// The CPU has AVX2 and FMA; there is such a node.
 #[inline(always)]
-unsafe fn slabs(node: &Node, ray: &Ray) -> (__m256, __m256) {
-    let planes = node.planes.as_ptr().cast::<u8>();
+unsafe fn slabs<const MOVES: bool>(node: *const Node, ray: &Ray) -> (__m256, __m256) {
+    let planes = node.cast::<u8>();
+    let slab = |planes, inverse: &f32, offset: &f32| {
+        // SAFETY: see below.
+        unsafe {
+            let planes = planes_at::<MOVES>(planes, ray.time);
+            _mm256_fmsub_ps(planes, _mm256_broadcast_ss(inverse), _mm256_broadcast_ss(offset))
+        }
+    };
     // SAFETY: the offsets lie within the planes, which are aligned to 32 bytes.
     unsafe {
         let (x, y, z) = (ray.entries[0] as usize, ray.entries[1] as usize, ray.entries[2] as usize);
@@ -51,19 +58,21 @@ unsafe fn slabs(node: &Node, ray: &Ray) -> (__m256, __m256) {
     }
 }
 
-/// Distances to eight planes.
+/// Eight planes, at a time if they move.
 ///
 /// # Safety
-/// The CPU has AVX2 and FMA; there are eight planes, aligned to 32 bytes.
+/// The CPU has AVX2 and FMA; there are eight planes of a node, aligned to 32 bytes.
 #[inline(always)]
-unsafe fn slab(planes: *const u8, inverse: &f32, offset: &f32) -> __m256 {
-    // SAFETY: the caller's.
+unsafe fn planes_at<const MOVES: bool>(planes: *const u8, time: f32) -> __m256 {
+    // SAFETY: the caller's; a node whose boxes move is followed by how they do.
     unsafe {
-        _mm256_fmsub_ps(
-            _mm256_load_ps(planes.cast()),
-            _mm256_broadcast_ss(inverse),
-            _mm256_broadcast_ss(offset),
-        )
+        let start = _mm256_load_ps(planes.cast());
+        if MOVES {
+            let change = _mm256_load_ps(planes.add(size_of::<Node>()).cast());
+            _mm256_fmadd_ps(change, _mm256_set1_ps(time), start)
+        } else {
+            start
+        }
     }
 }
 
@@ -86,28 +95,33 @@ unsafe fn shifted(node: &Node, shift: u32) -> __m256i {
 /// # Safety
 /// The CPU has AVX2 and FMA.
 #[inline(always)]
-unsafe fn met_by(node: &Node, beam: &Beam) -> __m256 {
-    let planes = node.planes.as_ptr().cast::<u8>();
+unsafe fn met_by<const MOVES: bool>(node: *const Node, beam: &Beam) -> __m256 {
+    let planes = node.cast::<u8>();
     // SAFETY: the offsets lie within the planes, which are aligned to 32 bytes.
     unsafe {
         let mut near = _mm256_setzero_ps();
         let mut far = _mm256_set1_ps(beam.t_max);
         for axis in 0..3 {
             let entry = beam.entries[axis] as usize;
-            let plane = _mm256_load_ps(planes.add(entry).cast());
-            let t = _mm256_fmsub_ps(
-                plane,
-                _mm256_set1_ps(beam.least[axis]),
-                _mm256_set1_ps(beam.near[axis]),
-            );
-            near = _mm256_max_ps(near, t);
-            let plane = _mm256_load_ps(planes.add(entry ^ 32).cast());
-            let t = _mm256_fmsub_ps(
-                plane,
-                _mm256_set1_ps(beam.most[axis]),
-                _mm256_set1_ps(beam.far[axis]),
-            );
-            far = _mm256_min_ps(far, t);
+            let (least, offset) = (beam.least[axis], beam.near[axis]);
+            let enter = |time| {
+                let plane = planes_at::<MOVES>(planes.add(entry), time);
+                _mm256_fmsub_ps(plane, _mm256_set1_ps(least), _mm256_set1_ps(offset))
+            };
+            let (most, offset) = (beam.most[axis], beam.far[axis]);
+            let leave = |time| {
+                let plane = planes_at::<MOVES>(planes.add(entry ^ 32), time);
+                _mm256_fmsub_ps(plane, _mm256_set1_ps(most), _mm256_set1_ps(offset))
+            };
+            let [first, last] = beam.times;
+            let (mut enters, mut leaves) = (enter(first), leave(first));
+            if MOVES {
+                // A plane that moves lies between where it is at the first time and at the last.
+                enters = _mm256_min_ps(enters, enter(last));
+                leaves = _mm256_max_ps(leaves, leave(last));
+            }
+            near = _mm256_max_ps(near, enters);
+            far = _mm256_min_ps(far, leaves);
         }
         _mm256_cmp_ps::<_CMP_LE_OQ>(near, far)
     }
@@ -118,11 +132,11 @@ unsafe fn met_by(node: &Node, beam: &Beam) -> __m256 {
 /// # Safety
 /// The CPU has AVX2 and FMA.
 #[inline(always)]
-unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
+unsafe fn may_enter<const MOVES: bool>(node: *const Node, beam: &Beam) -> u32 {
     // SAFETY: the caller's.
     unsafe {
-        let met = met_by(node, beam);
-        let order = shifted(node, beam.order_shift);
+        let met = met_by::<MOVES>(node, beam);
+        let order = shifted(&*node, beam.order_shift);
         let order = _mm256_permutevar8x32_epi32(order, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
         _mm256_movemask_ps(_mm256_permutevar8x32_ps(met, order)) as u32
     }
@@ -134,10 +148,15 @@ unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
 /// # Safety
 /// The CPU has AVX-512.
 #[inline(always)]
-unsafe fn sorted(node: &Node, ray: &Ray, among: u8) -> (__m256, __m256i, u8) {
+unsafe fn sorted<const MOVES: bool>(
+    node: *const Node,
+    ray: &Ray,
+    among: u8,
+) -> (__m256, __m256i, u8) {
     // SAFETY: the caller's.
     unsafe {
-        let (near, far) = slabs(node, ray);
+        let (near, far) = slabs::<MOVES>(node, ray);
+        let node = &*node;
         let order = shifted(node, ray.order_shift);
         let near = _mm256_permutevar8x32_ps(near, order);
         let far = _mm256_permutevar8x32_ps(far, order);
@@ -147,13 +166,13 @@ unsafe fn sorted(node: &Node, ray: &Ray, among: u8) -> (__m256, __m256i, u8) {
     }
 }
 
-impl<const FAR: bool> PacketSteps for Avx512<FAR> {
+impl<const FAR: bool, const MOVES: bool> PacketSteps for Avx512<FAR, MOVES> {
     type Lanes = __m512;
 
     #[inline(always)]
-    unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
+    unsafe fn may_enter(node: *const Node, beam: &Beam) -> u32 {
         // SAFETY: the caller's.
-        unsafe { may_enter(node, beam) }
+        unsafe { may_enter::<MOVES>(node, beam) }
     }
 
     #[inline(always)]
@@ -165,7 +184,7 @@ impl<const FAR: bool> PacketSteps for Avx512<FAR> {
         query: &mut Q,
     ) {
         // SAFETY: the caller's.
-        unsafe { walk_avx512::<FAR, Q>(around, prepared, base, set, query) }
+        unsafe { walk_avx512::<FAR, MOVES, Q>(around, prepared, base, set, query) }
     }
 }
 
@@ -173,7 +192,7 @@ impl<const FAR: bool> PacketSteps for Avx512<FAR> {
 /// As [`packet::walk`].
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
 #[inline(never)]
-unsafe fn walk_avx512<const FAR: bool, Q: Query>(
+unsafe fn walk_avx512<const FAR: bool, const MOVES: bool, Q: Query>(
     around: &mut Surroundings,
     prepared: &Prepared,
     base: usize,
@@ -181,16 +200,16 @@ unsafe fn walk_avx512<const FAR: bool, Q: Query>(
     query: &mut Q,
 ) {
     // SAFETY: the caller's.
-    unsafe { packet::walk::<Avx512<FAR>, Q>(around, prepared, base, set, query) }
+    unsafe { packet::walk::<Avx512<FAR, MOVES>, Q>(around, prepared, base, set, query) }
 }
 
-impl<const FAR: bool> PacketSteps for Avx2<FAR> {
+impl<const FAR: bool, const MOVES: bool> PacketSteps for Avx2<FAR, MOVES> {
     type Lanes = __m256;
 
     #[inline(always)]
-    unsafe fn may_enter(node: &Node, beam: &Beam) -> u32 {
+    unsafe fn may_enter(node: *const Node, beam: &Beam) -> u32 {
         // SAFETY: the caller's.
-        unsafe { may_enter(node, beam) }
+        unsafe { may_enter::<MOVES>(node, beam) }
     }
 
     #[inline(always)]
@@ -202,7 +221,7 @@ impl<const FAR: bool> PacketSteps for Avx2<FAR> {
         query: &mut Q,
     ) {
         // SAFETY: the caller's.
-        unsafe { walk_avx2::<FAR, Q>(around, prepared, base, set, query) }
+        unsafe { walk_avx2::<FAR, MOVES, Q>(around, prepared, base, set, query) }
     }
 }
 
@@ -210,7 +229,7 @@ impl<const FAR: bool> PacketSteps for Avx2<FAR> {
 /// As [`packet::walk`].
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
-unsafe fn walk_avx2<const FAR: bool, Q: Query>(
+unsafe fn walk_avx2<const FAR: bool, const MOVES: bool, Q: Query>(
     around: &mut Surroundings,
     prepared: &Prepared,
     base: usize,
@@ -218,10 +237,10 @@ unsafe fn walk_avx2<const FAR: bool, Q: Query>(
     query: &mut Q,
 ) {
     // SAFETY: the caller's.
-    unsafe { packet::walk::<Avx2<FAR>, Q>(around, prepared, base, set, query) }
+    unsafe { packet::walk::<Avx2<FAR, MOVES>, Q>(around, prepared, base, set, query) }
 }
 
-impl<const FAR: bool> Packets for Avx512<FAR> {
+impl<const FAR: bool, const MOVES: bool> Packets for Avx512<FAR, MOVES> {
     #[inline(always)]
     unsafe fn packets<Q: Query>(
         around: &mut Surroundings,
@@ -234,14 +253,16 @@ impl<const FAR: bool> Packets for Avx512<FAR> {
     }
 }
 
-impl<const FAR: bool> Steps for Avx512<FAR> {
+impl<const FAR: bool, const MOVES: bool> Steps for Avx512<FAR, MOVES> {
     type Choosing = order::Avx512;
+
+    const MOVES: bool = MOVES;
 
     const IS_FAR: bool = FAR;
 
     #[inline(always)]
     unsafe fn children(
-        node: &Node,
+        node: *const Node,
         ray: &Ray,
         among: u8,
         ts: *mut f32,
@@ -249,7 +270,7 @@ impl<const FAR: bool> Steps for Avx512<FAR> {
     ) -> usize {
         // SAFETY: the caller's.
         unsafe {
-            let (near, names, entered) = sorted(node, ray, among);
+            let (near, names, entered) = sorted::<MOVES>(node, ray, among);
             _mm256_storeu_ps(ts, _mm256_maskz_compress_ps(entered, near));
             _mm256_storeu_si256(children.cast(), _mm256_maskz_compress_epi32(entered, names));
             entered.count_ones() as usize
@@ -279,7 +300,7 @@ impl<const FAR: bool> Steps for Avx512<FAR> {
     #[inline(always)]
     unsafe fn deal(prepared: &Prepared, rays: &mut [Ray; LANES]) {
         // SAFETY: the caller's.
-        unsafe { Ray::deal::<__m512>(prepared, rays) }
+        unsafe { Ray::deal::<__m512, MOVES>(prepared, rays) }
     }
 
     const BLOCKS: usize = 4;
@@ -287,11 +308,11 @@ impl<const FAR: bool> Steps for Avx512<FAR> {
     #[inline(always)]
     unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32 {
         // SAFETY: the caller's.
-        unsafe { blocks::<__m512>(meetings, any, hits) }
+        unsafe { blocks::<__m512, MOVES>(meetings, any, hits) }
     }
 }
 
-impl<const FAR: bool> Packets for Avx2<FAR> {
+impl<const FAR: bool, const MOVES: bool> Packets for Avx2<FAR, MOVES> {
     #[inline(always)]
     unsafe fn packets<Q: Query>(
         around: &mut Surroundings,
@@ -304,14 +325,16 @@ impl<const FAR: bool> Packets for Avx2<FAR> {
     }
 }
 
-impl<const FAR: bool> Steps for Avx2<FAR> {
+impl<const FAR: bool, const MOVES: bool> Steps for Avx2<FAR, MOVES> {
     type Choosing = order::Avx2;
+
+    const MOVES: bool = MOVES;
 
     const IS_FAR: bool = FAR;
 
     #[inline(always)]
     unsafe fn children(
-        node: &Node,
+        node: *const Node,
         ray: &Ray,
         among: u8,
         ts: *mut f32,
@@ -319,7 +342,8 @@ impl<const FAR: bool> Steps for Avx2<FAR> {
     ) -> usize {
         // SAFETY: the caller's.
         unsafe {
-            let (near, far) = slabs(node, ray);
+            let (near, far) = slabs::<MOVES>(node, ray);
+            let node = &*node;
             let entered = _mm256_cmp_ps::<_CMP_LE_OQ>(near, far);
             let order = shifted(node, ray.order_shift);
             let set = _mm256_movemask_ps(_mm256_permutevar8x32_ps(entered, order)) as usize;
@@ -336,7 +360,7 @@ impl<const FAR: bool> Steps for Avx2<FAR> {
     #[inline(always)]
     unsafe fn deal(prepared: &Prepared, rays: &mut [Ray; LANES]) {
         // SAFETY: the caller's.
-        unsafe { Ray::deal::<__m256>(prepared, rays) }
+        unsafe { Ray::deal::<__m256, MOVES>(prepared, rays) }
     }
 
     const BLOCKS: usize = 2;
@@ -344,7 +368,7 @@ impl<const FAR: bool> Steps for Avx2<FAR> {
     #[inline(always)]
     unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32 {
         // SAFETY: the caller's.
-        unsafe { blocks::<__m256>(meetings, any, hits) }
+        unsafe { blocks::<__m256, MOVES>(meetings, any, hits) }
     }
 }
 
@@ -353,7 +377,7 @@ impl<const FAR: bool> Steps for Avx2<FAR> {
 /// # Safety
 /// The CPU has the instructions of `L`; otherwise as [`Steps::blocks`].
 #[inline(always)]
-unsafe fn blocks<L: Quads>(
+unsafe fn blocks<L: Quads, const MOVES: bool>(
     meetings: &[Meeting; MOST_BLOCKS],
     any: bool,
     hits: &mut BlockHits,
@@ -362,6 +386,15 @@ unsafe fn blocks<L: Quads>(
     // SAFETY: rows and what is read beyond the last are readable, as the caller promises; arrays
     // of hits have as many places as there are lanes, or more.
     unsafe {
+        let time = if MOVES {
+            let mut times = [std::ptr::null::<f32>(); MOST_BLOCKS];
+            for (time, meeting) in times.iter_mut().zip(&meetings[..quads]) {
+                *time = &raw const (*meeting.ray).time;
+            }
+            L::splat_quads(&times)
+        } else {
+            L::splat(0.0)
+        };
         let mut corners = [[L::splat(0.0); 3]; 3];
         let mut lines = [[std::ptr::null::<f32>(); MOST_BLOCKS]; 3];
         let mut lanes = 0;
@@ -379,6 +412,12 @@ unsafe fn blocks<L: Quads>(
                     rows[i] = rows[i].add(3 * c * meetings[i].count);
                 }
                 *row = L::quads(&rows);
+                if MOVES {
+                    for i in 0..quads {
+                        rows[i] = rows[i].add(FIRST_CHANGE * meetings[i].count);
+                    }
+                    *row = row.add(L::quads(&rows).mul(time));
+                }
             }
         }
         let mut fields = [[std::ptr::null::<f32>(); MOST_BLOCKS]; 3];
@@ -404,7 +443,7 @@ unsafe fn blocks<L: Quads>(
         if set == 0 {
             return 0;
         }
-        let tested = tested.settle(|lane| pair_at(meetings, lane));
+        let tested = tested.settle(|lane| pair_at::<MOVES>(meetings, lane));
         set = tested.hits;
         if any {
             return set & tested.t.lt(t_max);
@@ -424,8 +463,14 @@ unsafe fn blocks<L: Quads>(
 /// As [`Steps::blocks`]; there is such a lane.
 #[cold]
 #[inline(never)]
-unsafe fn pair_at(meetings: &[Meeting; MOST_BLOCKS], lane: usize) -> (ShearedRay, Triangle) {
+unsafe fn pair_at<const MOVES: bool>(
+    meetings: &[Meeting; MOST_BLOCKS],
+    lane: usize,
+) -> (ShearedRay, Triangle) {
     let Meeting { block, count, ray } = meetings[lane / BLOCK];
     // SAFETY: the caller's.
-    unsafe { ((*ray).sheared(), triangle_at(block, count, lane % BLOCK)) }
+    unsafe {
+        let time = MOVES.then_some((*ray).time);
+        ((*ray).sheared(), triangle_at(block, count, lane % BLOCK, time))
+    }
 }

@@ -26,7 +26,7 @@ impl FrameScene {
         scratch: &mut SurfaceScratch,
     ) {
         let gathered = &mut scratch.0;
-        self.gather(found, surfaces.len, &surfaces.ray, gathered);
+        self.gather(found, time, (&surfaces.ray, surfaces.len), gathered);
         self.isa.run(OnTriangles { gathered, to: surfaces });
         self.place_curved(rays, time, found, gathered, surfaces);
         self.look_up_images(found, surfaces);

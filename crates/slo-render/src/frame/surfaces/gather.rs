@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 
 use super::columns::Surfaces;
 use super::tangents::{Tangent, tangent};
+use crate::frame::bend::normal_at;
 use crate::frame::looks::Look;
 use crate::frame::scene::{FrameObject, FrameScene};
 use crate::frame::shapes::Geometry;
@@ -16,7 +17,7 @@ use crate::shading::material::principled::Parameters;
 use crate::shading::texture::sample_bilinear;
 use slo_accel::curved::Part;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
-use slo_accel::{Curved, Lanewise, NO_HIT, Rays, Structure, Triangle};
+use slo_accel::{Curved, Lanewise, Moment, NO_HIT, Rays, Structure, Triangle};
 use slo_scene::{Integrator, Mesh, ShadowMode};
 
 /// The data from which the points of hits are computed.
@@ -127,8 +128,8 @@ impl FrameScene {
     pub(super) fn gather(
         &self,
         found: &WorldHits,
-        len: usize,
-        rays: &Column<u32>,
+        time: &Column<f32>,
+        (rays, len): (&Column<u32>, usize),
         to: &mut Gathered,
     ) {
         to.curved.clear();
@@ -138,15 +139,16 @@ impl FrameScene {
             let start = group * GROUP;
             let (first, u_v) = (Hit::new(found, rays[0] as usize), |ray| Hit::new(found, ray).uv);
             let differs = rays.iter().fold(0, |all, &ray| all | first.differs(found, ray as usize));
+            let differs = differs | u32::from(self.bends(first.instance));
             if differs == 0 {
-                self.find_corners(&first, start..start + rays.len(), &mut last, to);
+                self.find_corners(&first, time, start..start + rays.len(), &mut last, to);
                 to.fill(start, &last);
             }
             for (i, &ray) in (start..).zip(rays) {
                 [to.u[i], to.v[i]] = u_v(ray as usize);
                 if differs != 0 {
                     let hit = Hit::new(found, ray as usize);
-                    self.find_corners(&hit, i..i + 1, &mut last, to);
+                    self.find_corners(&hit, time, i..i + 1, &mut last, to);
                     to.set(i, &last);
                 }
             }
@@ -156,13 +158,29 @@ impl FrameScene {
     /// Fetches corners and normals of the triangle that contains `hits`, unless `last` is that
     /// triangle, and lists the hits that need more.
     #[inline(always)]
-    fn find_corners(&self, hit: &Hit, hits: Range<usize>, last: &mut Corners, to: &mut Gathered) {
+    fn find_corners(
+        &self,
+        hit: &Hit,
+        time: &Column<f32>,
+        hits: Range<usize>,
+        last: &mut Corners,
+        to: &mut Gathered,
+    ) {
         let numbers = hits.start as u16..hits.end as u16;
         let (structure, object) = if hit.instance == STILL {
             (&self.world.still, self.still_objects[hit.primitive as usize])
         } else {
             let instance = &self.world.instances[hit.instance as usize];
             to.moving.extend(numbers.clone());
+            if let Some(bending) = &instance.bending {
+                let (time, object) = (time[hit.ray], &self.objects[instance.object as usize]);
+                *last = Corners {
+                    of: (NO_HIT, STILL),
+                    corners: bending.triangle(hit.primitive, time),
+                    normals: object.bent_normals(hit.primitive, bending.moment(time)),
+                };
+                return;
+            }
             (&instance.structure, instance.object)
         };
         if (hit.primitive as usize) >= structure.triangle_count() {
@@ -174,6 +192,12 @@ impl FrameScene {
                 normals: self.objects[object as usize].corner_normals(hit.primitive),
             };
         }
+    }
+
+    /// Whether the corners of an instance depend on the ray's time.
+    fn bends(&self, instance: u32) -> bool {
+        let instance = self.world.instances.get(instance as usize);
+        instance.is_some_and(|instance| instance.bending.is_some())
     }
 
     /// Computes points and normals of curved surfaces, in the space of their structure.
@@ -447,6 +471,20 @@ impl FrameObject {
             Geometry::Mesh(ref mesh, _) if !self.normals.is_empty() => {
                 let face = mesh.faces[(primitive - self.first_triangle) as usize];
                 face.map(|vertex| self.normals[vertex as usize])
+            }
+            _ => [Vec3::ZERO; 3],
+        }
+    }
+}
+
+impl FrameObject {
+    /// Returns the normals at the corners of a triangle of a mesh that bends; 0 if they are not
+    /// interpolated.
+    fn bent_normals(&self, primitive: u32, at: Moment) -> [Vec3; 3] {
+        match self.geometry {
+            Geometry::Mesh(ref mesh, _) if !self.normals.is_empty() => {
+                let (face, count) = (mesh.faces[primitive as usize], mesh.positions.len());
+                face.map(|vertex| normal_at(&self.normals, count, vertex, at))
             }
             _ => [Vec3::ZERO; 3],
         }

@@ -1,5 +1,6 @@
 //! Pictures whose pixels can be derived by hand. Each test explains how.
 
+mod bending;
 mod compositing;
 mod copied;
 mod expectation;

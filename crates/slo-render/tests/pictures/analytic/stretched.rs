@@ -1,7 +1,6 @@
 //! Things that are scaled, or hang in others.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use glam::DVec3;
 use slo_accel::Isa;
@@ -61,7 +60,7 @@ fn ellipsoid(scale: DVec3) -> Shape {
             mesh.faces.extend([[a, b, c], [a, c, d]]);
         }
     }
-    Shape::Mesh(MeshSurface { mesh: Arc::new(mesh), smooth: true })
+    Shape::Mesh(MeshSurface::new(mesh, true))
 }
 
 #[test]

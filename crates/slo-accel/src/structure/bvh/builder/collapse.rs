@@ -7,8 +7,11 @@ use rayon::prelude::*;
 
 use super::family::Family;
 use super::tree::{BinaryTree, Branch};
+use crate::math::Bounds;
 use crate::primitives::Triangle;
-use crate::structure::bvh::layout::{BLOCK, Child, Corners, ID_ROW, Node, Place, WIDTH};
+use crate::structure::bvh::layout::{
+    BLOCK, Child, Corners, FIRST_CHANGE, ID_ROW, Node, Place, WIDTH, nodes_per_node, rows_of,
+};
 use crate::structure::shared::pages::Array;
 
 /// Wide nodes that one task writes.
@@ -24,6 +27,50 @@ pub(super) struct Wide {
     pub(super) depth: usize,
 }
 
+/// The triangles that leaves hold.
+pub(super) struct Shapes<'a> {
+    pub(super) starts: &'a [Triangle],
+    /// Where they move to, if they do.
+    pub(super) ends: Option<&'a [Triangle]>,
+}
+
+impl Shapes<'_> {
+    /// The boxes about a triangle at the start and at the end.
+    pub(super) fn boxes(&self, id: u32) -> [Bounds; 2] {
+        let ends = self.ends.unwrap_or(self.starts);
+        [self.starts, ends].map(|triangles| Bounds::of_points(triangles[id as usize]))
+    }
+
+    fn moves(&self) -> bool {
+        self.ends.is_some()
+    }
+
+    fn rows(&self) -> usize {
+        rows_of(self.moves())
+    }
+
+    /// Writes a block of triangles in rows.
+    fn write(&self, rows: &mut [f32], block: &[u32]) {
+        let n = block.len();
+        for (lane, &id) in block.iter().enumerate() {
+            let start = &self.starts[id as usize];
+            rows[ID_ROW * n + lane] = f32::from_bits(id);
+            for (corner, p) in start.iter().enumerate() {
+                for axis in 0..3 {
+                    rows[(3 * corner + axis) * n + lane] = p[axis];
+                }
+            }
+            let Some(ends) = self.ends else { continue };
+            for (corner, p) in ends[id as usize].iter().enumerate() {
+                let change = p - start[corner];
+                for axis in 0..3 {
+                    rows[(FIRST_CHANGE + 3 * corner + axis) * n + lane] = change[axis];
+                }
+            }
+        }
+    }
+}
+
 /// A wide node to be written.
 #[derive(Clone, Copy)]
 struct Draft {
@@ -33,12 +80,13 @@ struct Draft {
 }
 
 /// Writes the wide hierarchy; `left_out` are triangles without area, which get a place but no leaf.
-pub(super) fn collapse(mut tree: BinaryTree, triangles: &[Triangle], left_out: &[u32]) -> Wide {
-    let (drafts, slots, depth) = draft(&mut tree, triangles.len() as u32);
-    let mut corners = Corners::new(slots + left_out.len());
-    let (leaf_rows, other_rows) = corners.rows_mut().split_at_mut(slots * Corners::PER_TRIANGLE);
-    let places = (0..triangles.len()).into_par_iter().map(|_| AtomicU32::new(u32::MAX)).collect();
-    let writer = Writer { tree: &tree, triangles, places };
+pub(super) fn collapse(mut tree: BinaryTree, shapes: &Shapes, left_out: &[u32]) -> Wide {
+    let (drafts, slots, depth) = draft(&mut tree, shapes.starts.len() as u32);
+    let mut corners = Corners::new(slots + left_out.len(), shapes.moves());
+    let (leaf_rows, other_rows) = corners.rows_mut().split_at_mut(slots * shapes.rows());
+    let places =
+        (0..shapes.starts.len()).into_par_iter().map(|_| AtomicU32::new(u32::MAX)).collect();
+    let writer = Writer { tree: &tree, shapes, places };
     let nodes = writer.write_all(&drafts, leaf_rows);
     let mut others = Blocks { begin: slots as u32, used: 0, rows: other_rows };
     for &id in left_out {
@@ -75,24 +123,25 @@ fn draft(tree: &mut BinaryTree, first_curved: u32) -> (Vec<Draft>, usize, usize)
 
 struct Writer<'a> {
     tree: &'a BinaryTree,
-    triangles: &'a [Triangle],
+    shapes: &'a Shapes<'a>,
     /// Where each triangle was put, by id.
     places: Vec<AtomicU32>,
 }
 
 impl Writer<'_> {
     fn write_all(&self, drafts: &[Draft], mut rows: &mut [f32]) -> Array<Node> {
-        let mut nodes = Array::filled(Node::EMPTY, drafts.len());
-        let slots = (rows.len() / Corners::PER_TRIANGLE) as u32;
+        let (per_node, per_triangle) = (nodes_per_node(self.shapes.moves()), self.shapes.rows());
+        let mut nodes = Array::filled(Node::EMPTY, per_node * drafts.len());
+        let slots = (rows.len() / per_triangle) as u32;
         let tasks: Vec<_> = nodes
-            .chunks_mut(TASK)
+            .chunks_mut(per_node * TASK)
             .zip(drafts.chunks(TASK))
             .enumerate()
             .map(|(i, (nodes, task))| {
                 let end = drafts.get((i + 1) * TASK).map_or(slots, |next| next.first_slot);
                 let count = (end - task[0].first_slot) as usize;
                 let (task_rows, later_rows) =
-                    std::mem::take(&mut rows).split_at_mut(count * Corners::PER_TRIANGLE);
+                    std::mem::take(&mut rows).split_at_mut(count * per_triangle);
                 rows = later_rows;
                 (nodes, task, task_rows)
             })
@@ -100,9 +149,9 @@ impl Writer<'_> {
         tasks.into_par_iter().for_each(|(nodes, task, rows)| {
             let mut family = Family::default();
             let mut blocks = Blocks { begin: task[0].first_slot, used: 0, rows };
-            for (node, draft) in nodes.iter_mut().zip(task) {
+            for (nodes, draft) in nodes.chunks_exact_mut(per_node).zip(task) {
                 family.gather(self.tree, draft.root);
-                self.write(node, &family, &mut blocks);
+                self.write(nodes, &family, &mut blocks);
             }
         });
         nodes
@@ -118,21 +167,40 @@ impl Writer<'_> {
         }
     }
 
-    fn write(&self, node: &mut Node, family: &Family, blocks: &mut Blocks) {
-        for (place, &child) in family.children.iter().enumerate() {
-            let bounds = self.tree.bounds(child);
-            node.set(place, self.child(child, blocks), bounds);
+    fn write(&self, nodes: &mut [Node], family: &Family, blocks: &mut Blocks) {
+        if self.shapes.moves() {
+            nodes[1] = Node::AT_REST;
         }
-        node.order = self.order(family);
+        for (place, &branch) in family.children.iter().enumerate() {
+            let child = self.child(branch, blocks);
+            if self.shapes.moves() {
+                Node::set_moving(nodes, place, child, self.moving_boxes(branch));
+            } else {
+                nodes[0].set(place, child, self.tree.bounds(branch));
+            }
+        }
+        nodes[0].order = self.order(family);
+    }
+
+    /// The boxes about a branch at the start and at the end. What moves straight from one to the
+    /// other stays between the planes that do, so both are as tight as they can be.
+    fn moving_boxes(&self, of: Branch) -> [Bounds; 2] {
+        let references = &self.tree.references[of.first as usize..][..of.count as usize];
+        references
+            .iter()
+            .map(|r| self.shapes.boxes(r.id()))
+            .fold([Bounds::EMPTY; 2], |[start, end], [a, b]| [start.union(a), end.union(b)])
     }
 
     fn child(&self, child: Branch, blocks: &mut Blocks) -> Child {
         if !self.tree.is_leaf(child) {
-            return Child::node(self.tree.plan(child).number());
+            let per_node = nodes_per_node(self.shapes.moves()) as u32;
+            return Child::node(per_node * self.tree.plan(child).number());
         }
         let id = self.tree.references[child.first as usize].id();
-        if id as usize >= self.triangles.len() {
-            return Child::curved(id - self.triangles.len() as u32);
+        let triangles = self.shapes.starts.len();
+        if id as usize >= triangles {
+            return Child::curved(id - triangles as u32);
         }
         blocks.push(Block::of(self.tree, child).ids(), self)
     }
@@ -226,23 +294,11 @@ struct Blocks<'a> {
 impl Blocks<'_> {
     fn push(&mut self, block: &[u32], writer: &Writer) -> Child {
         let (slot, count) = (self.begin + self.used as u32, block.len() as u32);
-        write_block(&mut self.rows[self.used * Corners::PER_TRIANGLE..], block, writer.triangles);
+        writer.shapes.write(&mut self.rows[self.used * writer.shapes.rows()..], block);
         for (lane, &id) in (0..).zip(block) {
             writer.put(id, Place::new(slot, count, lane));
         }
         self.used += block.len();
         Child::triangles(slot, count)
-    }
-}
-
-fn write_block(rows: &mut [f32], block: &[u32], triangles: &[Triangle]) {
-    let n = block.len();
-    for (lane, &id) in block.iter().enumerate() {
-        rows[ID_ROW * n + lane] = f32::from_bits(id);
-        for (corner, p) in triangles[id as usize].iter().enumerate() {
-            for axis in 0..3 {
-                rows[(3 * corner + axis) * n + lane] = p[axis];
-            }
-        }
     }
 }
