@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slo_accel::Isa;
-use slo_picture::film::{Display, FileLayer, Film, Image};
+use slo_picture::film::{Display, FileLayer, Film, Image, MaskKind, Pixel, mask_id};
 use slo_picture::output::{self, Outcome, Recipe, with_outcome};
 use slo_scene::{Layer, OutputFormat, SceneDescription};
 
@@ -21,7 +21,7 @@ pub struct Picture {
 
 impl Picture {
     pub(crate) fn new(scene: SceneDescription, frame: i64, film: Film) -> Self {
-        let layers = FileLayer::all(&scene.camera.film.layers, &scene.light_groups());
+        let layers = FileLayer::all(&scene.camera.film.layers, &scene.layer_names());
         let layers = film.layers_of(film.area(), layers);
         Self { layers, image: film.image(), film, scene, frame }
     }
@@ -48,14 +48,45 @@ impl Picture {
         self.image.srgb8(self.scene.camera.film.look(&self.scene.settings))
     }
 
-    /// Returns a layer that was [asked for](crate::Render::layers), row by row from the top. For
-    /// [`Layer::Lights`], which is one layer for each group, see [`light`](Self::light).
+    /// Returns a layer that was [asked for](crate::Render::layers), row by row from the top. A layer of a
+    /// single number, such as [`Layer::Depth`], has it first, and then zeros. For [`Layer::Lights`], which
+    /// is one layer for each group, see [`light`](Self::light), for [`Layer::Motion`], which has four
+    /// numbers, [`motion`](Self::motion), and for masks [`mask`](Self::mask).
     pub fn layer(&self, layer: Layer) -> Option<&[[f32; 3]]> {
         match layer {
             Layer::Albedo => self.file_layer(&FileLayer::Albedo),
             Layer::Normal => self.file_layer(&FileLayer::Normal),
-            Layer::Lights => None,
+            Layer::Depth => self.file_layer(&FileLayer::Depth),
+            Layer::Position => self.file_layer(&FileLayer::Position),
+            Layer::Uv => self.file_layer(&FileLayer::Uv),
+            Layer::Samples => self.file_layer(&FileLayer::Samples),
+            Layer::Error => self.file_layer(&FileLayer::Error),
+            Layer::Lights | Layer::Motion | Layer::CryptoObject | Layer::CryptoMaterial => None,
         }
+    }
+
+    /// Returns by how many pixels what camera rays hit moves to the right and up: two numbers for where
+    /// it was in the frame before, minus where it is, and two for where it is, minus where it will be in
+    /// the next frame. `None` unless [`Layer::Motion`] was [asked for](crate::Render::layers).
+    pub fn motion(&self) -> Option<Vec<[f32; 4]>> {
+        let before = self.file_layer(&FileLayer::MotionBefore)?;
+        let after = self.file_layer(&FileLayer::MotionAfter)?;
+        let both = before.iter().zip(after).map(|([x, y, _], [z, w, _])| [*x, *y, *z, *w]);
+        Some(both.collect())
+    }
+
+    /// Returns for each pixel the share of its samples that hit an object of this name, for
+    /// [`Layer::CryptoObject`], or a material of this name, for [`Layer::CryptoMaterial`]. `None` if the
+    /// layer was not [asked for](crate::Render::layers), and for other layers.
+    pub fn mask(&self, layer: Layer, name: &str) -> Option<Vec<f32>> {
+        let kind = MaskKind::ALL.into_iter().find(|kind| kind.layer() == layer)?;
+        let (id, hits) = (mask_id(name), self.film.first_hits());
+        let share = |(i, pixel): (usize, &Pixel)| {
+            let mut ids = hits.ids(kind, i)?.entries().iter();
+            let count = ids.find(|(other, _)| *other == id).map_or(0, |(_, count)| *count);
+            Some((f64::from(count) / f64::from(pixel.samples.max(1))) as f32)
+        };
+        self.film.pixels().iter().enumerate().map(share).collect()
     }
 
     /// Returns the light of a group of lights, if [`Layer::Lights`] was

@@ -166,7 +166,7 @@ fn check(settings: &Settings, film: &FilmSettings) -> Result<(), Error> {
 fn empty_film(scene: &SceneDescription, with_spreads: bool) -> Result<Film, Error> {
     let &FilmSettings { width, height, ref layers, .. } = &scene.camera.film;
     let empty = Film::new(Area::whole(width, height), with_spreads);
-    let empty = empty.and_then(|film| film.with_layers(layers, &scene.light_groups()));
+    let empty = empty.and_then(|film| film.with_layers(layers, &scene.layer_names()));
     empty.map_err(|_| Error::TooLarge { width, height })
 }
 

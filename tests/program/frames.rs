@@ -71,6 +71,23 @@ fn the_same_command_again_renders_what_is_missing_damaged_or_stale() {
 }
 
 #[test]
+fn a_scene_of_several_files() {
+    let folder = Folder::with_scene("include parts/all.txt");
+    let missing = folder.run("-s scene.txt --check");
+    assert_eq!(missing.exit, 66, "{}", missing.said);
+    fs::create_dir(folder.path().join("parts")).unwrap();
+    folder.write("parts/all.txt", SCENE);
+    folder.printed("-q -s scene.txt -f 0-2");
+    assert_eq!(folder.run("verify -s scene.txt ball_00001.png").exit, 0);
+    folder.write("parts/all.txt", format!("{SCENE}# another text"));
+    assert_ne!(folder.run("verify -s scene.txt ball_00001.png").exit, 0);
+    let listed = folder.run("-s scene.txt -f all --dry-run");
+    let states: Vec<_> = plan(&listed.printed).into_iter().map(|[_, _, state]| state).collect();
+    assert_eq!(states.iter().filter(|state| state.starts_with("stale (")).count(), 3, "{states:?}");
+    assert_eq!(states.iter().filter(|state| **state == "missing").count(), states.len() - 3);
+}
+
+#[test]
 fn with_times_in_their_names_too() {
     let folder = Folder::new();
     folder.printed("-q -s scene.txt -f 0-2 --info");

@@ -70,6 +70,47 @@ fn parts_and_more_samples_make_the_same_layers() {
 }
 
 #[test]
+fn layers_for_compositors_are_verified_merged_and_kept() {
+    let layers =
+        "--format exr --layers depth,uv,motion,crypto_object,crypto_material,samples,error";
+    let folder = folder();
+    folder.printed(&format!("-q -s scene.txt {layers} -od whole"));
+    let whole = folder.read("whole/ball_00000.exr");
+    let channels = channels(&whole);
+    for name in ["depth.Z", "uv.A", "motion.W", "crypto_object02.A", "samples.X", "error.G"] {
+        assert!(channels.iter().any(|channel| channel == name), "{name}: {channels:?}");
+    }
+    let meta = exr::meta::MetaData::read_from_buffered(&whole[..], false).unwrap();
+    let attributes = &meta.headers[0].own_attributes.other;
+    for (key, value) in
+        [("name", "crypto_object"), ("hash", "MurmurHash3_32"), ("conversion", "uint32_to_float32")]
+    {
+        let name = exr::meta::attribute::Text::from(&*format!("cryptomatte/f834d0a/{key}"));
+        let expected = exr::meta::attribute::AttributeValue::Text(value.into());
+        assert_eq!(attributes.get(&name), Some(&expected), "{key}");
+    }
+    let verified = folder.printed("verify whole/ball_00000.exr -s scene.txt --tiles 99");
+    assert!(verified.starts_with("same\t"), "{verified}");
+    let mut parts = String::new();
+    for number in [2, 1] {
+        let part = format!("--part {number}/2 --part-by samples");
+        parts += &folder.printed(&format!("-q -s scene.txt {layers} {part} -od parts"));
+    }
+    folder.printed(&format!("merge -q -od merged {}", parts.replace('\n', " ")));
+    assert!(folder.read("merged/ball_00000.exr") == whole, "merged");
+    folder.printed(&format!("-q -s scene.txt {layers} --samples 3 --keep-state"));
+    folder.printed(&format!("-q -s scene.txt {layers} --samples 8"));
+    assert!(folder.read("ball_00000.exr") == whole, "more samples");
+    // Samples and errors need no sums of their own; other layers do.
+    folder.printed("-q -s scene.txt -f 1 --format exr --samples 3 --keep-state");
+    let run = folder.run("-s scene.txt -f 1 --format exr --layers samples --samples 8");
+    assert!(!run.said.contains("can't be used"), "{}", run.said);
+    folder.printed("-q -s scene.txt -f 2 --format exr --samples 3 --keep-state");
+    let run = folder.run("-s scene.txt -f 2 --format exr --layers depth --samples 8");
+    assert!(run.said.contains("its layers for compositors are not those"), "{}", run.said);
+}
+
+#[test]
 fn a_region_has_its_place_and_every_byte_counts() {
     let folder = folder();
     folder.printed(&format!("-q -s scene.txt {LAYERS}"));

@@ -105,6 +105,13 @@ impl Camera {
         2.0 * self.poses[0].half_up.length() / self.height as f32
     }
 
+    /// Returns the distance of a point, in render space, along the view at a shutter time.
+    pub(crate) fn depth(&self, time: f32, point: Vec3) -> f32 {
+        let pose = self.pose_at(time);
+        // Between two views, the direction is a little shorter than 1.
+        pose.forward.dot(point - pose.position) / pose.forward.length()
+    }
+
     /// Whether rays start at more than one point, so that the lens dimensions of a sample matter.
     pub(crate) fn has_lens(&self) -> bool {
         self.poses.iter().any(|pose| pose.lens_right != Vec3::ZERO)

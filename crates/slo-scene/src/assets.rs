@@ -1,28 +1,53 @@
 //! Meshes and textures: each file is read once, however many elements name it.
 
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::io::Read;
 use std::sync::Arc;
 
 use crate::attributes::FARTHEST;
-use crate::diagnostics::{Diagnostic, Diagnostics, Source, Span};
-use crate::files::{ContentHash, Files, HashingReader, OpenError};
+use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
+use crate::files::{ContentHash, Files, HashingReader, OpenError, is_absolute};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
 use crate::mesh::{self, Mesh};
+use crate::settings::Axes;
 use crate::texture::{self, Texture};
 
 /// Most spaces in front of the excerpt of a long line, which make its column number right.
 const MOST_PADDING: usize = 100_000;
+
+/// What a scene makes of the files of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Standing {
+    /// Whether there are normals.
+    pub(crate) smooth: bool,
+    /// Which way is up in the files.
+    pub(crate) axes: Axes,
+    /// Longest side of the whole, if it is not that of the files.
+    pub(crate) size: Option<f64>,
+}
+
+impl Standing {
+    /// The same for all that is equal.
+    fn key(self) -> (bool, Axes, Option<u64>) {
+        (self.smooth, self.axes, self.size.map(f64::to_bits))
+    }
+}
+
+/// The paths of a mesh, and what the scene makes of them.
+type MeshKey = (Vec<String>, (bool, Axes, Option<u64>));
 
 /// The files of a scene.
 pub(crate) struct Assets<'f> {
     files: &'f Files,
     /// Folder of the scene as the user gave it, with a `/`; for messages.
     folder: String,
+    /// Folders of included files, seen from that of the scene.
+    folders: HashMap<SourceId, String>,
     pub(crate) hash: ContentHash,
     textures: HashMap<String, Option<Arc<Texture>>>,
-    meshes: HashMap<(Vec<String>, bool), Option<Arc<Mesh>>>,
+    meshes: HashMap<MeshKey, Option<Arc<Mesh>>>,
     /// Paths of files that can't be loaded, which were reported.
     failed: HashSet<String>,
     /// Paths of meshes without uvs that have not been reported yet.
@@ -31,12 +56,18 @@ pub(crate) struct Assets<'f> {
 
 impl<'f> Assets<'f> {
     /// No file is read yet.
-    pub(crate) fn new(files: &'f Files, text_name: &str, hash: ContentHash) -> Self {
+    pub(crate) fn new(
+        files: &'f Files,
+        text_name: &str,
+        folders: HashMap<SourceId, String>,
+        hash: ContentHash,
+    ) -> Self {
         let end = text_name.rfind(['/', '\\']).map_or(0, |i| i + 1);
         let folder = text_name[..end].to_owned();
         Self {
             files,
             folder,
+            folders,
             hash,
             textures: HashMap::new(),
             meshes: HashMap::new(),
@@ -51,7 +82,8 @@ impl<'f> Assets<'f> {
         path: Word<'_>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Arc<Texture>> {
-        if let Some(known) = self.textures.get(path.text) {
+        let full = self.full(path);
+        if let Some(known) = self.textures.get(&full) {
             return known.clone();
         }
         let loaded = self.read(path, diagnostics, |reader| texture::load(path.text, reader));
@@ -62,7 +94,7 @@ impl<'f> Assets<'f> {
             }
             Arc::new(loaded.texture)
         });
-        self.textures.insert(path.text.to_owned(), loaded.clone());
+        self.textures.insert(full, loaded.clone());
         loaded
     }
 
@@ -70,19 +102,33 @@ impl<'f> Assets<'f> {
     pub(crate) fn mesh(
         &mut self,
         paths: &[Word<'_>],
-        smooth: bool,
+        standing: Standing,
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Arc<Mesh>> {
-        let key = (paths.iter().map(|p| p.text.to_owned()).collect(), smooth);
+        let key = (paths.iter().map(|p| self.full(*p)).collect(), standing.key());
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
         let parts: Vec<_> =
-            paths.iter().map(|path| self.mesh_file(*path, smooth, scale, diagnostics)).collect();
-        let whole = self.sum(paths, parts, diagnostics).map(Arc::new);
+            paths.iter().map(|path| self.mesh_file(*path, standing, scale, diagnostics)).collect();
+        let whole = self.sum(paths, parts, diagnostics);
+        let whole = whole.and_then(|mut mesh| {
+            mesh.stand_up(standing.axes);
+            if let Some(size) = standing.size {
+                mesh.fit(size);
+                check_reach(&mesh, *paths.first()?, diagnostics)?;
+            }
+            Some(Arc::new(mesh))
+        });
         self.meshes.insert(key, whole.clone());
         whole
+    }
+
+    /// The path of a file, seen from the folder of the scene.
+    fn full(&self, path: Word<'_>) -> String {
+        let folder = self.folders.get(&path.span.source);
+        path_from(folder.map(String::as_str), path.text).into_owned()
     }
 
     /// Leaves the meshes to the objects that show them.
@@ -111,7 +157,7 @@ impl<'f> Assets<'f> {
     fn mesh_file(
         &mut self,
         path: Word<'_>,
-        smooth: bool,
+        Standing { smooth, size, .. }: Standing,
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Mesh> {
@@ -122,16 +168,10 @@ impl<'f> Assets<'f> {
             diagnostics.push(Diagnostic::warning(message).at(path.span, ""));
         }
         if loaded.mesh.uvs.is_empty() {
-            self.without_uvs.insert(path.text.to_owned());
+            self.without_uvs.insert(self.full(path));
         }
-        let farthest =
-            loaded.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-        if farthest > FARTHEST {
-            let message =
-                format!("mesh `{}` has vertices farther out than {FARTHEST:e}", path.text);
-            let label = "too large for the arithmetic of the renderer";
-            diagnostics.push(Diagnostic::error(message).at(path.span, label));
-            return None;
+        if size.is_none() {
+            check_reach(&loaded.mesh, path, diagnostics)?;
         }
         Some(loaded.mesh)
     }
@@ -139,7 +179,7 @@ impl<'f> Assets<'f> {
     /// Warns once for each mesh that has a texture but no uvs.
     pub(crate) fn warn_without_uvs(&mut self, paths: &[Word<'_>], diagnostics: &mut Diagnostics) {
         for path in paths {
-            if self.without_uvs.remove(path.text) {
+            if self.without_uvs.remove(&self.full(*path)) {
                 let message = format!("mesh `{}` has no uvs (texture coordinates)", path.text);
                 let label = "its texture shows a single colour, the one at uv 0 0";
                 diagnostics.push(Diagnostic::warning(message).at(path.span, label));
@@ -154,12 +194,13 @@ impl<'f> Assets<'f> {
         diagnostics: &mut Diagnostics,
         load: impl FnOnce(&mut dyn Read) -> Result<T, FileError>,
     ) -> Option<T> {
-        if self.failed.contains(path.text) {
+        let full = self.full(path);
+        if self.failed.contains(&full) {
             return None;
         }
         let loaded = self.try_read(path, diagnostics, load);
         if loaded.is_none() {
-            self.failed.insert(path.text.to_owned());
+            self.failed.insert(full);
         }
         loaded
     }
@@ -170,14 +211,18 @@ impl<'f> Assets<'f> {
         diagnostics: &mut Diagnostics,
         load: impl FnOnce(&mut dyn Read) -> Result<T, FileError>,
     ) -> Option<T> {
-        let reader = self.files.open(path.text);
-        let reader = reader.map_err(|e| diagnostics.push(cannot_open(path, &e))).ok()?;
+        let is_in_main = !self.folders.contains_key(&path.span.source);
+        let reader = self.files.open(&self.full(path));
+        let reader =
+            reader.map_err(|e| diagnostics.push(cannot_open(path, &e, is_in_main))).ok()?;
         let mut reader = HashingReader::new(reader);
         let loaded = load(&mut reader);
         let loaded = loaded.map_err(|e| self.report_content(path, e, diagnostics)).ok()?;
         match reader.finish() {
             Ok(hash) => self.hash.add(&hash),
-            Err(e) => diagnostics.push(cannot_open(path, &OpenError::Unreadable(e))),
+            Err(e) => {
+                diagnostics.push(cannot_open(path, &OpenError::Unreadable(e), is_in_main));
+            }
         }
         Some(loaded)
     }
@@ -185,7 +230,7 @@ impl<'f> Assets<'f> {
     /// Reports what is wrong inside a file, with the line of the file if there is one.
     fn report_content(&self, path: Word<'_>, e: FileError, diagnostics: &mut Diagnostics) {
         let mut diagnostic = if e.line > 0 {
-            let span = self.excerpt(path.text, &e, diagnostics);
+            let span = self.excerpt(&self.full(path), &e, diagnostics);
             Diagnostic::error(e.message).at(span, e.label).also(path.span, "loaded here")
         } else {
             Diagnostic::error(e.message).at(path.span, e.label)
@@ -202,29 +247,71 @@ impl<'f> Assets<'f> {
             name: format!("{}{path}", self.folder),
             text: " ".repeat(cut) + &e.line_text,
             first_line: e.line,
+            included_at: None,
         });
         let start = cut + e.span_start;
         Span { source, start, end: start + e.span_len }
     }
 }
 
-fn cannot_open(path: Word<'_>, e: &OpenError) -> Diagnostic {
+/// Reports a mesh that is too large for the arithmetic of the renderer.
+fn check_reach(mesh: &Mesh, path: Word<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
+    let farthest = mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    if farthest <= FARTHEST {
+        return Some(());
+    }
+    let message = format!("mesh `{}` has vertices farther out than {FARTHEST:e}", path.text);
+    let label = "too large for the arithmetic of the renderer";
+    diagnostics.push(Diagnostic::error(message).at(path.span, label));
+    None
+}
+
+/// The path that a path leads to from the folder of an included file, without `.` and, where it can be,
+/// `..`; `None`: the folder of the scene.
+pub(crate) fn path_from<'p>(folder: Option<&str>, path: &'p str) -> Cow<'p, str> {
+    let Some(folder) = folder.filter(|_| !is_absolute(path)) else { return path.into() };
+    let root = if folder.starts_with('/') { "/" } else { "" };
+    let mut parts: Vec<&str> = Vec::new();
+    for part in folder.split('/').chain(path.split('/')) {
+        match (part, parts.last()) {
+            ("" | ".", _) => {}
+            ("..", Some(last)) if *last != ".." => drop(parts.pop()),
+            _ => parts.push(part),
+        }
+    }
+    format!("{root}{}", parts.join("/")).into()
+}
+
+/// The error about a path that can't be opened; `is_in_main`: the scene names it, not a file that it
+/// includes.
+pub(crate) fn cannot_open(path: Word<'_>, e: &OpenError, is_in_main: bool) -> Diagnostic {
     let name = path.text;
     match e {
-        OpenError::Spelling(better) => {
-            Diagnostic::error("a path is written with `/` on every system")
-                .at(path.span, "")
-                .help(format!("write `{better}`"))
-        }
+        OpenError::Spelling(_) => Diagnostic::error("a path is written with `/` on every system")
+            .at(path.span, "")
+            .help(format!("write `{}`", name.replace('\\', "/"))),
         OpenError::Outside => Diagnostic::error(format!("`{name}` leaves the input folder"))
             .at(path.span, "")
             .help("give `--indir` a folder that holds this file too, or give `--allow-outside`"),
         OpenError::Missing(near) => {
+            let near = near.as_deref().map(|near| match is_in_main {
+                true => near.to_owned(),
+                false => {
+                    let folder = name.rfind('/').map_or("", |i| &name[..=i]);
+                    format!("{folder}{}", near.rsplit('/').next().unwrap_or(near))
+                }
+            });
             let diagnostic = Diagnostic::error(match near {
-                Some(near) => format!("file `{name}` not found, did you mean `{}`?", written(near)),
+                Some(near) => {
+                    format!("file `{name}` not found, did you mean `{}`?", written(&near))
+                }
                 None => format!("file `{name}` not found"),
             });
-            diagnostic.at(path.span, "paths start from the folder of the scene").missing_input()
+            let label = match is_in_main {
+                true => "paths start from the folder of the scene",
+                false => "paths start from the folder of the file that they stand in",
+            };
+            diagnostic.at(path.span, label).missing_input()
         }
         OpenError::Unreadable(e) => Diagnostic::error(format!("file `{name}` can't be read: {e}"))
             .at(path.span, "")

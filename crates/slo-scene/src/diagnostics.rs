@@ -20,6 +20,8 @@ pub struct Source {
     pub text: String,
     /// Line number of the first line of `text` (1 for a whole text).
     pub first_line: usize,
+    /// Where another text includes this one.
+    pub included_at: Option<Span>,
 }
 
 /// Which source of [`Diagnostics`] a span lies in.
@@ -183,7 +185,7 @@ impl Diagnostics {
     /// Errors and warnings in the order of their places.
     pub fn sorted(&self) -> Vec<&Diagnostic> {
         let mut sorted: Vec<_> = self.kept.iter().collect();
-        sorted.sort_by_key(|d| place(d));
+        sorted.sort_by_cached_key(|d| self.place(d));
         sorted
     }
 
@@ -242,30 +244,51 @@ impl Diagnostics {
 
     /// One snippet per source, that of the primary label first.
     fn snippets<'a>(&'a self, diagnostic: &'a Diagnostic) -> Vec<Snippet<'a, Annotation<'a>>> {
-        let primary = diagnostic.primary.iter().map(|l| (l, AnnotationKind::Primary));
-        let secondary = diagnostic.secondary.iter().map(|l| (l, AnnotationKind::Context));
-        let labels: Vec<_> = primary.chain(secondary).collect();
+        let primary = diagnostic.primary.iter().map(|l| (l.clone(), AnnotationKind::Primary));
+        let secondary = diagnostic.secondary.iter().map(|l| (l.clone(), AnnotationKind::Context));
+        let mut labels: Vec<_> = primary.chain(secondary).collect();
+        let mut known: Vec<Span> = Vec::new();
+        for span in labels.iter().flat_map(|(label, _)| self.inclusions(label.span)) {
+            if !known.contains(&span) {
+                known.push(span);
+            }
+        }
+        let included = |span| Label { span, text: "included here".into() };
+        labels.extend(known.into_iter().map(|span| (included(span), AnnotationKind::Context)));
         let mut sources: Vec<SourceId> = Vec::new();
         for (label, _) in &labels {
             if !sources.contains(&label.span.source) {
                 sources.push(label.span.source);
             }
         }
-        let of = |id| labels.iter().filter(move |(label, _)| label.span.source == id).copied();
+        let of = |id| labels.iter().filter(move |(label, _)| label.span.source == id);
         sources
             .into_iter()
             .map(|id| snippet(self.source(id), &of(id).collect::<Vec<_>>()))
             .collect()
     }
-}
 
-/// Where a diagnostic stands in the report.
-fn place(diagnostic: &Diagnostic) -> (SourceId, usize) {
-    // An error inside a mesh stands where the scene names the mesh.
-    let spans = diagnostic.primary.iter().chain(&diagnostic.secondary).map(|l| l.span);
-    let places = spans.map(|s| (s.source, s.start));
-    let in_main = places.clone().find(|(source, _)| source.0 == 0);
-    in_main.or_else(|| places.clone().next()).unwrap_or((SourceId(u32::MAX), 0))
+    /// Where the text of a span is included, and where the text that includes it is, and so on.
+    fn inclusions(&self, span: Span) -> impl Iterator<Item = Span> {
+        let outer = |span: &Span| self.source(span.source).included_at;
+        std::iter::successors(outer(&span), outer)
+    }
+
+    /// Where a diagnostic stands in the report: at a place of the first source, through all that it
+    /// includes.
+    fn place(&self, diagnostic: &Diagnostic) -> (SourceId, Vec<usize>) {
+        let spans = diagnostic.primary.iter().chain(&diagnostic.secondary).map(|l| l.span);
+        let places = spans.map(|span| {
+            let mut way: Vec<Span> = self.inclusions(span).collect();
+            let source = way.last().map_or(span.source, |outermost| outermost.source);
+            way.reverse();
+            way.push(span);
+            (source, way.iter().map(|span| span.start).collect())
+        });
+        // An error inside a mesh stands where the scene names the mesh.
+        let in_main = places.clone().find(|(source, _)| source.0 == 0);
+        in_main.or_else(|| places.clone().next()).unwrap_or((SourceId(u32::MAX), Vec::new()))
+    }
 }
 
 fn counted(n: usize, what: &str) -> String {
@@ -277,7 +300,7 @@ fn counted(n: usize, what: &str) -> String {
 /// The lines from the first to the last label, with the labels.
 fn snippet<'a>(
     source: &'a Source,
-    labels: &[(&'a Label, AnnotationKind)],
+    labels: &[&(Label, AnnotationKind)],
 ) -> Snippet<'a, Annotation<'a>> {
     let text = source.text.as_str();
     let spans: Vec<_> = labels.iter().map(|(label, _)| char_range(text, label.span)).collect();
@@ -286,7 +309,7 @@ fn snippet<'a>(
     let from = text[..first].rfind('\n').map_or(0, |i| i + 1);
     let to = text[last..].find('\n').map_or(text.len(), |i| last + i);
     let skipped = text[..from].bytes().filter(|b| *b == b'\n').count();
-    let annotations = labels.iter().zip(&spans).map(|((label, kind), (start, end))| {
+    let annotations = labels.iter().zip(&spans).map(|(&(label, kind), (start, end))| {
         let words = (!label.text.is_empty()).then(|| normalize_untrusted_str(&label.text));
         kind.span(start - from..end - from).label(words)
     });

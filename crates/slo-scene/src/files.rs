@@ -71,7 +71,7 @@ impl Files {
 }
 
 /// Whether a path is absolute on any system.
-fn is_absolute(path: &str) -> bool {
+pub(crate) fn is_absolute(path: &str) -> bool {
     path.starts_with('/') || path.as_bytes().get(1) == Some(&b':')
 }
 

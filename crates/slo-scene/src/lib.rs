@@ -23,12 +23,14 @@ pub mod material;
 pub mod mesh;
 mod names;
 mod resolve;
+mod scene_text;
 pub mod settings;
 pub mod shape;
 pub mod texture;
 
 pub use description::{
-    CamSegment, Camera, KeyFrame, LightGroups, MaterialId, Object, Placement, SceneDescription,
+    CamSegment, Camera, KeyFrame, LayerNames, LightGroups, MaskNames, MaterialId, Object,
+    Placement, SceneDescription,
 };
 pub use files::Files;
 pub use light::{Light, LightKind};
@@ -37,7 +39,7 @@ pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, Texture
 pub use mesh::Mesh;
 pub use settings::{
     Accelerator, CausticFilter, Contrast, Curve, Encoding, Film, Filter, Generator, Integrator,
-    Layer, LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Settings,
+    Layer, LightSampling, Look, MOST_CAMERA_SAMPLES, OutputFormat, PhotonSeed, Repeat, Settings,
     ShadowMode, ToneMap, Wrap,
 };
 pub use shape::Shape;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::diagnostics::{Diagnostic, Diagnostics, Span};
+use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 use crate::format::syntax::Word;
 
 /// Most names that are compared with a misspelt one: this bounds the time of a scene with a hundred
@@ -102,9 +102,10 @@ impl<'a> Names<'a> {
         self.entries.iter().map(|e| e.word.text)
     }
 
-    /// Warns of what nothing refers to.
+    /// Warns of what nothing refers to. What a file that is included offers need not be used.
     pub(crate) fn warn_unused(&self, diagnostics: &mut Diagnostics) {
-        for named in self.entries.iter().filter(|e| !e.used) {
+        let is_own = |named: &&Named<'_>| named.word.span.source == SourceId(0);
+        for named in self.entries.iter().filter(|e| !e.used).filter(is_own) {
             let message = format!("unused {} `{}`", self.kind, named.word.text);
             diagnostics
                 .push(Diagnostic::warning(message).at(named.word.span, "nothing refers to this"));

@@ -167,11 +167,13 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", help_heading = WHERE, verbatim_doc_comment)]
     pub(crate) guide_file: Option<FramePath>,
 
-    /// Extra layers of an EXR picture, such as albedo,normal or lights
+    /// Extra layers of an EXR picture, such as albedo,normal or depth
     ///
     /// albedo and normal tell a denoiser which share of light surfaces reflect, and
     /// which way they face. lights keeps the light of each light_group apart, for
-    /// `slo-rt relight`. Layers are channels of the same file.
+    /// `slo-rt relight`. For compositors: depth, position, uv, motion, the masks
+    /// crypto_object and crypto_material, samples and error. Layers are channels of
+    /// the same file.
     #[arg(long, value_name = "NAMES", help_heading = WHERE, hide_possible_values = true)]
     #[arg(value_enum, value_delimiter = ',', ignore_case = true, verbatim_doc_comment)]
     pub(crate) layers: Vec<LayerName>,

@@ -108,7 +108,7 @@ fn wrong_values_are_refused() {
         "--color blue",
         "--exposure 33",
         "--tone-map filmic",
-        "--layers depth",
+        "--layers depths",
         "--layers albedo,",
         "--layers",
         "--format jpeg",

@@ -95,7 +95,7 @@ impl<'a> Source<'a> {
     fn groups(&self) -> impl Iterator<Item = &str> {
         self.layers.iter().filter_map(|(layer, _)| match layer {
             FileLayer::Light(group) => Some(&**group),
-            FileLayer::Albedo | FileLayer::Normal => None,
+            _ => None,
         })
     }
 

@@ -146,7 +146,7 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     }
     let colors = Raster { crop: Crop::of(area, whole), ..raster };
     let layers = read_layers(path).map_err(refusal)?;
-    let expected = FileLayer::all(&film.layers, &scene.light_groups());
+    let expected = FileLayer::all(&film.layers, &scene.layer_names());
     let rasters = with_layers(colors, layers, &expected).map_err(bad)?;
     let built = load::frame(job, &scene, frame, None)
         .map_err(|problem| Refusal { exit: problem.exit, why: problem.message })?;
@@ -240,8 +240,8 @@ fn again(
     let plan = steps.map_or(plan.clone(), |steps| plan.in_steps(steps));
     let area = tile.in_blocks(&Area::whole(settings.width, settings.height));
     let film = Film::new(area, plan.needs_spreads());
-    let groups = scene.light_groups();
-    let film = film.and_then(|film| film.with_layers(&settings.layers, &groups));
+    let names = scene.layer_names();
+    let film = film.and_then(|film| film.with_layers(&settings.layers, &names));
     let film =
         film.map_err(|error| format!("not enough memory: a tile needs {} bytes", error.bytes))?;
     let film = render(frame, &plan, film, &Nobody).film;
@@ -251,6 +251,6 @@ fn again(
     let picture = Picture { image: &image, format, look, recipe: "{}", crop: None };
     picture.write(&mut bytes).map_err(|error| error.to_string())?;
     let colors = Raster::from_bytes(bytes.into_inner()).map_err(|error| error.to_string())?.image;
-    let layers = film.layers_of(tile, FileLayer::all(&settings.layers, &groups));
+    let layers = film.layers_of(tile, FileLayer::all(&settings.layers, &names));
     Ok(std::iter::once(colors).chain(layers.into_iter().map(|(_, image)| image)).collect())
 }

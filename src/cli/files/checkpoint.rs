@@ -135,14 +135,20 @@ impl Checkpoint {
     }
 
     fn say_other_layers(&self, path: &Path, found: &Subject) {
-        let (has_layers, what) = if found.with_features == self.subject.with_features {
+        let path = path.display();
+        let own = &self.subject;
+        let (has_layers, what) = if found.with_features != own.with_features {
+            (found.with_features, "layers")
+        } else if found.light_groups != own.light_groups {
             (found.light_groups.is_some(), "layers of lights")
         } else {
-            (found.with_features, "layers")
+            self.terminal.warn(format_args!(
+                "`{path}` can't be used: its layers for compositors are not those that this run writes"
+            ));
+            return;
         };
         let (has, wanted) =
             if has_layers { ("has", "does not write") } else { ("has no", "writes") };
-        let path = path.display();
         self.terminal.warn(format_args!(
             "`{path}` can't be used: it {has} {what}, but this run {wanted} them"
         ));

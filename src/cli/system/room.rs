@@ -47,9 +47,10 @@ impl Needs {
             Some(groups) => (groups.len() * size_of::<[Fixed; 3]>(), groups.len() as u64 + 1),
             None => (0, 0),
         };
-        let images = 1 + surfaces + lights;
-        let film =
-            subject.area.len() as u64 * (size_of::<Pixel>() + spreads + features + groups) as u64;
+        let hits = subject.first_hits.bytes();
+        let images = 1 + surfaces + lights + subject.first_hits.images() + beside.images;
+        let each = (size_of::<Pixel>() + spreads + features + groups + hits) as u64;
+        let film = subject.area.len() as u64 * each;
         let value = u64::from(format.value_bytes());
         let picture = region.saturating_mul(3 * value * images).saturating_add(4096);
         let disk = picture.saturating_mul(pictures as u64).saturating_add(film);
@@ -132,6 +133,8 @@ pub(crate) struct Beside {
     pub(crate) maps: bool,
     /// Sums of samples. New ones are compared with existing ones.
     pub(crate) states: bool,
+    /// Layers of the picture's file that need nothing of the film but its pixels.
+    pub(crate) images: u64,
 }
 
 /// Bytes per pixel while a map is made.
@@ -162,7 +165,7 @@ fn free_on_disk(_: &Path) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slo_picture::film::Area;
+    use slo_picture::film::{Area, FirstHitLayers, PlaceLayers};
 
     #[test]
     fn needs_grow_with_pixels_and_pictures() {
@@ -176,6 +179,7 @@ mod tests {
             with_spreads: false,
             with_features: false,
             light_groups: None,
+            first_hits: FirstHitLayers::default(),
         };
         let none = Beside::default();
         let needs = Needs::of(&subject, OutputFormat::Png16, 10, none);
@@ -190,6 +194,9 @@ mod tests {
         let needs = Needs::of(&subject, OutputFormat::Exr, 1, none);
         assert_eq!((needs.film, needs.end), (10_000 * 104, 360_000 + REST));
         assert_eq!(needs.disk, 360_000 + 4096 + 10_000 * 104);
+        subject.first_hits.places = PlaceLayers { depth: true, ..PlaceLayers::default() };
+        let more = Needs::of(&subject, OutputFormat::Exr, 1, Beside { images: 1, ..none });
+        assert_eq!((more.film, more.end), (10_000 * 136, 600_000 + REST));
     }
 
     #[cfg(unix)]

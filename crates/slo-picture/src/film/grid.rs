@@ -4,9 +4,11 @@ use slo_scene::LightGroups;
 
 use super::area::Area;
 use super::features::Features;
+use super::first_hits::{FirstHitLayers, FirstHits};
 use super::fixed::Fixed;
 use super::groups::GroupSums;
 use super::image::Image;
+use super::memory::{TooLarge, copied, filled, filled_times};
 use super::pixel::{Pixel, Spread};
 
 /// The pixels of a picture or of a region of it, row by row, the top row first.
@@ -19,13 +21,7 @@ pub struct Film {
     /// Of each pixel; empty if nobody asks for layers of surfaces.
     pub(super) features: Vec<Features>,
     lights: GroupSums,
-}
-
-/// There is not enough memory for a picture of this size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TooLarge {
-    /// Bytes that it needs.
-    pub bytes: u64,
+    pub(super) first_hits: FirstHits,
 }
 
 impl Film {
@@ -55,6 +51,14 @@ impl Film {
     pub fn with_light_groups(self, groups: LightGroups) -> Result<Self, TooLarge> {
         let sums = filled_times(self.area, groups.len())?;
         Ok(Self { lights: GroupSums { groups: Some(groups), sums }, ..self })
+    }
+
+    /// Adds layers of what camera rays hit first, unexposed.
+    ///
+    /// # Errors
+    /// [`TooLarge`] if there is not enough memory.
+    pub fn with_first_hits(self, layers: FirstHitLayers) -> Result<Self, TooLarge> {
+        Ok(Self { first_hits: FirstHits::new(self.area, layers)?, ..self })
     }
 
     /// The pixels of the picture that it covers.
@@ -99,6 +103,16 @@ impl Film {
         self.lights.of_mut(i..i + 1)
     }
 
+    /// What each pixel shows of what camera rays hit first.
+    pub fn first_hits(&self) -> &FirstHits {
+        &self.first_hits
+    }
+
+    /// The same, to be changed.
+    pub fn first_hits_mut(&mut self) -> &mut FirstHits {
+        &mut self.first_hits
+    }
+
     /// Pixel and spread of row-major index `i`, to be changed.
     pub fn at_mut(&mut self, i: usize) -> (&mut Pixel, Option<&mut Spread>) {
         (&mut self.pixels[i], self.spreads.get_mut(i))
@@ -111,6 +125,7 @@ impl Film {
         film.spreads.clear();
         film.features.clear();
         film.lights.clear_for(&self.lights);
+        film.first_hits.clear_for(&self.first_hits);
         for row in self.rows(area) {
             film.pixels.extend_from_slice(&self.pixels[row.clone()]);
             if !self.spreads.is_empty() {
@@ -119,7 +134,8 @@ impl Film {
             if !self.features.is_empty() {
                 film.features.extend_from_slice(&self.features[row.clone()]);
             }
-            film.lights.sums.extend_from_slice(self.lights.of(row));
+            film.lights.sums.extend_from_slice(self.lights.of(row.clone()));
+            film.first_hits.append(&self.first_hits, row);
         }
     }
 
@@ -135,7 +151,8 @@ impl Film {
             if !self.features.is_empty() {
                 self.features[row.clone()].copy_from_slice(&film.features[from.clone()]);
             }
-            self.lights.of_mut(row).copy_from_slice(film.lights.of(from));
+            self.lights.of_mut(row.clone()).copy_from_slice(film.lights.of(from.clone()));
+            self.first_hits.put(row, &film.first_hits, from);
         }
     }
 
@@ -176,6 +193,7 @@ impl Film {
                 groups: self.lights.groups.clone(),
                 sums: copied(&self.lights.sums)?,
             },
+            first_hits: self.first_hits.try_clone()?,
         })
     }
 
@@ -198,32 +216,9 @@ impl Default for Film {
             spreads: Vec::new(),
             features: Vec::new(),
             lights: GroupSums::default(),
+            first_hits: FirstHits::default(),
         }
     }
-}
-
-fn copied<T: Clone>(values: &[T]) -> Option<Vec<T>> {
-    let mut copy = Vec::new();
-    copy.try_reserve_exact(values.len()).ok()?;
-    copy.extend_from_slice(values);
-    Some(copy)
-}
-
-/// A default value for every pixel of an area.
-fn filled<T: Clone + Default>(area: Area) -> Result<Vec<T>, TooLarge> {
-    filled_times(area, 1)
-}
-
-/// So many default values for every pixel of an area.
-fn filled_times<T: Clone + Default>(area: Area, times: usize) -> Result<Vec<T>, TooLarge> {
-    let pixels = u64::from(area.width()) * u64::from(area.height());
-    let all = pixels.saturating_mul(times as u64);
-    let too_large = TooLarge { bytes: all.saturating_mul(size_of::<T>() as u64) };
-    let count = usize::try_from(all).map_err(|_| too_large)?;
-    let mut values = Vec::new();
-    values.try_reserve_exact(count).map_err(|_| too_large)?;
-    values.resize(count, T::default());
-    Ok(values)
 }
 
 #[cfg(test)]

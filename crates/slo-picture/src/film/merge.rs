@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::area::Area;
-use super::grid::{Film, TooLarge};
+use super::grid::Film;
+use super::memory::TooLarge;
 use super::state::{State, Subject};
 
 /// Why parts do not make a whole picture. Parts are named by the index with which they were added.
@@ -105,7 +106,8 @@ impl Merger {
         for (sum, more) in self.film.lights_mut(to).iter_mut().zip(state.film.lights(from)) {
             sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += *more);
         }
-        Ok(())
+        let added = self.film.first_hits_mut().checked_add(to, state.film.first_hits(), from);
+        added.ok_or(MergeError::TooBright)
     }
 
     /// Index of a share of the samples.
@@ -172,10 +174,19 @@ fn place(area: Area, (x, y): (u32, u32)) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use slo_scene::LightGroups;
+    use slo_scene::{LightGroups, MaskNames};
 
+    use super::super::first_hits::{FirstHitLayers, PlaceLayers};
     use super::super::fixed::{Fixed, SignedFixed};
+    use super::super::mask::MaskKind;
+    use super::super::wide::Wide;
     use super::*;
+
+    fn layers() -> FirstHitLayers {
+        let places = PlaceLayers { depth: true, uv: true, ..PlaceLayers::default() };
+        let materials = Some(MaskNames::new(["steel"]));
+        FirstHitLayers { places, materials, ..FirstHitLayers::default() }
+    }
 
     fn state(region: Area, samples: Option<Range<u32>>) -> State {
         let area = region.in_blocks(&Area::whole(20, 20));
@@ -188,6 +199,7 @@ mod tests {
             with_spreads: false,
             with_features: true,
             light_groups: Some(LightGroups::new(["key"])),
+            first_hits: layers(),
         };
         let mut film = subject.film().unwrap();
         for i in 0..area.len() {
@@ -196,6 +208,9 @@ mod tests {
             film.at_mut(i).0.add_later(sum, count);
             film.features_mut(i).unwrap().normal = [SignedFixed::clamped(count as f32); 3];
             film.lights_mut(i)[0] = sum;
+            let hits = film.first_hits_mut();
+            hits.places_mut(i).fill(Wide::clamped(count.into()));
+            hits.ids_mut(MaskKind::Material, i).unwrap().add(7, count).unwrap();
         }
         State { subject, film, is_complete: true }
     }

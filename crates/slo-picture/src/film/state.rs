@@ -5,7 +5,9 @@ use std::ops::Range;
 use slo_scene::LightGroups;
 
 use super::area::Area;
-use super::grid::{Film, TooLarge};
+use super::first_hits::FirstHitLayers;
+use super::grid::Film;
+use super::memory::TooLarge;
 
 /// What a film is exposed for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,6 +27,8 @@ pub struct Subject {
     pub with_features: bool,
     /// The groups of lights whose light the film keeps apart, if it does.
     pub light_groups: Option<LightGroups>,
+    /// The layers of what camera rays hit first.
+    pub first_hits: FirstHitLayers,
 }
 
 impl Subject {
@@ -40,10 +44,11 @@ impl Subject {
     pub(super) fn film_of(&self, area: Area) -> Result<Film, TooLarge> {
         let film = Film::new(area, self.with_spreads)?;
         let film = if self.with_features { film.with_features()? } else { film };
-        match &self.light_groups {
-            Some(groups) => film.with_light_groups(groups.clone()),
-            None => Ok(film),
-        }
+        let film = match &self.light_groups {
+            Some(groups) => film.with_light_groups(groups.clone())?,
+            None => film,
+        };
+        film.with_first_hits(self.first_hits.clone())
     }
 
     /// Whether films of both show the same samples of the same pixels, the recipes aside.
@@ -54,7 +59,8 @@ impl Subject {
 
     /// Whether films of both have the same layers.
     pub fn same_layers(&self, other: &Self) -> bool {
-        (self.with_features, &self.light_groups) == (other.with_features, &other.light_groups)
+        let layers = |s: &Self| (s.with_features, s.light_groups.clone(), s.first_hits.clone());
+        layers(self) == layers(other)
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
 
+use super::compositing::Compositing;
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
 use super::looks::{Look, Looks};
@@ -122,6 +123,7 @@ impl FrameScene {
                 Arc::new(structure(parts.still, &scene.settings, isa))
             }
         };
+        let compositing = Compositing::new(scene, (number, &shutter), origin, &parts.looks)?;
         let looks = Looks::new(
             parts.looks.into_iter(),
             parts.instances.iter().map(|instance| instance.object),
@@ -173,6 +175,7 @@ impl FrameScene {
             textures: scene.textures.clone(),
             objects: parts.objects,
             looks,
+            compositing,
             still_places: parts.places,
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
         })

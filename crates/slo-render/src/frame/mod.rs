@@ -2,8 +2,10 @@
 //! threads.
 
 mod build;
+mod compositing;
 mod emitters;
 mod error;
+mod first_hits;
 mod glow;
 mod looks;
 mod parts;

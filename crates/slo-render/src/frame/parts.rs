@@ -62,7 +62,8 @@ impl Parts {
         isa: Isa,
     ) -> Result<(), FrameError> {
         let path = KeyFrames::new(&object.key_frames)
-            .map_err(|reason| FrameError::Path { object: object.name.clone(), reason })?;
+            .map_err(|reason| FrameError::Path { object: object.name.clone(), reason })?
+            .repeated(object.repeat);
         let look = Look::Material(object.material.0);
         let geometry = geometry(&object.shape);
         if !path.moves(seen.shutter.scene_interval()) {
@@ -94,7 +95,8 @@ impl Parts {
             return Ok((ready(seen.origin), Vec::new()));
         }
         let path = KeyFrames::new(&light.key_frames)
-            .map_err(|reason| FrameError::Path { object: light.name.clone(), reason })?;
+            .map_err(|reason| FrameError::Path { object: light.name.clone(), reason })?
+            .repeated(light.repeat);
         let about_zero = ready(DVec3::ZERO);
         let bounds = about_zero.bounds();
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());

@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 
+use super::compositing::Compositing;
 use super::looks::Looks;
 use super::rigid::Rigid;
 use super::shapes::Geometry;
@@ -72,6 +73,7 @@ pub struct FrameScene {
     pub(super) textures: Vec<Arc<Texture>>,
     pub(super) objects: Vec<FrameObject>,
     pub(super) looks: Looks,
+    pub(super) compositing: Compositing,
     /// Index and place of each still object: what the still structure was built from.
     pub(super) still_places: Vec<(u32, DRigid)>,
     /// For each primitive of the still structure, the index of its object in `objects`.

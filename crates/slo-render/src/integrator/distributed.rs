@@ -13,6 +13,7 @@ use super::stages::camera_rays::CameraRays;
 use super::stages::direct_light::{DirectLight, questions};
 use super::stages::ended::Ended;
 use super::stages::features::{FeatureSums, Own};
+use super::stages::first_hits::FirstHits;
 use super::stages::hits::Hits;
 use super::stages::lobes::Lobes;
 use super::stages::points::Points;
@@ -31,6 +32,7 @@ pub(super) struct Distributed {
     ended: Box<Ended>,
     points: Box<Points>,
     features: FeatureSums,
+    pub(super) first_hits: FirstHits,
     lobes: Box<Lobes>,
     direct_light: Box<DirectLight>,
     visibility: Box<Visibility>,
@@ -55,7 +57,7 @@ impl Distributed {
     /// Returns `None` if the work is given up.
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
-        let Self { batch, hits, ended, points, features, lobes, scratch, .. } = self;
+        let Self { batch, hits, ended, points, features, first_hits, lobes, scratch, .. } = self;
         hits.trace(frame, batch, machine.habit(depth), scratch);
         ended.find(frame, batch, hits, depth);
         machine.add(frame.isa, &ended.light, &ended.slot, ended.len);
@@ -63,6 +65,9 @@ impl Distributed {
         points.look_up_phong(frame);
         if frame.material_table.has_ambient {
             machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
+        }
+        if depth == 0 {
+            first_hits.add(frame, batch, hits, points);
         }
         features.add(frame, batch, hits, points, |i| Own::of_phong(frame, points, i));
         let scatters = depth < frame.settings.recursion() && lobes.find(frame, points);

@@ -35,4 +35,4 @@ pub use pilot_paths::PilotTracer;
 pub use stages::departure::Flux;
 pub use stages::hemispheres::Probe;
 pub use tracer::Tracer;
-pub use work::{Beside, SampleSum, Statistics, Traced, Work};
+pub use work::{Beside, SampleSum, Seen, Statistics, Traced, Work};

@@ -20,6 +20,7 @@ use super::stages::continuation::{Continuation, Rays};
 use super::stages::direct_light::questions;
 use super::stages::emission::Emission;
 use super::stages::features::FeatureSums;
+use super::stages::first_hits::FirstHits;
 use super::stages::guiding::Guiding;
 use super::stages::hits::Hits;
 use super::stages::lamp_light::LampLight;
@@ -44,6 +45,7 @@ pub(super) struct Path {
     passing: Box<Passing>,
     emission: Box<Emission>,
     features: FeatureSums,
+    pub(super) first_hits: FirstHits,
     bsdfs: Box<Bsdfs>,
     guiding: Box<Guiding>,
     lamp_light: Box<LampLight>,
@@ -84,6 +86,7 @@ impl Path {
             points,
             emission,
             features,
+            first_hits,
             bsdfs,
             passing,
             stride,
@@ -131,6 +134,9 @@ impl Path {
         if table.has_ambient && frame.settings.integrator == Kind::Distributed {
             points.look_up_phong(frame);
             machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
+        }
+        if depth == 0 {
+            first_hits.add(frame, batch, hits, points);
         }
         if features.are_wanted() {
             bsdfs.find_own(frame, points);

@@ -8,7 +8,7 @@
 //! Sources: H. W. Jensen, "Realistic Image Synthesis Using Photon Mapping" (2001); P. H. Christensen,
 //! "Faster Photon Map Global Illumination" (1999).
 
-use slo_picture::film::Features;
+use slo_picture::film::{Features, PlaceLayers};
 
 use super::batch::Batch;
 use super::branching::{continuations, most_camera_rays};
@@ -20,6 +20,7 @@ use super::stages::continuation::{Continuation, Rays};
 use super::stages::direct_light::questions;
 use super::stages::emission::Emission;
 use super::stages::features::FeatureSums;
+use super::stages::first_hits::FirstHits;
 use super::stages::guiding::Guiding;
 use super::stages::hemispheres::{Hemispheres, Probe};
 use super::stages::hits::Hits;
@@ -45,6 +46,7 @@ pub(super) struct PhotonMapping {
     passing: Box<Passing>,
     emission: Box<Emission>,
     features: FeatureSums,
+    pub(super) first_hits: FirstHits,
     bsdfs: Box<Bsdfs>,
     stored: Box<StoredLight>,
     /// No field guides the rays.
@@ -73,6 +75,7 @@ impl PhotonMapping {
     /// Begins to gather the hemispheres about some points.
     pub(super) fn restart_hemispheres(&mut self, probes: &[Probe], grid: Grid, round: u32) {
         self.restart(0, 0);
+        self.first_hits.reset(PlaceLayers::default(), false, 0);
         self.hemispheres.get_or_insert_default().restart(probes, grid, round);
     }
 
@@ -91,7 +94,7 @@ impl PhotonMapping {
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
         let Self { batch, hits, arrived, points, emission, features, bsdfs, .. } = self;
-        let Self { passing, stored, stride, scratch, .. } = self;
+        let Self { first_hits, passing, stored, stride, scratch, .. } = self;
         hits.trace(frame, batch, machine.habit(depth), scratch);
         if frame.has_passable_lamps(depth) {
             passing.lamps(frame, batch, hits, depth);
@@ -129,6 +132,9 @@ impl PhotonMapping {
         }
         if frame.has_shaded_lights() {
             Emission::end(batch, points, depth);
+        }
+        if depth == 0 {
+            first_hits.add(frame, batch, hits, points);
         }
         if features.are_wanted() {
             bsdfs.find_own(frame, points);

@@ -38,24 +38,30 @@ impl Tracer {
         machine.begin(&frame.sampler, work, copies * (groups + 1));
         let feature_slots = if beside.features { work.len() } else { 0 };
         let stride = if groups > 0 { copies * work.len() } else { 0 };
-        let features: &[Features] = if frame.settings.integrator == Kind::PhotonMap {
-            let photon_map = photon_map.get_or_insert_default();
-            photon_map.restart(feature_slots, stride);
-            machine.run(photon_map, &job)?;
-            photon_map.features()
-        } else if frame.is_physical {
-            let path = path.get_or_insert_default();
-            path.restart(feature_slots, stride);
-            machine.run(path, &job)?;
-            path.features()
-        } else {
-            let distributed = distributed.get_or_insert_default();
-            distributed.restart(feature_slots);
-            machine.run(distributed, &job)?;
-            distributed.features()
-        };
+        let (places, ids) = (beside.places, beside.ids);
+        let (features, first_hits): (&[Features], _) =
+            if frame.settings.integrator == Kind::PhotonMap {
+                let photon_map = photon_map.get_or_insert_default();
+                photon_map.restart(feature_slots, stride);
+                photon_map.first_hits.reset(places, ids, work.len());
+                machine.run(photon_map, &job)?;
+                (photon_map.features(), &photon_map.first_hits)
+            } else if frame.is_physical {
+                let path = path.get_or_insert_default();
+                path.restart(feature_slots, stride);
+                path.first_hits.reset(places, ids, work.len());
+                machine.run(path, &job)?;
+                (path.features(), &path.first_hits)
+            } else {
+                let distributed = distributed.get_or_insert_default();
+                distributed.restart(feature_slots);
+                distributed.first_hits.reset(places, ids, work.len());
+                machine.run(distributed, &job)?;
+                (distributed.features(), &distributed.first_hits)
+            };
         let (sums, groups, statistics) = machine.finish(work.len(), groups);
-        Some(Traced { sums, features, groups, statistics })
+        let (places, seen) = first_hits.get();
+        Some(Traced { sums, features, groups, places, seen, statistics })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The input and the output of an integrator.
 
-use slo_picture::film::{Features, Fixed};
+use slo_picture::film::{Features, Fixed, PlaceLayers, Wide};
 
 use crate::frame::FrameScene;
 use crate::guiding::Field;
@@ -33,6 +33,11 @@ pub struct Traced<'a> {
     /// entry `i` is at `g * sums.len() + i`. Each contribution is the one that was added to `sums`. What
     /// is missing to `sums` belongs to the group without a name; if this is empty, all light does.
     pub groups: &'a [SampleSum],
+    /// Exact sums of the places of first hits over the samples of each entry: those of an entry are
+    /// neighbours. Empty unless requested.
+    pub places: &'a [Wide],
+    /// What each sample hit first, if it hit something, in any order; empty unless requested.
+    pub seen: &'a [Seen],
     /// Counts of what was traced.
     pub statistics: Statistics,
 }
@@ -46,9 +51,22 @@ pub struct Beside<'a> {
     pub light: Option<&'a PhotonLight>,
     /// Whether surface features are.
     pub features: bool,
+    /// Which places of first hits are.
+    pub places: PlaceLayers,
+    /// Whether ids of first hits are.
+    pub ids: bool,
     /// How many named groups of lights there are whose light is collected by itself; see
     /// [`Traced::groups`].
     pub light_groups: usize,
+}
+
+/// What a camera sample hit first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seen {
+    /// Index of the entry of the work that the sample belongs to.
+    pub entry: u32,
+    /// Ids of the object and of its material, by [`MaskKind`](slo_picture::film::MaskKind); 0: none.
+    pub ids: [u32; 2],
 }
 
 /// Counts of what was traced, for the log; never part of a picture.

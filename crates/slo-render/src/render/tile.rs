@@ -6,10 +6,10 @@ use std::sync::Arc;
 use super::photons::Stretch;
 use super::plan::Plan;
 use crate::frame::FrameScene;
-use crate::integrator::{Beside, SampleSum, Statistics, Traced, Tracer, Work};
+use crate::integrator::{Beside, SampleSum, Seen, Statistics, Traced, Tracer, Work};
 use crate::photons::{PhotonLight, PhotonMaps};
 use slo_accel::Isa;
-use slo_picture::film::{Area, BLOCK, Film, base_end, split};
+use slo_picture::film::{Area, BLOCK, Film, MaskKind, Wide, base_end, split};
 use slo_scene::LightGroups;
 
 /// Most camera samples traced together. Their sums stay in the second-level cache, and there are
@@ -205,9 +205,11 @@ impl TileRenderer {
             maps: self.maps.as_deref(),
             light: self.light.as_deref(),
             features: !self.film.features().is_empty(),
+            places: self.film.first_hits().layers().places,
+            ids: self.film.first_hits().layers().has_ids(),
             light_groups: self.film.light_groups().map_or(0, LightGroups::len),
         };
-        let Traced { sums, features, groups, statistics } =
+        let Traced { sums, features, groups, places, seen, statistics } =
             self.tracer.trace(frame, &self.work, beside, gives_up)?;
         self.statistics += statistics;
         for ((work, &pixel), &sum) in self.work.iter().zip(&self.pixels).zip(sums) {
@@ -219,6 +221,7 @@ impl TileRenderer {
             }
         }
         add_lights(&mut self.film, &self.pixels, groups);
+        add_first_hits(&mut self.film, &self.pixels, places, seen);
         self.clear_work();
         Some(())
     }
@@ -267,6 +270,25 @@ fn add_lights(film: &mut Film, pixels: &[u32], groups: &[SampleSum]) {
         for (&pixel, sum) in pixels.iter().zip(sums) {
             if let Some(to) = film.lights_mut(pixel as usize).get_mut(group) {
                 to.iter_mut().zip(sum).for_each(|(to, more)| *to += *more);
+            }
+        }
+    }
+}
+
+/// Adds what samples hit first to the pixels of some entries of work.
+fn add_first_hits(film: &mut Film, pixels: &[u32], places: &[Wide], seen: &[Seen]) {
+    let hits = film.first_hits_mut();
+    let columns = hits.layers().places.columns();
+    for (&pixel, more) in pixels.iter().zip(places.chunks(columns.max(1))) {
+        let sums = hits.places_mut(pixel as usize);
+        sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += *more);
+    }
+    for Seen { entry, ids } in seen {
+        let pixel = pixels[*entry as usize] as usize;
+        for (kind, id) in MaskKind::ALL.into_iter().zip(*ids) {
+            if let Some(counts) = hits.ids_mut(kind, pixel).filter(|_| id != 0) {
+                // There are not as many samples as can be counted.
+                let _ = counts.add(id, 1);
             }
         }
     }

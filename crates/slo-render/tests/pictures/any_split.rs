@@ -7,7 +7,7 @@ use rand::rngs::StdRng;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use slo_accel::Isa;
-use slo_picture::film::{Area, FileLayer, Film, Merger, State, Subject};
+use slo_picture::film::{Area, FileLayer, Film, FirstHitLayers, Merger, State, Subject};
 use slo_picture::output::{Picture, Recipe, read_state, write_state};
 use slo_render::frame::FrameScene;
 use slo_render::render::{Observer, Part, Plan, render};
@@ -51,12 +51,16 @@ fn has_layers(scene: &SceneDescription) -> bool {
     !scene.camera.film.layers.is_empty()
 }
 
+fn first_hits(scene: &SceneDescription) -> FirstHitLayers {
+    FirstHitLayers::of(&scene.camera.film.layers, &scene.layer_names())
+}
+
 fn file(scene: &SceneDescription, film: &Film) -> Vec<u8> {
     let (image, recipe) = (film.image(), Recipe { scene, frame: 0 }.to_json());
     let settings = &scene.camera.film;
     let (format, look) = (settings.output, settings.look(&scene.settings));
     let picture = Picture { image: &image, format, look, recipe: &recipe, crop: None };
-    let layers = FileLayer::all(&settings.layers, &scene.light_groups());
+    let layers = FileLayer::all(&settings.layers, &scene.layer_names());
     let layers = film.layers_of(film.area(), layers);
     let mut out = std::io::Cursor::new(Vec::new());
     picture.write_with(&mut out, &layers).unwrap();
@@ -129,6 +133,7 @@ fn state(scene: &SceneDescription, share: &Share, folder: &Path, random: &mut St
         with_spreads: plan.needs_spreads(),
         with_features: has_layers(scene),
         light_groups: has_layers(scene).then(|| scene.light_groups()),
+        first_hits: first_hits(scene),
     };
     let frame = FrameScene::build(scene, 0, Isa::best()).unwrap();
     let threads = rayon::ThreadPoolBuilder::new().num_threads(random.random_range(1..4));
@@ -191,6 +196,7 @@ fn any_split_any_order_any_stops_give_the_same_file() {
             with_spreads: Plan::new(scene).needs_spreads(),
             with_features: has_layers(scene),
             light_groups: has_layers(scene).then(|| scene.light_groups()),
+            first_hits: first_hits(scene),
         };
         let all = scene.settings.image_samples;
         let mut merger = Merger::new(&subject, all).unwrap();

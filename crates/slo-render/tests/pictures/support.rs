@@ -37,7 +37,7 @@ pub(crate) fn expose_counted(scene: &SceneDescription, frame: &FrameScene) -> (F
     let (plan, picture) = (Plan::new(scene), &scene.camera.film);
     let area = Area::whole(picture.width, picture.height);
     let film = Film::new(area, plan.needs_spreads()).expect("small enough");
-    let film = film.with_layers(&picture.layers, &scene.light_groups()).expect("small enough");
+    let film = film.with_layers(&picture.layers, &scene.layer_names()).expect("small enough");
     let exposed = render(frame, &plan, film, &Unwatched);
     assert!(exposed.is_complete);
     assert_eq!(exposed.statistics.refused_contributions, 0);
@@ -122,7 +122,7 @@ impl Shot {
     /// Like `take`, with the layers of albedo and normals.
     pub(crate) fn take_layers(&self, elements: &str) -> [Picture; 3] {
         let mut scene = describe(&self.of(elements));
-        scene.camera.film.layers = Layer::ALL.to_vec();
+        scene.camera.film.layers = vec![Layer::Albedo, Layer::Normal];
         let film = self.film(&scene);
         let layer = |layer| Picture(film.layer_of(film.area(), layer));
         [Picture(film.image()), layer(&FileLayer::Albedo), layer(&FileLayer::Normal)]
@@ -138,7 +138,8 @@ impl Shot {
         [Picture(film.image()), group("a"), group("b")]
     }
 
-    fn film(&self, scene: &SceneDescription) -> Film {
+    /// Renders frame 0 of a scene.
+    pub(crate) fn film(&self, scene: &SceneDescription) -> Film {
         let frame = FrameScene::build(scene, 0, Isa::best()).expect("the frame can be built");
         let frame = if self.plain { frame.plain() } else { frame };
         expose_frame(scene, &frame)

@@ -5,20 +5,23 @@ use std::fmt;
 use glam::DVec3;
 
 use crate::description::{KeyFrame, Placement};
+use crate::settings::Repeat;
 
 use super::orientation::orientation;
 use super::piece::Piece;
+use super::repeat::{Cycles, Stretch};
 use super::rigid::DRigid;
 
 /// The path of an object through scene time: where it is, and how it is turned.
 ///
 /// Between two keys, pivot, up and right each run along the cubic Bézier curve of (key, nex of
-/// it, pre of the next, next key), linear in time; outside the keys the object rests. At a time
-/// that two keys share, the later one counts from that time on.
+/// it, pre of the next, next key), linear in time; outside the keys the object rests, or its motion is
+/// [repeated](Self::repeated). At a time that two keys share, the later one counts from that time on.
 #[derive(Clone, Debug)]
 pub struct KeyFrames {
     keys: Vec<Key>,
     pieces: Vec<Piece>,
+    cycles: Option<Cycles>,
 }
 
 /// A key with all parts filled in.
@@ -73,7 +76,16 @@ impl KeyFrames {
                 Piece { pivot: curve(0), up: curve(1), right: curve(2) }
             })
             .collect::<Vec<_>>();
-        Ok(Self { keys, pieces })
+        Ok(Self { keys, pieces, cycles: None })
+    }
+
+    /// The same path, whose motion goes on before the first key and after the last. Without `repeat`, or
+    /// without time between these keys, the object rests there.
+    #[must_use]
+    pub fn repeated(self, repeat: Option<Repeat>) -> Self {
+        let ends = || Some([self.keys.first()?, self.keys.last()?].map(|key| (key.time, key.pose)));
+        let cycles = repeat.and_then(|repeat| Cycles::new(repeat, ends()?));
+        Self { cycles, ..self }
     }
 
     /// The transform from object space to scene space at a scene time; always finite.
@@ -81,6 +93,12 @@ impl KeyFrames {
     /// Where `up` and `right` pass through a state without orientation inside a piece, the object
     /// keeps the orientation that it had just before.
     pub fn pose(&self, time: f64) -> DRigid {
+        let Some(cycles) = &self.cycles else { return self.pose_among_keys(time) };
+        let (cycle, local) = cycles.fold(time);
+        cycles.carry(cycle, self.pose_among_keys(local))
+    }
+
+    fn pose_among_keys(&self, time: f64) -> DRigid {
         let after = self.keys.partition_point(|key| key.time <= time);
         match (after.checked_sub(1), self.keys.get(after)) {
             (None, None) => DRigid::IDENTITY,
@@ -99,6 +117,22 @@ impl KeyFrames {
     /// Answered from the control points, not from poses: an object that returns to where it was
     /// does move. An interval without length holds no motion.
     pub fn moves(&self, interval: [f64; 2]) -> bool {
+        let Some(cycles) = &self.cycles else { return self.moves_among_keys(interval) };
+        let mut stretches = cycles.stretches(interval, self.keys.len());
+        let moves = |stretch: Stretch| {
+            stretch.is_new && self.leaps_between_cycles(cycles)
+                || self.moves_among_keys(stretch.local)
+        };
+        interval[0] < interval[1] && stretches.any(moves)
+    }
+
+    /// Whether the object leaps to the beginning of each cycle.
+    fn leaps_between_cycles(&self, cycles: &Cycles) -> bool {
+        let ends = [self.keys.first(), self.keys.last()].map(|key| key.map(|key| key.pose));
+        !cycles.is_closed(ends[0] != ends[1])
+    }
+
+    fn moves_among_keys(&self, interval: [f64; 2]) -> bool {
         let [start, end] = interval;
         let moving = |i: usize| {
             let [from, to] = [&self.keys[i], &self.keys[i + 1]];
@@ -114,6 +148,26 @@ impl KeyFrames {
     /// The moments within an interval of scene time, ends included, at which the path jumps, in
     /// order of time: usually not what was meant.
     pub fn jumps(&self, interval: [f64; 2]) -> Vec<Jump> {
+        let Some(cycles) = &self.cycles else { return self.jumps_among_keys(interval) };
+        let leaps = self.leaps_between_cycles(cycles);
+        let jumps = |stretch: Stretch| {
+            let time = stretch.start(cycles);
+            let begins = leaps && (interval[0]..=interval[1]).contains(&time);
+            let leap = begins.then_some(Jump { key: self.pieces.len(), time, collapse: false });
+            let mut within = self.jumps_among_keys(stretch.local);
+            if stretch.is_backward(cycles) {
+                within.reverse();
+            }
+            let within = within.into_iter().map(move |jump| {
+                let time = stretch.time(cycles, jump.time);
+                Jump { time, ..jump }
+            });
+            leap.into_iter().chain(within)
+        };
+        cycles.stretches(interval, self.keys.len()).flat_map(jumps).collect()
+    }
+
+    fn jumps_among_keys(&self, interval: [f64; 2]) -> Vec<Jump> {
         let near =
             |i: &usize| self.keys[*i].time <= interval[1] && interval[0] <= self.keys[i + 1].time;
         let within = |jump: &Jump| (interval[0]..=interval[1]).contains(&jump.time);
@@ -133,10 +187,18 @@ impl KeyFrames {
         }
     }
 
-    /// Times of the keys inside an interval, its ends left out.
+    /// Times of the keys inside an interval, its ends left out, in no order. Of an interval that holds a great many
+    /// cycles, only those of the first.
     pub fn key_times_within(&self, interval: [f64; 2]) -> impl Iterator<Item = f64> {
         let inside = move |time: &f64| interval[0] < *time && *time < interval[1];
-        self.keys.iter().map(|key| key.time).filter(inside)
+        let times = self.keys.iter().map(|key| key.time);
+        let repeated = self.cycles.as_ref().map(|cycles| {
+            let stretches = cycles.stretches(interval, self.keys.len());
+            let times = times.clone();
+            stretches.flat_map(move |stretch| times.clone().map(move |t| stretch.time(cycles, t)))
+        });
+        let once = times.take(if repeated.is_some() { 0 } else { self.keys.len() });
+        once.chain(repeated.into_iter().flatten()).filter(inside)
     }
 }
 
@@ -185,6 +247,9 @@ fn with_handles(from: DVec3, handles: [Option<DVec3>; 2], to: DVec3) -> [DVec3; 
     let third = (to - from) / 3.0;
     [from, handles[0].unwrap_or(from + third), handles[1].unwrap_or(to - third), to]
 }
+
+#[cfg(test)]
+mod repeated;
 
 #[cfg(test)]
 mod tests {

@@ -13,6 +13,7 @@ mod key_frames;
 mod mix;
 mod orientation;
 mod piece;
+mod repeat;
 mod rigid;
 
 pub use bezier::{bezier, cubic};
@@ -20,5 +21,5 @@ pub use camera_path::{View, axes, between, view_at};
 pub use clock::{Clock, NoSegment, SegmentFrames, Shutter};
 pub use key_frames::{Jump, KeyFrameError, KeyFrames};
 pub use mix::mix;
-pub use orientation::have_orientation;
+pub use orientation::{about, have_orientation, sin_cos_deg};
 pub use rigid::DRigid;

@@ -42,6 +42,28 @@ pub fn have_orientation(right: DVec3, up: DVec3) -> bool {
     orientation(right, up).is_some()
 }
 
+/// Sine and cosine of an angle in degrees; exact for quarter turns.
+pub fn sin_cos_deg(degrees: f64) -> (f64, f64) {
+    let degrees = degrees % 360.0;
+    let quarters = (degrees / 90.0).round();
+    let rest = (degrees - 90.0 * quarters).to_radians();
+    let (sine, cosine) = (libm::sin(rest), libm::cos(rest));
+    match quarters.rem_euclid(4.0) {
+        0.0 => (sine, cosine),
+        1.0 => (cosine, -sine),
+        2.0 => (-sine, -cosine),
+        _ => (-cosine, sine),
+    }
+}
+
+/// The rotation about a unit axis, counter-clockwise seen from its tip.
+pub fn about(axis: DVec3, degrees: f64) -> DMat3 {
+    let (sine, cosine) = sin_cos_deg(degrees);
+    let turned =
+        |v: DVec3| v * cosine + axis.cross(v) * sine + axis * (axis.dot(v) * (1.0 - cosine));
+    DMat3::from_cols(turned(DVec3::X), turned(DVec3::Y), turned(DVec3::Z))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,6 +78,23 @@ mod tests {
         // x goes to y, y to -x
         let turn = orientation(DVec3::Y, DVec3::Z).unwrap();
         assert_eq!(turn * DVec3::new(1.0, 2.0, 3.0), DVec3::new(-2.0, 1.0, 3.0));
+    }
+
+    #[test]
+    fn angles_in_degrees() {
+        for (degrees, expected) in [(0.0, (0.0, 1.0)), (90.0, (1.0, 0.0)), (-90.0, (-1.0, 0.0))] {
+            assert_eq!(sin_cos_deg(degrees), expected);
+            assert_eq!(sin_cos_deg(degrees + 720.0), expected);
+            assert_eq!(sin_cos_deg(degrees - 36e9), expected);
+        }
+        for degrees in (-80..80).map(|i| f64::from(i) * 10.3) {
+            let (sine, cosine) = sin_cos_deg(degrees);
+            assert!((sine - libm::sin(degrees.to_radians())).abs() < 1e-14, "{degrees}");
+            assert!((cosine - libm::cos(degrees.to_radians())).abs() < 1e-14, "{degrees}");
+        }
+        assert_eq!(about(DVec3::Z, 90.0), DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z));
+        let third = about(DVec3::ONE.normalize(), 120.0) * DVec3::X;
+        assert!((third - DVec3::Y).length() < 1e-15);
     }
 
     #[test]

@@ -293,7 +293,9 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
                 Kind::Number | Kind::Choice | Kind::Word(_) | Kind::WordOrBlock(..),
                 Form::Value(word),
             ) => Value::Word(*word),
-            (Kind::Vector(_) | Kind::Block(_), Form::Block(block)) => Value::Block(block),
+            (Kind::Vector(_) | Kind::Single(_) | Kind::Block(_), Form::Block(block)) => {
+                Value::Block(block)
+            }
             (Kind::WordOrBlock(..), Form::Block(block)) if !holds_numbers(block) => {
                 Value::Block(block)
             }
@@ -302,7 +304,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
                 self.diagnostics.push(nameless(item.keyword));
                 Value::Element(Word { text: "", span: item.keyword.span }, block)
             }
-            (Kind::Vector(_) | Kind::Block(_), Form::Element(name, block)) => {
+            (Kind::Vector(_) | Kind::Single(_) | Kind::Block(_), Form::Element(name, block)) => {
                 let message = format!("`{}` takes no name", item.keyword.text);
                 self.diagnostics.push(
                     Diagnostic::error(message)
@@ -343,6 +345,7 @@ impl<'t, 'a, 'd> Fields<'t, 'a, 'd> {
             Kind::Choice => "one word",
             Kind::Word(_) => "one word without braces",
             Kind::Vector(_) => "three numbers in braces",
+            Kind::Single(_) => "one number in braces",
             Kind::Block(_) => "a block in braces",
             Kind::Element(_) => "a name and a block in braces",
             Kind::WordOrBlock(..) if matches!(form, Form::Element(..)) => {
@@ -407,6 +410,9 @@ fn rewritten(
     match (kind, form, numbers) {
         (Kind::Vector(_), Form::Value(x), [y, z]) => {
             Some(format!("write `{keyword} {{ {} {} {} }}`", x.text, y.word.text, z.word.text))
+        }
+        (Kind::Single(_), Form::Value(x), []) => {
+            Some(format!("write `{keyword} {{ {} }}`", x.text))
         }
         (Kind::WordOrBlock(_, schema), Form::Element(name, _), _) => {
             let first = schema.attributes().next()?.name;

@@ -3,6 +3,9 @@
 use super::schema::{Kind, Schema};
 use crate::format::syntax::{Follows, Grammar};
 
+/// The word at the top of a scene that a path follows.
+pub(crate) const INCLUDE: &str = "include";
+
 /// The elements that may stand at the top of a scene, and those inside them.
 #[derive(Debug)]
 pub(crate) struct Language {
@@ -55,13 +58,16 @@ impl Language {
 impl Grammar for Language {
     fn follows(&self, owner: Option<&str>, word: &str) -> Option<Follows> {
         let Some(owner) = owner else {
+            if word == INCLUDE {
+                return Some(Follows::Name);
+            }
             return self.has_element(word).then_some(Follows::Element);
         };
         let schema = self.all().find(|schema| schema.keyword == owner)?;
         Some(match schema.attribute(word)?.kind {
             Kind::Element(_) => Follows::Element,
             Kind::Block(_) => Follows::Block,
-            Kind::Vector(_) => Follows::Vector,
+            Kind::Vector(_) | Kind::Single(_) => Follows::Vector,
             Kind::Word(_) => Follows::Name,
             Kind::WordOrBlock(..) => Follows::NameOrBlock,
             Kind::Number | Kind::Choice => Follows::Value,

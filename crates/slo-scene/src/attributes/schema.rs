@@ -74,6 +74,8 @@ pub(crate) enum Kind {
     Word(&'static str),
     /// Three numbers in braces; with how to call them.
     Vector(&'static str),
+    /// One number in braces; with how to call it.
+    Single(&'static str),
     /// Attributes in braces.
     Block(&'static Schema),
     /// A name, and attributes in braces.
@@ -113,7 +115,7 @@ impl Attribute {
             Kind::Number => format!("`{name} NUMBER`"),
             Kind::Choice => format!("`{name} WORD`"),
             Kind::Word(what) => format!("`{name} {what}`"),
-            Kind::Vector(what) => format!("`{name} {{ {what} }}`"),
+            Kind::Vector(what) | Kind::Single(what) => format!("`{name} {{ {what} }}`"),
             Kind::Block(_) => format!("`{name} {{ ... }}`"),
             Kind::Element(_) => format!("`{name} NAME {{ ... }}`"),
             Kind::WordOrBlock(what, _) => format!("`{name} {what}` or `{name} {{ ... }}`"),
@@ -130,6 +132,11 @@ pub(crate) const fn number(name: &'static str) -> Attribute {
 /// A position or direction.
 pub(crate) const fn point(name: &'static str) -> Attribute {
     Attribute::new(name, Kind::Vector("x y z"))
+}
+
+/// A number in braces.
+pub(crate) const fn single(name: &'static str, what: &'static str) -> Attribute {
+    Attribute::new(name, Kind::Single(what))
 }
 
 /// Red, green, blue.

@@ -7,7 +7,7 @@ use crate::diagnostics::{Diagnostic, Span};
 use crate::format::syntax::{Block, Entry, Word};
 use crate::format::{looks_like_number, parse_number};
 use crate::names::closest;
-use crate::settings::Bound;
+use crate::settings::{Bound, Choice};
 
 /// Positions and lengths past this would overflow the f32 arithmetic of the triangle test, which
 /// multiplies four of them.
@@ -96,6 +96,21 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         Some(Found { value, ..found })
     }
 
+    /// A length in braces, scaled.
+    pub(crate) fn length_in_braces(&mut self, name: &str) -> Option<Found<f64>> {
+        let field = self.get(name)?;
+        let Value::Block(block) = field.value else { return None };
+        let [value] = self.numbers(field.keyword, block)?;
+        let (value, span) = (value * self.scale, block.open.to(block.close));
+        if value < SHORTEST {
+            let what = if value > 0.0 { "is less than 1e-9" } else { "must be more than 0" };
+            self.diagnostics.push(Diagnostic::error(format!("`{name}` {what}")).at(span, ""));
+            return None;
+        }
+        self.check_distance(value, span)?;
+        Some(Found { value, span })
+    }
+
     /// A whole number in a range.
     pub(crate) fn count(&mut self, name: &str, least: u32, most: u32) -> Option<Found<u32>> {
         let word = self.word(name)?;
@@ -140,6 +155,11 @@ impl<'t, 'a> Fields<'t, 'a, '_> {
         diagnostic.help = Some(format!("`{name}` is one of {}", quoted_list(words, usize::MAX)));
         self.diagnostics.push(diagnostic.at(word.span, ""));
         None
+    }
+
+    /// The value of an attribute that takes one of several words.
+    pub(crate) fn one_of<C: Choice>(&mut self, name: &str) -> Option<C> {
+        C::by_name(self.choice(name, C::WORDS)?)
     }
 
     /// Three numbers as they are.

@@ -5,6 +5,7 @@
 
 mod camera;
 mod check;
+mod layer_names;
 mod light_groups;
 mod object;
 
@@ -18,6 +19,7 @@ use crate::texture::Texture;
 pub use crate::key_frame::{KeyFrame, Placement};
 pub use crate::material::MaterialId;
 pub use camera::{CamSegment, Camera};
+pub use layer_names::{LayerNames, MaskNames};
 pub use light_groups::LightGroups;
 pub use object::Object;
 

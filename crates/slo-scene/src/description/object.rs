@@ -2,6 +2,7 @@
 
 use crate::key_frame::KeyFrame;
 use crate::material::MaterialId;
+use crate::settings::Repeat;
 use crate::shape::Shape;
 
 /// A thing that can be seen.
@@ -15,6 +16,8 @@ pub struct Object {
     pub shape: Shape,
     /// In order of time; none: object space is scene space. One: a placed, still object.
     pub key_frames: Vec<KeyFrame>,
+    /// How their motion goes on before the first and after the last; `None`: not at all.
+    pub repeat: Option<Repeat>,
     /// Whether rays are sent toward it if its material emits light. Otherwise only rays that hit it
     /// find its light.
     pub sampled: bool,
@@ -26,6 +29,14 @@ impl Object {
     /// An object that rests where its shape is.
     pub fn new(name: impl Into<String>, material: MaterialId, shape: Shape) -> Self {
         let (key_frames, light_group) = (Vec::new(), None);
-        Self { name: name.into(), material, shape, key_frames, sampled: true, light_group }
+        Self {
+            name: name.into(),
+            material,
+            shape,
+            key_frames,
+            repeat: None,
+            sampled: true,
+            light_group,
+        }
     }
 }

@@ -21,6 +21,8 @@ pub(super) const LIGHT_GROUP: Attribute = word("light_group", "NAME");
 /// How the lamp moves.
 pub(super) const MOTION: Attribute = block(&ADD_KFRAME).repeated();
 
+pub(super) use crate::attributes::REPEAT;
+
 /// A light of some kind, in lamp space.
 pub(super) trait Lamp {
     /// Whether the light brings nothing.

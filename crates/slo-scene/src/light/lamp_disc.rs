@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radiance_of};
+use super::lamp::{
+    CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, REPEAT, SOLID, WrittenLight, radiance_of,
+};
 use crate::attributes::schema::{color, number, point};
 use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
@@ -43,6 +45,7 @@ impl WrittenLight for DiscLamp {
             SOLID,
             LIGHT_GROUP,
             MOTION,
+            REPEAT,
         ],
     }];
 

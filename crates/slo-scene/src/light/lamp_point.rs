@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::lamp::{
-    CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radius_or_point,
+    CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, REPEAT, SOLID, WrittenLight, radius_or_point,
 };
 use crate::attributes::Fields;
 use crate::attributes::schema::{color, number, point};
@@ -33,6 +33,7 @@ impl WrittenLight for PointLamp {
             SOLID,
             LIGHT_GROUP,
             MOTION,
+            REPEAT,
         ],
     }];
 

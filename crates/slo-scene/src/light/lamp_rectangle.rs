@@ -1,6 +1,8 @@
 //! `lamp_rectangle`
 
-use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, SOLID, WrittenLight, radiance_of};
+use super::lamp::{
+    CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, REPEAT, SOLID, WrittenLight, radiance_of,
+};
 use crate::attributes::Fields;
 use crate::attributes::schema::{color, number, point};
 use crate::kinds::Keyword;
@@ -32,6 +34,7 @@ impl WrittenLight for RectangleLamp {
             SOLID,
             LIGHT_GROUP,
             MOTION,
+            REPEAT,
         ],
     }];
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, WrittenLight};
+use super::lamp::{CAMERA_VISIBLE, LIGHT_GROUP, Lamp, MOTION, REPEAT, WrittenLight};
 use crate::attributes::schema::{color, number, point};
 use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
@@ -30,6 +30,7 @@ impl WrittenLight for SunLamp {
             CAMERA_VISIBLE,
             LIGHT_GROUP,
             MOTION,
+            REPEAT,
         ],
     }];
 

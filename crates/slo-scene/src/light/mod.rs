@@ -16,6 +16,7 @@ use crate::attributes::Fields;
 use crate::key_frame::KeyFrame;
 use crate::kinds::kinds;
 use crate::material::Palette;
+use crate::settings::Repeat;
 use crate::shape::Shape;
 use lamp::{Lamp, WrittenLight};
 
@@ -41,6 +42,8 @@ pub struct Light {
     pub kind: LightKind,
     /// In order of time; none: lamp space is scene space.
     pub key_frames: Vec<KeyFrame>,
+    /// How their motion goes on before the first and after the last; `None`: not at all.
+    pub repeat: Option<Repeat>,
     /// Whether camera rays see it. All other rays do.
     pub camera_visible: bool,
     /// Whether it stops rays, as an opaque, black surface does.
@@ -54,7 +57,15 @@ impl Light {
     /// surface.
     pub fn new(name: impl Into<String>, kind: LightKind) -> Self {
         let (key_frames, group) = (Vec::new(), None);
-        Self { name: name.into(), kind, key_frames, camera_visible: true, solid: true, group }
+        Self {
+            name: name.into(),
+            kind,
+            key_frames,
+            repeat: None,
+            camera_visible: true,
+            solid: true,
+            group,
+        }
     }
 }
 

@@ -11,6 +11,7 @@ mod obj;
 mod ply;
 mod polygons;
 pub mod slo;
+mod stand;
 mod tangent;
 mod tangents;
 mod warnings;

@@ -1,7 +1,8 @@
 //! The elements at the top of a scene, by type.
 
 use super::elements::{ELEMENTS, LANGUAGE, Role};
-use crate::attributes::{Element, References, element_meant, nameless, quoted_list};
+use super::includes::Trees;
+use crate::attributes::{Element, INCLUDE, References, element_meant, nameless, quoted_list};
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::format::syntax::{Entry, Form, Item, Tree, Word};
 use crate::names::{Names, closest, invisible};
@@ -18,16 +19,28 @@ pub(super) struct Scene<'t, 'a> {
 
 impl<'t, 'a> Scene<'t, 'a> {
     /// Collects the elements; reports everything else.
-    pub(super) fn collect(tree: &'t Tree<'a>, diagnostics: &mut Diagnostics) -> Self {
-        let is_truncated = tree.truncated;
+    pub(super) fn collect(trees: &'t Trees<'a>, diagnostics: &mut Diagnostics) -> Self {
+        let is_truncated = trees.is_truncated;
         let mut scene = Self { elements: Vec::new(), unknown: Vec::new(), is_truncated };
+        scene.add(&trees.main, trees, diagnostics);
+        scene
+    }
+
+    /// Adds the elements of a tree and of all that it includes.
+    fn add(&mut self, tree: &'t Tree<'a>, trees: &'t Trees<'a>, diagnostics: &mut Diagnostics) {
         let mut in_numbers = false;
         // Of several unknown words in a row only the first is reported.
         let mut in_strangers = false;
         for entry in &tree.entries {
             match entry {
+                Entry::Item(item) if item.keyword.text == INCLUDE => {
+                    (in_numbers, in_strangers) = (false, false);
+                    if let Some(tree) = trees.of(item) {
+                        self.add(tree, trees, diagnostics);
+                    }
+                }
                 Entry::Item(item) => {
-                    in_numbers = !scene.item(item, in_strangers, diagnostics);
+                    in_numbers = !self.item(item, in_strangers, diagnostics);
                     in_strangers = in_numbers && LANGUAGE.owners(item.keyword.text).is_empty();
                 }
                 Entry::Number(number) if !in_numbers && number.value.is_some() => {
@@ -38,7 +51,14 @@ impl<'t, 'a> Scene<'t, 'a> {
                 Entry::Number(_) => {}
             }
         }
-        scene
+    }
+
+    /// Whether one element stands before another.
+    pub(super) fn is_before(&self, one: &Element<'t, 'a>, other: &Element<'t, 'a>) -> bool {
+        let place = |of: &Element<'t, 'a>| {
+            self.elements.iter().position(|(_, e)| e.keyword.span == of.keyword.span)
+        };
+        place(one) < place(other)
     }
 
     /// Adds an element. Returns whether the item is one; if not, this was reported.
@@ -199,6 +219,11 @@ fn not_an_element(item: &Item<'_>) -> Diagnostic {
         && LANGUAGE.owners(word).is_empty()
     {
         return unknown_type(*keyword);
+    }
+    let includes = || closest(word, [INCLUDE, "import"].into_iter()).is_some();
+    if matches!(form, Form::Value(_)) && LANGUAGE.owners(word).is_empty() && includes() {
+        let message = format!("unknown element `{word}`, did you mean `{INCLUDE}`?");
+        return Diagnostic::error(message).at(keyword.span, "").help("write `include PATH`");
     }
     let diagnostic = Diagnostic::error(format!("expected an element, found `{word}`"));
     match LANGUAGE.owners(word).as_slice() {

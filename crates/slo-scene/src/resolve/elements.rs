@@ -6,7 +6,7 @@ use super::camera::CAMERA;
 use super::settings::SETTINGS;
 use super::texture::TEXTURE;
 use crate::attributes::schema::{Attribute, Schema, block, number, word};
-use crate::attributes::{ADD_KFRAME, Language, Referred};
+use crate::attributes::{ADD_KFRAME, Language, REPEAT, Referred};
 use crate::kinds::Kind;
 use crate::light::{LightKind, ReadLight};
 use crate::material::{MaterialKind, PHONG_INFO, ReadMaterial};
@@ -67,6 +67,7 @@ const OBJECT: &[Attribute] = &[
     number("sampled"),
     word("light_group", "NAME"),
     block(&ADD_KFRAME).repeated(),
+    REPEAT,
 ];
 
 /// All elements, in the order of messages.

@@ -2,14 +2,17 @@
 
 use glam::DVec3;
 
+use super::turns::{Turned, even, turned};
 use crate::animation::{KeyFrames, have_orientation};
 use crate::attributes::{Bound, Field, Fields};
 use crate::description::{KeyFrame, Placement};
 use crate::diagnostics::{Diagnostic, Span};
 
 /// A key frame with its places in the text.
-struct Written {
-    key_frame: KeyFrame,
+pub(super) struct Written {
+    pub(super) key_frame: KeyFrame,
+    /// What `pre`, `key` and `nex` say about the orientation.
+    pub(super) turned: [Turned; 3],
     time: Span,
     keyword: Span,
 }
@@ -19,6 +22,9 @@ pub(super) fn key_frames(fields: &mut Fields<'_, '_, '_>) -> Vec<KeyFrame> {
     let blocks = fields.all("addKframe");
     let mut written: Vec<_> = blocks.into_iter().filter_map(|b| key_frame(fields, b)).collect();
     sort(&mut written, fields);
+    if written.iter().any(|w| w.turned.iter().any(|turned| turned.turn.is_some())) {
+        return even(&written, fields);
+    }
     check_orientations(&written, fields);
     written.into_iter().map(|w| w.key_frame).collect()
 }
@@ -26,22 +32,25 @@ pub(super) fn key_frames(fields: &mut Fields<'_, '_, '_>) -> Vec<KeyFrame> {
 fn key_frame<'t, 'a>(fields: &mut Fields<'t, 'a, '_>, field: Field<'t, 'a>) -> Option<Written> {
     let mut fields = fields.open(field)?;
     let time = fields.number("time", Bound::Any);
-    let [pre, key, nex] = ["pre", "key", "nex"].map(|name| placement(&mut fields, name));
+    let said = ["pre", "key", "nex"].map(|name| placement(&mut fields, name));
     let time = time?;
+    let [pre, key, nex] = [0, 1, 2].map(|i| said[i].0);
     let key_frame = KeyFrame { time: time.value, pre, key, nex };
-    Some(Written { key_frame, time: time.span, keyword: field.keyword.span })
+    let turned = said.map(|(_, turned)| turned);
+    Some(Written { key_frame, turned, time: time.span, keyword: field.keyword.span })
 }
 
-fn placement(fields: &mut Fields<'_, '_, '_>, name: &str) -> Placement {
+fn placement(fields: &mut Fields<'_, '_, '_>, name: &str) -> (Placement, Turned) {
     let field = fields.get(name);
     let Some(mut fields) = field.and_then(|field| fields.open(field)) else {
-        return Placement::default();
+        return Default::default();
     };
-    Placement {
+    let placement = Placement {
         pivot: fields.point("pivot").map(|f| f.value),
         up: fields.direction("up").map(|f| f.value),
         right: fields.direction("right").map(|f| f.value),
-    }
+    };
+    (placement, turned(&mut fields))
 }
 
 fn sort(written: &mut [Written], fields: &mut Fields<'_, '_, '_>) {

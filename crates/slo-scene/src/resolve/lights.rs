@@ -1,6 +1,6 @@
 //! Lights: what several kinds of them say, and whether they go together.
 
-use super::{key_frames, oddities};
+use super::{key_frames, oddities, repeat};
 use crate::attributes::Fields;
 use crate::description::Camera;
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
@@ -18,12 +18,13 @@ pub(super) fn light<'a>(
     if let Some(camera) = camera {
         oddities::check_key_times(fields, &key_frames, camera);
     }
+    let repeat = repeat::repeat(fields, &key_frames, camera);
     let mut flag = |name| fields.count(name, 0, 1).is_none_or(|flag| flag.value == 1);
     let (camera_visible, solid) = (flag("camera_visible"), flag("solid"));
     let group = fields.word("light_group").map(|group| group.text.to_owned());
     let kind = read(fields, palette)?;
     let name = fields.element.name.text.to_owned();
-    let light = Light { name, kind, key_frames, camera_visible, solid, group };
+    let light = Light { name, kind, key_frames, repeat, camera_visible, solid, group };
     Some((light, fields.element.head()))
 }
 

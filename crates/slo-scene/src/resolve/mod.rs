@@ -3,14 +3,17 @@
 mod camera;
 mod collect;
 mod elements;
+mod includes;
 mod key_frames;
 mod lights;
 mod oddities;
 mod overlaps;
 mod photons;
+mod repeat;
 mod resolver;
 mod settings;
 mod tangents;
 mod texture;
+mod turns;
 
 pub(crate) use resolver::resolve;

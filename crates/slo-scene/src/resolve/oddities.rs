@@ -36,6 +36,9 @@ pub(super) fn check_key_times(
     camera: &Camera,
 ) {
     let ([first, .., last], Some(at)) = (key_frames, fields.get("addKframe")) else { return };
+    if fields.get("repeat").is_some() {
+        return;
+    }
     let seen = camera.segments.iter().map(scene_time);
     let seen = seen.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     let Some([start, end]) = seen.filter(|[start, end]| *end < first.time || last.time < *start)

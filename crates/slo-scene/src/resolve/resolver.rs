@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use super::collect::Scene;
 use super::elements::{LANGUAGE, Role};
+use super::includes::{Texts, Trees};
 use super::oddities::Said;
 use super::texture::{Image, texture, warn_of_alpha};
-use super::{camera, key_frames, lights, oddities, overlaps, photons, settings, tangents};
+use super::{camera, key_frames, lights, oddities, overlaps, photons, repeat, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
 use crate::diagnostics::{Diagnostic, Diagnostics, SourceId, Span};
 use crate::files::{ContentHash, Files};
-use crate::format::parse;
 use crate::light::Light;
 use crate::material::{
     Material, Palette, PhongInfo, ReadMaterial, Whole, check_contained, phong_info, wholes,
@@ -27,16 +27,17 @@ pub(crate) fn resolve(
     text: &str,
     source: SourceId,
     files: &Files,
-    hash: ContentHash,
+    mut hash: ContentHash,
     adapt: &dyn Fn(&mut SceneDescription),
     diagnostics: &mut Diagnostics,
 ) -> Option<SceneDescription> {
-    let tree = parse(text, source, &*LANGUAGE, diagnostics);
+    let texts = Texts::default();
+    let trees = Trees::read(text, source, &texts, files, &mut hash, diagnostics);
     let name = diagnostics.source(source).name.clone();
-    let scene = Scene::collect(&tree, diagnostics);
+    let scene = Scene::collect(&trees, diagnostics);
     let scale = scaling(&scene, diagnostics);
     let references = scene.references(diagnostics);
-    let assets = Assets::new(files, &name, hash);
+    let assets = Assets::new(files, &name, trees.folders.clone(), hash);
     let said = Said::default();
     let mut resolver = Resolver { scene, scale, references, assets, said, diagnostics };
     let description = resolver.description(adapt);
@@ -52,7 +53,7 @@ fn scaling(scene: &Scene<'_, '_>, diagnostics: &mut Diagnostics) -> f64 {
     let element = scene.only(|role| matches!(role, Role::Scaling), diagnostics);
     let Some(element) = element else { return 1.0 };
     if let Some(first) = scene.first_with_positions()
-        && first.keyword.span < element.keyword.span
+        && scene.is_before(first, &element)
     {
         diagnostics.push(
             Diagnostic::error("`Scaling` stands after an element with positions")
@@ -247,6 +248,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         if let Some(camera) = camera {
             oddities::check_key_times(&mut fields, &key_frames, camera);
         }
+        let repeat = repeat::repeat(&mut fields, &key_frames, camera);
         let sampled = fields.count("sampled", 0, 1).is_none_or(|flag| flag.value == 1);
         let light_group = fields.word("light_group");
         self.said.groups.extend(light_group);
@@ -266,6 +268,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             material: MaterialId(material? as u32),
             shape: shape?,
             key_frames,
+            repeat,
             sampled,
             light_group,
         })

@@ -7,7 +7,7 @@ use crate::attributes::Fields;
 use crate::attributes::schema::{Schema, choice, word};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 use crate::material::{Material, MaterialKind};
-use crate::settings::{Choice, Curve, Filter, Wrap};
+use crate::settings::{Curve, Filter, Wrap};
 use crate::texture::{NEVER_SHOWN, Texture};
 
 /// `texture`
@@ -25,9 +25,9 @@ pub(super) struct Image<'a> {
 
 /// Reads the element.
 pub(super) fn texture<'a>(fields: &mut Fields<'_, 'a, '_>, assets: &mut Assets<'_>) -> Image<'a> {
-    let encoding: Option<Curve> = value(fields, "encoding");
-    let wrap: Option<Wrap> = value(fields, "wrap");
-    let filter: Option<Filter> = value(fields, "filter");
+    let encoding: Option<Curve> = fields.one_of("encoding");
+    let wrap: Option<Wrap> = fields.one_of("wrap");
+    let filter: Option<Filter> = fields.one_of("filter");
     let Some(path) = fields.word("filename") else {
         return Image { texture: None, path: None };
     };
@@ -39,11 +39,6 @@ pub(super) fn texture<'a>(fields: &mut Fields<'_, 'a, '_>, assets: &mut Assets<'
         Arc::new(as_written)
     });
     Image { texture, path: Some((path.text, path.span)) }
-}
-
-/// The value of an attribute that takes one of several words.
-fn value<C: Choice>(fields: &mut Fields<'_, '_, '_>, name: &str) -> Option<C> {
-    C::by_name(fields.choice(name, C::WORDS)?)
 }
 
 /// Warns once for each file with transparent pixels that materials show without alpha.

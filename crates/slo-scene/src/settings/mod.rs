@@ -20,8 +20,8 @@ pub use format::{FileValues, OutputFormat};
 pub use list::{MOST_CAMERA_SAMPLES, Settings};
 pub use value::{Bound, Form, Value};
 pub use words::{
-    Accelerator, CausticFilter, Contrast, Curve, Encoding, Filter, Generator, Integrator, Layer,
-    LightSampling, PhotonSeed, ShadowMode, ToneMap, Wrap,
+    Accelerator, Axes, CausticFilter, Contrast, Curve, Encoding, Filter, Generator, Integrator,
+    Layer, LightSampling, PhotonSeed, Repeat, ShadowMode, ToneMap, Wrap,
 };
 
 #[cfg(test)]

@@ -153,16 +153,30 @@ choices! {
         Normal = "normal",
         /// The light of each group of lights, one layer a group: their sum is the picture.
         Lights = "lights",
+        /// Distance along the view of what camera rays hit, in units of the scene.
+        Depth = "depth",
+        /// Where camera rays hit something: x, y, z in the scene's axes.
+        Position = "position",
+        /// Texture coordinates of what camera rays hit.
+        Uv = "uv",
+        /// By how many pixels what camera rays hit moves from the frame before to this one, and from
+        /// this one to the next.
+        Motion = "motion",
+        /// Which objects camera rays hit, and how many of a pixel's rays: Cryptomatte.
+        CryptoObject = "crypto_object",
+        /// Which materials camera rays hit, and how many of a pixel's rays: Cryptomatte.
+        CryptoMaterial = "crypto_material",
+        /// Number of samples.
+        Samples = "samples",
+        /// Estimated standard error of the colours: red, green, blue.
+        Error = "error",
     }
 }
 
 impl Layer {
-    /// Whether it shows surfaces, whatever light falls on them.
+    /// Whether it shows surfaces, whatever light falls on them, for denoisers.
     pub fn is_of_surfaces(self) -> bool {
-        match self {
-            Self::Albedo | Self::Normal => true,
-            Self::Lights => false,
-        }
+        matches!(self, Self::Albedo | Self::Normal)
     }
 }
 
@@ -185,6 +199,30 @@ choices! {
         Clamp = "CLAMP",
         /// It repeats, each time mirrored.
         Mirror = "MIRROR",
+    }
+}
+
+choices! {
+    /// Which way is up in the file of a mesh.
+    #[derive(Default, Hash)]
+    pub enum Axes {
+        /// z, as in scenes.
+        #[default]
+        ZUp = "Z_UP",
+        /// y; z points forward.
+        YUp = "Y_UP",
+    }
+}
+
+choices! {
+    /// How the motion of key frames goes on before the first and after the last.
+    pub enum Repeat {
+        /// It begins again.
+        Cycle = "CYCLE",
+        /// It begins again from where it ended.
+        Offset = "OFFSET",
+        /// It runs back and forth.
+        PingPong = "PINGPONG",
     }
 }
 

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::surface::{Surface, WrittenShape};
-use crate::assets::Assets;
+use crate::assets::{Assets, Standing};
 use crate::attributes::Fields;
-use crate::attributes::schema::{number, word};
+use crate::attributes::schema::{choice, number, single, word};
 use crate::kinds::Keyword;
 use crate::mesh::Mesh;
 
@@ -23,14 +23,22 @@ pub struct MeshSurface {
 impl WrittenShape for MeshSurface {
     const KEYWORDS: &'static [Keyword] = &[Keyword {
         keyword: "mesh",
-        attributes: &[word("filename", "PATH").required().repeated(), number("smooth_normals")],
+        attributes: &[
+            word("filename", "PATH").required().repeated(),
+            number("smooth_normals"),
+            choice("axes"),
+            single("fit", "size"),
+        ],
     }];
 
     fn read(fields: &mut Fields<'_, '_, '_>, assets: &mut Assets<'_>) -> Option<Self> {
         let smooth = fields.count("smooth_normals", 0, 1);
+        let axes = fields.one_of("axes").unwrap_or_default();
+        let size = fields.length_in_braces("fit").map(|size| size.value);
         let paths = fields.words("filename")?;
         let smooth = smooth.is_some_and(|s| s.value == 1);
-        let mesh = assets.mesh(&paths, smooth, fields.scale, fields.diagnostics)?;
+        let standing = Standing { smooth, axes, size };
+        let mesh = assets.mesh(&paths, standing, fields.scale, fields.diagnostics)?;
         Some(Self { mesh, smooth })
     }
 }

@@ -2,7 +2,9 @@
 
 mod documentation;
 mod fuzz;
+mod includes;
 mod lamps;
 mod materials;
+mod meshes;
 mod messages;
 mod mistakes;

@@ -152,8 +152,8 @@ impl<'a> Whole<'a> {
         let outcome = Outcome::of(&film, region, Display::of(format, look), Isa::best());
         let recipe = with_outcome(&recipe, &outcome);
         let image = film.image();
-        let groups = film.light_groups().cloned().unwrap_or_default();
-        let layers = film.layers_of(region, FileLayer::all(&self.layers, &groups));
+        let layers = FileLayer::all(&self.layers, &film.layer_names());
+        let layers = film.layers_of(region, layers);
         let picture = Picture { image: &image, format, look, recipe: &recipe, crop };
         picture.save_with(&self.path, &layers).map_err(|error| {
             let path = self.path.display();

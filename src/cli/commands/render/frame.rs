@@ -21,7 +21,7 @@ use slo_picture::output::{Outcome, check_free, check_writable, remove_leftovers}
 use slo_render::frame::FrameScene;
 use slo_render::guiding::Field;
 use slo_render::render::{Budget, Exposed, Observer, render, render_until};
-use slo_scene::SceneDescription;
+use slo_scene::{Layer, SceneDescription};
 
 /// Approximate time to encode and write a pixel, in nanoseconds.
 const WRITING_PER_PIXEL: u64 = 150;
@@ -140,7 +140,14 @@ impl Studio<'_> {
     /// Returns what `pictures` pictures like the picture of a frame need.
     pub(super) fn needs(&self, frame: i64, pictures: usize) -> Needs {
         let (subject, format) = (self.target.subject(frame), self.scene.camera.film.output);
-        let beside = Beside { maps: !self.job.maps.is_empty(), states: self.job.keep_state };
+        let layers = &self.scene.camera.film.layers;
+        let of_pixels =
+            layers.iter().filter(|layer| matches!(layer, Layer::Samples | Layer::Error));
+        let beside = Beside {
+            maps: !self.job.maps.is_empty(),
+            states: self.job.keep_state,
+            images: of_pixels.count() as u64,
+        };
         Needs::of(&subject, format, pictures, beside)
     }
 

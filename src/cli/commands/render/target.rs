@@ -12,7 +12,7 @@ use crate::cli::base::{Exit, Problem, Terminal};
 use crate::cli::options::Job;
 use crate::cli::values::{PartBy, Region};
 use slo_picture::film::Steps;
-use slo_picture::film::{Area, FileLayer, Film, Layer, State, Subject, View};
+use slo_picture::film::{Area, FileLayer, Film, FirstHitLayers, Layer, State, Subject, View};
 use slo_picture::output::{
     Crop, Found, Info, Outcome, Picture, Recipe, file_name, find_picture, find_state,
     find_timed_picture, made_by_others, with_outcome, with_region, with_steps, write_state,
@@ -114,6 +114,7 @@ impl<'a> Target<'a> {
             with_spreads: self.plan.needs_spreads(),
             with_features: layers.iter().any(|layer| layer.is_of_surfaces()),
             light_groups: has_lights.then(|| self.scene.light_groups()),
+            first_hits: FirstHitLayers::of(layers, &self.scene.layer_names()),
         }
     }
 
@@ -170,7 +171,7 @@ impl<'a> Target<'a> {
         let recipe = with_outcome(&self.recipe(frame, steps.or(self.job.steps)), &outcome);
         let crop = Crop::of(self.region, self.whole);
         let picture = Picture { image: &image, format, look, recipe: &recipe, crop };
-        let layers = FileLayer::all(&settings.layers, &self.scene.light_groups());
+        let layers = FileLayer::all(&settings.layers, &self.scene.layer_names());
         let layers: Vec<_> =
             layers.iter().map(|layer| (layer.clone(), image.layer(layer))).collect();
         picture

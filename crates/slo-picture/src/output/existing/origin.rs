@@ -107,7 +107,7 @@ mod tests {
     use slo_scene::{Encoding, Look, OutputFormat};
 
     use super::*;
-    use crate::film::{Area, Film, State, Subject};
+    use crate::film::{Area, Film, FirstHitLayers, State, Subject};
     use crate::output::format::Picture;
     use crate::output::format::samples::sample_image;
     use crate::output::state::write_state;
@@ -133,6 +133,7 @@ mod tests {
             with_spreads: false,
             with_features: false,
             light_groups: None,
+            first_hits: FirstHitLayers::default(),
         };
         let film = Film::new(area, false).unwrap();
         write_state(&path, &State { subject, film, is_complete: true }).unwrap();

@@ -5,9 +5,12 @@ use std::ops::Range;
 use serde_json::Value;
 
 use slo_scene::settings::{Effect, MOST_PIXELS};
-use slo_scene::{Layer, Settings};
+use slo_scene::{Layer, LayerNames, Settings};
 
-use crate::film::{Area, Features, Fixed, Pixel, Spread, Steps, Subject, TILE, base_end};
+use crate::film::{
+    Area, Features, FirstHitLayers, FirstHits, Fixed, Pixel, Spread, Steps, Subject, TILE, Wide,
+    base_end,
+};
 use crate::output::recipe::{layers_of, restore_settings, steps_of};
 
 /// Largest mean of a pixel's samples, in multiples of the largest contribution.
@@ -123,6 +126,18 @@ impl Bounds {
     }
 }
 
+/// Checks the sums of what camera rays hit first in a pixel of so many samples.
+///
+/// # Errors
+/// What is impossible.
+pub(super) fn check_places(hits: &FirstHits, i: usize, samples: u32) -> Result<(), &'static str> {
+    let largest = Wide::clamped(Wide::LIMIT).units().saturating_mul(samples.into());
+    match hits.places(i).iter().all(|sum| sum.units().saturating_abs() <= largest) {
+        true => Ok(()),
+        false => Err("its sums are larger than rendered ones"),
+    }
+}
+
 /// Whether the sums of a channel lie between those of as many of its smallest and of its largest
 /// sample.
 fn is_between(pixel: &Pixel, in_base: u32, spread: &Spread, c: usize) -> bool {
@@ -181,12 +196,19 @@ impl Plan {
         let Subject { area, region, samples, with_spreads, with_features, .. } = subject;
         let has_surfaces = self.layers.iter().any(|layer| layer.is_of_surfaces());
         let has_lights = self.layers.contains(&Layer::Lights);
+        let hits = &subject.first_hits;
+        let names = LayerNames {
+            objects: hits.objects.clone().unwrap_or_default(),
+            materials: hits.materials.clone().unwrap_or_default(),
+            ..LayerNames::default()
+        };
         if !self.whole.holds(region) || *area != region.in_blocks(&self.whole) {
             return Err("its area does not fit its recipe");
         }
         if *with_spreads != (self.rule == Rule::Contrast)
             || *with_features != has_surfaces
             || subject.light_groups.is_some() != has_lights
+            || *hits != FirstHitLayers::of(&self.layers, &names)
             || (samples.is_some() && self.rule != Rule::Uniform)
         {
             return Err("what is in it is not what its recipe asks for");

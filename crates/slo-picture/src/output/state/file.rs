@@ -10,20 +10,23 @@
 //! | 16 | area of the film: x0, y0, x1, y1 |
 //! | 16 | region that was asked for |
 //! | 8 | numbers of the first sample and one past the last, 0 and 0 if samples are not shared out |
-//! | 4 | 1 with spreads, 2 complete, 4 with features, 8 with the light of groups |
-//! | 4, (4 + n) each | with the light of groups: their number, and the length and the name of each |
+//! | 4 | 1 with spreads, 2 complete, 4 with features, 8 with the light of groups, 16 depth, 32 position, 64 uv, 128 motion, 256 objects, 512 materials |
+//! | 4, (4 + n) each | with the light of groups: their number, and the length and the name of each; with objects, with materials: the same |
 //! | 4 each | how many samples each pixel has, row by row |
-//! | 24, 24, 48, 48 each | of the pixels that have any: sums; of those with more than one or a share of samples: base; with spreads: least and most; with features: albedo and normal; with the light of groups: 24 each |
+//! | 24, 24, 48, 48 each | of the pixels that have any: sums; of those with more than one or a share of samples: base; with spreads: least and most; with features: albedo and normal; with the light of groups: 24 each; of depth, position, uv and motion: 16 for the number of hits, 16 for each number; with objects, with materials: 4 for the number of ids, and for each 4 and how many samples saw it in 4 |
 //! | 32 | BLAKE3 over all before |
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
-use slo_scene::LightGroups;
+use slo_scene::{LightGroups, MaskNames};
 
-use super::check::Bounds;
-use crate::film::{Area, Features, Film, Fixed, Pixel, SignedFixed, Spread, State, Subject};
+use super::check::{Bounds, check_places};
+use crate::film::{
+    Area, Features, Film, FirstHitLayers, FirstHits, Fixed, MaskKind, Pixel, PlaceLayers,
+    SignedFixed, Spread, State, Subject, Wide,
+};
 use crate::output::file::{open_regular, write_atomically};
 
 /// Changes with the layout of the file.
@@ -35,6 +38,16 @@ const WITH_SPREADS: u32 = 1;
 const COMPLETE: u32 = 2;
 const WITH_FEATURES: u32 = 4;
 const WITH_LIGHTS: u32 = 8;
+const WITH_DEPTH: u32 = 16;
+const WITH_POSITION: u32 = 32;
+const WITH_UV: u32 = 64;
+const WITH_MOTION: u32 = 128;
+const WITH_OBJECTS: u32 = 256;
+const WITH_MATERIALS: u32 = 512;
+/// The sum of all flags.
+const FLAGS: u32 = 2 * WITH_MATERIALS - 1;
+/// Most bytes of the name of an object or a material.
+const LONGEST_NAME: usize = 1 << 20;
 /// Length of the hash at the end.
 pub(super) const HASH: u64 = 32;
 const BUFFER: usize = 1 << 16;
@@ -71,11 +84,24 @@ fn write_header(out: &mut impl Write, state: &State) -> io::Result<()> {
         (state.is_complete, COMPLETE),
         (subject.with_features, WITH_FEATURES),
         (subject.light_groups.is_some(), WITH_LIGHTS),
+        (subject.first_hits.places.depth, WITH_DEPTH),
+        (subject.first_hits.places.position, WITH_POSITION),
+        (subject.first_hits.places.uv, WITH_UV),
+        (subject.first_hits.places.motion, WITH_MOTION),
+        (subject.first_hits.objects.is_some(), WITH_OBJECTS),
+        (subject.first_hits.materials.is_some(), WITH_MATERIALS),
     ];
     put(out, flags.iter().filter(|(is_set, _)| *is_set).map(|(_, flag)| flag).sum())?;
-    let Some(groups) = &subject.light_groups else { return Ok(()) };
-    put(out, groups.len() as u32)?;
-    groups.names().iter().try_for_each(|name| {
+    if let Some(groups) = &subject.light_groups {
+        put_names(out, groups.names())?;
+    }
+    let mut masks = MaskKind::ALL.iter().filter_map(|kind| subject.first_hits.names(*kind));
+    masks.try_for_each(|names| put_names(out, names.names()))
+}
+
+fn put_names(out: &mut impl Write, names: &[String]) -> io::Result<()> {
+    put(out, names.len() as u32)?;
+    names.iter().try_for_each(|name| {
         put(out, name.len() as u32)?;
         out.write_all(name.as_bytes())
     })
@@ -98,6 +124,20 @@ fn write_pixels(out: &mut impl Write, state: &State) -> io::Result<()> {
             put_signed(out, features.normal)?;
         }
         state.film.lights(i).iter().try_for_each(|light| put_color(out, *light))?;
+        put_first_hits(out, state.film.first_hits(), i)?;
+    }
+    Ok(())
+}
+
+fn put_first_hits(out: &mut impl Write, hits: &FirstHits, i: usize) -> io::Result<()> {
+    let put_wide = |sum: &Wide| out.write_all(&sum.units().to_le_bytes());
+    hits.places(i).iter().try_for_each(put_wide)?;
+    for ids in MaskKind::ALL.iter().filter_map(|kind| hits.ids(*kind, i)) {
+        put(out, ids.entries().len() as u32)?;
+        for (id, count) in ids.entries() {
+            put(out, *id)?;
+            put(out, *count)?;
+        }
     }
     Ok(())
 }
@@ -192,18 +232,30 @@ impl Header {
         let (area, region) = (get_area(input)?, get_area(input)?);
         let samples = Some(get(input)?..get(input)?).filter(|range| *range != (0..0));
         let flags = get(input)?;
-        if flags >= WITH_LIGHTS << 1 {
+        if flags > FLAGS {
             return Err(bad("it is of another version of slo-rt"));
         }
-        let with_spreads = flags & WITH_SPREADS != 0;
-        let with_features = flags & WITH_FEATURES != 0;
-        let light_groups = match flags & WITH_LIGHTS {
-            0 => None,
-            _ => Some(get_groups(input)?),
+        let has = |flag: u32| flags & flag != 0;
+        let light_groups = if has(WITH_LIGHTS) { Some(get_groups(input)?) } else { None };
+        let places = PlaceLayers {
+            depth: has(WITH_DEPTH),
+            position: has(WITH_POSITION),
+            uv: has(WITH_UV),
+            motion: has(WITH_MOTION),
         };
-        let subject =
-            Subject { recipe, area, region, samples, with_spreads, with_features, light_groups };
-        Ok(Self { subject, is_complete: flags & COMPLETE != 0 })
+        let objects = if has(WITH_OBJECTS) { Some(get_mask_names(input)?) } else { None };
+        let materials = if has(WITH_MATERIALS) { Some(get_mask_names(input)?) } else { None };
+        let subject = Subject {
+            recipe,
+            area,
+            region,
+            samples,
+            with_spreads: has(WITH_SPREADS),
+            with_features: has(WITH_FEATURES),
+            light_groups,
+            first_hits: FirstHitLayers { places, objects, materials },
+        };
+        Ok(Self { subject, is_complete: has(COMPLETE) })
     }
 
     /// Whether a file of `length` bytes can hold what the header says, before memory is allocated.
@@ -241,8 +293,40 @@ fn read_film(input: &mut impl Read, subject: &Subject, bounds: &Bounds) -> io::R
         }
         let (spread, features) = (film.spreads().get(i), film.features().get(i));
         bounds.check_pixel(&film.pixels()[i], spread, features, film.lights(i)).map_err(damaged)?;
+        let samples = film.pixels()[i].samples;
+        get_first_hits(input, film.first_hits_mut(), i, samples)?;
     }
     Ok(film)
+}
+
+/// Reads what a pixel of so many samples shows of what camera rays hit first.
+fn get_first_hits(
+    input: &mut impl Read,
+    hits: &mut FirstHits,
+    i: usize,
+    samples: u32,
+) -> io::Result<()> {
+    for sum in hits.places_mut(i) {
+        let mut bytes = [0; 16];
+        input.read_exact(&mut bytes)?;
+        *sum = Wide::from_units(i128::from_le_bytes(bytes));
+    }
+    check_places(hits, i, samples).map_err(damaged)?;
+    for kind in MaskKind::ALL {
+        let Some(ids) = hits.ids_mut(kind, i) else { continue };
+        let count = get(input)?;
+        let (mut last, mut seen) = (None, 0u32);
+        for _ in 0..count {
+            let (id, times) = (get(input)?, get(input)?);
+            seen = seen.saturating_add(times);
+            if last >= Some(id) || times == 0 || seen > samples {
+                return Err(damaged("its ids do not fit its samples"));
+            }
+            last = Some(id);
+            ids.add(id, times).ok_or_else(|| damaged("its ids do not fit its samples"))?;
+        }
+    }
+    Ok(())
 }
 
 fn read_pixel(
@@ -274,22 +358,35 @@ fn get_area(input: &mut impl Read) -> io::Result<Area> {
 
 /// Reads the groups of lights, which are in their order.
 fn get_groups(input: &mut impl Read) -> io::Result<LightGroups> {
+    let names = get_names(input, LightGroups::MOST, LightGroups::LONGEST)?;
+    let groups = LightGroups::new(names.iter().map(String::as_str));
+    if groups.names() == names { Ok(groups) } else { Err(bad("it is damaged")) }
+}
+
+/// Reads the names of a mask, which are in their order.
+fn get_mask_names(input: &mut impl Read) -> io::Result<MaskNames> {
+    let names = get_names(input, u32::MAX as usize, LONGEST_NAME)?;
+    let mask = MaskNames::new(names.iter().map(String::as_str));
+    if mask.names() == names { Ok(mask) } else { Err(bad("it is damaged")) }
+}
+
+/// Reads names, at most so many of so many bytes.
+fn get_names(input: &mut impl Read, most: usize, longest: usize) -> io::Result<Vec<String>> {
     let count = get(input)? as usize;
-    if count > LightGroups::MOST {
+    if count > most {
         return Err(bad("it is damaged"));
     }
     let mut names = Vec::new();
     for _ in 0..count {
         let length = get(input)? as usize;
-        if length > LightGroups::LONGEST {
+        if length > longest {
             return Err(bad("it is damaged"));
         }
         let mut name = vec![0; length];
         input.read_exact(&mut name)?;
         names.push(String::from_utf8(name).map_err(|_| bad("it is damaged"))?);
     }
-    let groups = LightGroups::new(names.iter().map(String::as_str));
-    if groups.names() == names { Ok(groups) } else { Err(bad("it is damaged")) }
+    Ok(names)
 }
 
 fn get_color(input: &mut impl Read) -> io::Result<[Fixed; 3]> {

@@ -3,10 +3,13 @@
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
-use slo_scene::LightGroups;
+use slo_scene::{LightGroups, MaskNames};
 
 use super::file::*;
-use crate::film::{Area, Features, Fixed, Merger, SignedFixed, State, Subject, base_end};
+use crate::film::{
+    Area, Features, FirstHitLayers, Fixed, MaskKind, Merger, Place, PlaceLayers, SignedFixed,
+    State, Subject, Wide, base_end,
+};
 
 /// What a state of a test is about.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +28,9 @@ const KINDS: [Kind; 4] = [Kind::Checkpoint, Kind::Part, Kind::Contrast, Kind::Sh
 
 fn recipe(kind: Kind) -> String {
     let (least, layers) = match kind {
-        Kind::Contrast => (1, ", \"layers\": [\"albedo\", \"lights\"]"),
+        Kind::Contrast => {
+            (1, ", \"layers\": [\"albedo\", \"lights\", \"depth\", \"motion\", \"crypto_object\"]")
+        }
         _ => (4, ""),
     };
     let version = env!("CARGO_PKG_VERSION");
@@ -46,6 +51,15 @@ fn numbers(kind: Kind, pixel: usize) -> std::ops::Range<u32> {
     }
 }
 
+fn first_hits(kind: Kind) -> FirstHitLayers {
+    if !matches!(kind, Kind::Contrast) {
+        return FirstHitLayers::default();
+    }
+    let places = PlaceLayers { depth: true, motion: true, ..PlaceLayers::default() };
+    let objects = Some(MaskNames::new(["ball", "box"]));
+    FirstHitLayers { places, objects, ..FirstHitLayers::default() }
+}
+
 fn state(kind: Kind) -> State {
     let subject = Subject {
         recipe: recipe(kind),
@@ -55,6 +69,7 @@ fn state(kind: Kind) -> State {
         with_spreads: matches!(kind, Kind::Contrast),
         with_features: matches!(kind, Kind::Contrast),
         light_groups: matches!(kind, Kind::Contrast).then(|| LightGroups::new(["key", "rim"])),
+        first_hits: first_hits(kind),
     };
     let mut film = subject.film().unwrap();
     for i in 0..subject.area.len() {
@@ -73,6 +88,12 @@ fn state(kind: Kind) -> State {
                 *features += Features { albedo: signed(5), normal: signed(11) };
             }
             film.lights_mut(i).iter_mut().for_each(|light| *light = value(3));
+            let (places, hits) = (subject.first_hits.places, film.first_hits_mut());
+            let place = Place { depth: number.into(), motion: [-1.0; 4], ..Place::default() };
+            places.add(hits.places_mut(i), &place);
+            if let Some(ids) = hits.ids_mut(MaskKind::Object, i) {
+                ids.add(number % 3, 1).unwrap();
+            }
         }
     }
     State { subject, film, is_complete: matches!(kind, Kind::Part) }
@@ -217,6 +238,18 @@ fn numbers_that_can_not_be_are_refused() {
     check(Kind::Contrast, "do not fit its samples", &|s| {
         s.film.at_mut(last(s)).1.unwrap().most = units(1);
     });
+    check(Kind::Contrast, "ids do not fit its samples", &|s| {
+        let place = last(s);
+        s.film.first_hits_mut().ids_mut(MaskKind::Object, place).unwrap().add(9, 8).unwrap();
+    });
+    check(Kind::Contrast, "larger than rendered", &|s| {
+        let place = last(s);
+        s.film.first_hits_mut().places_mut(place)[1] = Wide::from_units(i128::MIN);
+    });
+    check(Kind::Contrast, "not what its recipe asks for", &|s| {
+        s.subject.first_hits.places.motion = false;
+    });
+    check(Kind::Contrast, "not what its recipe asks for", &|s| s.subject.first_hits.objects = None);
     check(Kind::Share, "contradict each other", &|s| {
         // The first samples of all are in the base, and this pixel has one.
         let one = s.film.pixels().iter().position(|pixel| pixel.samples == 1).unwrap();

@@ -274,6 +274,21 @@ impl FrameScene {
         }
     }
 
+    /// Returns the texture coordinates of a hit at `point`, in render space.
+    pub(in crate::frame) fn uv_of(
+        &self,
+        found: &WorldHits,
+        ray: usize,
+        point: Vec3,
+        time: f32,
+    ) -> [f32; 2] {
+        let hit = Hit::new(found, ray);
+        match self.world.instances.get(hit.instance as usize) {
+            Some(instance) => self.uv(&hit, instance.pose(time).inverse_point(point)),
+            None => self.uv(&hit, point),
+        }
+    }
+
     /// Returns the texture coordinates of a hit. `point` is in the space of its structure.
     fn uv(&self, hit: &Hit, point: Vec3) -> [f32; 2] {
         let (object, object_point, place) = if hit.instance == STILL {

@@ -17,7 +17,7 @@ use crate::sampling::{Purpose, Use, next_path};
 use crate::shading::bsdf::{Lobe, WithLobe};
 
 /// One ray from every point.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(in crate::integrator) struct Continuation {
     set: SetPoints,
     /// Random numbers of the roulette.
@@ -37,18 +37,6 @@ pub(in crate::integrator) struct Rays {
     guided: Guided,
     pub(in crate::integrator) sent: Sent,
     pub(in crate::integrator) past: Past,
-}
-
-impl Default for Continuation {
-    fn default() -> Self {
-        Self {
-            set: SetPoints::default(),
-            survival: SetPoints::default(),
-            rays: Rays::default(),
-            labels: Labels::default(),
-            chosen: Chosen::default(),
-        }
-    }
 }
 
 impl Default for Rays {

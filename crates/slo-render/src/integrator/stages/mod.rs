@@ -11,6 +11,7 @@ pub(super) mod direct_light;
 pub(super) mod emission;
 pub(super) mod ended;
 pub(super) mod features;
+pub(super) mod first_hits;
 pub(super) mod guiding;
 pub(super) mod hemispheres;
 pub(super) mod hits;

@@ -28,7 +28,7 @@ use glam::{DVec3, Vec3};
 
 use kinds::lamps;
 use slo_accel::Isa;
-use slo_accel::math::columns::{BATCH, Column, Vec3s};
+use slo_accel::math::columns::{Column, Vec3s};
 use slo_scene::light::Sky;
 use slo_scene::{LightKind, Texture};
 
@@ -202,8 +202,8 @@ impl Lights {
         if !self.move_about() {
             return self[light as usize].with(FoundEach(isa, from, len, to));
         }
-        for i in 0..len.min(BATCH) {
-            let (radiance, density) = self.found(light, time[i], from.get(i), to.way.get(i));
+        for (i, &time) in time.iter().enumerate().take(len) {
+            let (radiance, density) = self.found(light, time, from.get(i), to.way.get(i));
             to.radiance.set(i, radiance);
             to.density[i] = density;
         }

@@ -1,5 +1,6 @@
 //! Pictures whose pixels can be derived by hand. Each test explains how.
 
+mod compositing;
 mod expectation;
 mod far_away;
 mod furnace;

@@ -63,6 +63,50 @@ fn before_and_after_its_keys_the_bar_rests() {
 }
 
 #[test]
+fn repeated_motion_goes_on() {
+    let keys = |repeat: &str, start: f64| {
+        let [a, b] = [[start, -10.0], [start + 0.25, 14.0]];
+        pivot_at(a[0], [a[1] * PX, 0.0, 0.0])
+            + &pivot_at(b[0], [b[1] * PX, 0.0, 0.0])
+            + &format!("repeat {repeat}")
+    };
+    let part = |s: f64| (4.0 * s).rem_euclid(1.0);
+    // The same whether the key frames are before, within or long after the shutter.
+    for start in [-1000.0, 0.25, 1000.0] {
+        let there = |s: f64| -10.0 + 24.0 * part(s);
+        assert_streak(&shutter(1.0).take(&bar(&keys("CYCLE", start))), there);
+        let and_back =
+            |s: f64| -10.0 + 24.0 * (1.0 - (2.0 * part(s / 2.0 + start * 0.5) - 1.0).abs());
+        assert_streak(&shutter(1.0).take(&bar(&keys("PINGPONG", start))), and_back);
+    }
+    let on = pivot_at(7.0, [102.0 * PX, 0.0, 0.0]) + &pivot_at(7.25, [106.0 * PX, 0.0, 0.0]);
+    assert_streak(&shutter(1.0).take(&bar(&(on + "repeat OFFSET"))), |s| -10.0 + 16.0 * s);
+}
+
+#[test]
+fn many_turns_cover_a_disc_evenly() {
+    // A blade from the axis to radius 20 px turns five times within the shutter, about the view: of
+    // 360 degrees of each circle, it covers what a blade of its width covers.
+    let keys = "addKframe { time 0 key { turn_deg { 0 0 0 } } }
+                addKframe { time 1 key { turn_deg { 0 1800 0 } } }";
+    let corners = panel_corners([0.0, 20.0 * PX], 0.0, [-1.0 * PX, 1.0 * PX]);
+    let blade = glow("white", [1.0; 3]) + &rectangle("blade", "white", corners, keys);
+    let picture = shutter(1.0).take(&blade);
+    let half = |range: std::ops::Range<usize>| range.map(|x| (x, x as f64 - 31.5));
+    for (columns, rows) in [(12..32, 12..32), (12..32, 32..52), (32..52, 12..32), (32..52, 32..52)]
+    {
+        let places = half(columns).flat_map(|x| half(rows.clone()).map(move |y| (x, y)));
+        let ring = |r: f64| (6.0..18.0).contains(&r);
+        let [mut found, mut expected] = [0.0, 0.0];
+        for ((column, x), (row, y)) in places.filter(|((_, x), (_, y))| ring(x.hypot(*y))) {
+            found += picture.at(column, row)[0];
+            expected += 1.0 / (std::f64::consts::PI * x.hypot(y));
+        }
+        assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
+    }
+}
+
+#[test]
 fn handles_make_the_bar_start_and_stop_gently() {
     // Control points 0, 0, 1, 1 of the way: 3 u^2 - 2 u^3.
     let at = |x: f64| vector([x * PX, 0.0, 0.0]);

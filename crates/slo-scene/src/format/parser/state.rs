@@ -237,10 +237,14 @@ impl<'a> Parser<'a, '_> {
     pub(super) fn lacks_value(&self, word: Word<'_>) -> bool {
         let depth = self.stack.len();
         let follows = self.follows(depth, word.text);
+        let is_below = || self.text[word.span.end..self.next.range.start].contains('\n');
         if depth == 0 && follows.is_none() {
-            return self.text[word.span.end..self.next.range.start].contains('\n');
+            return is_below();
         }
         let next = &self.text[self.next.range.clone()];
+        if depth == 0 && follows == Some(Follows::Name) && self.follows(0, next).is_some() {
+            return is_below();
+        }
         let may_be_any = follows.is_some_and(|f| f.is_name() || f == Follows::Element);
         !may_be_any && self.follows(depth, next).is_some()
     }
@@ -262,12 +266,12 @@ impl<'a> Parser<'a, '_> {
         }
         let range = self.advance().range;
         let mut second = self.word_at(range);
-        if follows == Some(Follows::Element) || self.stack.is_empty() {
+        let is_name = follows.is_some_and(Follows::is_name);
+        if follows == Some(Follows::Element) || self.stack.is_empty() && !is_name {
             second = self.cut_name(second);
             second = self.take_name(keyword, second);
             self.take_bracket();
         }
-        let is_name = follows.is_some_and(Follows::is_name);
         if is_name {
             second = self.take_value(keyword, second);
         }

@@ -2,6 +2,7 @@
 
 mod claim;
 mod header;
+mod order;
 mod read;
 mod seal;
 mod write;

@@ -15,9 +15,12 @@ use super::super::container::{KEYWORD, RecipeError, Source, Wholeness};
 use super::super::picture::Crop;
 use super::super::raster::{Raster, Values};
 use super::claim;
-use super::header::{channel_names, color_names, is_our_header, light_layers};
+use super::header::{channel_names, color_names, is_our_header, light_layers, possible_layers};
 use super::seal::{self, Seal};
 use crate::film::{Area, FileLayer, Image};
+
+/// Names that no channel has.
+const NO_CHANNELS: [&str; 3] = ["no first", "no second", "no third"];
 
 /// The colours of a file.
 pub(super) fn read(mut input: &mut dyn Source) -> Result<Raster, ReadError> {
@@ -37,9 +40,15 @@ pub(super) fn read_layers(
 ) -> Result<Vec<(FileLayer, Image)>, ReadError> {
     let headers = MetaData::read_from_buffered(&mut input, false).map_err(reason)?.headers;
     let lights = headers.iter().flat_map(|header| light_layers(&header.channels));
+    let (surfaces, others): (Vec<_>, Vec<_>) = possible_layers(&headers)
+        .partition(|layer| matches!(layer, FileLayer::Albedo | FileLayer::Normal));
     let mut layers = Vec::new();
-    for layer in [FileLayer::Albedo, FileLayer::Normal].into_iter().chain(lights) {
-        let found = read_channels(input, &channel_names(&layer))?;
+    for layer in surfaces.into_iter().chain(lights).chain(others) {
+        let names = channel_names(&layer);
+        if !headers.iter().any(|header| has_channels(header, &names)) {
+            continue;
+        }
+        let found = read_channels(input, &names)?;
         layers.extend(found.map(|(image, _)| (layer, image)));
     }
     Ok(layers)
@@ -78,10 +87,11 @@ pub(super) fn recipe(mut input: &mut dyn Source) -> Result<(String, Wholeness), 
     }
 }
 
-/// Three channels of the first layer that has them, and its place; `None` if no layer has them.
+/// One to three channels of the first layer that has them, and its place; `None` if no layer has them. The
+/// numbers behind the last channel are 0.
 fn read_channels(
     mut input: &mut dyn Source,
-    names: &[Text; 3],
+    names: &[Text],
 ) -> Result<Option<(Image, Option<Crop>)>, ReadError> {
     let file_bytes = input.seek(io::SeekFrom::End(0))?;
     input.rewind()?;
@@ -96,14 +106,14 @@ fn read_channels(
     let size = [header.layer_size.0, header.layer_size.1];
     let pixels = super::super::claim::pixels(size.map(|side| side as u64), file_bytes)?;
     let pixels = RefCell::new(pixels);
-    let [first, second, third] = names;
+    let name = |i: usize| names.get(i).cloned().unwrap_or_else(|| NO_CHANNELS[i].into());
     let read = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .specific_channels()
-        .required(first.clone())
-        .required(second.clone())
-        .required(third.clone())
+        .required(name(0))
+        .optional(name(1), 0.0)
+        .optional(name(2), 0.0)
         .collect_pixels(
             |size, _| (size.width(), pixels.take()),
             |(width, rgb): &mut (usize, Vec<[f32; 3]>), at, (x, y, z): (f32, f32, f32)| {
@@ -128,7 +138,7 @@ fn read_channels(
 }
 
 /// Whether a layer has channels of these names.
-fn has_channels(header: &Header, names: &[Text; 3]) -> bool {
+fn has_channels(header: &Header, names: &[Text]) -> bool {
     let has = |name: &Text| header.channels.list.iter().any(|channel| channel.name == *name);
     names.iter().all(has)
 }

@@ -6,9 +6,11 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 
 /// Name of the attribute.
 pub(super) const KEYWORD: &str = "slo-rt blake3";
+/// What the names of the attributes of masks begin with. They come last, since they may be long.
+pub(super) const MASKS: &[u8] = b"cryptomatte/";
 /// What stands there while the file is hashed.
 pub(super) const BLANK: &str = "0000000000000000000000000000000000000000000000000000000000000000";
-/// Bytes that are read at a time. No header is longer.
+/// Bytes that are read at a time. No header is longer without the attributes of masks.
 const PIECE: usize = 1 << 18;
 
 /// What the hash inside a file says of it.
@@ -91,15 +93,16 @@ fn place(start: &[u8]) -> Option<usize> {
 
 /// Names of attributes and places of their values. After magic number and version come attributes of
 /// name, type, length and value; an empty name ends them.
-struct Attributes<'a> {
+pub(super) struct Attributes<'a> {
     start: &'a [u8],
-    at: usize,
+    /// Where the next one begins.
+    pub(super) at: usize,
     /// The empty name was found.
-    is_whole: bool,
+    pub(super) is_whole: bool,
 }
 
 impl<'a> Attributes<'a> {
-    fn of(start: &'a [u8]) -> Self {
+    pub(super) fn of(start: &'a [u8]) -> Self {
         Self { start, at: 8, is_whole: false }
     }
 

@@ -15,8 +15,8 @@ use super::super::container::{KEYWORD, Sink};
 use super::super::picture::{Crop, Picture};
 use super::super::quantise::finite;
 use super::header::{channel_names, color_names};
-use super::seal;
-use crate::film::{Area, FileLayer, Pixels};
+use super::{order, seal};
+use crate::film::{Area, FileLayer, Mask, Pixels};
 
 /// Writes `picture`, and `layers` of the same size.
 pub(super) fn write(
@@ -25,6 +25,9 @@ pub(super) fn write(
     mut out: &mut dyn Sink,
 ) -> io::Result<()> {
     write_unsealed(picture, layers, &mut out)?;
+    if !masks(layers).is_empty() {
+        order::sort_attributes(&mut out)?;
+    }
     seal::seal(out)
 }
 
@@ -43,10 +46,10 @@ fn write_unsealed(
             let [r, g, b] = image.at(x as u32, y as u32).map(finite);
             (r, g, b)
         };
-        let colors = with_header(picture, SpecificChannels::rgb(pixel))?;
+        let colors = with_header(picture, &[], SpecificChannels::rgb(pixel))?;
         return said(colors.write().non_parallel().to_unbuffered(out));
     }
-    let colors = color_names();
+    let colors = color_names().to_vec();
     let images = layers.iter().map(|(layer, image)| (channel_names(layer), *image));
     let channels = std::iter::once((colors, image)).chain(images).flat_map(|(names, image)| {
         names.into_iter().enumerate().map(move |(c, name)| {
@@ -57,13 +60,23 @@ fn write_unsealed(
             AnyChannel::new(name, FlatSamples::F32(values))
         })
     });
-    let all = with_header(picture, AnyChannels::sort(channels.collect()))?;
+    let all = with_header(picture, &masks(layers), AnyChannels::sort(channels.collect()))?;
     said(all.write().non_parallel().to_unbuffered(out))
+}
+
+/// The masks among layers.
+fn masks<'a>(layers: &[(&'a FileLayer, &dyn Pixels)]) -> Vec<&'a Mask> {
+    let first_rank = |(layer, _): &(&'a FileLayer, &dyn Pixels)| match layer {
+        FileLayer::Rank(mask, 0) => Some(mask),
+        _ => None,
+    };
+    layers.iter().filter_map(first_rank).collect()
 }
 
 /// Channels with their header.
 fn with_header<'c, C: WritableChannels<'c> + 'c>(
     picture: &Picture,
+    masks: &[&Mask],
     channels: C,
 ) -> io::Result<Image<exr::image::Layer<C>>> {
     let [width, height] = picture.image.size();
@@ -77,7 +90,7 @@ fn with_header<'c, C: WritableChannels<'c> + 'c>(
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let of_layer = of_layer(picture.recipe, area)?;
+    let of_layer = of_layer(picture.recipe, masks, area)?;
     let layer = exr::image::Layer::new(size, of_layer, encoding, channels);
     Ok(Image::new(of_image(whole), layer))
 }
@@ -89,9 +102,9 @@ fn said(written: exr::error::UnitResult) -> io::Result<()> {
     })
 }
 
-/// The place of the pixels, and the recipe as the only attribute of our own: `exr` keeps such attributes
-/// in a hash map, so the order of two would change from run to run.
-fn of_layer(recipe: &str, area: Area) -> io::Result<LayerAttributes> {
+/// The place of the pixels, the recipe, and the names of masks. `exr` keeps such attributes in a hash map,
+/// so their order changes from run to run, unless there is only one.
+fn of_layer(recipe: &str, masks: &[&Mask], area: Area) -> io::Result<LayerAttributes> {
     let text = Text::new_or_none(recipe)
         .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the recipe is not Latin-1"))?;
     let mut attributes = LayerAttributes {
@@ -99,11 +112,14 @@ fn of_layer(recipe: &str, area: Area) -> io::Result<LayerAttributes> {
         ..LayerAttributes::default()
     };
     attributes.other.insert(Text::from(KEYWORD), AttributeValue::Text(text));
+    for (name, value) in masks.iter().flat_map(|mask| mask.attributes()) {
+        let value = AttributeValue::Text(Text::from_slice_unchecked(value.as_bytes()));
+        attributes.other.insert(Text::from_slice_unchecked(name.as_bytes()), value);
+    }
     Ok(attributes)
 }
 
-/// The size of the picture, and room for the hash of the file. Here too only one attribute may be our
-/// own.
+/// The size of the picture, and room for the hash of the file: only one attribute is our own.
 fn of_image(whole: Area) -> ImageAttributes {
     let size = Vec2(whole.width() as usize, whole.height() as usize);
     let mut attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));

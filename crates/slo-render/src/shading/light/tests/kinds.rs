@@ -65,8 +65,15 @@ fn tables_of_skies_serve_another_frame() {
     let one = |before| {
         let (name, key_frames, group) = ("l".into(), Vec::new(), None);
         let kind = LightKind::Environment(lamp);
-        let light =
-            slo_scene::Light { name, kind, key_frames, camera_visible: true, solid: true, group };
+        let light = slo_scene::Light {
+            name,
+            kind,
+            key_frames,
+            repeat: None,
+            camera_visible: true,
+            solid: true,
+            group,
+        };
         Light::new(&light, DVec3::ZERO, &textures, Skies { share: SkyShare::All, before })
     };
     let first: Lights = std::iter::once(one(None)).collect();

@@ -19,7 +19,8 @@ use slo_scene::{Curve, light as scene};
 fn light(kind: LightKind, textures: &[Arc<Texture>]) -> Light {
     let (name, key_frames, group) = ("l".into(), Vec::new(), None);
     let (camera_visible, solid) = (true, true);
-    let light = slo_scene::Light { name, kind, key_frames, camera_visible, solid, group };
+    let light =
+        slo_scene::Light { name, kind, key_frames, repeat: None, camera_visible, solid, group };
     Light::new(&light, DVec3::ZERO, textures, Skies { share: SkyShare::All, before: None })
 }
 
