@@ -41,8 +41,9 @@ impl IrradianceMap {
         gives_up: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let every = (nearest / OVERLAPPING).max(1);
-        let chosen: Vec<u32> =
-            (0..map.len() as u32).filter(|&i| map.photon(i as usize).2 % every == 0).collect();
+        let chosen: Vec<u32> = (0..map.len() as u32)
+            .filter(|&i| map.photon(i as usize).2.is_multiple_of(every))
+            .collect();
         let estimated: Option<Vec<Vec<Irradiance>>> = chosen
             .par_chunks(AT_ONCE)
             .map(|chosen| (!gives_up()).then(|| isa.run(Estimate { map, nearest, chosen })))

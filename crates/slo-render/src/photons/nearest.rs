@@ -210,6 +210,11 @@ impl Nearest {
         self.square
     }
 
+    /// Whether there are no points.
+    pub fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+
     /// Number of points.
     pub fn len(&self) -> usize {
         self.found.len()

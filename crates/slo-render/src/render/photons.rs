@@ -66,7 +66,7 @@ impl<'a> Stretches<'a> {
         let is_first = std::mem::replace(&mut self.is_first, false);
         let light = self.light.clone();
         let Some(next) = self.next else {
-            return is_first.then(|| Stretch { light, ..Stretch::WHOLE });
+            return is_first.then_some(Stretch { light, ..Stretch::WHOLE });
         };
         let share = plan.samples().map_or(0, |share| share.start);
         let end = share.saturating_add(plan.next_border(next - share));

@@ -30,7 +30,9 @@ fn a_point_lamp_in_a_sphere_lights_it_evenly() {
         + &format!("lamp_point l {{ power {{ {power} {power} {power} }} position {{ 0 0 0 }} }}");
     let direct = albedo / PI * power / (4.0 * PI * radius * radius);
     for gather in GATHERS {
-        for nearest in [20, 200] {
+        // Photons from the lamp lie more evenly than by chance, so an estimate at one of them that leaves
+        // it out is too dark by up to one part in as many.
+        for nearest in [50, 200] {
             let picture = inside(&format!("{gather} photonNearest {nearest}"), &scene);
             picture.assert_mean([direct / (1.0 - albedo); 3], 0.02);
         }
