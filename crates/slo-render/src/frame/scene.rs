@@ -277,8 +277,9 @@ mod tests {
         vertices { 0 0 0 1 0 0 0 1 0 0 0 1 }
         faces { 0 2 1 0 1 3 1 2 3 2 0 3 }";
 
-    fn frame(text: &str, mesh: &[u8]) -> FrameScene {
-        let loaded = load("scene.txt", text, &Files::built_in("", &[("tetra.slo", mesh)]));
+    fn frame(text: &str, mesh: &'static [u8]) -> FrameScene {
+        let files = Box::leak(Box::new([("tetra.slo", mesh)]));
+        let loaded = load("scene.txt", text, &Files::built_in("", files));
         let scene = loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
         FrameScene::build(&scene, 0, Isa::best()).unwrap()
     }
@@ -333,9 +334,10 @@ mod tests {
         let place =
             |i: usize| format!("addKframe {{ time 0 key {{ pivot {{ {} 5 0 }} }} }}", 40 * i);
         let faces = 2 * SIDE * SIDE;
-        let few = frame(&with_copies(3, place), mesh.as_bytes());
+        let mesh: &[u8] = mesh.leak().as_bytes();
+        let few = frame(&with_copies(3, place), mesh);
         assert_eq!((few.primitives(), few.world.instances.len()), (4 * faces, 0));
-        let many = frame(&with_copies(600, place), mesh.as_bytes());
+        let many = frame(&with_copies(600, place), mesh);
         assert_eq!((many.primitives(), many.world.instances.len()), (faces, 601));
         assert!(!many.moves() && many.moving_objects() == 0);
         assert!(many.memory() < 2 * few.memory());

@@ -340,23 +340,19 @@ mod tests {
         let (still, mesh) = (structure(20, 2.0), structure(30, 0.5));
         let mut vector =
             |size: f32| Vec3::from_array(std::array::from_fn(|_| rng.random_range(-size..size)));
-        let instances = |count: u32| {
-            (0..count).map(|object| Instance {
-                structure: mesh.clone(),
-                center: Vec3::ZERO,
-                poses: (0..3)
-                    .map(|_| {
-                        let axis = vector(1.0).as_dvec3().normalize_or(DVec3::Z);
-                        let rotation = DMat3::from_axis_angle(axis, f64::from(object));
-                        let translation = vector(2.0).as_dvec3();
-                        let pose = DAffine::from(DRigid { rotation, translation });
-                        Affine::relative(&pose, DVec3::ZERO)
-                    })
-                    .collect(),
-                object,
-            })
-        };
-        let many = World::new(still, instances(2 * MANY as u32).collect(), Isa::best());
+        let mut instances = Vec::new();
+        for object in 0..2 * MANY as u32 {
+            let mut poses = Vec::new();
+            for _ in 0..3 {
+                let axis = vector(1.0).as_dvec3().normalize_or(DVec3::Z);
+                let rotation = DMat3::from_axis_angle(axis, f64::from(object));
+                let pose = DRigid { rotation, translation: vector(2.0).as_dvec3() };
+                poses.push(Affine::relative(&DAffine::from(pose), DVec3::ZERO));
+            }
+            let structure = mesh.clone();
+            instances.push(Instance { structure, center: Vec3::ZERO, poses, object });
+        }
+        let many = World::new(still, instances, Isa::best());
         assert!(many.many.is_some());
         let mut rays = Rays::default();
         for _ in 0..1000 {
