@@ -350,7 +350,8 @@ mod tests {
                 poses.push(Affine::relative(&DAffine::from(pose), DVec3::ZERO));
             }
             let structure = mesh.clone();
-            instances.push(Instance { structure, center: Vec3::ZERO, poses, object });
+            let (bending, center) = (None, Vec3::ZERO);
+            instances.push(Instance { structure, bending, center, poses, object });
         }
         let many = World::new(still, instances, Isa::best());
         assert!(many.many.is_some());

@@ -88,7 +88,7 @@ mod tests {
     /// Values that differ from the defaults.
     fn others(form: Form) -> Vec<Setting> {
         match form {
-            Form::Flag => vec![Setting::Flag(true)],
+            Form::Flag => vec![Setting::Flag(true), Setting::Flag(false)],
             Form::Count(..) => vec![Setting::Count(5)],
             Form::Whole => vec![Setting::Whole(u64::MAX)],
             Form::Single(_) => vec![Setting::Single(0.1)],
