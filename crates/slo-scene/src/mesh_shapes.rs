@@ -24,8 +24,11 @@ pub struct MeshShapes {
     /// The path of the mesh whose faces all shapes have.
     first: String,
     /// Shapes that the last shutter needed, by place among the keys.
-    kept: Arc<Mutex<Vec<(usize, Arc<Mesh>)>>>,
+    kept: Arc<Mutex<Vec<Kept>>>,
 }
+
+/// A shape that was read, by its place among the keys.
+type Kept = (usize, Arc<Mesh>);
 
 /// A shape at a scene time.
 #[derive(Clone, Debug)]
@@ -52,7 +55,7 @@ pub enum ShapeError {
         /// Its path, as the scene writes it.
         path: String,
         /// What is wrong.
-        reason: FileError,
+        reason: Box<FileError>,
     },
     /// Two files have different faces.
     Differs {
@@ -132,7 +135,7 @@ impl MeshShapes {
 
     fn read(&self, place: usize, whole: &Mesh) -> Result<Mesh, ShapeError> {
         let path = &self.keys[place].1;
-        let wrong = |reason| ShapeError::Wrong { path: path.clone(), reason };
+        let wrong = |reason| ShapeError::Wrong { path: path.clone(), reason: Box::new(reason) };
         let mut reader = self.files.open(path).map_err(|error| ShapeError::Unreadable {
             path: path.clone(),
             reason: reason(&error),

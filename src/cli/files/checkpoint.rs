@@ -89,11 +89,11 @@ impl Checkpoint {
             }
             Found::Film(film, steps) => {
                 self.is_spent(path);
-                Some((film, steps))
+                Some((*film, steps))
             }
         });
         let kept = match self.film_at(&self.kept) {
-            Found::Film(film, steps) => Some((film, steps)),
+            Found::Film(film, steps) => Some((*film, steps)),
             _ => None,
         };
         match found.chain(kept).max_by_key(|(film, _)| samples(film)) {
@@ -119,7 +119,7 @@ impl Checkpoint {
                     return Found::None;
                 }
                 let fits = subject.same_place(&self.subject);
-                if fits { Found::Film(film, steps(&subject.recipe)) } else { Found::OfAnotherRun }
+                if fits { Found::Film(Box::new(film), steps(&subject.recipe)) } else { Found::OfAnotherRun }
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Found::None,
             Err(error) => {
@@ -312,7 +312,7 @@ enum Found {
     /// Samples that this run can't continue from.
     OfAnotherRun,
     /// A film that this run continues from.
-    Film(Film, Steps),
+    Film(Box<Film>, Steps),
 }
 
 /// Returns the state files of unfinished runs of the picture at `path`, except `own`.
