@@ -89,7 +89,7 @@ fn many_turns_cover_a_disc_evenly() {
     // 360 degrees of each circle, it covers what a blade of its width covers.
     let keys = "addKframe { time 0 key { turn_deg { 0 0 0 } } }
                 addKframe { time 1 key { turn_deg { 0 1800 0 } } }";
-    let corners = panel_corners([0.0, 20.0 * PX], 0.0, [-1.0 * PX, 1.0 * PX]);
+    let corners = panel_corners([0.0, 20.0 * PX], 0.0, [-PX, PX]);
     let blade = glow("white", [1.0; 3]) + &rectangle("blade", "white", corners, keys);
     let picture = shutter(1.0).take(&blade);
     let half = |range: std::ops::Range<usize>| range.map(|x| (x, x as f64 - 31.5));
