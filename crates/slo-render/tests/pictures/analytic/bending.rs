@@ -67,7 +67,8 @@ fn check(
 ) -> FrameScene {
     let scene = scene(blur, shapes);
     let picture = Picture(expose(&scene, Isa::best()).image());
-    assert_profile(&picture.columns(24..40, 0), &covered(reach, shift), 0.012);
+    // Both edges may move, and the poses of key frames are up to half a pixel apart.
+    assert_profile(&picture.columns(24..40, 0), &covered(reach, shift), 0.02);
     FrameScene::build(&scene, 0, Isa::best()).expect("the frame can be built")
 }
 
