@@ -47,12 +47,15 @@ struct Kind {
     batches: Vec<(Rays, Vec<f32>)>,
 }
 
+/// Random numbers in `[0, 1)`.
+type Unit<'a> = &'a mut dyn FnMut() -> f32;
+
 /// Camera rays, 16 to a pixel, and rays between any points about the cloth.
 fn kinds() -> [Kind; 2] {
     let mut rng = StdRng::seed_from_u64(1);
     let mut unit = || rng.random::<f32>();
-    let mut batches = |ray: &mut dyn FnMut(usize, &mut dyn FnMut() -> f32) -> [Vec3; 2]| {
-        let batch = |first: usize, unit: &mut dyn FnMut() -> f32| {
+    let mut batches = |ray: &mut dyn FnMut(usize, Unit<'_>) -> [Vec3; 2]| {
+        let batch = |first: usize, unit: Unit<'_>| {
             let (mut rays, mut times) = (Rays::with_capacity(BATCH), vec![]);
             for i in first..first + BATCH {
                 let [origin, direction] = ray(i, unit);
@@ -85,11 +88,11 @@ fn check(bending: &Bending, kind: &Kind) {
     let (rays, times) = &kind.batches[0];
     let (mut hits, mut scratch) = (Hits::default(), Scratch::default());
     bending.intersect(rays, times, kind.coherence, &mut hits, &mut scratch);
-    for i in 0..CHECKED {
+    for (i, &time) in times.iter().enumerate().take(CHECKED) {
         let ray = ShearedRay::new(rays.origin(i), rays.direction(i));
         let (mut t, mut best) = (f32::INFINITY, NO_HIT);
         for id in 0..bending.triangle_count() as u32 {
-            if let Some(hit) = intersect(&ray, &bending.triangle(id, times[i]), t) {
+            if let Some(hit) = intersect(&ray, &bending.triangle(id, time), t) {
                 (t, best) = (hit.t, id);
             }
         }

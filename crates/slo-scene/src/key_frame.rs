@@ -1,4 +1,4 @@
-//! Key frames: the position of an object over time.
+//! Key frames: the position of an object over time, and in what.
 
 use glam::DVec3;
 
@@ -27,3 +27,7 @@ pub struct Placement {
     /// By how much it is larger along its own axes, before `right` and `up` turn it; more than 0.
     pub scale: Option<DVec3>,
 }
+
+/// Index of a space in [`SceneDescription::spaces`](crate::SceneDescription::spaces).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SpaceId(pub u32);

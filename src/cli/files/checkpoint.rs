@@ -119,7 +119,11 @@ impl Checkpoint {
                     return Found::None;
                 }
                 let fits = subject.same_place(&self.subject);
-                if fits { Found::Film(Box::new(film), steps(&subject.recipe)) } else { Found::OfAnotherRun }
+                if fits {
+                    Found::Film(Box::new(film), steps(&subject.recipe))
+                } else {
+                    Found::OfAnotherRun
+                }
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Found::None,
             Err(error) => {

@@ -18,14 +18,14 @@ use crate::material::Material;
 use crate::settings::Settings;
 use crate::texture::Texture;
 
-pub use crate::key_frame::{KeyFrame, Placement};
+pub use crate::key_frame::{KeyFrame, Placement, SpaceId};
 pub use crate::material::MaterialId;
 pub use camera::{CamSegment, Camera};
 pub use copies::{Copy, MOST_COPIED, MOST_NESTED, Original};
 pub use layer_names::{LayerNames, MaskNames};
 pub use light_groups::LightGroups;
 pub use object::Object;
-pub use space::{Space, SpaceId};
+pub use space::Space;
 
 /// A scene that has no errors: all that its text, meshes and textures say.
 #[derive(Clone, Debug)]

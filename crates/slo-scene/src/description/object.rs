@@ -1,7 +1,6 @@
 //! Objects: their shape, material and motion.
 
-use super::space::SpaceId;
-use crate::key_frame::KeyFrame;
+use crate::key_frame::{KeyFrame, SpaceId};
 use crate::material::MaterialId;
 use crate::settings::Repeat;
 use crate::shape::Shape;

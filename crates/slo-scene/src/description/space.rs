@@ -1,11 +1,7 @@
 //! Spaces that things hang in.
 
-use crate::key_frame::KeyFrame;
+use crate::key_frame::{KeyFrame, SpaceId};
 use crate::settings::Repeat;
-
-/// Index of a space in [`SceneDescription::spaces`](super::SceneDescription::spaces).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct SpaceId(pub u32);
 
 /// The space of a `group`, or of an object or a lamp that others have as their `parent`.
 #[derive(Clone, Debug)]

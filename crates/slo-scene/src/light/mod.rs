@@ -13,8 +13,8 @@ mod rectangle;
 use glam::DVec3;
 
 use crate::attributes::Fields;
-use crate::description::SpaceId;
 use crate::key_frame::KeyFrame;
+use crate::key_frame::SpaceId;
 use crate::kinds::kinds;
 use crate::material::Palette;
 use crate::settings::Repeat;

@@ -2,20 +2,11 @@
 
 use glam::DVec3;
 
-use super::turns::{Turned, even, turned};
+use super::turns::{Turned, Written, even, turned};
 use crate::animation::{KeyFrames, have_orientation};
 use crate::attributes::{Bound, Field, Fields};
 use crate::description::{KeyFrame, Placement};
-use crate::diagnostics::{Diagnostic, Span};
-
-/// A key frame with its places in the text.
-pub(super) struct Written {
-    pub(super) key_frame: KeyFrame,
-    /// What `pre`, `key` and `nex` say about the orientation.
-    pub(super) turned: [Turned; 3],
-    time: Span,
-    keyword: Span,
-}
+use crate::diagnostics::Diagnostic;
 
 /// The key frames of an object or a lamp, in order of time.
 pub(super) fn key_frames(fields: &mut Fields<'_, '_, '_>) -> Vec<KeyFrame> {

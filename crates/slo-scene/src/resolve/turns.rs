@@ -3,7 +3,6 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::key_frames::Written;
 use crate::animation::{about, bezier, cubic, sin_cos_deg};
 use crate::attributes::{Bound, Fields};
 use crate::description::{KeyFrame, Placement};
@@ -36,6 +35,15 @@ pub(super) struct Turned {
     pub(super) turn: Option<Turn>,
     /// The attributes that say it.
     places: Vec<(&'static str, Span)>,
+}
+
+/// A key frame with its places in the text.
+pub(super) struct Written {
+    pub(super) key_frame: KeyFrame,
+    /// What `pre`, `key` and `nex` say about the orientation.
+    pub(super) turned: [Turned; 3],
+    pub(super) time: Span,
+    pub(super) keyword: Span,
 }
 
 /// Reads what a block says about the orientation.

@@ -252,15 +252,15 @@ fn triangles_are_where_their_shapes_say() {
     let bending = Bending::build(&shapes, &[0.0, 0.5, 1.0], Isa::Portable);
     assert_eq!(bending.triangle_count(), 100);
     assert_eq!(bending.moment(0.75), Moment { shape: 1, part: 0.5 });
-    for id in 0..100 {
-        let (a, b, c) = (shapes[0][id], shapes[1][id], shapes[2][id]);
-        assert_eq!(bending.triangle(id as u32, 0.0), a);
-        assert_eq!(bending.triangle(id as u32, 0.5), b);
-        let there = bending.triangle(id as u32, 1.0);
+    let triangles = shapes[0].iter().zip(&shapes[1]).zip(&shapes[2]);
+    for (id, ((&a, &b), &c)) in (0..100).zip(triangles) {
+        assert_eq!(bending.triangle(id, 0.0), a);
+        assert_eq!(bending.triangle(id, 0.5), b);
+        let there = bending.triangle(id, 1.0);
         for corner in 0..3 {
             assert_eq!(there[corner], b[corner] + (c[corner] - b[corner]));
         }
-        assert_eq!(bending.triangle(id as u32, -1.0), a);
+        assert_eq!(bending.triangle(id, -1.0), a);
     }
 }
 
