@@ -309,7 +309,8 @@ mod tests {
     fn moving_objects_share_what_they_have_in_common() {
         let key =
             |x: usize, time| format!("addKframe {{ time {time} key {{ pivot {{ {x} 0 0 }} }} }}");
-        let scene = with_copies(40, |i| key(i, 0) + &key(i + 1, 1));
+        let scene = with_copies(40, |i| key(i, 0) + &key(i + 1, 1))
+            .replace("fovStart 0.4", "fovStart 0.4 blurDuration 1");
         let frame = frame(&scene, TETRA);
         // The first one is still.
         assert_eq!((frame.moving_objects(), frame.primitives()), (40, 4 + 4));

@@ -127,10 +127,11 @@ impl Surfaces {
 
 #[cfg(test)]
 impl Surfaces {
-    /// Sets both normals of hit `i`, as on a flat surface.
+    /// Sets all normals of hit `i`, as on a flat surface.
     pub(crate) fn set_normals(&mut self, i: usize, n: Vec3) {
         self.n_geo.set(i, n);
         self.n_shade.set(i, n);
+        self.floor.set(i, n);
     }
 }
 

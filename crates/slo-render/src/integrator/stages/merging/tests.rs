@@ -45,8 +45,7 @@ fn shares_depend_on_the_area_of_the_lamp_and_of_the_disc_alone() {
         let mut point = Box::new([0; BATCH]);
         let emission = frame.emission.as_ref().unwrap();
         for (i, direction) in directions.into_iter().enumerate() {
-            points.surfaces.n_geo.set(i, Vec3::Z);
-            points.surfaces.n_shade.set(i, Vec3::Z);
+            points.surfaces.set_normals(i, Vec3::Z);
             points.direction.set(i, Vec3::NEG_Z);
             points.caught[i] = paths * PI * radius * radius;
             lobe.0.weight.set(i, Vec3::ONE);
@@ -89,8 +88,7 @@ fn shares_depend_on_the_area_of_the_lamp_and_of_the_disc_alone() {
 fn photons_have_all_light_of_lamps_that_no_ray_can_hit() {
     let mut points = Box::<Points>::default();
     points.surfaces.len = 1;
-    points.surfaces.n_geo.set(0, Vec3::Z);
-    points.surfaces.n_shade.set(0, Vec3::Z);
+    points.surfaces.set_normals(0, Vec3::Z);
     points.direction.set(0, Vec3::NEG_Z);
     points.caught[0] = 1e-6;
     let mut lobe = Diffuse(Default::default());
