@@ -1,7 +1,7 @@
 //! Texts and their trees.
 
 use super::parse;
-use crate::diagnostics::{Diagnostics, SourceId};
+use crate::diagnostics::{Diagnostics, Source};
 use crate::format::syntax::{Block, Entry, Follows, Form, Grammar, Item};
 
 /// Spheres and cameras with films.
@@ -47,7 +47,10 @@ fn form_outline(form: &Form<'_>) -> String {
 /// Parses a text; the outline of its tree, and the messages in the order of the text.
 fn check(text: &str, expected: &str, errors: &[&str]) {
     let mut diagnostics = Diagnostics::default();
-    let tree = parse(text, SourceId(0), &Toy, &mut diagnostics);
+    let source =
+        Source { name: String::new(), text: text.into(), first_line: 1, included_at: None };
+    let source = diagnostics.add_source(source);
+    let tree = parse(text, source, &Toy, &mut diagnostics);
     assert_eq!(outline(&tree.entries), expected, "{text}");
     let messages: Vec<_> = diagnostics.sorted().iter().map(|d| d.message.clone()).collect();
     assert_eq!(messages, errors, "{text}");
