@@ -11,6 +11,7 @@ mod failures;
 mod foreign;
 mod frames;
 mod huge;
+mod import;
 mod layers;
 mod light;
 mod looks;

@@ -22,6 +22,8 @@ pub(crate) enum Command {
     Denoise(DenoiseArgs),
     /// Show pictures in another light: lamps dimmed or coloured, another exposure
     Relight(RelightArgs),
+    /// Turn a scene of another program (glTF, OBJ, PLY, NFF) into scene text
+    Import(ImportArgs),
 }
 
 /// `merge`
@@ -173,6 +175,34 @@ pub(crate) struct RelightArgs {
 
     #[command(flatten)]
     pub(crate) look: LookArgs,
+
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+
+    /// Print help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
+}
+
+/// `import`
+#[derive(Debug, clap::Args)]
+pub(crate) struct ImportArgs {
+    /// A .gltf, .glb, .obj, .ply or .nff file
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+
+    /// Folder for the scene, its meshes and images (short: -od) [default: NAME, as the file]
+    #[arg(short, long, value_name = "DIR", alias = "outdir", alias = "outdit")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Replace files that exist
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+
+    /// Also read files that lie outside of the folder of FILE
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
 
     /// Print nothing but warnings and errors
     #[arg(short, long)]

@@ -3,6 +3,7 @@
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod denoise;
+pub(crate) mod import;
 pub(crate) mod merge;
 pub(crate) mod recipe;
 pub(crate) mod relight;

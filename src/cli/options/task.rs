@@ -6,7 +6,8 @@ use std::time::Duration;
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
-    Args, Command, CompareArgs, DenoiseArgs, MergeArgs, RelightArgs, SheetArgs, VerifyArgs,
+    Args, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs, SheetArgs,
+    VerifyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Maps, Threads};
@@ -40,6 +41,8 @@ pub(crate) enum Task {
     Denoise(DenoiseArgs),
     /// Show pictures in another light.
     Relight(RelightArgs),
+    /// Turn a scene of another program into scene text.
+    Import(ImportArgs),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -51,6 +54,7 @@ impl From<Args> for Options {
             Some(Command::Merge(merge)) => merge.quiet,
             Some(Command::Denoise(denoise)) => denoise.quiet,
             Some(Command::Relight(relight)) => relight.quiet,
+            Some(Command::Import(import)) => import.quiet,
             _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
@@ -77,6 +81,7 @@ fn task(mut args: Args) -> Result<Task, Problem> {
             Command::Sheet(sheet) => Task::Sheet(sheet),
             Command::Denoise(denoise) => Task::Denoise(denoise),
             Command::Relight(relight) => Task::Relight(relight),
+            Command::Import(import) => Task::Import(import),
         });
     }
     match args.recipe.clone() {
