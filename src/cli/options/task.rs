@@ -6,10 +6,11 @@ use std::time::Duration;
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
-    Args, Command, CompareArgs, DenoiseArgs, MergeArgs, RelightArgs, SheetArgs, VerifyArgs,
+    Args, BakeArgs, Command, CompareArgs, DenoiseArgs, MergeArgs, RelightArgs, SettingArgs,
+    SheetArgs, VerifyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
-use crate::cli::values::{FrameChoice, Maps, Threads};
+use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
 use slo_accel::Isa;
 use slo_picture::output::check_prefix;
 
@@ -40,6 +41,8 @@ pub(crate) enum Task {
     Denoise(DenoiseArgs),
     /// Show pictures in another light.
     Relight(RelightArgs),
+    /// Write the light on objects into images. The job names their scene.
+    Bake(BakeArgs, Box<Job>),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -51,6 +54,7 @@ impl From<Args> for Options {
             Some(Command::Merge(merge)) => merge.quiet,
             Some(Command::Denoise(denoise)) => denoise.quiet,
             Some(Command::Relight(relight)) => relight.quiet,
+            Some(Command::Bake(bake)) => bake.quiet,
             _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
@@ -77,6 +81,30 @@ fn task(mut args: Args) -> Result<Task, Problem> {
             Command::Sheet(sheet) => Task::Sheet(sheet),
             Command::Denoise(denoise) => Task::Denoise(denoise),
             Command::Relight(relight) => Task::Relight(relight),
+            Command::Bake(bake) => {
+                let &BakeArgs { format, look, samples, noise, integrator, photons, seed, .. } =
+                    &bake;
+                args.settings = SettingArgs {
+                    format,
+                    look,
+                    samples,
+                    noise,
+                    integrator,
+                    photons,
+                    seed,
+                    ..SettingArgs::default()
+                };
+                args.scene = Some(bake.scene.clone());
+                args.indir = bake.indir.clone();
+                args.outdir = bake.outdir.clone();
+                args.allow_outside = bake.allow_outside;
+                args.overwrite = bake.overwrite;
+                args.skip_existing = !bake.overwrite;
+                args.threads = bake.threads;
+                args.progress = bake.progress;
+                args.frame = bake.frame.map(|n| FrameChoice::These(Frames::single(n)));
+                Task::Bake(bake, Box::new(job(args)?))
+            }
         });
     }
     match args.recipe.clone() {

@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use super::compositing::Compositing;
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
+use super::light_maps::LightMaps;
 use super::looks::{Look, Looks};
 use super::parts::{Parts, Seen, structure};
 use super::sampled_camera::SampledCamera;
@@ -154,7 +155,7 @@ impl FrameScene {
             PhotonSeed::Fixed => 0,
         };
         let sampler = |frame| Sampler::new(scene.settings.generator, scene.settings.seed, frame);
-        Ok(Self {
+        let frame = Self {
             camera,
             world,
             material_table: MaterialTable::new(&scene.materials, &materials),
@@ -178,6 +179,9 @@ impl FrameScene {
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
             field: OnceLock::new(),
+            baked: None,
+            light_maps: LightMaps::default(),
+            known_light: OnceLock::new(),
             settings,
             isa,
             clever: true,
@@ -187,7 +191,8 @@ impl FrameScene {
             compositing,
             still_places: parts.places,
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
-        })
+        };
+        Ok(Self { light_maps: LightMaps::of(&frame, scene), ..frame })
     }
 }
 

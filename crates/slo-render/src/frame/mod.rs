@@ -2,6 +2,7 @@
 //! threads.
 
 mod affine;
+mod baked;
 mod bend;
 mod build;
 mod compositing;
@@ -10,6 +11,7 @@ mod error;
 mod first_hits;
 mod glow;
 mod lamps;
+mod light_maps;
 mod looks;
 mod parts;
 mod sampled;
@@ -21,11 +23,14 @@ mod shared;
 mod sharp;
 mod shown;
 mod surfaces;
+mod texels;
 mod world;
 
+pub(crate) use baked::Baked;
 pub use error::FrameError;
 pub use lamps::LampFault;
 pub(crate) use looks::Look;
 pub use scene::FrameScene;
 pub(crate) use surfaces::{NO_MATERIAL, SurfaceScratch, Surfaces};
+pub(crate) use texels::TexelPoint;
 pub(crate) use world::{WorldHits, WorldScratch};

@@ -59,7 +59,7 @@ impl HemisphereTracer {
             if batch.len() == 0 {
                 return probes;
             }
-            hits.trace(frame, batch, machine.habit(0), scratch);
+            hits.trace_first(frame, batch, camera_rays, machine.habit(0), scratch);
             points.find(frame, batch, hits, machine.seeds());
             points.choose_materials(frame, &frame.sampler, 0);
             bsdfs.look_up(frame, points);

@@ -80,6 +80,7 @@ impl Path {
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
         let Self {
+            camera_rays,
             batch,
             hits,
             arrived,
@@ -93,7 +94,10 @@ impl Path {
             scratch,
             ..
         } = self;
-        hits.trace(frame, batch, machine.habit(depth), scratch);
+        match depth {
+            0 => hits.trace_first(frame, batch, camera_rays, machine.habit(0), scratch),
+            _ => hits.trace(frame, batch, machine.habit(depth), scratch),
+        }
         if frame.has_passable_lamps(depth) {
             passing.lamps(frame, batch, hits, depth);
             passing.queue(machine, depth);

@@ -94,8 +94,11 @@ impl PhotonMapping {
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
         let Self { batch, hits, arrived, points, emission, features, bsdfs, .. } = self;
-        let Self { first_hits, passing, stored, stride, scratch, .. } = self;
-        hits.trace(frame, batch, machine.habit(depth), scratch);
+        let Self { camera_rays, first_hits, passing, stored, stride, scratch, .. } = self;
+        match depth {
+            0 => hits.trace_first(frame, batch, camera_rays, machine.habit(0), scratch),
+            _ => hits.trace(frame, batch, machine.habit(depth), scratch),
+        }
         if frame.has_passable_lamps(depth) {
             passing.lamps(frame, batch, hits, depth);
             passing.queue(machine, depth);
@@ -141,7 +144,7 @@ impl PhotonMapping {
             features.add(frame, batch, hits, points, |i| bsdfs.own(i));
         }
         let none = PhotonLight::default();
-        stored.find(frame, job.light.unwrap_or(&none), batch, points, bsdfs);
+        stored.find(frame, job.light.unwrap_or(&none), (batch, hits), points, bsdfs);
         machine.add(frame.isa, &stored.light, &points.labels.slot, points.len());
         stored.close(frame, points, bsdfs);
         if !stored.any_goes_on(points) {
