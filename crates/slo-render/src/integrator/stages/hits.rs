@@ -4,7 +4,7 @@ use slo_accel::instances::NO_INSTANCE;
 use slo_accel::math::columns::{BATCH, Column};
 
 use super::camera_rays::CameraRays;
-use crate::frame::{Baked, FrameScene, Look, TexelPoint, WorldHits, WorldScratch};
+use crate::frame::{FrameScene, Look, WorldHits, WorldScratch};
 use crate::integrator::batch::Batch;
 use crate::integrator::chosen::Chosen;
 use crate::integrator::queue::Habit;
@@ -26,34 +26,19 @@ impl Default for Hits {
 }
 
 impl Hits {
-    /// Finds the first hits of camera rays.
-    pub(in crate::integrator) fn trace_first(
+    /// If the pixels are texels, takes their points as hits, and returns true.
+    pub(in crate::integrator) fn take_texels(
         &mut self,
         frame: &FrameScene,
         batch: &Batch,
         camera_rays: &CameraRays,
-        habit: &mut Habit,
-        scratch: &mut WorldScratch,
-    ) {
-        match &frame.baked {
-            None => self.trace(frame, batch, habit, scratch),
-            Some(baked) => self.take(frame, baked, batch, camera_rays.points()),
-        }
-    }
-
-    /// Takes the points of texels as hits.
-    fn take(
-        &mut self,
-        frame: &FrameScene,
-        baked: &Baked,
-        batch: &Batch,
-        points: &[Option<TexelPoint>],
-    ) {
+    ) -> bool {
+        let Some(baked) = &frame.baked else { return false };
         let Self { found: WorldHits { hits, instance }, looks, shaded } = self;
         hits.reset(batch.len());
         instance.clear();
         instance.resize(batch.len(), NO_INSTANCE);
-        for (i, point) in points.iter().enumerate() {
+        for (i, point) in camera_rays.points().iter().enumerate() {
             looks[i] = Look::NOTHING;
             let Some(point) = point else { continue };
             looks[i] = baked.white;
@@ -62,6 +47,7 @@ impl Hits {
             hits.t[i] = (batch.rays.origin(i) - point.point).length();
         }
         shaded.set(frame.isa, batch.len(), |i| Look::is_material(looks[i]));
+        true
     }
 
     /// Finds the first hits of the rays of a batch.
