@@ -2,19 +2,10 @@
 
 use super::error::FrameError;
 use super::scene::FrameScene;
-use super::texels::Texels;
+use super::texels::Baked;
 use slo_accel::Isa;
 use slo_scene::material::{Principled, Varying};
 use slo_scene::{Material, MaterialKind, SceneDescription};
-
-/// The light map of an object, whose texels are the pixels of a frame.
-#[derive(Debug)]
-pub(crate) struct Baked {
-    pub(crate) texels: Texels,
-    /// Index of the material that texels have in place of their own: perfectly white and diffuse. The
-    /// radiance of a texel is therefore its irradiance over pi.
-    pub(crate) white: u32,
-}
 
 impl FrameScene {
     /// Builds a frame for the light map of an object, the one with the index `object` in the scene.

@@ -8,7 +8,6 @@ use glam::{DVec3, Vec3};
 use super::compositing::Compositing;
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
-use super::light_maps::LightMaps;
 use super::looks::{Look, Looks};
 use super::parts::{Parts, Seen, structure};
 use super::sampled_camera::SampledCamera;
@@ -16,6 +15,7 @@ use super::scene::FrameScene;
 use super::shared::Shared;
 use super::sharp::sharp_objects;
 use super::shown::Shown;
+use super::texels::LightMaps;
 use super::world::World;
 use crate::camera::Camera;
 use crate::photons::{Emission, Everywhere, PhotonLamps, targets};
@@ -192,7 +192,7 @@ impl FrameScene {
             still_places: parts.places,
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
         };
-        Ok(Self { light_maps: LightMaps::of(&frame, scene), ..frame })
+        Ok(Self { light_maps: frame.light_maps_of(scene), ..frame })
     }
 }
 

@@ -6,11 +6,10 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec3;
 
 use super::affine::Affine;
-use super::baked::Baked;
 use super::compositing::Compositing;
-use super::light_maps::LightMaps;
 use super::looks::Looks;
 use super::shapes::Geometry;
+use super::texels::{Baked, LightMaps};
 use super::world::{Instance, World, WorldHits};
 use crate::camera::Camera;
 use crate::guiding::Field;

@@ -1,33 +1,26 @@
-//! Where the texels of a light map lie on the surface of an object.
-
-use std::f32::consts::PI;
+//! The texels of light maps on surfaces of a frame.
 
 use glam::Vec3;
 
-use super::scene::FrameScene;
-use super::world::{Instance, STILL};
-use slo_accel::curved::Part;
-use slo_accel::math::elementary::sin_cos_turns;
-use slo_scene::light_map::{Layout, LightMap, Place, Unwrapped};
-use slo_scene::{Object, SceneDescription, Shape};
+use slo_scene::light_map::Layout;
 
 /// The texels of the light map of an object, on one side of its surface.
 #[derive(Debug)]
 pub(crate) struct Texels {
-    side: u32,
+    pub(super) side: u32,
     /// Index of the object.
-    object: u32,
-    /// Number of its instance, or [`STILL`].
-    instance: u32,
+    pub(super) object: u32,
+    /// Number of its instance, or [`STILL`](super::world::STILL).
+    pub(super) instance: u32,
     /// Id of its first primitive.
-    first: u32,
+    pub(super) first: u32,
     /// Whether they lie on the inside of the surface.
-    inside: bool,
-    map: Map,
+    pub(super) inside: bool,
+    pub(super) map: Map,
 }
 
 #[derive(Debug)]
-enum Map {
+pub(super) enum Map {
     Faces(Layout),
     /// A sphere in object space.
     Sphere {
@@ -66,11 +59,6 @@ impl Texels {
         (self.inside != from_outside).then_some(index)
     }
 
-    /// Index of the object.
-    pub(super) fn object(&self) -> u32 {
-        self.object
-    }
-
     /// Whether a texel lies on the surface, in column `x` and row `y` from the top.
     pub(crate) fn is_covered(&self, x: u32, y: u32) -> bool {
         match &self.map {
@@ -80,103 +68,38 @@ impl Texels {
     }
 }
 
-impl FrameScene {
-    /// Returns the texels of the light map of an object, the one with the index `number` in the scene.
-    /// `None` if the frame does not show the object, or if it has no texture coordinates.
-    pub(crate) fn texels(
-        &self,
-        scene: &SceneDescription,
-        number: usize,
-        LightMap { side, inside }: LightMap,
-    ) -> Option<Texels> {
-        let is_shown = |of: &&Object| !of.hidden && !scene.hides(of.parent);
-        let shape = &scene.objects.get(number).filter(is_shown)?.shape;
-        let object = scene.objects[..number].iter().filter(is_shown).count() as u32;
-        let map = match shape.unwrapped().ok()? {
-            Unwrapped::Faces(faces) => Map::Faces(Layout::new(&faces, side)?),
-            Unwrapped::Sphere => {
-                let Shape::Sphere(sphere) = shape else { return None };
-                Map::Sphere { center: sphere.center.as_vec3(), radius: sphere.radius as f32 }
-            }
-        };
-        let is_it = |of: &Instance| of.object == object;
-        let instance = self.world.instances.iter().position(is_it);
-        let first = match instance {
-            Some(_) => 0,
-            None => self.still_objects.iter().position(|&of| of == object)? as u32,
-        };
-        let instance = instance.map_or(STILL, |number| number as u32);
-        Some(Texels { side, object, instance, first, inside, map })
+/// The light map of an object, whose texels are the pixels of a frame.
+#[derive(Debug)]
+pub(crate) struct Baked {
+    pub(crate) texels: Texels,
+    /// Index of the material that texels have in place of their own: perfectly white and diffuse. The
+    /// radiance of a texel is therefore its irradiance over pi.
+    pub(crate) white: u32,
+}
+
+/// The light maps that `PHOTON_MAP` makes of photons, and reads where rays that gather light end.
+#[derive(Debug, Default)]
+pub(crate) struct LightMaps {
+    pub(super) all: Vec<Texels>,
+    /// For each object, the index of its light map, or a number that is none; empty if there are none.
+    pub(super) of_objects: Vec<u32>,
+}
+
+impl LightMaps {
+    /// The light maps of objects, of which there are `objects`.
+    pub(super) fn new(all: Vec<Texels>, objects: usize) -> Self {
+        let mut of_objects = Vec::new();
+        if !all.is_empty() {
+            of_objects.resize(objects, u32::MAX);
+        }
+        for (number, texels) in (0..).zip(&all) {
+            of_objects[texels.object as usize] = number;
+        }
+        Self { all, of_objects }
     }
 
-    /// Returns a point of a texel at a time of the shutter; `within` is from 0 to 1 rightward and
-    /// downward. `None` if there is no surface.
-    pub(crate) fn texel_point(
-        &self,
-        texels: &Texels,
-        [x, y]: [u32; 2],
-        within: [f32; 2],
-        time: f32,
-    ) -> Option<TexelPoint> {
-        let Texels { side, instance, first, inside, .. } = *texels;
-        let found = match &texels.map {
-            Map::Faces(layout) => {
-                let Place { face, weights, area } = layout.place(x, y, within)?;
-                let [a, b, c] = self.corners(texels, face, time);
-                let [u, v] = weights;
-                let double = (b - a).as_dvec3().cross((c - a).as_dvec3());
-                TexelPoint {
-                    primitive: first + face,
-                    instance,
-                    uv: weights,
-                    point: a * (1.0 - u - v) + b * u + c * v,
-                    normal: double.try_normalize()?.as_vec3(),
-                    width: (0.5 * double.length() / f64::from(area)).sqrt() as f32,
-                }
-            }
-            &Map::Sphere { center, radius } => {
-                let scale = 1.0 / side as f32;
-                let turn = (x as f32 + within[0]) * scale;
-                let rise = 0.5 - (y as f32 + within[1]) * scale;
-                let ((s, c), (up, out)) = (sin_cos_turns(turn), sin_cos_turns(0.5 * rise));
-                let axis = Vec3::new(out * c, out * s, up);
-                let [middle, point, normal] = self.on_ball(texels, center, axis * radius, time);
-                TexelPoint {
-                    primitive: first,
-                    instance,
-                    uv: [Part::Side.to_u(), 0.0],
-                    point,
-                    normal,
-                    width: (point - middle).length() * PI * scale,
-                }
-            }
-        };
-        let normal = if inside { -found.normal } else { found.normal };
-        let is_sound = found.point.is_finite() && found.width > 0.0 && found.width.is_finite();
-        is_sound.then_some(TexelPoint { normal, ..found })
-    }
-
-    /// Returns the corners of a face, in render space.
-    fn corners(&self, texels: &Texels, face: u32, time: f32) -> [Vec3; 3] {
-        let id = texels.first + face;
-        let Some(instance) = self.world.instances.get(texels.instance as usize) else {
-            return self.world.still.triangle(id);
-        };
-        let local = match &instance.bending {
-            Some(bending) => bending.triangle(id, time),
-            None => instance.structure.triangle(id),
-        };
-        let pose = instance.pose(time);
-        local.map(|corner| pose.point(corner))
-    }
-
-    /// Returns the middle of a ball, a point of it, and the unit normal there, in render space.
-    fn on_ball(&self, texels: &Texels, center: Vec3, way: Vec3, time: f32) -> [Vec3; 3] {
-        let (place, shift) = match self.world.instances.get(texels.instance as usize) {
-            Some(instance) => (instance.pose(time), instance.center),
-            None => (&self.objects[texels.object as usize].place, Vec3::ZERO),
-        };
-        let middle = center - shift;
-        [place.point(middle), place.point(middle + way), place.normal(way).normalize_or_zero()]
+    /// The texels of all light maps.
+    pub(crate) fn all(&self) -> &[Texels] {
+        &self.all
     }
 }
