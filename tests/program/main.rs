@@ -1,6 +1,7 @@
 //! Tests the program: what it prints, what it writes, and its exit codes.
 
 #[cfg(unix)]
+mod bake;
 mod budget;
 mod bytes;
 mod documentation;

@@ -18,6 +18,7 @@ pub mod format;
 mod key_frame;
 mod kinds;
 pub mod light;
+pub mod light_map;
 mod load;
 pub mod material;
 pub mod mesh;
@@ -36,6 +37,7 @@ pub use description::{
 };
 pub use files::Files;
 pub use light::{Light, LightKind};
+pub use light_map::LightMap;
 pub use load::{Loaded, load, load_adapted};
 pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;

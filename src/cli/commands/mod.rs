@@ -1,5 +1,6 @@
 //! The commands of the program. No command imports another.
 
+pub(crate) mod bake;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod denoise;

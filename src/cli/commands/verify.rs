@@ -16,7 +16,7 @@ use slo_picture::film::Steps;
 use slo_picture::film::{Area, FileLayer, Film, Image};
 use slo_picture::output::{
     Crop, Picture, Raster, ReadError, Recipe, RestoreError, Values, is_companion, is_denoised,
-    is_relit, read_layers, read_recipe, restore, steps_of, with_region, with_steps,
+    is_light_map, is_relit, read_layers, read_recipe, restore, steps_of, with_region, with_steps,
     without_outcome,
 };
 use slo_render::frame::FrameScene;
@@ -127,6 +127,9 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
         if is_made {
             return Err(bad(format!("it is {how}; verify the picture that it was made from")));
         }
+    }
+    if is_light_map(&parsed) {
+        return Err(bad("it is a light map; `slo-rt bake` makes it again".into()));
     }
     let (scene, frame) = restore(scene, &parsed).map_err(|error| bad(mismatch(error, job)))?;
     let film = &scene.camera.film;

@@ -50,13 +50,30 @@ pub(crate) fn frame(
     number: i64,
     before: Option<FrameScene>,
 ) -> Result<FrameScene, Problem> {
-    FrameScene::build_after(scene, number, job.isa, before).map_err(|error| match error {
+    FrameScene::build_after(scene, number, job.isa, before).map_err(no_frame)
+}
+
+/// Builds what the light map of an object needs, as [`frame`] does. `None` if the frame does not show
+/// the object.
+pub(crate) fn light_map(
+    job: &Job,
+    scene: &SceneDescription,
+    number: i64,
+    object: usize,
+    before: Option<FrameScene>,
+) -> Result<Option<FrameScene>, Problem> {
+    FrameScene::build_light_map(scene, number, object, job.isa, before).map_err(no_frame)
+}
+
+/// Makes the problem that a frame can't be built.
+fn no_frame(error: FrameError) -> Problem {
+    match error {
         FrameError::NoSegment(error) => no_segment(&error),
         FrameError::Shape { reason: ShapeError::Unreadable { .. }, .. } => {
             Problem::new(Exit::NoInput, error)
         }
         other => Problem::new(Exit::BadInput, other),
-    })
+    }
 }
 
 /// Makes the problem that the camera does not have a frame.

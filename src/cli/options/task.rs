@@ -6,11 +6,11 @@ use std::time::Duration;
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
-    Args, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs, SheetArgs,
+    BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs, SheetArgs,
     VerifyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
-use crate::cli::values::{FrameChoice, Maps, Threads};
+use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
 use slo_accel::Isa;
 use slo_picture::output::check_prefix;
 
@@ -43,6 +43,8 @@ pub(crate) enum Task {
     Relight(RelightArgs),
     /// Turn a scene of another program into scene text.
     Import(ImportArgs),
+    /// Write the light on objects into images. The job names their scene.
+    Bake(BakeArgs, Box<Job>),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -55,6 +57,7 @@ impl From<Args> for Options {
             Some(Command::Denoise(denoise)) => denoise.quiet,
             Some(Command::Relight(relight)) => relight.quiet,
             Some(Command::Import(import)) => import.quiet,
+            Some(Command::Bake(bake)) => bake.quiet,
             _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
@@ -82,6 +85,30 @@ fn task(mut args: Args) -> Result<Task, Problem> {
             Command::Denoise(denoise) => Task::Denoise(denoise),
             Command::Relight(relight) => Task::Relight(relight),
             Command::Import(import) => Task::Import(import),
+            Command::Bake(bake) => {
+                let &BakeArgs { format, look, samples, noise, integrator, photons, seed, .. } =
+                    &bake;
+                args.settings = SettingArgs {
+                    format,
+                    look,
+                    samples,
+                    noise,
+                    integrator,
+                    photons,
+                    seed,
+                    ..SettingArgs::default()
+                };
+                args.scene = Some(bake.scene.clone());
+                args.indir = bake.indir.clone();
+                args.outdir = bake.outdir.clone();
+                args.allow_outside = bake.allow_outside;
+                args.overwrite = bake.overwrite;
+                args.skip_existing = !bake.overwrite;
+                args.threads = bake.threads;
+                args.progress = bake.progress;
+                args.frame = bake.frame.map(|n| FrameChoice::These(Frames::single(n)));
+                Task::Bake(bake, Box::new(job(args)?))
+            }
         });
     }
     match args.recipe.clone() {

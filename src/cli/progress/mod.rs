@@ -26,6 +26,8 @@ pub(crate) struct Progress {
     /// Number of frames that are done.
     done: usize,
     pace: Mutex<Pace>,
+    /// What is being made, if it is not a frame.
+    name: Option<String>,
 }
 
 enum View {
@@ -62,7 +64,8 @@ impl Progress {
             _ => Pace::people(),
         };
         let (estimate, pace) = (Mutex::new(Estimate::new(to_render)), Mutex::new(pace));
-        let progress = Self { view, estimate, is_shared, frames: to_render, done: 0, pace };
+        let progress =
+            Self { view, estimate, is_shared, frames: to_render, done: 0, pace, name: None };
         progress.tell(Event::Sequence { frames, to_render });
         progress
     }
@@ -70,6 +73,16 @@ impl Progress {
     /// Measures the work by the clock from now on: it is done when `span` is over.
     pub(crate) fn by_clock(&mut self, span: Duration) {
         self.estimate = Mutex::new(Estimate::of_time(span));
+    }
+
+    /// Names what is made next, which is not a frame.
+    pub(crate) fn call(&mut self, name: String) {
+        self.name = Some(name);
+    }
+
+    /// Names what is being made.
+    fn name(&self, frame: i64) -> String {
+        self.name.clone().unwrap_or_else(|| format!("frame {frame}"))
     }
 
     /// Moves to one of the frames to be rendered, by its place among them, 0 for the first.
@@ -95,8 +108,8 @@ impl Progress {
         self.tell(Event::Started { frame, path, index: self.done + 1 });
         if let View::Bar(bar) = &self.view {
             bar.set_prefix(match self.frames {
-                1 => format!("frame {frame}"),
-                frames => format!("frame {frame}, {} of {frames}", self.done + 1),
+                1 => self.name(frame),
+                frames => format!("{}, {} of {frames}", self.name(frame), self.done + 1),
             });
         }
         FrameProgress { run: self, frame, done: Mutex::new(0.0) }
@@ -110,8 +123,8 @@ impl Progress {
         self.show(frame, 0.0);
         if matches!(self.view, View::Lines) && self.frames > 1 {
             let (done, frames) = (self.done, self.frames);
-            let left = left(&run);
-            say(format_args!("slo-rt: frame {frame} in {}, {done} of {frames}{left}", human(time)));
+            let (name, time, left) = (self.name(frame), human(time), left(&run));
+            say(format_args!("slo-rt: {name} in {time}, {done} of {frames}{left}"));
         }
     }
 

@@ -15,6 +15,7 @@ use super::scene::FrameScene;
 use super::shared::Shared;
 use super::sharp::sharp_objects;
 use super::shown::Shown;
+use super::texels::LightMaps;
 use super::world::World;
 use crate::camera::Camera;
 use crate::photons::{Emission, Everywhere, PhotonLamps, targets};
@@ -154,7 +155,7 @@ impl FrameScene {
             PhotonSeed::Fixed => 0,
         };
         let sampler = |frame| Sampler::new(scene.settings.generator, scene.settings.seed, frame);
-        Ok(Self {
+        let frame = Self {
             camera,
             world,
             material_table: MaterialTable::new(&scene.materials, &materials),
@@ -178,6 +179,9 @@ impl FrameScene {
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
             field: OnceLock::new(),
+            baked: None,
+            light_maps: LightMaps::default(),
+            known_light: OnceLock::new(),
             settings,
             isa,
             clever: true,
@@ -187,7 +191,8 @@ impl FrameScene {
             compositing,
             still_places: parts.places,
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
-        })
+        };
+        Ok(Self { light_maps: frame.light_maps_of(scene), ..frame })
     }
 }
 

@@ -16,6 +16,9 @@ pub(crate) enum Look {
 }
 
 impl Look {
+    /// The word of [`Nothing`](Self::Nothing).
+    pub(crate) const NOTHING: u32 = u32::MAX;
+
     /// Words below this are materials; words from here on are lights.
     const LIGHTS: u32 = 1 << 31;
 
@@ -31,13 +34,13 @@ impl Look {
         match self {
             Self::Material(index) => index,
             Self::Light(index) => Self::LIGHTS | index,
-            Self::Nothing => u32::MAX,
+            Self::Nothing => Self::NOTHING,
         }
     }
 
     pub(crate) fn of_word(word: u32) -> Self {
         match word {
-            u32::MAX => Self::Nothing,
+            Self::NOTHING => Self::Nothing,
             Self::LIGHTS.. => Self::Light(word & !Self::LIGHTS),
             _ => Self::Material(word),
         }

@@ -2,6 +2,7 @@
 //! threads.
 
 mod affine;
+mod baked;
 mod bend;
 mod build;
 mod compositing;
@@ -21,6 +22,8 @@ mod shared;
 mod sharp;
 mod shown;
 mod surfaces;
+mod texel_points;
+mod texels;
 mod world;
 
 pub use error::FrameError;
@@ -28,4 +31,5 @@ pub use lamps::LampFault;
 pub(crate) use looks::Look;
 pub use scene::FrameScene;
 pub(crate) use surfaces::{NO_MATERIAL, SurfaceScratch, Surfaces};
+pub(crate) use texels::{Baked, TexelPoint};
 pub(crate) use world::{WorldHits, WorldScratch};

@@ -9,10 +9,11 @@ use super::affine::Affine;
 use super::compositing::Compositing;
 use super::looks::Looks;
 use super::shapes::Geometry;
+use super::texels::{Baked, LightMaps};
 use super::world::{Instance, World, WorldHits};
 use crate::camera::Camera;
 use crate::guiding::Field;
-use crate::photons::{Emission, PhotonLamps};
+use crate::photons::{Emission, PhotonLamps, PhotonLight};
 use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
@@ -62,6 +63,12 @@ pub struct FrameScene {
     pub(crate) settings: Settings,
     /// The field that guides rays, once it is known.
     pub(crate) field: OnceLock<Field>,
+    /// The light map whose texels are the pixels, instead of what the camera sees.
+    pub(crate) baked: Option<Baked>,
+    /// Light maps that `PHOTON_MAP` reads at the ends of rays.
+    pub(crate) light_maps: LightMaps,
+    /// The light that photons brought, if the next frame needs it too.
+    pub(crate) known_light: OnceLock<PhotonLight>,
     /// Instruction set of all vectorized code.
     pub(crate) isa: Isa,
     /// Whether variance is reduced by more than good sample points; see [`plain`](Self::plain).

@@ -298,13 +298,7 @@ impl FrameScene {
     }
 
     /// Returns the texture coordinates of a hit at `point`, in render space.
-    pub(in crate::frame) fn uv_of(
-        &self,
-        found: &WorldHits,
-        ray: usize,
-        point: Vec3,
-        time: f32,
-    ) -> [f32; 2] {
+    pub(crate) fn uv_of(&self, found: &WorldHits, ray: usize, point: Vec3, time: f32) -> [f32; 2] {
         let hit = Hit::new(found, ray);
         match self.world.instances.get(hit.instance as usize) {
             Some(instance) => self.uv(&hit, instance.pose(time).inverse_point(point)),
