@@ -8,6 +8,8 @@ use glam::{DVec3, Vec3};
 use super::compositing::Compositing;
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
+use super::instance::Body;
+use super::lists::{crowd, not_placed};
 use super::looks::{Look, Looks};
 use super::parts::{Parts, Seen, structure};
 use super::sampled_camera::SampledCamera;
@@ -72,7 +74,10 @@ impl FrameScene {
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
         let before = before.map(Before::from);
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
-        let shared = Shared::new(shown.objects.iter().map(|shown| &shown.object.shape));
+        let cast =
+            |&(object, _, count): &(u32, _, u64)| (&scene.objects[object as usize].shape, count);
+        let shapes = shown.objects.iter().map(|shown| (&shown.object.shape, 1));
+        let shared = Shared::new(shapes.chain(shown.casts.iter().map(cast)));
         let mut parts = Parts { before: moving, shared, ..Parts::default() };
         for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
@@ -109,6 +114,7 @@ impl FrameScene {
             LightSampling::One => 0,
         };
         let first_shaded = add_emitters(scene, &shown.objects, &mut parts, &mut lights, &mut poses);
+        let crowd = crowd(&shown, &mut parts, scene, &seen, isa)?;
         let light_groups = light_groups(scene, &shown, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
@@ -136,7 +142,11 @@ impl FrameScene {
             parts.instances.iter().map(|instance| instance.object),
         );
         let materials: Vec<_> = scene.materials.iter().map(material::row).collect();
-        let world = World::new(still, parts.instances, isa);
+        let world = World::new(still, parts.instances, crowd, isa).map_err(|error| {
+            // There is no error without a crowd.
+            let first = shown.crowds.first().copied().unwrap_or(0);
+            not_placed(error, &scene.copies[first as usize])
+        })?;
         let bounds = light_bounds(&lights, &poses);
         let light_tree = LightTree::new(&bounds[first_chosen..]);
         let skies = skies(&lights);
@@ -154,6 +164,8 @@ impl FrameScene {
             PhotonSeed::Fixed => 0,
         };
         let sampler = |frame| Sampler::new(scene.settings.generator, scene.settings.seed, frame);
+        let tints =
+            world.crowd.tints() || parts.objects.iter().any(|object| object.tint != Vec3::ONE);
         Ok(Self {
             camera,
             world,
@@ -173,7 +185,7 @@ impl FrameScene {
             is_physical: is_physical(scene),
             softens,
             stretches: parts.stretches,
-            tints: parts.objects.iter().any(|object| object.tint != Vec3::ONE),
+            tints,
             sampler: sampler(number),
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
@@ -243,8 +255,12 @@ struct Before {
 
 impl From<FrameScene> for Before {
     fn from(frame: FrameScene) -> Self {
-        let World { still, instances, .. } = frame.world;
-        let moving = instances.into_iter().map(|i| (i.object, i.structure)).collect();
+        let World { still, instances, crowd, .. } = frame.world;
+        let structure = |object, body: &Body| Some((object, body.structure()?.clone()));
+        let mut moving: HashMap<_, _> =
+            instances.iter().filter_map(|i| structure(i.object, &i.body)).collect();
+        let casts = (crowd.first_cast..).zip(&crowd.casts);
+        moving.extend(casts.filter_map(|(object, cast)| structure(object, &cast.body)));
         Self { still, places: frame.still_places, moving, lights: frame.lights }
     }
 }

@@ -113,7 +113,7 @@ fn draft(tree: &mut BinaryTree, first_curved: u32) -> (Vec<Draft>, usize, usize)
         for &child in family.children.iter().rev() {
             if !tree.is_leaf(child) {
                 stack.push((child, level + 1));
-            } else if tree.references[child.first as usize].id() < first_curved {
+            } else if tree.id(child.first) < first_curved {
                 slots += block_len(tree, child);
             }
         }
@@ -122,7 +122,7 @@ fn draft(tree: &mut BinaryTree, first_curved: u32) -> (Vec<Draft>, usize, usize)
 }
 
 struct Writer<'a> {
-    tree: &'a BinaryTree,
+    tree: &'a BinaryTree<'a>,
     shapes: &'a Shapes<'a>,
     /// Where each triangle was put, by id.
     places: Vec<AtomicU32>,
@@ -185,10 +185,9 @@ impl Writer<'_> {
     /// The boxes about a branch at the start and at the end. What moves straight from one to the
     /// other stays between the planes that do, so both are as tight as they can be.
     fn moving_boxes(&self, of: Branch) -> [Bounds; 2] {
-        let references = &self.tree.references[of.first as usize..][..of.count as usize];
-        references
-            .iter()
-            .map(|r| self.shapes.boxes(r.id()))
+        self.tree
+            .ids(of)
+            .map(|id| self.shapes.boxes(id))
             .fold([Bounds::EMPTY; 2], |[start, end], [a, b]| [start.union(a), end.union(b)])
     }
 
@@ -197,7 +196,7 @@ impl Writer<'_> {
             let per_node = nodes_per_node(self.shapes.moves()) as u32;
             return Child::node(per_node * self.tree.plan(child).number());
         }
-        let id = self.tree.references[child.first as usize].id();
+        let id = self.tree.id(child.first);
         let triangles = self.shapes.starts.len();
         if id as usize >= triangles {
             return Child::curved(id - triangles as u32);
@@ -255,10 +254,8 @@ struct Block {
 
 impl Block {
     fn of(tree: &BinaryTree, leaf: Branch) -> Self {
-        let (first, mut len) = (leaf.first as usize, leaf.count as usize);
-        let mut ids = [0; BLOCK];
-        let references = &tree.references[first..first + len];
-        ids.iter_mut().zip(references).for_each(|(id, r)| *id = r.id());
+        let (mut ids, mut len) = ([0; BLOCK], leaf.count as usize);
+        ids.iter_mut().zip(tree.ids(leaf)).for_each(|(to, id)| *to = id);
         // The first lane of several equals is then the one of the lowest id.
         ids[..len].sort_unstable();
         if tree.has_pieces {
