@@ -132,9 +132,11 @@ impl FrameScene {
             // Free the old structure before building the new one.
             other => {
                 drop(other);
-                Arc::new(structure(parts.still, &scene.settings, isa))
+                let still = std::mem::take(&mut parts.still);
+                Arc::new(structure(still, &scene.settings, isa))
             }
         };
+        let still_objects = parts.still_objects();
         let times = (number, &shutter);
         let compositing = Compositing::new(scene, &shown, times, origin, &parts.looks)?;
         let looks = Looks::new(
@@ -198,7 +200,7 @@ impl FrameScene {
             looks,
             compositing,
             still_places: parts.places,
-            still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
+            still_objects,
         })
     }
 }

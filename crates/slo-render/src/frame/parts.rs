@@ -99,8 +99,7 @@ pub(super) struct Parts {
     pub(super) before: HashMap<u32, Arc<Structure>>,
     /// What objects of one mesh share.
     pub(super) shared: Shared,
-    /// Index of the object of each still triangle, and of each still curved surface.
-    pub(super) triangle_objects: Vec<u32>,
+    /// Index of the object of each still curved surface.
     pub(super) curved_objects: Vec<u32>,
     pub(super) instances: Vec<Instance>,
 }
@@ -112,6 +111,21 @@ impl Parts {
         let Geometry::Mesh(mesh, _) = &self.objects[object].geometry else { return None };
         let first = self.objects[object].first_triangle as usize;
         self.still.triangles.get(first..first + mesh.faces.len())
+    }
+
+    /// Returns the index of the object of each still triangle, then of each still curved surface.
+    pub(super) fn still_objects(&self) -> Vec<u32> {
+        let faces = |number: u32| match &self.objects[number as usize].geometry {
+            Geometry::Mesh(mesh, _) => mesh.faces.len(),
+            Geometry::Curved(_) => 0,
+        };
+        let count: usize = self.places.iter().map(|(number, _)| faces(*number)).sum();
+        let mut all = Vec::with_capacity(count + self.curved_objects.len());
+        for (number, _) in &self.places {
+            all.extend(std::iter::repeat_n(*number, faces(*number)));
+        }
+        all.extend(&self.curved_objects);
+        all
     }
 
     pub(super) fn add(
@@ -329,7 +343,6 @@ impl Parts {
         let placed = DAffine { translation: place.translation - seen.origin, ..*place };
         self.places.push((number, placed));
         add_primitives(&mut self.still, &geometry, &placed);
-        self.triangle_objects.resize(self.still.triangles.len(), number);
         self.curved_objects.resize(self.still.curved.len(), number);
         let normals = vertex_normals(&geometry, place);
         self.stretches |= place.growth.is_none() && !normals.is_empty();

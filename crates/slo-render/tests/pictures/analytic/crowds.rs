@@ -97,6 +97,7 @@ const ORIGINALS: &str = "group pair { hidden 1 }
     mesh a { filename files/ball.obj material red smooth_normals 1 parent pair }
     mesh b { filename files/ball.obj material grey parent pair
         addKframe { time 0 key { pivot { .4 0 .2 } right { 0 1 0 } scale { .5 1 .5 } } } }
+    sphere d { center { .2 0 -.4 } radius .15 material grey parent pair }
     mesh c { filename files/ball.obj material grey hidden 1 } ";
 
 #[track_caller]

@@ -13,13 +13,15 @@ mod family;
 mod few;
 mod heuristic;
 mod plan;
+mod rows;
 mod spatial;
 mod tree;
 
 use rayon::prelude::*;
 
 use self::boxes::{Box8, Reference, extent};
-use self::collapse::{Shapes, Wide};
+use self::collapse::Wide;
+use self::rows::Shapes;
 use super::hierarchy::{Bvh, FAR};
 use super::layout::{Node, stack_size};
 use super::ray::TAME_COORDINATE;
