@@ -28,8 +28,9 @@ fn ball(side: usize) -> Mesh {
     let point = |i: usize, j: usize| {
         let (u, v) =
             (2.0 * PI * i as f64 / side as f64, PI * (j as f64 + 0.5) / (side as f64 + 1.0));
-        let r = 0.3 + 0.05 * (5.0 * u).sin();
-        DVec3::new(r * v.sin() * u.cos(), r * v.sin() * u.sin(), r * v.cos())
+        let ([(sin_u, cos_u), (sin_v, cos_v)], bump) =
+            ([u, v].map(libm::sincos), libm::sin(5.0 * u));
+        DVec3::new(sin_v * cos_u, sin_v * sin_u, cos_v) * (0.3 + 0.05 * bump)
     };
     let positions: Vec<_> = (0..=side).flat_map(|i| (0..=side).map(move |j| point(i, j))).collect();
     let at = |i: usize, j: usize| (i * (side + 1) + j) as u32;
