@@ -33,7 +33,8 @@ pub mod texture;
 
 pub use description::{
     CamSegment, Camera, Copy, KeyFrame, LayerNames, LightGroups, MOST_COPIED, MOST_NESTED,
-    MaskNames, MaterialId, Object, Original, Placement, SceneDescription, Space, SpaceId,
+    MOST_SHOWN, MaskNames, MaterialId, Object, Original, Placement, SceneDescription, Space,
+    SpaceId,
 };
 pub use files::Files;
 pub use light::{Light, LightKind};

@@ -8,6 +8,8 @@ use glam::{DVec3, Vec3};
 use super::compositing::Compositing;
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
+use super::instance::Body;
+use super::lists::{crowd, not_placed};
 use super::looks::{Look, Looks};
 use super::parts::{Parts, Seen, structure};
 use super::sampled_camera::SampledCamera;
@@ -73,7 +75,10 @@ impl FrameScene {
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
         let before = before.map(Before::from);
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
-        let shared = Shared::new(shown.objects.iter().map(|shown| &shown.object.shape));
+        let cast =
+            |&(object, _, count): &(u32, _, u64)| (&scene.objects[object as usize].shape, count);
+        let shapes = shown.objects.iter().map(|shown| (&shown.object.shape, 1));
+        let shared = Shared::new(shapes.chain(shown.casts.iter().map(cast)));
         let mut parts = Parts { before: moving, shared, ..Parts::default() };
         for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
@@ -110,6 +115,7 @@ impl FrameScene {
             LightSampling::One => 0,
         };
         let first_shaded = add_emitters(scene, &shown.objects, &mut parts, &mut lights, &mut poses);
+        let crowd = crowd(&shown, &mut parts, scene, &seen, isa)?;
         let light_groups = light_groups(scene, &shown, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
@@ -127,9 +133,11 @@ impl FrameScene {
             // Free the old structure before building the new one.
             other => {
                 drop(other);
-                Arc::new(structure(parts.still, &scene.settings, isa))
+                let still = std::mem::take(&mut parts.still);
+                Arc::new(structure(still, &scene.settings, isa))
             }
         };
+        let still_objects = parts.still_objects();
         let times = (number, &shutter);
         let compositing = Compositing::new(scene, &shown, times, origin, &parts.looks)?;
         let looks = Looks::new(
@@ -137,7 +145,11 @@ impl FrameScene {
             parts.instances.iter().map(|instance| instance.object),
         );
         let materials: Vec<_> = scene.materials.iter().map(material::row).collect();
-        let world = World::new(still, parts.instances, isa);
+        let world = World::new(still, parts.instances, crowd, isa).map_err(|error| {
+            // There is no error without a crowd.
+            let first = shown.crowds.first().copied().unwrap_or(0);
+            not_placed(error, &scene.copies[first as usize])
+        })?;
         let bounds = light_bounds(&lights, &poses);
         let light_tree = LightTree::new(&bounds[first_chosen..]);
         let skies = skies(&lights);
@@ -155,6 +167,8 @@ impl FrameScene {
             PhotonSeed::Fixed => 0,
         };
         let sampler = |frame| Sampler::new(scene.settings.generator, scene.settings.seed, frame);
+        let tints =
+            world.crowd.tints() || parts.objects.iter().any(|object| object.tint != Vec3::ONE);
         let frame = Self {
             camera,
             world,
@@ -174,7 +188,7 @@ impl FrameScene {
             is_physical: is_physical(scene),
             softens,
             stretches: parts.stretches,
-            tints: parts.objects.iter().any(|object| object.tint != Vec3::ONE),
+            tints,
             sampler: sampler(number),
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
@@ -190,7 +204,7 @@ impl FrameScene {
             looks,
             compositing,
             still_places: parts.places,
-            still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
+            still_objects,
         };
         Ok(Self { light_maps: frame.light_maps_of(scene), ..frame })
     }
@@ -248,8 +262,12 @@ struct Before {
 
 impl From<FrameScene> for Before {
     fn from(frame: FrameScene) -> Self {
-        let World { still, instances, .. } = frame.world;
-        let moving = instances.into_iter().map(|i| (i.object, i.structure)).collect();
+        let World { still, instances, crowd, .. } = frame.world;
+        let structure = |object, body: &Body| Some((object, body.structure()?.clone()));
+        let mut moving: HashMap<_, _> =
+            instances.iter().filter_map(|i| structure(i.object, &i.body)).collect();
+        let casts = (crowd.first_cast..).zip(&crowd.casts);
+        moving.extend(casts.filter_map(|(object, cast)| structure(object, &cast.body)));
         Self { still, places: frame.still_places, moving, lights: frame.lights }
     }
 }

@@ -85,7 +85,13 @@ impl Looks {
 
     /// Returns the look of the object with an index.
     pub(super) fn of(&self, object: u32) -> Look {
-        Look::of_word(self.words[object as usize])
+        Look::of_word(self.word_of(object))
+    }
+
+    /// Returns the look of the object with an index, as a word.
+    #[inline]
+    pub(super) fn word_of(&self, object: u32) -> u32 {
+        self.words[object as usize]
     }
 }
 

@@ -7,7 +7,9 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::affine::Affine;
 use super::bend::{Bent, Shaped};
+use super::crowd::Cast;
 use super::error::FrameError;
+use super::instance::{Body, Instance};
 use super::lamps::carried;
 use super::looks::Look;
 use super::sampled_camera::SampledCamera;
@@ -16,13 +18,12 @@ use super::scene::FrameObject;
 use super::shapes::{Geometry, geometry, lamp_geometry};
 use super::shared::Shared;
 use super::shown::{ShownLight, ShownObject, Whereabouts};
-use super::world::Instance;
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
 use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
 use slo_scene::shape::MeshSurface;
-use slo_scene::{SceneDescription, Settings, Shape};
+use slo_scene::{MaterialId, Object, SceneDescription, Settings, Shape};
 
 /// What the objects' motion is sampled for.
 pub(super) struct Seen<'a> {
@@ -49,7 +50,7 @@ impl Seen<'_> {
 
     /// Returns where something is over the shutter: one pose if it does not move. `about` are bounds
     /// of it in its own space.
-    fn poses(
+    pub(super) fn poses(
         &self,
         name: &str,
         path: &Path,
@@ -70,7 +71,7 @@ impl Seen<'_> {
 }
 
 /// Whether f32 can hold a stretched object.
-fn fits(pose: &DAffine, about: &ObjectBox) -> bool {
+pub(super) fn fits(pose: &DAffine, about: &ObjectBox) -> bool {
     const MOST_GROWTH: f64 = 1e12;
     const FARTHEST: f64 = 1e10;
     let most = |m: DMat3| m.to_cols_array().into_iter().fold(0.0, |most: f64, c| most.max(c.abs()));
@@ -98,8 +99,7 @@ pub(super) struct Parts {
     pub(super) before: HashMap<u32, Arc<Structure>>,
     /// What objects of one mesh share.
     pub(super) shared: Shared,
-    /// Index of the object of each still triangle, and of each still curved surface.
-    pub(super) triangle_objects: Vec<u32>,
+    /// Index of the object of each still curved surface.
     pub(super) curved_objects: Vec<u32>,
     pub(super) instances: Vec<Instance>,
 }
@@ -111,6 +111,21 @@ impl Parts {
         let Geometry::Mesh(mesh, _) = &self.objects[object].geometry else { return None };
         let first = self.objects[object].first_triangle as usize;
         self.still.triangles.get(first..first + mesh.faces.len())
+    }
+
+    /// Returns the index of the object of each still triangle, then of each still curved surface.
+    pub(super) fn still_objects(&self) -> Vec<u32> {
+        let faces = |number: u32| match &self.objects[number as usize].geometry {
+            Geometry::Mesh(mesh, _) => mesh.faces.len(),
+            Geometry::Curved(_) => 0,
+        };
+        let count: usize = self.places.iter().map(|(number, _)| faces(*number)).sum();
+        let mut all = Vec::with_capacity(count + self.curved_objects.len());
+        for (number, _) in &self.places {
+            all.extend(std::iter::repeat_n(*number, faces(*number)));
+        }
+        all.extend(&self.curved_objects);
+        all
     }
 
     pub(super) fn add(
@@ -132,7 +147,7 @@ impl Parts {
             match shaped {
                 Shaped::Bends(bent) => {
                     let poses = seen.poses(&object.name, &path, &bent.about())?;
-                    self.add_bent(look, bent, *smooth, &poses, scene, seen, isa);
+                    self.add_bent(look, bent, *smooth, &poses, seen, isa);
                     if let Some(added) = self.objects.last_mut() {
                         added.tint = shown.tint.into();
                     }
@@ -238,16 +253,53 @@ impl Parts {
         isa: Isa,
     ) {
         let center = self.shared.about(&geometry).center();
+        let (structure, normals) = self.made_of(&geometry, center, scene, isa);
+        let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
+        self.instances.push(Instance {
+            body: Body::Still(structure),
+            center: center.as_vec3(),
+            poses: poses.collect(),
+            object: self.objects.len() as u32,
+        });
+        self.looks.push(look);
+        self.objects.push(FrameObject::placed(geometry, normals));
+    }
+
+    /// Adds an object of a crowd. Returns what it is made of, and its box in object space.
+    pub(super) fn add_cast(
+        &mut self,
+        object: &Object,
+        material: MaterialId,
+        scene: &SceneDescription,
+        isa: Isa,
+    ) -> (Cast, ObjectBox) {
+        let geometry = geometry(&object.shape);
+        let about = self.shared.about(&geometry);
+        let (structure, normals) = self.made_of(&geometry, about.center(), scene, isa);
+        self.looks.push(Look::Material(material.0));
+        self.objects.push(FrameObject::placed(geometry, normals));
+        (Cast { body: Body::Still(structure), center: about.center().as_vec3() }, about)
+    }
+
+    /// Returns the structure of the next object, translated by `-center`, and the normals of its
+    /// vertices. Both may be shared with others.
+    fn made_of(
+        &mut self,
+        geometry: &Geometry,
+        center: DVec3,
+        scene: &SceneDescription,
+        isa: Isa,
+    ) -> (Arc<Structure>, Arc<[Vec3]>) {
         let number = self.objects.len() as u32;
         let there = self.before.get(&number).cloned();
         let build = || {
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
-            add_primitives(&mut local, &geometry, &place);
+            add_primitives(&mut local, geometry, &place);
             Arc::new(structure(local, &scene.settings, isa))
         };
-        let normals = || vertex_normals(&geometry, &DAffine::IDENTITY).into();
-        let (structure, normals) = match self.shared.of(&geometry) {
+        let normals = || vertex_normals(geometry, &DAffine::IDENTITY).into();
+        match self.shared.of(geometry) {
             Some(common) => {
                 let structure = &mut common.structure;
                 let structure = structure.get_or_insert_with(|| there.unwrap_or_else(build));
@@ -259,58 +311,30 @@ impl Parts {
                 (structure.clone(), normals)
             }
             None => (there.unwrap_or_else(build), normals()),
-        };
-        let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
-        self.instances.push(Instance {
-            structure,
-            bending: None,
-            center: center.as_vec3(),
-            poses: poses.collect(),
-            object: number,
-        });
-        self.looks.push(look);
-        self.objects.push(FrameObject {
-            normals,
-            geometry,
-            place: Affine::IDENTITY,
-            first_triangle: 0,
-            first_light: None,
-            light_group: 0,
-            tint: Vec3::ONE,
-        });
+        }
     }
 
     /// Adds a mesh that bends during the shutter.
-    #[allow(clippy::too_many_arguments)]
     fn add_bent(
         &mut self,
         look: Look,
         bent: Bent,
         is_smooth: bool,
         poses: &[DAffine],
-        scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
     ) {
         let center = bent.about().center();
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
-            structure: Arc::new(structure(Primitives::default(), &scene.settings, isa)),
-            bending: Some(bent.structure(center, isa)),
+            body: Body::Bending(Arc::new(bent.structure(center, isa))),
             center: center.as_vec3(),
             poses: poses.collect(),
             object: self.objects.len() as u32,
         });
         self.looks.push(look);
-        self.objects.push(FrameObject {
-            normals: if is_smooth { bent.normals.into() } else { Arc::default() },
-            geometry: Geometry::Mesh(bent.mesh, is_smooth),
-            place: Affine::IDENTITY,
-            first_triangle: 0,
-            first_light: None,
-            light_group: 0,
-            tint: Vec3::ONE,
-        });
+        let normals = if is_smooth { bent.normals.into() } else { Arc::default() };
+        self.objects.push(FrameObject::placed(Geometry::Mesh(bent.mesh, is_smooth), normals));
     }
 
     fn add_still(&mut self, look: Look, geometry: Geometry, place: &DAffine, seen: &Seen<'_>) {
@@ -319,7 +343,6 @@ impl Parts {
         let placed = DAffine { translation: place.translation - seen.origin, ..*place };
         self.places.push((number, placed));
         add_primitives(&mut self.still, &geometry, &placed);
-        self.triangle_objects.resize(self.still.triangles.len(), number);
         self.curved_objects.resize(self.still.curved.len(), number);
         let normals = vertex_normals(&geometry, place);
         self.stretches |= place.growth.is_none() && !normals.is_empty();

@@ -4,9 +4,10 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::instance::{Body, Instance};
 use super::scene::FrameScene;
 use super::texels::{LightMaps, Map, TexelPoint, Texels};
-use super::world::{Instance, STILL, WorldHits};
+use super::world::{STILL, WorldHits};
 use slo_accel::curved::Part;
 use slo_accel::math::elementary::sin_cos_turns;
 use slo_scene::light_map::{Layout, LightMap, Place, Unwrapped};
@@ -94,9 +95,9 @@ impl FrameScene {
         let Some(instance) = self.world.instances.get(texels.instance as usize) else {
             return self.world.still.triangle(id);
         };
-        let local = match &instance.bending {
-            Some(bending) => bending.triangle(id, time),
-            None => instance.structure.triangle(id),
+        let local = match &instance.body {
+            Body::Bending(bending) => bending.triangle(id, time),
+            Body::Still(structure) => structure.triangle(id),
         };
         let pose = instance.pose(time);
         local.map(|corner| pose.point(corner))
