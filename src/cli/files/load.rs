@@ -7,7 +7,7 @@ use super::{built_in, scene_file};
 use crate::cli::base::{Exit, Problem, Terminal};
 use crate::cli::options::Job;
 use slo_picture::output::check_prefix;
-use slo_render::frame::{FrameError, FrameScene};
+use slo_render::frame::{FrameError, FrameScene, Remains};
 use slo_scene::animation::NoSegment;
 use slo_scene::{Files, Loaded, SceneDescription, ShapeError, load_adapted};
 
@@ -48,7 +48,7 @@ pub(crate) fn frame(
     job: &Job,
     scene: &SceneDescription,
     number: i64,
-    before: Option<FrameScene>,
+    before: Option<Remains>,
 ) -> Result<FrameScene, Problem> {
     FrameScene::build_after(scene, number, job.isa, before).map_err(|error| match error {
         FrameError::NoSegment(error) => no_segment(&error),

@@ -1,6 +1,5 @@
 //! Builds a FrameScene from a SceneDescription and a frame number.
 
-use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
@@ -10,6 +9,7 @@ use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
 use super::looks::{Look, Looks};
 use super::parts::{Parts, Seen, structure};
+use super::remains::Remains;
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
 use super::shared::Shared;
@@ -22,8 +22,8 @@ use crate::sampling::Sampler;
 use crate::shading::light::{EvenSky, LightBounds, LightTree, Poses, Skies, SkyShare, Techniques};
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
-use slo_accel::{Isa, Structure};
-use slo_scene::animation::{Clock, DAffine};
+use slo_accel::Isa;
+use slo_scene::animation::Clock;
 use slo_scene::{
     CamSegment, Integrator, LightSampling, PhotonSeed, SceneDescription, Settings, ShadowMode,
 };
@@ -46,9 +46,9 @@ impl FrameScene {
         Self::build_after(scene, number, isa, None)
     }
 
-    /// Like [`build`](Self::build), but reuses structures of another frame of the same scene if
-    /// they fit this frame too: the structures of objects that move in both frames, and the
-    /// structure of all still objects if they lie in the same places.
+    /// Like [`build`](Self::build), but reuses [what another frame leaves](Self::remains) if it fits
+    /// this frame too: the structures of objects that move in both frames, and the structure of all
+    /// still objects if they lie in the same places. The picture is the same.
     ///
     /// # Errors
     /// Fails in the same cases as [`build`](Self::build).
@@ -56,7 +56,7 @@ impl FrameScene {
         scene: &SceneDescription,
         number: i64,
         isa: Isa,
-        before: Option<Self>,
+        before: Option<Remains>,
     ) -> Result<Self, FrameError> {
         let shutter = Clock::new(&scene.camera).shutter(number).map_err(FrameError::NoSegment)?;
         let segment = &scene.camera.segments[shutter.segment];
@@ -70,7 +70,6 @@ impl FrameScene {
         let shown = Shown::of(scene)?;
         let spaces = &shown.spaces;
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
-        let before = before.map(Before::from);
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
         let shared = Shared::new(shown.objects.iter().map(|shown| &shown.object.shape));
         let mut parts = Parts { before: moving, shared, ..Parts::default() };
@@ -82,7 +81,8 @@ impl FrameScene {
             // Photons start where the sky is sampled.
             Integrator::Distributed | Integrator::PhotonMap => SkyShare::All,
         };
-        let sampled = Skies { share, before: before.as_ref().map(|before| &before.lights) };
+        let skies_before = before.as_ref().map_or(&[][..], |before| &before.skies);
+        let sampled = Skies { share, before: skies_before };
         let (mut lights, mut poses) = (Vec::new(), Poses::default());
         let (mut hidden, mut passable) = (Vec::new(), Vec::new());
         for shown in &shown.lights {
@@ -122,7 +122,7 @@ impl FrameScene {
         let sends = uses_photons || is_photon_map;
         let targets = sends.then(|| targets(&sharp_objects(scene, &shown.objects, &parts)));
         let still = match before {
-            Some(before) if before.places == parts.places && !parts.any_is_shaped => before.still,
+            Some(before) if *before.places == parts.places => before.still,
             // Free the old structure before building the new one.
             other => {
                 drop(other);
@@ -185,7 +185,7 @@ impl FrameScene {
             objects: parts.objects,
             looks,
             compositing,
-            still_places: parts.places,
+            still_places: Arc::new(parts.places),
             still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
         })
     }
@@ -229,24 +229,6 @@ fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
         let is_physical = |index| Kind::of(&scene.materials[index as usize]) != Kind::Phong;
         !object.normals.is_empty() && look.material().is_some_and(is_physical)
     })
-}
-
-/// Structures of another frame, to be reused.
-struct Before {
-    still: Arc<Structure>,
-    places: Vec<(u32, DAffine)>,
-    /// Structures of instances, by the index of the object.
-    moving: HashMap<u32, Arc<Structure>>,
-    /// Lights, for tables of images.
-    lights: Lights,
-}
-
-impl From<FrameScene> for Before {
-    fn from(frame: FrameScene) -> Self {
-        let World { still, instances, .. } = frame.world;
-        let moving = instances.into_iter().map(|i| (i.object, i.structure)).collect();
-        Self { still, places: frame.still_places, moving, lights: frame.lights }
-    }
 }
 
 /// Chooses the origin of render space, in scene space: near the camera, where precision matters. It

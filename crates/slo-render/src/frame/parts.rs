@@ -90,8 +90,6 @@ pub(super) struct Parts {
     pub(super) still: Primitives,
     /// Index and place of each still object.
     pub(super) places: Vec<(u32, DAffine)>,
-    /// Whether any object has its shape in this frame only.
-    pub(super) any_is_shaped: bool,
     /// Whether normals of any still object may have any length.
     pub(super) stretches: bool,
     /// Existing structures of instances, by the index of the object.
@@ -123,7 +121,6 @@ impl Parts {
         let object = shown.object;
         let path = seen.path(&object.name, shown.at)?;
         let look = Look::Material(shown.material.0);
-        let mut geometry = geometry(&object.shape);
         if let Shape::Mesh(MeshSurface { mesh, smooth, shapes: Some(shapes) }) = &object.shape {
             // What another frame knows of this object is about another shape.
             self.before.remove(&(self.objects.len() as u32));
@@ -133,18 +130,20 @@ impl Parts {
                 Shaped::Bends(bent) => {
                     let poses = seen.poses(&object.name, &path, &bent.about())?;
                     self.add_bent(look, bent, *smooth, &poses, scene, seen, isa);
-                    if let Some(added) = self.objects.last_mut() {
-                        added.tint = shown.tint.into();
-                    }
-                    return Ok(());
                 }
-                Shaped::AtRest(mesh) => geometry = Geometry::Mesh(mesh, *smooth),
+                // It has a structure of its own, so that those of other objects fit the next frame.
+                Shaped::AtRest(mesh) => {
+                    let geometry = Geometry::Mesh(mesh, *smooth);
+                    let poses = seen.poses(&object.name, &path, &self.shared.about(&geometry))?;
+                    self.add_instance(look, geometry, &poses, scene, seen, isa);
+                }
             }
-            self.any_is_shaped = true;
+        } else {
+            let geometry = geometry(&object.shape);
+            let about = self.shared.about(&geometry);
+            let poses = seen.poses(&object.name, &path, &about)?;
+            self.add_surface(look, geometry, &poses, scene, seen, isa);
         }
-        let about = self.shared.about(&geometry);
-        let poses = seen.poses(&object.name, &path, &about)?;
-        self.add_surface(look, geometry, &poses, scene, seen, isa);
         if let Some(added) = self.objects.last_mut() {
             added.tint = shown.tint.into();
         }
