@@ -50,7 +50,7 @@ impl Shapes<'_> {
     }
 
     /// Writes a block of triangles in rows.
-    fn write(&self, rows: &mut [f32], block: &[u32]) {
+    pub(super) fn write(&self, rows: &mut [f32], block: &[u32]) {
         let n = block.len();
         for (lane, &id) in block.iter().enumerate() {
             let start = &self.starts[id as usize];

@@ -13,6 +13,7 @@ mod family;
 mod few;
 mod heuristic;
 mod plan;
+mod restore;
 mod spatial;
 mod tree;
 
@@ -20,6 +21,7 @@ use rayon::prelude::*;
 
 use self::boxes::{Box8, Reference, extent};
 use self::collapse::{Shapes, Wide};
+pub(super) use self::restore::{kept, restore};
 use super::hierarchy::{Bvh, FAR};
 use super::layout::{Node, stack_size};
 use super::ray::TAME_COORDINATE;
