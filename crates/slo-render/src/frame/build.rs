@@ -7,9 +7,9 @@ use glam::{DVec3, Vec3};
 use super::compositing::Compositing;
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
+use super::kept::{Aids, structure};
 use super::looks::{Look, Looks};
-use super::parts::{Parts, Seen, structure};
-use super::remains::Remains;
+use super::parts::{Parts, Seen};
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
 use super::shared::Shared;
@@ -43,21 +43,23 @@ impl FrameScene {
     /// Fails if the frame's time lies in no camera segment, if nothing can be seen from the
     /// camera's view, or if an object's key frames do not form a path.
     pub fn build(scene: &SceneDescription, number: i64, isa: Isa) -> Result<Self, FrameError> {
-        Self::build_after(scene, number, isa, None)
+        Self::build_with(scene, number, isa, Aids::default())
     }
 
-    /// Like [`build`](Self::build), but reuses [what another frame leaves](Self::remains) if it fits
-    /// this frame too: the structures of objects that move in both frames, and the structure of all
-    /// still objects if they lie in the same places. The picture is the same.
+    /// Like [`build`](Self::build), but starts from what is there: [what another frame
+    /// left](Self::remains), if it fits this frame too (structures of objects that move in both
+    /// frames, and the structure of all still objects if they lie in the same places), and structures
+    /// in a cache. The picture is the same.
     ///
     /// # Errors
     /// Fails in the same cases as [`build`](Self::build).
-    pub fn build_after(
+    pub fn build_with(
         scene: &SceneDescription,
         number: i64,
         isa: Isa,
-        before: Option<Remains>,
+        aids: impl Into<Aids>,
     ) -> Result<Self, FrameError> {
+        let Aids { before, cache } = aids.into();
         let shutter = Clock::new(&scene.camera).shutter(number).map_err(FrameError::NoSegment)?;
         let segment = &scene.camera.segments[shutter.segment];
         let film = &scene.camera.film;
@@ -72,7 +74,7 @@ impl FrameScene {
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
         let shared = Shared::new(shown.objects.iter().map(|shown| &shown.object.shape));
-        let mut parts = Parts { before: moving, shared, ..Parts::default() };
+        let mut parts = Parts { before: moving, cache, shared, ..Parts::default() };
         for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
         }
@@ -126,7 +128,7 @@ impl FrameScene {
             // Free the old structure before building the new one.
             other => {
                 drop(other);
-                Arc::new(structure(parts.still, &scene.settings, isa))
+                Arc::new(structure(parts.still(), &scene.settings, isa, parts.cache.as_deref()))
             }
         };
         let times = (number, &shutter);

@@ -9,6 +9,7 @@ mod emitters;
 mod error;
 mod first_hits;
 mod glow;
+mod kept;
 mod lamps;
 mod looks;
 mod parts;
@@ -25,6 +26,7 @@ mod surfaces;
 mod world;
 
 pub use error::FrameError;
+pub use kept::Aids;
 pub use lamps::LampFault;
 pub(crate) use looks::Look;
 pub use remains::Remains;

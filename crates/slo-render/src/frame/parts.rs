@@ -8,6 +8,7 @@ use glam::{DMat3, DVec3, Vec3};
 use super::affine::Affine;
 use super::bend::{Bent, Shaped};
 use super::error::FrameError;
+use super::kept::structure;
 use super::lamps::carried;
 use super::looks::Look;
 use super::sampled_camera::SampledCamera;
@@ -19,10 +20,11 @@ use super::shown::{ShownLight, ShownObject, Whereabouts};
 use super::world::Instance;
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
-use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
+use slo_accel::{Isa, Primitives, Structure};
 use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
+use slo_scene::cache::Cache;
 use slo_scene::shape::MeshSurface;
-use slo_scene::{SceneDescription, Settings, Shape};
+use slo_scene::{SceneDescription, Shape};
 
 /// What the objects' motion is sampled for.
 pub(super) struct Seen<'a> {
@@ -87,13 +89,14 @@ pub(super) struct Parts {
     pub(super) objects: Vec<FrameObject>,
     /// Look of each object.
     pub(super) looks: Vec<Look>,
-    pub(super) still: Primitives,
     /// Index and place of each still object.
     pub(super) places: Vec<(u32, DAffine)>,
     /// Whether normals of any still object may have any length.
     pub(super) stretches: bool,
     /// Existing structures of instances, by the index of the object.
     pub(super) before: HashMap<u32, Arc<Structure>>,
+    /// Where structures may be found.
+    pub(super) cache: Option<Arc<Cache>>,
     /// What objects of one mesh share.
     pub(super) shared: Shared,
     /// Index of the object of each still triangle, and of each still curved surface.
@@ -103,12 +106,23 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// Returns the triangles of an object, in render space, if it is still.
-    pub(super) fn still_triangles(&self, object: usize) -> Option<&[Triangle]> {
-        self.places.binary_search_by_key(&(object as u32), |(number, _)| *number).ok()?;
-        let Geometry::Mesh(mesh, _) = &self.objects[object].geometry else { return None };
-        let first = self.objects[object].first_triangle as usize;
-        self.still.triangles.get(first..first + mesh.faces.len())
+    /// Returns the primitives of all still objects, in render space.
+    pub(super) fn still(&self) -> Primitives {
+        let mut still = Primitives::default();
+        still.triangles.reserve_exact(self.triangle_objects.len());
+        for (number, place) in &self.places {
+            add_primitives(&mut still, &self.objects[*number as usize].geometry, place);
+        }
+        still
+    }
+
+    /// Returns the primitives of an object, in render space, if it is still.
+    pub(super) fn still_object(&self, object: usize) -> Option<Primitives> {
+        let place =
+            self.places.binary_search_by_key(&(object as u32), |(number, _)| *number).ok()?;
+        let mut primitives = Primitives::default();
+        add_primitives(&mut primitives, &self.objects[object].geometry, &self.places[place].1);
+        Some(primitives)
     }
 
     pub(super) fn add(
@@ -239,11 +253,12 @@ impl Parts {
         let center = self.shared.about(&geometry).center();
         let number = self.objects.len() as u32;
         let there = self.before.get(&number).cloned();
+        let cache = self.cache.clone();
         let build = || {
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, &geometry, &place);
-            Arc::new(structure(local, &scene.settings, isa))
+            Arc::new(structure(local, &scene.settings, isa, cache.as_deref()))
         };
         let normals = || vertex_normals(&geometry, &DAffine::IDENTITY).into();
         let (structure, normals) = match self.shared.of(&geometry) {
@@ -294,7 +309,7 @@ impl Parts {
         let center = bent.about().center();
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
-            structure: Arc::new(structure(Primitives::default(), &scene.settings, isa)),
+            structure: Arc::new(structure(Primitives::default(), &scene.settings, isa, None)),
             bending: Some(bent.structure(center, isa)),
             center: center.as_vec3(),
             poses: poses.collect(),
@@ -314,12 +329,15 @@ impl Parts {
 
     fn add_still(&mut self, look: Look, geometry: Geometry, place: &DAffine, seen: &Seen<'_>) {
         let number = self.objects.len() as u32;
-        let first_triangle = self.still.triangles.len() as u32;
+        let first_triangle = self.triangle_objects.len();
         let placed = DAffine { translation: place.translation - seen.origin, ..*place };
         self.places.push((number, placed));
-        add_primitives(&mut self.still, &geometry, &placed);
-        self.triangle_objects.resize(self.still.triangles.len(), number);
-        self.curved_objects.resize(self.still.curved.len(), number);
+        match &geometry {
+            Geometry::Mesh(mesh, _) => {
+                self.triangle_objects.resize(first_triangle + mesh.faces.len(), number);
+            }
+            Geometry::Curved(_) => self.curved_objects.push(number),
+        }
         let normals = vertex_normals(&geometry, place);
         self.stretches |= place.growth.is_none() && !normals.is_empty();
         let place = Affine::relative(place, seen.origin);
@@ -327,28 +345,12 @@ impl Parts {
         self.objects.push(FrameObject {
             geometry,
             place,
-            first_triangle,
+            first_triangle: first_triangle as u32,
             first_light: None,
             light_group: 0,
             tint: Vec3::ONE,
             normals: normals.into(),
         });
-    }
-}
-
-/// Builds the structure that the settings ask for.
-pub(super) fn structure(primitives: Primitives, settings: &Settings, isa: Isa) -> Structure {
-    let options = BuildOptions::new(isa).with_spatial_splits(settings.spatial_splits);
-    Structure::build(accelerator(settings.accelerator), primitives, options)
-}
-
-/// Converts the scene's name of a structure.
-fn accelerator(name: slo_scene::Accelerator) -> Accelerator {
-    match name {
-        slo_scene::Accelerator::KdTree => Accelerator::KdTree,
-        slo_scene::Accelerator::Bvh => Accelerator::Bvh,
-        slo_scene::Accelerator::Cwbvh => Accelerator::Cwbvh,
-        slo_scene::Accelerator::None => Accelerator::None,
     }
 }
 

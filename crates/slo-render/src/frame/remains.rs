@@ -67,8 +67,8 @@ mod tests {
         let loaded = load("scene.txt", text, &Files::built_in("", FILES));
         let scene = loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
         let first = FrameScene::build(&scene, 0, Isa::best()).expect("frame 0");
-        let remains = Some(first.remains());
-        let second = FrameScene::build_after(&scene, 1, Isa::best(), remains).expect("frame 1");
+        let remains = first.remains();
+        let second = FrameScene::build_with(&scene, 1, Isa::best(), remains).expect("frame 1");
         [first, second]
     }
 
