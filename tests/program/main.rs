@@ -1,8 +1,10 @@
 //! Tests the program: what it prints, what it writes, and its exit codes.
 
+mod ahead;
 #[cfg(unix)]
 mod budget;
 mod bytes;
+mod cache;
 mod documentation;
 mod exit_codes;
 #[cfg(unix)]
