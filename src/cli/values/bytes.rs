@@ -21,7 +21,8 @@ pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let lower = text.to_lowercase();
     let unit = UNITS.iter().find(|(unit, _)| lower.ends_with(&unit.to_lowercase()));
     let number = unit.and_then(|(unit, bytes)| {
-        let number = real(lower[..lower.len() - unit.len()].trim())?;
+        let number = lower[..lower.len() - unit.len()].trim();
+        let number = real(number).filter(|_| !number.ends_with('%'))?;
         Some(number * bytes).filter(|bytes| (0.0..1e18).contains(bytes))
     });
     number
