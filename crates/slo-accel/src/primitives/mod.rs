@@ -7,7 +7,6 @@ pub mod triangle;
 pub use self::curved::Curved;
 pub use self::triangle::Triangle;
 use crate::math::Bounds;
-use crate::structure::shared::pages::bytes_of;
 
 /// The primitives of one space. The id of a triangle is its index; the ids of curved surfaces
 /// follow those of the triangles.
@@ -56,12 +55,6 @@ impl Primitives {
     /// The smallest box about all primitives; empty if there are none.
     pub fn all_bounds(&self) -> Bounds {
         (0..self.len() as u32).fold(Bounds::EMPTY, |b, id| b.union(self.bounds(id)))
-    }
-
-    /// The bytes of all triangles, as they lie in memory: the corners one after the other, each
-    /// with its x, y and z.
-    pub fn bytes_of_triangles(&self) -> &[u8] {
-        bytes_of(&self.triangles)
     }
 
     /// Bytes that the primitives take.

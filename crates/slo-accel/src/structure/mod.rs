@@ -161,6 +161,13 @@ impl Structure {
         Self { built: Built::new(accelerator, primitives, options.into()) }
     }
 
+    /// Returns the bytes of all triangles, as they lie in memory: the corners one after the other, each
+    /// with its x, y and z. What is [kept](Self::kept) depends on nothing else, on curved surfaces, and on
+    /// the options.
+    pub fn bytes_of_triangles(primitives: &Primitives) -> &[u8] {
+        shared::pages::bytes_of(&primitives.triangles)
+    }
+
     /// Version of what [`kept`](Self::kept) returns. A structure that another version kept may be
     /// [restored](Self::restore) to another one, which gives the same hits.
     pub const KEPT: u32 = 1;

@@ -73,7 +73,7 @@ pub(super) fn structure(
 
 /// Returns the key of a structure. Instruction sets build the same one.
 fn key(primitives: &Primitives, accelerator: Accelerator, options: BuildOptions) -> Key {
-    let triangles = hash_of(primitives.bytes_of_triangles());
+    let triangles = hash_of(Structure::bytes_of_triangles(primitives));
     let mut words = format!("{accelerator} {}", options.spatial_splits);
     for curved in &primitives.curved {
         words += &format!(" {curved:?}");
