@@ -1,9 +1,11 @@
 //! Tests the program: what it prints, what it writes, and its exit codes.
 
+mod ahead;
 #[cfg(unix)]
 mod bake;
 mod budget;
 mod bytes;
+mod cache;
 mod documentation;
 mod exit_codes;
 #[cfg(unix)]

@@ -5,11 +5,12 @@
 //! ```
 //!
 //! Everything is plain data in scene space: right-handed, f64, in the user's own units. Nothing here
-//! knows a ray or a thread.
+//! knows a ray.
 
 pub mod animation;
 mod assets;
 mod attributes;
+pub mod cache;
 mod description;
 pub mod diagnostics;
 mod file_kinds;

@@ -232,6 +232,7 @@ impl Map {
             patience::problem(format_args!("write `{}`", self.path.display()), &error)
         })?;
         *before = Some(frame);
+        progress.over();
         progress.finished(self.frame, &self.path, start.elapsed(), outcome);
         Ok(())
     }

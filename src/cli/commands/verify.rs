@@ -19,7 +19,7 @@ use slo_picture::output::{
     is_light_map, is_relit, read_layers, read_recipe, restore, steps_of, with_region, with_steps,
     without_outcome,
 };
-use slo_render::frame::FrameScene;
+use slo_render::frame::{Aids, FrameScene};
 use slo_render::render::{Observer, Plan, render};
 use slo_scene::SceneDescription;
 
@@ -151,7 +151,7 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     let layers = read_layers(path).map_err(refusal)?;
     let expected = FileLayer::all(&film.layers, &scene.layer_names());
     let rasters = with_layers(colors, layers, &expected).map_err(bad)?;
-    let built = load::frame(job, &scene, frame, None)
+    let built = load::frame(job.isa, &scene, frame, Aids::default())
         .map_err(|problem| Refusal { exit: problem.exit, why: problem.message })?;
     let chosen = choose(area.cells(TILE).collect(), tiles);
     let different = chosen

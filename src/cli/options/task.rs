@@ -1,18 +1,20 @@
 //! Derives from the arguments what the program is to do.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
     Args, BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs,
-    SheetArgs, VerifyArgs,
+    SettingArgs, SheetArgs, VerifyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
 use slo_accel::Isa;
 use slo_picture::output::check_prefix;
+use slo_scene::cache::Cache;
 
 /// What the program is to do, and how.
 #[derive(Debug)]
@@ -65,11 +67,12 @@ impl From<Args> for Options {
             (_, true) => Verbosity::Verbose,
             _ => Verbosity::Normal,
         };
-        Self { terminal: Terminal::new(args.color, verbosity), task: task(args) }
+        let terminal = Terminal::new(args.color, verbosity);
+        Self { terminal, task: task(args, terminal) }
     }
 }
 
-fn task(mut args: Args) -> Result<Task, Problem> {
+fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
     if let Some(command) = args.command.take() {
         return Ok(match command {
             Command::Merge(merge) => Task::Merge(merge),
@@ -78,7 +81,7 @@ fn task(mut args: Args) -> Result<Task, Problem> {
                 args.indir = verify.indir.clone();
                 args.allow_outside = verify.allow_outside;
                 args.threads = verify.threads;
-                Task::Verify(verify, Box::new(job(args)?))
+                Task::Verify(verify, Box::new(job(args, terminal)?))
             }
             Command::Compare(compare) => Task::Compare(compare),
             Command::Sheet(sheet) => Task::Sheet(sheet),
@@ -107,18 +110,18 @@ fn task(mut args: Args) -> Result<Task, Problem> {
                 args.threads = bake.threads;
                 args.progress = bake.progress;
                 args.frame = bake.frame.map(|n| FrameChoice::These(Frames::single(n)));
-                Task::Bake(bake, Box::new(job(args)?))
+                Task::Bake(bake, Box::new(job(args, terminal)?))
             }
         });
     }
     match args.recipe.clone() {
         Some(picture) => Ok(Task::Recipe(picture)),
-        None if args.check => job(args).map(Task::Check),
-        None => job(args).map(Task::Render),
+        None if args.check => job(args, terminal).map(Task::Check),
+        None => job(args, terminal).map(Task::Render),
     }
 }
 
-fn job(args: Args) -> Result<Job, Problem> {
+fn job(args: Args, terminal: Terminal) -> Result<Job, Problem> {
     let usage = |why: String| Problem::new(Exit::Usage, why);
     check_prefix(args.prefix.as_deref().unwrap_or_default()).map_err(usage)?;
     let maps = Maps { samples: args.sample_map, error: args.error_map };
@@ -163,6 +166,10 @@ fn job(args: Args) -> Result<Job, Problem> {
         threads: args.threads.map(|threads| match threads {
             Threads::All => std::thread::available_parallelism().map_or(1, usize::from),
             Threads::Count(threads) => threads as usize,
+        }),
+        cache: args.cache.map(|folder| {
+            let warn = move |text: &str| terminal.warn(text);
+            Arc::new(Cache::new(&folder, args.cache_size, warn))
         }),
         isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
     })

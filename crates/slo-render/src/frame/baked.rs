@@ -1,6 +1,7 @@
 //! Frames whose pixels are the texels of a light map.
 
 use super::error::FrameError;
+use super::kept::Aids;
 use super::scene::FrameScene;
 use super::texels::Baked;
 use slo_accel::Isa;
@@ -10,7 +11,7 @@ use slo_scene::{Material, MaterialKind, SceneDescription};
 impl FrameScene {
     /// Builds a frame for the light map of an object, the one with the index `object` in the scene.
     /// Every sample starts at a point of a texel. Reuses what it can of another frame, as
-    /// [`build_after`](Self::build_after) does.
+    /// [`build_with`](Self::build_with) does.
     ///
     /// `None` if the frame does not show the object, or if the object has no light map.
     ///
@@ -33,7 +34,8 @@ impl FrameScene {
         around.materials.push(white_material());
         let known_light = before.as_mut().map(|of| std::mem::take(&mut of.known_light));
         let known_light = known_light.unwrap_or_default();
-        let frame = Self::build_after(&around, number, isa, before)?;
+        let aids = Aids { before: before.map(|of| of.remains()), cache: None };
+        let frame = Self::build_with(&around, number, isa, aids)?;
         let texels = frame.texels(scene, object, light_map);
         let baked = texels.map(|texels| Baked { texels, white });
         Ok(baked.map(|baked| Self { baked: Some(baked), known_light, ..frame }))

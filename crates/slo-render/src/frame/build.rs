@@ -1,6 +1,5 @@
 //! Builds a FrameScene from a SceneDescription and a frame number.
 
-use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
@@ -8,10 +7,10 @@ use glam::{DVec3, Vec3};
 use super::compositing::Compositing;
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
-use super::instance::Body;
+use super::kept::{Aids, structure};
 use super::lists::{crowd, not_placed};
 use super::looks::{Look, Looks};
-use super::parts::{Parts, Seen, structure};
+use super::parts::{Parts, Seen};
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
 use super::shared::Shared;
@@ -25,8 +24,8 @@ use crate::sampling::Sampler;
 use crate::shading::light::{EvenSky, LightBounds, LightTree, Poses, Skies, SkyShare, Techniques};
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
-use slo_accel::{Isa, Structure};
-use slo_scene::animation::{Clock, DAffine};
+use slo_accel::Isa;
+use slo_scene::animation::Clock;
 use slo_scene::{
     CamSegment, Integrator, LightSampling, PhotonSeed, SceneDescription, Settings, ShadowMode,
 };
@@ -46,21 +45,23 @@ impl FrameScene {
     /// Fails if the frame's time lies in no camera segment, if nothing can be seen from the
     /// camera's view, or if an object's key frames do not form a path.
     pub fn build(scene: &SceneDescription, number: i64, isa: Isa) -> Result<Self, FrameError> {
-        Self::build_after(scene, number, isa, None)
+        Self::build_with(scene, number, isa, Aids::default())
     }
 
-    /// Like [`build`](Self::build), but reuses structures of another frame of the same scene if
-    /// they fit this frame too: the structures of objects that move in both frames, and the
-    /// structure of all still objects if they lie in the same places.
+    /// Like [`build`](Self::build), but starts from what is there: [what another frame
+    /// left](Self::remains), if it fits this frame too (structures of objects that move in both
+    /// frames, and the structure of all still objects if they lie in the same places), and structures
+    /// in a cache. The picture is the same.
     ///
     /// # Errors
     /// Fails in the same cases as [`build`](Self::build).
-    pub fn build_after(
+    pub fn build_with(
         scene: &SceneDescription,
         number: i64,
         isa: Isa,
-        before: Option<Self>,
+        aids: impl Into<Aids>,
     ) -> Result<Self, FrameError> {
+        let Aids { before, cache } = aids.into();
         let shutter = Clock::new(&scene.camera).shutter(number).map_err(FrameError::NoSegment)?;
         let segment = &scene.camera.segments[shutter.segment];
         let film = &scene.camera.film;
@@ -73,13 +74,12 @@ impl FrameScene {
         let shown = Shown::of(scene)?;
         let spaces = &shown.spaces;
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
-        let before = before.map(Before::from);
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
         let cast =
             |&(object, _, count): &(u32, _, u64)| (&scene.objects[object as usize].shape, count);
         let shapes = shown.objects.iter().map(|shown| (&shown.object.shape, 1));
         let shared = Shared::new(shapes.chain(shown.casts.iter().map(cast)));
-        let mut parts = Parts { before: moving, shared, ..Parts::default() };
+        let mut parts = Parts { before: moving, cache, shared, ..Parts::default() };
         for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
         }
@@ -88,7 +88,8 @@ impl FrameScene {
             // Photons start where the sky is sampled.
             Integrator::Distributed | Integrator::PhotonMap => SkyShare::All,
         };
-        let sampled = Skies { share, before: before.as_ref().map(|before| &before.lights) };
+        let skies_before = before.as_ref().map_or(&[][..], |before| &before.skies);
+        let sampled = Skies { share, before: skies_before };
         let (mut lights, mut poses) = (Vec::new(), Poses::default());
         let (mut hidden, mut passable) = (Vec::new(), Vec::new());
         for shown in &shown.lights {
@@ -129,12 +130,11 @@ impl FrameScene {
         let sends = uses_photons || is_photon_map;
         let targets = sends.then(|| targets(&sharp_objects(scene, &shown.objects, &parts)));
         let still = match before {
-            Some(before) if before.places == parts.places && !parts.any_is_shaped => before.still,
+            Some(before) if *before.places == parts.places => before.still,
             // Free the old structure before building the new one.
             other => {
                 drop(other);
-                let still = std::mem::take(&mut parts.still);
-                Arc::new(structure(still, &scene.settings, isa))
+                Arc::new(structure(parts.still(), &scene.settings, isa, parts.cache.as_deref()))
             }
         };
         let still_objects = parts.still_objects();
@@ -203,7 +203,7 @@ impl FrameScene {
             objects: parts.objects,
             looks,
             compositing,
-            still_places: parts.places,
+            still_places: Arc::new(parts.places),
             still_objects,
         };
         Ok(Self { light_maps: frame.light_maps_of(scene), ..frame })
@@ -248,28 +248,6 @@ fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
         let is_physical = |index| Kind::of(&scene.materials[index as usize]) != Kind::Phong;
         !object.normals.is_empty() && look.material().is_some_and(is_physical)
     })
-}
-
-/// Structures of another frame, to be reused.
-struct Before {
-    still: Arc<Structure>,
-    places: Vec<(u32, DAffine)>,
-    /// Structures of instances, by the index of the object.
-    moving: HashMap<u32, Arc<Structure>>,
-    /// Lights, for tables of images.
-    lights: Lights,
-}
-
-impl From<FrameScene> for Before {
-    fn from(frame: FrameScene) -> Self {
-        let World { still, instances, crowd, .. } = frame.world;
-        let structure = |object, body: &Body| Some((object, body.structure()?.clone()));
-        let mut moving: HashMap<_, _> =
-            instances.iter().filter_map(|i| structure(i.object, &i.body)).collect();
-        let casts = (crowd.first_cast..).zip(&crowd.casts);
-        moving.extend(casts.filter_map(|(object, cast)| structure(object, &cast.body)));
-        Self { still, places: frame.still_places, moving, lights: frame.lights }
-    }
 }
 
 /// Chooses the origin of render space, in scene space: near the camera, where precision matters. It

@@ -69,15 +69,13 @@ impl Body {
             };
             return Self { primitives, poses: Vec::new() }.moving(&instance.poses);
         }
-        let primitives = match geometry {
-            Geometry::Mesh(..) => Primitives::Triangles(parts.still_triangles(object)?.to_vec()),
-            Geometry::Curved(_) => {
-                let place = parts.curved_objects.binary_search(&number).ok()?;
-                match parts.still.curved[place] {
-                    Curved::Sphere { center, radius } => Primitives::Sphere(center, radius),
-                    _ => return None,
-                }
+        let slo_accel::Primitives { triangles, curved, .. } = parts.still_object(object)?;
+        let primitives = match (geometry, &curved[..]) {
+            (Geometry::Mesh(..), _) => Primitives::Triangles(triangles),
+            (Geometry::Curved(_), [Curved::Sphere { center, radius }]) => {
+                Primitives::Sphere(*center, *radius)
             }
+            (Geometry::Curved(_), _) => return None,
         };
         Some(Self { primitives, poses: Vec::new() })
     }

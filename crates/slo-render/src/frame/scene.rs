@@ -88,7 +88,7 @@ pub struct FrameScene {
     pub(super) looks: Looks,
     pub(super) compositing: Compositing,
     /// Index and place of each still object: what the still structure was built from.
-    pub(super) still_places: Vec<(u32, DAffine)>,
+    pub(super) still_places: Arc<Vec<(u32, DAffine)>>,
     /// For each primitive of the still structure, the index of its object in `objects`.
     pub(super) still_objects: Vec<u32>,
 }

@@ -1,8 +1,8 @@
 //! Objects with sharp lobes: where photons are sent.
 
 use glam::Vec3;
-use slo_accel::Curved;
 use slo_accel::math::Bounds;
+use slo_accel::{Curved, Primitives};
 use slo_scene::SceneDescription;
 
 use super::parts::Parts;
@@ -17,7 +17,7 @@ pub(super) fn sharp_objects(
     parts: &Parts,
 ) -> Vec<Sharp> {
     let shares = shares(&scene.materials);
-    let still_objects = parts.still_objects();
+    let (still, still_objects) = (parts.still(), parts.still_objects());
     let mut bounds = vec![Bounds::EMPTY; objects.len()];
     let mut add = |object: u32, more: Bounds| {
         // Surfaces of lamps come after all objects.
@@ -25,16 +25,16 @@ pub(super) fn sharp_objects(
             *bounds = bounds.union(more);
         }
     };
-    for (triangle, &object) in parts.still.triangles.iter().zip(&still_objects) {
+    for (triangle, &object) in still.triangles.iter().zip(&still_objects) {
         add(object, Bounds::of_points(*triangle));
     }
-    for (curved, &object) in parts.still.curved.iter().zip(&parts.curved_objects) {
+    for (curved, &object) in still.curved.iter().zip(&parts.curved_objects) {
         add(object, curved.bounds());
     }
     for instance in &parts.instances {
         add(instance.object, instance.bounds());
     }
-    let reaches = reaches(parts, &still_objects, &bounds);
+    let reaches = reaches(parts, (&still, &still_objects), &bounds);
     let sharp = |((object, bounds), reach): ((&ShownObject<'_>, Bounds), f32)| {
         let share = shares[object.material.0 as usize];
         (share > 0.0 && !bounds.is_empty()).then_some(Sharp { bounds, reach, share })
@@ -43,7 +43,11 @@ pub(super) fn sharp_objects(
 }
 
 /// Returns the greatest distance of any point of each object from the middle of its bounds.
-fn reaches(parts: &Parts, still_objects: &[u32], bounds: &[Bounds]) -> Vec<f32> {
+fn reaches(
+    parts: &Parts,
+    (still, still_objects): (&Primitives, &[u32]),
+    bounds: &[Bounds],
+) -> Vec<f32> {
     let mut reaches = vec![0.0f32; bounds.len()];
     let mut add = |object: u32, of: &dyn Fn(Vec3) -> f32| {
         if let Some(bounds) = bounds.get(object as usize) {
@@ -51,10 +55,10 @@ fn reaches(parts: &Parts, still_objects: &[u32], bounds: &[Bounds]) -> Vec<f32> 
             *reach = reach.max(of((bounds.min + bounds.max) * 0.5));
         }
     };
-    for (triangle, &object) in parts.still.triangles.iter().zip(still_objects) {
+    for (triangle, &object) in still.triangles.iter().zip(still_objects) {
         add(object, &|middle| triangle.iter().fold(0.0, |most, v| most.max((v - middle).length())));
     }
-    for (curved, &object) in parts.still.curved.iter().zip(&parts.curved_objects) {
+    for (curved, &object) in still.curved.iter().zip(&parts.curved_objects) {
         add(object, &|middle| match *curved {
             Curved::Sphere { center, radius } => (center - middle).length() + radius,
             _ => curved.bounds().size().length() * 0.5,

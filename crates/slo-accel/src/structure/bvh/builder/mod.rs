@@ -13,6 +13,7 @@ mod family;
 mod few;
 mod heuristic;
 mod plan;
+mod restore;
 mod rows;
 mod spatial;
 mod tree;
@@ -21,6 +22,7 @@ use rayon::prelude::*;
 
 use self::boxes::{Box8, Reference, extent};
 use self::collapse::Wide;
+pub(super) use self::restore::{kept, restore};
 use self::rows::Shapes;
 use super::hierarchy::{Bvh, FAR};
 use super::layout::{Node, stack_size};
