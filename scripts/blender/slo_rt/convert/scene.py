@@ -35,7 +35,8 @@ class Job:
     `scene_path` is the file to write; meshes and textures go to a folder beside it with its name.
     `first` to `last` are the frames, whole numbers. `output` is the Film's format. `by_content` names
     meshes by a hash of their contents, so that none is written twice. `notes` holds pairs of subject
-    and message with which the report begins.
+    and message with which the report begins. `preview_path` is where the scene goes with the settings
+    of a preview, in the same folder; nowhere if it is empty.
     """
 
     depsgraph: object
@@ -47,6 +48,7 @@ class Job:
     output: str = "PNG_IMAGE"
     by_content: bool = False
     notes: tuple = ()
+    preview_path: str = ""
 
     @property
     def single(self):
@@ -70,7 +72,7 @@ class _Writer:
         self.layer = job.depsgraph.view_layer
         self.render = self.scene.render
         self.values = self.scene.slo_rt
-        self.is_physical = self.values.integrator == "PATH"
+        self.is_physical = self.values.is_physical
         self.report = Report()
         for note in job.notes:
             self.report.note(*note)
@@ -112,11 +114,14 @@ class _Writer:
         if job.output != "EXR_IMAGE":
             limits.note_export(self.scene, self.layer, self.report, self.is_physical)
         if self.is_physical:
-            head = [settings.path_settings_element(self.scene), camera]
+            head = [settings.physical_settings_element(self.scene), camera]
         else:
             head = [settings.settings_element(self.values, self.background), camera]
         text = scene_text.write(head + elements + objects, self._comments())
         _write_text(job.scene_path, text)
+        if job.preview_path:
+            head = [settings.preview_settings_element(self.scene), camera]
+            _write_text(job.preview_path, scene_text.write(head + elements + objects))
         return self.report
 
     def _now(self, item):
