@@ -350,7 +350,7 @@ def remove_stale_files(scene_path):
         text = file.read()
     folder = os.path.splitext(scene_path)[0]
     for name in os.listdir(folder):
-        if name.endswith((".slo", ".png", ".exr", ".hdr")) and name not in text:
+        if name.endswith((".slo", ".ply", ".png", ".exr", ".hdr")) and name not in text:
             os.remove(os.path.join(folder, name))
 
 
