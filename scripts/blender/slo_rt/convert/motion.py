@@ -31,18 +31,20 @@ def changed_shapes(depsgraph):
     }
 
 
-def _changed_objects(depsgraph):
-    """Returns the original objects, by full name, that Blender has evaluated anew, and whether that is
-    all that may have changed what is visible."""
-    found, is_all = {}, True
+def _changes(depsgraph):
+    """Returns the original objects, by full name, that Blender has evaluated anew; whether it lists
+    other changes too, such as of visibility; and whether geometry changed, from which instances may
+    come."""
+    found, has_others, has_geometry = {}, False, False
     for update in depsgraph.updates:
         if isinstance(update.id, bpy.types.Object):
             original = update.id.original
             found[original.name_full] = original
-            is_all &= update.is_updated_geometry or update.is_updated_transform
-        elif isinstance(update.id, (bpy.types.Collection, bpy.types.Scene)):
-            is_all &= not (update.is_updated_geometry or update.is_updated_transform)
-    return found, is_all
+            has_geometry |= update.is_updated_geometry
+            has_others |= not (update.is_updated_geometry or update.is_updated_transform)
+        elif isinstance(update.id, bpy.types.Collection):
+            has_others = True
+    return found, has_others, has_geometry
 
 
 class Timeline:
@@ -50,9 +52,9 @@ class Timeline:
 
     `set_frame(frame)` moves the dependency graph to a time in frames, fractions included. Matrices
     are read in columns. Things are numbered from 0 in the order in which they were first seen. It
-    stores the first matrix of each thing, and for each time the matrices that differ from it.
-    The job begins at the time `begin`, with visible instances of these `keys`. `instancers` are objects whose matrices are read too, whether
-    they are visible or not.
+    stores the first matrix of each thing, and for each time the matrices that differ from it. The job
+    begins at the time `begin`, with visible instances of these `keys`. `instancers` are objects whose
+    matrices are read too, whether they are visible or not.
     """
 
     def __init__(self, depsgraph, set_frame, begin, cameras, read_camera, keys, instancers=()):
@@ -72,6 +74,7 @@ class Timeline:
         self._changes = {}  # time -> (numbers, matrices)
         self._known_order = None  # the last instances: their identities and numbers
         self._shown = np.empty(0, bool)
+        self._hidden = {}  # whether objects were hidden when they were last evaluated
         self._camera_values = {}
 
     @property
@@ -86,12 +89,39 @@ class Timeline:
             look = looks.get(float(time)) if looks else None
             if time in self._changes and look is None:
                 continue
-            self._set_frame(float(time))
+            numbers = self.go(time)
             if time not in self._changes:
-                self._changes[time] = self._look()
+                self._changes[time] = self._remember(numbers)
                 self._look_at_cameras(float(time))
             if look:
                 look()
+
+    def go(self, time):
+        """Moves to a time and reads where everything is. Returns the numbers of what is visible."""
+        self._set_frame(float(time))
+        changed, has_others, has_geometry = _changes(self._depsgraph)
+        has_others |= self._hides(changed)
+        if self._known_order and not has_others and self._linked.isdisjoint(changed):
+            count = len(self._shown)
+            if not has_geometry or len(self._depsgraph.object_instances) == count:
+                return self._look_at(changed.values())
+        return self._look_at_all(not has_others)
+
+    def _hides(self, changed):
+        """Whether an object has vanished or appeared since it was evaluated for the last time."""
+        hides = False
+        for name, original in changed.items():
+            is_hidden = original.evaluated_get(self._depsgraph).hide_render
+            hides |= self._hidden.get(name) != is_hidden
+            self._hidden[name] = is_hidden
+        return hides
+
+    def _remember(self, numbers):
+        """Returns the numbers and matrices of those visible things that have left their first position."""
+        self._counts[numbers] += 1
+        elsewhere = numbers[(self._now[numbers] != self._first[numbers]).any(axis=(1, 2))]
+        self._has_moved[elsewhere] = True
+        return elsewhere, self._now[elsewhere]
 
     def instances(self, keys):
         """Yields `(key, instance)` of the visible instances with these keys, in the last state that was
@@ -102,20 +132,8 @@ class Timeline:
         order = iter(self._known_order[1].tolist())
         for instance in self._depsgraph.object_instances:
             key = wanted.get(next(order)) if instance.show_self else None
-            if key is not None:
+            if key is not None and instance.object.original.name_full == key[0]:
                 yield key, instance
-
-    def _look(self):
-        """Returns the numbers and matrices of things that have left their first position."""
-        changed, is_all = _changed_objects(self._depsgraph)
-        if self._known_order and is_all and self._linked.isdisjoint(changed):
-            numbers = self._look_at(changed.values())
-        else:
-            numbers = self._look_at_all(is_all)
-        self._counts[numbers] += 1
-        elsewhere = numbers[(self._now[numbers] != self._first[numbers]).any(axis=(1, 2))]
-        self._has_moved[elsewhere] = True
-        return elsewhere, self._now[elsewhere]
 
     def _look_at(self, objects):
         """Reads the matrices of objects that are no instances. Returns the numbers of what is visible."""

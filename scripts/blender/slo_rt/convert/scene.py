@@ -359,7 +359,7 @@ class _Writer:
                 sheared[mover.key] = mover
         if not sheared:
             return
-        self.job.set_frame(float(self.job.first))
+        timeline.go(self.job.first)
         times, borders = bending.watched(sample_times(*self._span), self.shutter.duration > 0.0)
         for key, instance in timeline.instances(sheared):
             thing = sheared[key].item

@@ -176,6 +176,12 @@ class CopyTest(unittest.TestCase):
         blend.key(ghost, "hide_render", 1, False)
         blend.key(ghost, "hide_render", 13, True)
         ghost.hide_render = False
+        ghost.shape_key_add(name="Basis")
+        grown = ghost.shape_key_add(name="Grown")
+        grown.data[0].co.x += 2.0
+        for frame, value in ((1, 0.0), (25, 1.0)):
+            grown.value = value
+            grown.keyframe_insert("value", frame=frame)
         self.export()
         self.compare((1.0, 20.0))
         for frame in (1, 7, 25):
