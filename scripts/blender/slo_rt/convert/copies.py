@@ -2,7 +2,8 @@
 """Instances: few of them are copies with key frames, many are placements in a file.
 
 Many instances of one thing by one instancer hang in the instancer's space, as long as they are at
-rest there. So a forest on a moving island is one file and the key frames of the island.
+rest there. So a forest on a moving island is one file and the key frames of the island. Other
+instances that are at rest in the world, such as many collection instances, are placements too.
 """
 
 from dataclasses import dataclass, field
@@ -48,10 +49,10 @@ class Space:
 
 @dataclass
 class Crowd:
-    """Many instances (`members`) of one thing that are at rest in the space of their instancer, and their
-    placements there (n, 12)."""
+    """Many instances (`members`) of one thing that are at rest in the space of their instancer, or in the
+    world, and their placements there (n, 12)."""
 
-    space: Space
+    space: Space | None
     members: list
     placements: np.ndarray = None
 
@@ -75,6 +76,7 @@ class Crowds:
     def __init__(self, things):
         self.spaces = {}
         self._groups = {}
+        self._instances = [thing for thing in things if thing.is_instance]
         for thing in things:
             if thing.is_instance:
                 instancer = thing.sources[1]
@@ -108,7 +110,20 @@ class Crowds:
                 reach = np.abs(crowd.placements[:, :3]).max(axis=0) + crowd.original.reach
                 space.reach = np.maximum(space.reach, reach)
                 crowds.append(crowd)
-        return crowds
+        return crowds + self._in_the_world(crowds, timeline)
+
+    def _in_the_world(self, crowds, timeline):
+        """Returns the crowds of instances that are in no other and never move."""
+        settled = {member.key for crowd in crowds for member in crowd.members}
+        groups = {}
+        for thing in self._instances:
+            if thing.key not in settled and thing.frame is None and not timeline.moves(thing.key):
+                groups.setdefault(id(thing.original), []).append(thing)
+        return [
+            Crowd(None, group, np.array([thing.placement for thing in group]))
+            for group in groups.values()
+            if len(group) >= MANY
+        ]
 
 
 def _at_rest(space, things, timeline):

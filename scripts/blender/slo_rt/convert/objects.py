@@ -106,10 +106,12 @@ class Objects:
         return Element("copy", self._names.new(thing.name), [("of", name), *parent, *keys])
 
     def _copies(self, crowd, name, groups):
-        wish = f"{crowd.space.instancer.name}_{crowd.members[0].name}"
+        wish, parent = f"{crowd.members[0].name}_copies", []
+        if crowd.space:
+            wish = f"{crowd.space.instancer.name}_{crowd.members[0].name}"
+            full_name = crowd.space.instancer.name_full
+            parent = [("parent", groups[full_name])] if full_name in groups else []
         body = [("of", name), ("placements", self._store(wish, crowd.columns()))]
-        full_name = crowd.space.instancer.name_full
-        parent = [("parent", groups[full_name])] if full_name in groups else []
         return Element("copies", self._names.new(wish), [*body, *parent])
 
     def _part(self, thing, part):

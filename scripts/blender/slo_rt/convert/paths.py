@@ -42,8 +42,8 @@ class Mover:
 
 
 class Paths:
-    """The key frames of movers. `fit` returns them by key; then `reshaped` holds the movers whose shear or
-    mirroring changes, and `misfits` pairs of movers and `Misfit`s."""
+    """The key frames of movers. `reshaped` holds the movers whose shear or mirroring changes. `fit`
+    returns the key frames by key; then `misfits` holds pairs of movers and `Misfit`s."""
 
     def __init__(self, movers, timeline):
         self._movers = movers

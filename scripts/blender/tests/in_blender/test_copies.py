@@ -141,6 +141,18 @@ class CopyTest(unittest.TestCase):
         self.assertEqual(len(self.described.all("copy")), 6)
         self.compare((1.0, 11.7, 25.0))
 
+    def test_many_collection_instances(self):
+        """Those that never move are placements; the others have key frames."""
+        for i in range(20):
+            empty = moving_scenes.collection_instance(self.trees, f"Tree{i}", (i, 0.1 * i * i, 0.0))
+            empty.rotation_euler.z, empty.scale.z = 0.5 * i, 1.0 + 0.1 * i
+        blend.key(empty, "location", 1, (2.0, 0.0, 0.0))
+        blend.key(empty, "location", 25, (4.0, 1.0, 0.0))
+        self.export()
+        self.assertEqual(len(self.described.all("copies")), 2)
+        self.assertEqual(len(self.described.all("copy")), 2)
+        self.compare((1.0, 11.7, 25.0))
+
     def test_sheared_instances_hang_in_their_instancer(self):
         empty = moving_scenes.collection_instance(self.trees, "A", (0.0, 0.0, 0.0))
         empty.scale = (1.0, 2.0, 1.0)
