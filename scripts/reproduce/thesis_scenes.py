@@ -109,8 +109,11 @@ def sky(sunset):
 
 def write_files(folder):
     """Writes all meshes and textures that the scenes name, and returns the number of triangles of the dragon."""
-    vertices, normals, faces = dragon.dragon()
-    dragon.write(folder / "dragon.slo", vertices, normals, faces)
+    if not (folder / "dragon.slo").exists():
+        vertices, normals, faces = dragon.dragon()
+        dragon.write(folder / "part.slo", vertices, normals, faces)
+        (folder / "part.slo").rename(folder / "dragon.slo")
+    triangles = (folder / "dragon.slo").read_text(encoding="ascii").split("faces {\n")[1].count("\n") - 1
     write_mesh(folder / "letter.slo", *letter())
     write_mesh(folder / "lamp.slo", *ball(0.4, 22, 19))
     vertices, dome_faces, uvs = dome(30.0)
@@ -121,7 +124,7 @@ def write_files(folder):
     write_mesh(folder / "ring.slo", vertices, ring_faces, normals=ring_normals)
     for name, sunset in (("sky_1", False), ("sky_2", True)):
         matplotlib.image.imsave(folder / f"{name}.png", sky(sunset).astype(np.uint8))
-    return len(faces)
+    return triangles
 
 
 def ring(radius=1.5, height=0.9, thickness=0.08, around=120):
