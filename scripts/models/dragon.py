@@ -39,17 +39,42 @@ def curve(points, count):
 
 def bones():
     """Chains of points (x, y, z, radius): spine, jaw, horns, limbs with claws, spikes of the back."""
-    spine = curve([
-        (-1.50, -0.10, 0.98, 0.045), (-1.34, -0.08, 1.05, 0.085), (-1.14, -0.03, 1.14, 0.125), (-0.98, 0.02, 1.08, 0.12),
-        (-0.90, 0.06, 0.88, 0.13), (-0.78, 0.08, 0.66, 0.17), (-0.48, 0.06, 0.58, 0.25), (-0.08, -0.02, 0.66, 0.28),
-        (0.32, -0.06, 0.56, 0.26), (0.64, 0.00, 0.40, 0.20), (0.92, 0.16, 0.24, 0.14), (1.22, 0.34, 0.13, 0.105),
-        (1.50, 0.26, 0.10, 0.085), (1.56, -0.06, 0.10, 0.07), (1.30, -0.30, 0.14, 0.055), (1.02, -0.30, 0.26, 0.04),
-        (0.92, -0.20, 0.42, 0.025), (1.00, -0.14, 0.54, 0.012),
-    ], 150)
+    spine = curve(
+        [
+            (-1.50, -0.10, 0.98, 0.045),
+            (-1.34, -0.08, 1.05, 0.085),
+            (-1.14, -0.03, 1.14, 0.125),
+            (-0.98, 0.02, 1.08, 0.12),
+            (-0.90, 0.06, 0.88, 0.13),
+            (-0.78, 0.08, 0.66, 0.17),
+            (-0.48, 0.06, 0.58, 0.25),
+            (-0.08, -0.02, 0.66, 0.28),
+            (0.32, -0.06, 0.56, 0.26),
+            (0.64, 0.00, 0.40, 0.20),
+            (0.92, 0.16, 0.24, 0.14),
+            (1.22, 0.34, 0.13, 0.105),
+            (1.50, 0.26, 0.10, 0.085),
+            (1.56, -0.06, 0.10, 0.07),
+            (1.30, -0.30, 0.14, 0.055),
+            (1.02, -0.30, 0.26, 0.04),
+            (0.92, -0.20, 0.42, 0.025),
+            (1.00, -0.14, 0.54, 0.012),
+        ],
+        150,
+    )
     chains = [spine, curve([(-1.06, -0.02, 1.03, 0.08), (-1.22, -0.06, 0.95, 0.055), (-1.42, -0.10, 0.88, 0.03)], 10)]
     for side in (-1, 1):
-        chains.append(curve([(-1.06, 0.0 + 0.06 * side, 1.22, 0.045), (-0.92, 0.02 + 0.12 * side, 1.34, 0.032),
-                             (-0.76, 0.02 + 0.13 * side, 1.37, 0.02), (-0.64, 0.02 + 0.10 * side, 1.33, 0.008)], 14))
+        chains.append(
+            curve(
+                [
+                    (-1.06, 0.0 + 0.06 * side, 1.22, 0.045),
+                    (-0.92, 0.02 + 0.12 * side, 1.34, 0.032),
+                    (-0.76, 0.02 + 0.13 * side, 1.37, 0.02),
+                    (-0.64, 0.02 + 0.10 * side, 1.33, 0.008),
+                ],
+                14,
+            )
+        )
         chains.append(curve([(-1.22, -0.05 + 0.075 * side, 1.16, 0.035), (-1.17, -0.05 + 0.09 * side, 1.18, 0.03)], 4))
         for x, y, reach in ((-0.58, 0.05, -0.16), (0.42, -0.04, 0.10)):
             hip = (x, y + 0.17 * side, 0.46, 0.13)
@@ -58,8 +83,16 @@ def bones():
             foot = (x - 0.10, y + 0.37 * side, 0.045, 0.05)
             chains.append(curve([hip, knee, ankle, foot], 24))
             for spread in (-0.07, 0.0, 0.07):
-                chains.append(curve([foot, (x - 0.19, y + 0.37 * side + spread, 0.045, 0.03),
-                                     (x - 0.25, y + 0.37 * side + 1.3 * spread, 0.02, 0.010)], 8))
+                chains.append(
+                    curve(
+                        [
+                            foot,
+                            (x - 0.19, y + 0.37 * side + spread, 0.045, 0.03),
+                            (x - 0.25, y + 0.37 * side + 1.3 * spread, 0.02, 0.010),
+                        ],
+                        8,
+                    )
+                )
     for point, ahead in zip(spine[26:140:6], spine[27:141:6]):
         along = (ahead - point)[:3] / np.linalg.norm((ahead - point)[:3])
         up = np.array([0, 0, 1.0]) - along * along[2]
@@ -104,7 +137,7 @@ class Field:
         self.counts = np.ceil((high - low) / cell).astype(int) + 1
         self.grid = np.full(self.counts, 10.0)
         margin = 0.05
-        for number, (a, b) in enumerate(self.parts):
+        for a, b in self.parts:
             reach = max(a[3], b[3]) + margin
             first = np.maximum(((np.minimum(a, b)[:3] - reach - low) / cell).astype(int), 0)
             last = np.minimum(((np.maximum(a, b)[:3] + reach - low) / cell).astype(int) + 1, self.counts)
@@ -136,7 +169,7 @@ def net(field):
     inside = field.grid < 0
     cells = np.zeros(field.counts - 1, int)
     for a, b, c in np.ndindex(2, 2, 2):
-        cells += inside[a:a + cells.shape[0], b:b + cells.shape[1], c:c + cells.shape[2]]
+        cells += inside[a : a + cells.shape[0], b : b + cells.shape[1], c : c + cells.shape[2]]
     mixed = (cells > 0) & (cells < 8)
     ids = np.full(mixed.shape, -1)
     ids[mixed] = np.arange(np.count_nonzero(mixed))

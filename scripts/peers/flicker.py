@@ -56,12 +56,24 @@ def render(name, fixed, options):
     folder = Path(options.keep).resolve() / f"{name}_{'fixed' if fixed else 'frame'}"
     folder.mkdir(parents=True, exist_ok=True)
     frames = list(range(0, 48, 48 // options.frames))
-    order = {"how": how, "fixed": fixed, "folder": str(folder), "frames": frames, "seconds": options.seconds, "threads": 1,
-             "size": options.size, "program": str(Path(options.program).resolve())}
-    python = dict(pair.split("=", 1) for pair in options.python).get(name.rsplit("-", 1)[0].split("-")[0], sys.executable)
+    order = {
+        "how": how,
+        "fixed": fixed,
+        "folder": str(folder),
+        "frames": frames,
+        "seconds": options.seconds,
+        "threads": 1,
+        "size": options.size,
+        "program": str(Path(options.program).resolve()),
+    }
+    python = dict(pair.split("=", 1) for pair in options.python).get(
+        name.rsplit("-", 1)[0].split("-")[0], sys.executable
+    )
     if any(not (folder / f"{number:03}.npz").exists() for number in frames):
         with open(folder / "words", "w", encoding="utf-8") as words:
-            subprocess.run([python, str(HERE / f"{module}.py"), json.dumps(order)], stdout=words, stderr=words, check=False)
+            subprocess.run(
+                [python, str(HERE / f"{module}.py"), json.dumps(order)], stdout=words, stderr=words, check=False
+            )
     paths = [folder / f"{number:03}.npz" for number in frames]
     if not all(path.exists() for path in paths):
         lines = (folder / "words").read_text(encoding="utf-8", errors="replace").strip().splitlines()
@@ -83,7 +95,10 @@ def fitted(sequence):
 def blurred(pictures, half=2):
     padded = np.pad(pictures, ((0, 0), (half, half), (half, half)), mode="edge")
     rows, columns = pictures.shape[1:]
-    return sum(padded[:, i:i + rows, j:j + columns] for i in range(2 * half + 1) for j in range(2 * half + 1)) / (2 * half + 1) ** 2
+    return (
+        sum(padded[:, i : i + rows, j : j + columns] for i in range(2 * half + 1) for j in range(2 * half + 1))
+        / (2 * half + 1) ** 2
+    )
 
 
 def still_pixels(sequences):
@@ -145,8 +160,10 @@ def main():
     for (name, fixed), sequence in found.items():
         deviation, steps = (part[still] for part in flicker(sequence))
         root = [f"{100 * np.sqrt(np.mean(part**2)):.1f} %" for part in (deviation, steps)]
-        print(f"| {SEQUENCES[name][2]} ({versions[name]}) | {'FIXED' if fixed else 'FRAME'} | {seconds[name, fixed].mean():.2f} | {root[0]} | "
-              f"{100 * np.median(deviation):.1f} % | {root[1]} |")
+        print(
+            f"| {SEQUENCES[name][2]} ({versions[name]}) | {'FIXED' if fixed else 'FRAME'} | {seconds[name, fixed].mean():.2f} | {root[0]} | "
+            f"{100 * np.median(deviation):.1f} % | {root[1]} |"
+        )
     if options.sheet:
         sheet(options.sheet, found, still)
 

@@ -3,7 +3,22 @@
 The same data as light_scenes.py; a frame is a still scene with the moving lamp at its place.
 """
 
-from light_scenes import GREEN, HIGH, LOW, RED, WOOD, Glass, Matte, Rectangle, RectangleLamp, Scene, Sphere, Thing, knot, walls
+from light_scenes import (
+    GREEN,
+    HIGH,
+    LOW,
+    RED,
+    WOOD,
+    Glass,
+    Matte,
+    Rectangle,
+    RectangleLamp,
+    Scene,
+    Sphere,
+    Thing,
+    knot,
+    walls,
+)
 
 FRAMES = 48
 LEANING = ((0.5, -0.75, 0.45), (0.85, 0.5, 0.1))

@@ -19,7 +19,9 @@ class SloRt(flicker_job.Calibrated):
     def __init__(self, order):
         self.order, self.folder = order, tempfile.TemporaryDirectory()
         try:
-            self.version = subprocess.run([order["program"], "--version"], check=True, capture_output=True, text=True).stdout.split()[-1]
+            self.version = subprocess.run(
+                [order["program"], "--version"], check=True, capture_output=True, text=True
+            ).stdout.split()[-1]
         except FileNotFoundError as error:
             job.missing(error)
 
@@ -31,8 +33,21 @@ class SloRt(flicker_job.Calibrated):
             text = text.replace("integrator PATH", "integrator PHOTON_MAP")
         (folder / "scene.txt").write_text(text, encoding="utf-8")
         began = job.user_time()
-        command = [order["program"], "-q", "--overwrite", "-s", folder / "scene.txt", "-f", str(number), "--samples", str(samples),
-                   "--threads", str(threads), "--outdir", folder]
+        command = [
+            order["program"],
+            "-q",
+            "--overwrite",
+            "-s",
+            folder / "scene.txt",
+            "-f",
+            str(number),
+            "--samples",
+            str(samples),
+            "--threads",
+            str(threads),
+            "--outdir",
+            folder,
+        ]
         words = subprocess.run(list(map(str, command)), check=True, stdout=subprocess.PIPE, text=True).stdout
         return read_exr(words.strip().splitlines()[-1]), job.user_time() - began
 

@@ -26,23 +26,18 @@ was stopped goes on. Needs numpy and matplotlib, on Linux or macOS.
 """
 
 import argparse
-import resource
-import struct
-import subprocess
 import sys
-import tempfile
-import time
-import zlib
 from pathlib import Path
 
 try:
     import matplotlib.image
     import numpy as np
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, StrMethodFormatter
 except ModuleNotFoundError as error:
     sys.exit(f"photon_mapping.py: {error}; start it by `uv run`, or `pip install numpy matplotlib`")
 
-import thesis_scenes
+from thesis_lab import Lab, shown
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -55,151 +50,21 @@ CACHE = {0.1: (239, 190), 0.05: (386, 305), 0.01: (898, 795), 0.005: (1107, 1006
 LIMIT = {0.1: 678, 0.005: 899, 0.0005: 2633, 0.0001: 7294}
 LAMP = {4: (6200, 1780), 7: (17975, 16677)}
 WORDS = {
-    1: "point lamp, photons shown directly", 2: "point lamp, irradiance cache", 3: "spot lamp", 4: "glowing sphere, asked for",
-    5: "mirror dragon", 6: "glass dragon, index 1.6", 7: "dome with a sky, asked for", 8: "dome with a sky, hit",
-    9: "another sky, asked for", 10: "glass ball and ring",
+    1: "point lamp, photons shown directly",
+    2: "point lamp, irradiance cache",
+    3: "spot lamp",
+    4: "glowing sphere, asked for",
+    5: "mirror dragon",
+    6: "glass dragon, index 1.6",
+    7: "dome with a sky, asked for",
+    8: "dome with a sky, hit",
+    9: "another sky, asked for",
+    10: "glass ball and ring",
 }
 
 
-def read_exr(path):
-    """Returns red, green and blue [row, column, channel] of a file as slo-rt writes it: floats, rows compressed by RLE."""
-    data = path.read_bytes()
-    place, header = 8, {}
-    while data[place]:
-        name, kind, rest = data[place:].split(b"\0", 2) if place + 200 > len(data) else data[place:place + 200].split(b"\0", 2)
-        place += len(name) + len(kind) + 2
-        size, = struct.unpack_from("<I", data, place)
-        header[name.decode()] = data[place + 4:place + 4 + size]
-        place += 4 + size
-    if header["compression"] != b"\1":
-        raise ValueError(f"{path} is not compressed by RLE")
-    x0, y0, x1, y1 = struct.unpack("<4i", header["dataWindow"])
-    width, height = x1 - x0 + 1, y1 - y0 + 1
-    offsets = struct.unpack_from(f"<{height}Q", data, place + 1)
-    picture = np.empty((height, width, 3), np.float32)
-    for offset in offsets:
-        y, size = struct.unpack_from("<ii", data, offset)
-        raw = data[offset + 8:offset + 8 + size]
-        if size < 12 * width:
-            raw = unpacked(raw)
-        planes = np.frombuffer(raw, "<f4").reshape(3, width)  # blue, green, red
-        picture[y - y0] = planes[::-1].T
-    return picture.astype(float)
-
-
-def unpacked(packed):
-    out, i = bytearray(), 0
-    while i < len(packed):
-        count = packed[i] - 256 if packed[i] > 127 else packed[i]
-        if count < 0:
-            out += packed[i + 1:i + 1 - count]
-            i += 1 - count
-        else:
-            out += packed[i + 1:i + 2] * (count + 1)
-            i += 2
-    steps = np.frombuffer(bytes(out), np.uint8).astype(np.int64)
-    steps[1:] -= 128
-    values = np.cumsum(steps).astype(np.uint8)
-    half = (len(values) + 1) // 2
-    mixed = np.empty_like(values)
-    mixed[0::2], mixed[1::2] = values[:half], values[half:]
-    return mixed.tobytes()
-
-
-class Lab:
-    """Renders and remembers: time, and pictures of two seeds."""
-
-    def __init__(self, options):
-        self.options, self.quick = options, options.quick
-        self.size = (200, 150) if options.quick else (400, 300)
-        self.share = 0.1 if options.quick else 1.0
-        self.temporary = tempfile.TemporaryDirectory()
-        self.folder = Path(options.keep or self.temporary.name)
-        self.folder.mkdir(parents=True, exist_ok=True)
-        self.dragon = thesis_scenes.write_files(self.folder)
-        self.began = time.monotonic()
-
-    def settings(self, scene, **changes):
-        """The thesis's table 2, and what an experiment changes."""
-        sharp = scene in (5, 6, 10)
-        nearest = 1000 if scene == 10 else 5000
-        values = {
-            "integrator": "PHOTON_MAP", "recursion": 20, "gather": int(scene != 1),
-            "photonMapSize": 5e6 * self.share, "photonNearest": nearest * self.share, "photonDistance": 0.3,
-            "causticMapSize": 1e7 * self.share if sharp else 1, "causticNearest": nearest * self.share,
-            "causticDistance": 0.08, "cacheError": 0.1, "gatherLimit": 0.0005,
-            "gatherRays": 256 if self.quick else 1024, "imageSamples": 4,
-        }
-        values.update(changes)
-        if values["integrator"] == "PATH":
-            values = {key: values[key] for key in ("integrator", "recursion", "imageSamples")}
-        elif not values["gather"]:
-            for key in ("cacheError", "gatherLimit", "gatherRays"):
-                del values[key]
-        return " ".join(f"{key} {value if isinstance(value, str) else format(value, '.9g')}" for key, value in values.items())
-
-    def render(self, scene, seed, sampled=None, **changes):
-        """Returns the picture and its processor time."""
-        settings = self.settings(scene, **changes)
-        text = thesis_scenes.text(scene, settings, self.size, sampled)
-        name = f"{zlib.crc32(text.encode()):08x}_{seed}"
-        kept = self.folder / f"{name}.npz"
-        if kept.exists():
-            stored = np.load(kept)
-            return stored["picture"].astype(float), float(stored["seconds"])
-        path = self.folder / f"{name}.txt"
-        path.write_text(text, encoding="utf-8")
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        command = [self.options.program, "-q", "--overwrite", "-s", path.name, "--seed", str(seed), "--threads",
-                   str(self.options.threads), "--prefix", f"{name}_"]
-        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
-        if done.returncode:
-            sys.exit(f"{' '.join(command)}: {done.stderr}")
-        seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-        picture = read_exr(self.folder / done.stdout.split()[-1])
-        (self.folder / done.stdout.split()[-1]).unlink()
-        np.savez_compressed(kept, picture=picture.astype(np.float32), seconds=seconds)
-        print(f"{time.monotonic() - self.began:6.0f} s: scene {scene}, {settings}: {seconds:.2f} s", file=sys.stderr, flush=True)
-        return picture, seconds
-
-    def reference(self, scene):
-        samples = (128 if scene == 1 else 32) if self.quick else 256
-        return sum(self.render(scene, seed, integrator="PATH", imageSamples=samples)[0] for seed in (101, 102)) / 2
-
-    def measure(self, scene, reference=None, **changes):
-        """Returns time, noise, bias, bias at edges, and brightness relative to the reference."""
-        (a, spent_a), (b, spent_b) = (self.render(scene, seed, **changes) for seed in (1, 2))
-        r = self.reference(scene) if reference is None else reference
-        scale = r**2 + 0.01
-        both = np.mean((a - r) * (b - r) / scale, axis=-1)
-        edges = changes_of(r)
-        return {
-            "time": (spent_a + spent_b) / 2, "noise": float(np.mean((a - b) ** 2 / (2 * scale))), "bias": float(both.mean()),
-            "edges": float(both[edges >= np.quantile(edges, 0.9)].mean()), "mean": float((a + b).mean() / (2 * r.mean())),
-        }
-
-    def pictures(self, scene, **changes):
-        if self.options.pictures:
-            folder = Path(self.options.pictures)
-            folder.mkdir(parents=True, exist_ok=True)
-            matplotlib.image.imsave(folder / f"scene_{scene}.png", shown(self.render(scene, 1, **changes)[0]))
-
-
-def changes_of(r):
-    """How much the brightness of each pixel differs from its neighbours', relative to it."""
-    light = r.mean(axis=-1)
-    padded = np.pad(light, 1, mode="edge")
-    rows, columns = light.shape
-    around = [padded[i:i + rows, j:j + columns] for i in range(3) for j in range(3)]
-    return (np.max(around, axis=0) - np.min(around, axis=0)) / (light + 0.05)
-
-
-def shown(picture):
-    linear = np.clip(picture, 0, 1)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-
-
 # Tables. Each returns its rows; `table` prints them.
+
 
 def short(value):
     return f"{value:.1e}".replace("e-0", "e-")
@@ -227,11 +92,24 @@ def scenes(lab):
         picture, seconds = lab.render(number, 1, **changes)
         lab.pictures(number, **changes)
         found[number] = seconds
-        rows.append([number, WORDS[number], f"{thesis:,}", f"{seconds:.1f}", f"{thesis / SCENES[2]:.2f}", seconds, picture.mean()])
+        rows.append(
+            [
+                number,
+                WORDS[number],
+                f"{thesis:,}",
+                f"{seconds:.1f}",
+                f"{thesis / SCENES[2]:.2f}",
+                seconds,
+                picture.mean(),
+            ]
+        )
     for row in rows:
         row[5], row[6] = f"{row[5] / found[2]:.2f}", f"{row[6]:.3f}"
-    table(f"Table 3: the scenes, {samples} samples, dragon of {lab.dragon:,} triangles",
-          ["scene", "", "thesis, s", "slo-rt, s", "thesis, of scene 2", "slo-rt, of scene 2", "mean"], rows)
+    table(
+        f"Table 3: the scenes, {samples} samples, dragon of {lab.dragon:,} triangles",
+        ["scene", "", "thesis, s", "slo-rt, s", "thesis, of scene 2", "slo-rt, of scene 2", "mean"],
+        rows,
+    )
     return found
 
 
@@ -239,9 +117,18 @@ def sweep(lab, title, head, values, of, note="", scene=1, **fixed):
     """One row for each value; `of` makes settings of it."""
     found = {value: lab.measure(scene, **{**fixed, **of(value)}) for value in values}
     first = next(iter(values))
-    rows = [[f"{value * note if note else value:g}", f"{thesis:,}", f"{thesis / values[first]:.2f}", f"{m['time']:.2f}",
-             f"{m['time'] / found[first]['time']:.2f}", *quality(m), f"{100 * (m['mean'] - 1):+.1f} %"]
-            for (value, thesis), m in zip(values.items(), found.values())]
+    rows = [
+        [
+            f"{value * note if note else value:g}",
+            f"{thesis:,}",
+            f"{thesis / values[first]:.2f}",
+            f"{m['time']:.2f}",
+            f"{m['time'] / found[first]['time']:.2f}",
+            *quality(m),
+            f"{100 * (m['mean'] - 1):+.1f} %",
+        ]
+        for (value, thesis), m in zip(values.items(), found.values())
+    ]
     table(title, [head, "thesis, s", "of the first", "slo-rt, s", "of the first", *QUALITY, "brightness"], rows)
     return found
 
@@ -255,28 +142,66 @@ def radius(lab):
 
 
 def nearest(lab):
-    return sweep(lab, "Table 6: nearest photons", "nearest", NEAREST, lambda k: {"photonNearest": k * lab.share}, lab.share)
+    return sweep(
+        lab, "Table 6: nearest photons", "nearest", NEAREST, lambda k: {"photonNearest": k * lab.share}, lab.share
+    )
 
 
 def cache(lab):
-    found = {(error, front): lab.measure(2, cacheError=error, cacheInFront=front, reference=lab.reference(1))
-             for error in CACHE for front in (0, 1)}
+    found = {
+        (error, front): lab.measure(2, cacheError=error, cacheInFront=front, reference=lab.reference(1))
+        for error in CACHE
+        for front in (0, 1)
+    }
     rows = []
     for error, thesis in CACHE.items():
         without, included = found[error, 0], found[error, 1]
-        rows.append([f"{error:g}", f"{thesis[0]:,}", f"{thesis[1]:,}", f"{100 * (1 - thesis[1] / thesis[0]):.0f} %",
-                     f"{without['time']:.2f}", f"{included['time']:.2f}", f"{100 * (1 - included['time'] / without['time']):.0f} %",
-                     short(without["noise"]), short(included["noise"]), short(without["bias"]), short(included["bias"])])
-    table("Tables 7 and 8: error of the irradiance cache, records in front of a point excluded and included",
-          ["error", "thesis: excluded, s", "included, s", "saved", "slo-rt: excluded, s", "included, s", "saved",
-           "noise", "included", "bias", "included"], rows)
+        rows.append(
+            [
+                f"{error:g}",
+                f"{thesis[0]:,}",
+                f"{thesis[1]:,}",
+                f"{100 * (1 - thesis[1] / thesis[0]):.0f} %",
+                f"{without['time']:.2f}",
+                f"{included['time']:.2f}",
+                f"{100 * (1 - included['time'] / without['time']):.0f} %",
+                short(without["noise"]),
+                short(included["noise"]),
+                short(without["bias"]),
+                short(included["bias"]),
+            ]
+        )
+    table(
+        "Tables 7 and 8: error of the irradiance cache, records in front of a point excluded and included",
+        [
+            "error",
+            "thesis: excluded, s",
+            "included, s",
+            "saved",
+            "slo-rt: excluded, s",
+            "included, s",
+            "saved",
+            "noise",
+            "included",
+            "bias",
+            "included",
+        ],
+        rows,
+    )
     return found
 
 
 def limit(lab):
     most = 2048 if lab.quick else 16384
-    return sweep(lab, f"Table 9: limit of gathering, at most {most} rays", "limit", LIMIT,
-                 lambda value: {"gatherLimit": value, "gatherRays": most}, scene=2, reference=lab.reference(1))
+    return sweep(
+        lab,
+        f"Table 9: limit of gathering, at most {most} rays",
+        "limit",
+        LIMIT,
+        lambda value: {"gatherLimit": value, "gatherRays": most},
+        scene=2,
+        reference=lab.reference(1),
+    )
 
 
 def lamp(lab):
@@ -288,9 +213,22 @@ def lamp(lab):
                 m = lab.measure(number, cacheError=lab.options.outdoors if number == 7 else 0.1, **changes)
                 found[number, integrator, sampled] = m
                 time = f"{thesis[0 if sampled else 1]:,}" if integrator == "PHOTON_MAP" else ""
-                rows.append([number, integrator, "asked for" if sampled else "hit", time, f"{m['time']:.2f}", *quality(m),
-                             f"{100 * (m['mean'] - 1):+.1f} %"])
-    table("Table 10: lamps that are asked for, or hit", ["scene", "integrator", "lamp", "thesis, s", "slo-rt, s", *QUALITY, "brightness"], rows)
+                rows.append(
+                    [
+                        number,
+                        integrator,
+                        "asked for" if sampled else "hit",
+                        time,
+                        f"{m['time']:.2f}",
+                        *quality(m),
+                        f"{100 * (m['mean'] - 1):+.1f} %",
+                    ]
+                )
+    table(
+        "Table 10: lamps that are asked for, or hit",
+        ["scene", "integrator", "lamp", "thesis, s", "slo-rt, s", *QUALITY, "brightness"],
+        rows,
+    )
     return found
 
 
@@ -298,6 +236,7 @@ TABLES = {f.__name__: f for f in (photons, radius, nearest, lamp, limit, cache, 
 
 
 # What the thesis concludes, and what is found.
+
 
 def verdict(holds, words):
     print(f"- {'confirmed' if holds else 'contradicted'}: {words}")
@@ -313,54 +252,114 @@ def trends(results):
     if f := results.get("photons"):
         (t0, t1), (n0, n1) = ends(f, "time"), ends(f, "noise")
         a, b, c, d = (m["time"] for m in f.values())
-        verdict(t1 > 1.5 * t0, f"more photons take longer: {t1 / t0:.1f} times as long for 20 times the photons (thesis: 14.5)")
-        verdict((d - c) / 5 > 1.2 * (b - a) / 1.5, "time grows faster than the number of photons: "
-                f"{(b - a) / 1.5:.2f}, {(c - b) / 3:.2f}, {(d - c) / 5:.2f} s for each further million of the thesis's (thesis: 20.7, 23.7, 36.4)")
+        verdict(
+            t1 > 1.5 * t0,
+            f"more photons take longer: {t1 / t0:.1f} times as long for 20 times the photons (thesis: 14.5)",
+        )
+        verdict(
+            (d - c) / 5 > 1.2 * (b - a) / 1.5,
+            "time grows faster than the number of photons: "
+            f"{(b - a) / 1.5:.2f}, {(c - b) / 3:.2f}, {(d - c) / 5:.2f} s for each further million of the thesis's (thesis: 20.7, 23.7, 36.4)",
+        )
         verdict(n1 < n0, f"more photons, less noise: {short(n0)} to {short(n1)}")
     if f := results.get("radius"):
         wide, narrow = f[1.0], f[0.1]
-        verdict(wide["time"] > narrow["time"], f"a larger radius takes longer: {wide['time'] / narrow['time']:.2f} times for 1 against 0.1 (thesis: 5.4)")
-        verdict(wide["noise"] < narrow["noise"], f"a larger radius has less noise: {short(wide['noise'])} against {short(narrow['noise'])}")
+        verdict(
+            wide["time"] > narrow["time"],
+            f"a larger radius takes longer: {wide['time'] / narrow['time']:.2f} times for 1 against 0.1 (thesis: 5.4)",
+        )
+        verdict(
+            wide["noise"] < narrow["noise"],
+            f"a larger radius has less noise: {short(wide['noise'])} against {short(narrow['noise'])}",
+        )
         best = min(f, key=lambda r: f[r]["edges"])
-        verdict(best < 1, f"a larger radius is worse at edges: bias {short(wide['edges'])} with 1, at best {short(f[best]['edges'])}, with {best:g}")
+        verdict(
+            best < 1,
+            f"a larger radius is worse at edges: bias {short(wide['edges'])} with 1, at best {short(f[best]['edges'])}, with {best:g}",
+        )
     if f := results.get("nearest"):
         few, many = f[50], f[5000]
-        verdict(many["time"] > few["time"], f"more nearest photons take longer: {many['time'] / few['time']:.2f} times for 100 times as many (thesis: 1.53)")
-        verdict(many["noise"] < few["noise"], f"more nearest photons, less noise: {short(few['noise'])} to {short(many['noise'])}")
+        verdict(
+            many["time"] > few["time"],
+            f"more nearest photons take longer: {many['time'] / few['time']:.2f} times for 100 times as many (thesis: 1.53)",
+        )
+        verdict(
+            many["noise"] < few["noise"],
+            f"more nearest photons, less noise: {short(few['noise'])} to {short(many['noise'])}",
+        )
         best = min(f, key=lambda k: f[k]["edges"])
-        verdict(best < 5000, f"more nearest photons are worse at edges: bias {short(many['edges'])} with 5000, at best {short(f[best]['edges'])}, with {best}")
+        verdict(
+            best < 5000,
+            f"more nearest photons are worse at edges: bias {short(many['edges'])} with 5000, at best {short(f[best]['edges'])}, with {best}",
+        )
     if f := results.get("cache"):
         saved = [1 - f[e, 1]["time"] / f[e, 0]["time"] for e in CACHE]
-        verdict(min(saved) > 0, "records in front take slightly less time: " + ", ".join(f"{100 * s:.0f} %" for s in saved) + " saved (thesis: 21, 21, 11, 9 %)")
+        verdict(
+            min(saved) > 0,
+            "records in front take slightly less time: "
+            + ", ".join(f"{100 * s:.0f} %" for s in saved)
+            + " saved (thesis: 21, 21, 11, 9 %)",
+        )
         apart = [f[e, 1]["bias"] / max(f[e, 0]["bias"], 1e-9) for e in CACHE]
-        verdict(max(apart) < 1.3, "and give almost the same picture: bias times " + ", ".join(f"{s:.2f}" for s in apart))
+        verdict(
+            max(apart) < 1.3, "and give almost the same picture: bias times " + ", ".join(f"{s:.2f}" for s in apart)
+        )
         a, b = f[0.1, 0], f[0.005, 0]
-        verdict(b["time"] > 2 * a["time"], f"a smaller error takes much longer: {b['time'] / a['time']:.1f} times (thesis: 4.6); "
-                f"bias {short(a['bias'])} to {short(b['bias'])}")
+        verdict(
+            b["time"] > 2 * a["time"],
+            f"a smaller error takes much longer: {b['time'] / a['time']:.1f} times (thesis: 4.6); "
+            f"bias {short(a['bias'])} to {short(b['bias'])}",
+        )
     if f := results.get("limit"):
         (t0, t1), (n0, n1), (b0, b1) = ends(f, "time"), ends(f, "noise"), ends(f, "bias")
         verdict(t1 > 2 * t0, f"a smaller limit takes markedly longer: {t1 / t0:.1f} times (thesis: 10.8)")
-        verdict(n1 + b1 > 0.7 * (n0 + b0), f"and improves the picture only a little: noise {short(n0)} to {short(n1)}, bias {short(b0)} to {short(b1)}")
+        verdict(
+            n1 + b1 > 0.7 * (n0 + b0),
+            f"and improves the picture only a little: noise {short(n0)} to {short(n1)}, bias {short(b0)} to {short(b1)}",
+        )
     if f := results.get("lamp"):
         asked, hit = f[4, "PATH", True], f[4, "PATH", False]
-        verdict(hit["time"] < asked["time"] and hit["noise"] > 10 * asked["noise"], "a small bright lamp that is only hit takes less time and gives an "
-                f"unusable picture: PATH {hit['time'] / asked['time']:.2f} of the time (thesis: 0.29), noise {short(asked['noise'])} to {short(hit['noise'])}")
+        verdict(
+            hit["time"] < asked["time"] and hit["noise"] > 10 * asked["noise"],
+            "a small bright lamp that is only hit takes less time and gives an "
+            f"unusable picture: PATH {hit['time'] / asked['time']:.2f} of the time (thesis: 0.29), noise {short(asked['noise'])} to {short(hit['noise'])}",
+        )
         asked, hit = f[7, "PATH", True], f[7, "PATH", False]
-        verdict(0.5 < hit["noise"] * hit["time"] / (asked["noise"] * asked["time"]) < 2, "a sky is as good either way: "
-                f"PATH {hit['time'] / asked['time']:.2f} of the time, noise {short(asked['noise'])} asked for, {short(hit['noise'])} hit")
+        verdict(
+            0.5 < hit["noise"] * hit["time"] / (asked["noise"] * asked["time"]) < 2,
+            "a sky is as good either way: "
+            f"PATH {hit['time'] / asked['time']:.2f} of the time, noise {short(asked['noise'])} asked for, {short(hit['noise'])} hit",
+        )
     if f := results.get("scenes"):
-        verdict(f[2] > f[1], f"photons shown directly are a preview: scene 2 takes {f[2] / f[1]:.1f} times as long as scene 1 (thesis: 13.8)")
-        verdict(f[6] > f[5] > f[2], f"a mirror takes longer than a matt dragon, glass longer still: {f[5] / f[2]:.1f}, {f[6] / f[2]:.1f} times (thesis: 2.3, 3.7)")
-        verdict(min(f[7], f[9]) > f[2], f"the outdoor scenes take longest: {f[7] / f[2]:.1f}, {f[9] / f[2]:.1f} times (thesis: 8.2, 9.5)")
+        verdict(
+            f[2] > f[1],
+            f"photons shown directly are a preview: scene 2 takes {f[2] / f[1]:.1f} times as long as scene 1 (thesis: 13.8)",
+        )
+        verdict(
+            f[6] > f[5] > f[2],
+            f"a mirror takes longer than a matt dragon, glass longer still: {f[5] / f[2]:.1f}, {f[6] / f[2]:.1f} times (thesis: 2.3, 3.7)",
+        )
+        verdict(
+            min(f[7], f[9]) > f[2],
+            f"the outdoor scenes take longest: {f[7] / f[2]:.1f}, {f[9] / f[2]:.1f} times (thesis: 8.2, 9.5)",
+        )
 
 
 # Plots.
 
+
 def draw(results, folder):
     folder.mkdir(parents=True, exist_ok=True)
-    panels = [(name, title) for name, title in (("photons", "photons of the thesis"), ("radius", "radius"),
-                                                ("nearest", "nearest photons of the thesis"), ("limit", "limit of gathering"))
-              if name in results]
+    panels = [
+        (name, title)
+        for name, title in (
+            ("photons", "photons of the thesis"),
+            ("radius", "radius"),
+            ("nearest", "nearest photons of the thesis"),
+            ("limit", "limit of gathering"),
+        )
+        if name in results
+    ]
     if not panels:
         return
     figure = Figure(figsize=(3.1 * len(panels), 5.2), layout="constrained")
@@ -374,9 +373,16 @@ def draw(results, folder):
         least = min(m["time"] for m in found.values())
         top.plot(x, [thesis[name][v] / first for v in x], color="#8a8a8a", marker="s", linestyle="--", label="thesis")
         top.plot(x, [m["time"] / least for m in found.values()], color="#0072b2", marker="o", label="slo-rt")
-        for key, color, label in (("noise", "#d55e00", "noise"), ("bias", "#0072b2", "bias"), ("edges", "#333333", "bias at edges")):
+        for key, color, label in (
+            ("noise", "#d55e00", "noise"),
+            ("bias", "#0072b2", "bias"),
+            ("edges", "#333333", "bias at edges"),
+        ):
             bottom.plot(x, [max(m[key], 1e-6) for m in found.values()], color=color, marker="o", label=label)
         top.set(xscale="log", yscale="log")
+        top.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        top.yaxis.set_minor_formatter(StrMethodFormatter("{x:g}"))
+        top.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
         bottom.set(xscale="log", yscale="log", xlabel=title)
         for axes in (top, bottom):
             axes.grid(color="#e3e3e3")
@@ -392,7 +398,9 @@ def draw(results, folder):
 def draw_radii(lab, folder):
     """The reference, and a picture for each radius, side by side."""
     made = [lab.reference(1)] + [lab.render(1, 1, photonDistance=radius)[0] for radius in sorted(RADIUS)]
-    strip = np.concatenate([np.pad(shown(picture), ((0, 0), (0, 4), (0, 0)), constant_values=1) for picture in made], axis=1)
+    strip = np.concatenate(
+        [np.pad(shown(picture), ((0, 0), (0, 4), (0, 0)), constant_values=1) for picture in made], axis=1
+    )
     matplotlib.image.imsave(folder / "photons_radius.webp", (255 * strip[:, :-4] + 0.5).astype(np.uint8))
 
 

@@ -43,16 +43,46 @@ def write_mesh(path, vertices, faces, normals=None, uvs=None):
 
 # Meshes.
 
+
 def letter():
     """An X of 1 by 1, 0.3 thick, standing on z = 0 in the plane of x and z."""
     arm, half = 0.16, 0.5
-    outline = [(0, arm), (half - arm, half), (half, half), (half, half - arm), (arm, 0), (half, arm - half), (half, -half),
-               (half - arm, -half), (0, -arm), (arm - half, -half), (-half, -half), (-half, arm - half), (-arm, 0),
-               (-half, half - arm), (-half, half), (arm - half, half)]
+    outline = [
+        (0, arm),
+        (half - arm, half),
+        (half, half),
+        (half, half - arm),
+        (arm, 0),
+        (half, arm - half),
+        (half, -half),
+        (half - arm, -half),
+        (0, -arm),
+        (arm - half, -half),
+        (-half, -half),
+        (-half, arm - half),
+        (-arm, 0),
+        (-half, half - arm),
+        (-half, half),
+        (arm - half, half),
+    ]
     count = len(outline)
     vertices = [(x, y, z + half) for y in (-0.15, 0.15) for x, z in outline]
-    arms = [(0, 4, 3), (0, 3, 1), (1, 3, 2), (4, 8, 7), (4, 7, 5), (5, 7, 6), (8, 12, 11), (8, 11, 9), (9, 11, 10),
-            (12, 0, 15), (12, 15, 13), (13, 15, 14), (0, 12, 8), (0, 8, 4)]
+    arms = [
+        (0, 4, 3),
+        (0, 3, 1),
+        (1, 3, 2),
+        (4, 8, 7),
+        (4, 7, 5),
+        (5, 7, 6),
+        (8, 12, 11),
+        (8, 11, 9),
+        (9, 11, 10),
+        (12, 0, 15),
+        (12, 15, 13),
+        (13, 15, 14),
+        (0, 12, 8),
+        (0, 8, 4),
+    ]
     faces = list(arms) + [(a + count, c + count, b + count) for a, b, c in arms]
     for i in range(count):
         j = (i + 1) % count
@@ -65,8 +95,14 @@ def ball(radius, around, down):
     vertices = [(0, 0, radius)]
     for row in range(1, down):
         v = math.pi * row / down
-        vertices += [(radius * math.sin(v) * math.cos(2 * math.pi * k / around),
-                      radius * math.sin(v) * math.sin(2 * math.pi * k / around), radius * math.cos(v)) for k in range(around)]
+        vertices += [
+            (
+                radius * math.sin(v) * math.cos(2 * math.pi * k / around),
+                radius * math.sin(v) * math.sin(2 * math.pi * k / around),
+                radius * math.cos(v),
+            )
+            for k in range(around)
+        ]
     vertices.append((0, 0, -radius))
     faces = [(0, 1 + k, 1 + (k + 1) % around) for k in range(around)]
     for row in range(down - 2):
@@ -130,13 +166,30 @@ def write_files(folder):
 def ring(radius=1.5, height=0.9, thickness=0.08, around=120):
     """A band that stands on its rim: 11 points around its cross-section."""
     angles = 2 * math.pi * np.arange(11) / 11
-    outline = np.stack([radius + thickness * np.cos(angles),
-                        height / 2 + (height / 2 - thickness) * np.sign(np.round(np.sin(angles), 9)) + thickness * np.sin(angles)], axis=-1)
+    outline = np.stack(
+        [
+            radius + thickness * np.cos(angles),
+            height / 2 + (height / 2 - thickness) * np.sign(np.round(np.sin(angles), 9)) + thickness * np.sin(angles),
+        ],
+        axis=-1,
+    )
     s = 2 * math.pi * np.arange(around) / around
-    vertices = np.stack([np.outer(outline[:, 0], np.cos(s)), np.outer(outline[:, 0], np.sin(s)),
-                         np.outer(outline[:, 1], np.ones(around))], axis=-1).reshape(-1, 3)
-    normals = np.stack([np.outer(np.cos(angles), np.cos(s)), np.outer(np.cos(angles), np.sin(s)),
-                        np.outer(np.sin(angles), np.ones(around))], axis=-1).reshape(-1, 3)
+    vertices = np.stack(
+        [
+            np.outer(outline[:, 0], np.cos(s)),
+            np.outer(outline[:, 0], np.sin(s)),
+            np.outer(outline[:, 1], np.ones(around)),
+        ],
+        axis=-1,
+    ).reshape(-1, 3)
+    normals = np.stack(
+        [
+            np.outer(np.cos(angles), np.cos(s)),
+            np.outer(np.cos(angles), np.sin(s)),
+            np.outer(np.sin(angles), np.ones(around)),
+        ],
+        axis=-1,
+    ).reshape(-1, 3)
     faces = []
     for i in range(11):
         for k in range(around):
@@ -161,17 +214,28 @@ DRAGONS = {
 def box():
     s, h = SIZE, 2 * SIZE
     low, high = [(-s, -s, 0), (s, -s, 0), (s, s, 0), (-s, s, 0)], [(-s, -s, h), (s, -s, h), (s, s, h), (-s, s, h)]
-    sides = {"floor": low[:3], "ceiling": [high[0], high[3], high[2]], "front": [low[0], high[0], high[1]],
-             "back": [low[3], low[2], high[2]], "left": [low[0], low[3], high[3]], "right": [low[1], high[1], high[2]]}
+    sides = {
+        "floor": low[:3],
+        "ceiling": [high[0], high[3], high[2]],
+        "front": [low[0], high[0], high[1]],
+        "back": [low[3], low[2], high[2]],
+        "left": [low[0], low[3], high[3]],
+        "right": [low[1], high[1], high[2]],
+    }
     return "".join(rectangle(name, corners, "grey") for name, corners in sides.items())
 
 
 def things(look):
-    return GREY + GREEN + DRAGONS[look] + """mesh dragon { filename dragon.slo fit { 6 } smooth_normals 1 material dragon
+    return (
+        GREY
+        + GREEN
+        + DRAGONS[look]
+        + """mesh dragon { filename dragon.slo fit { 6 } smooth_normals 1 material dragon
  addKframe { time 0 key { pivot { -.4 .9 0 } turn_deg { 0 0 20 } } } }
 mesh letter { filename letter.slo fit { 2.4 } material green
  addKframe { time 0 key { pivot { 3.1 -.4 0 } turn_deg { 0 0 -35 } } } }
 """
+    )
 
 
 POINT = f"lamp_point lamp {{ power {vector([LAMP_POWER] * 3)} position {{ 1 -2 9 }} }}\n"
@@ -184,25 +248,32 @@ CAMERA_CAUSTIC = "addPosition { 0 -4.7 4.2 } addTarget { -.1 .3 .5 } fovStart .4
 def area_lamp(sampled=True):
     """A glowing sphere of 792 triangles."""
     radiance = LAMP_POWER / (math.pi * 4 * math.pi * 0.4**2)
-    return (f"material_principled glow {{ base_color {{ 0 0 0 }} {MATT} emission_color {{ 1 1 1 }} emission_strength {radiance:.6g} }}\n"
-            f"mesh lamp {{ filename lamp.slo material glow sampled {int(sampled)}\n"
-            " addKframe { time 0 key { pivot { 1 -2 9 } } } }\n")
+    return (
+        f"material_principled glow {{ base_color {{ 0 0 0 }} {MATT} emission_color {{ 1 1 1 }} emission_strength {radiance:.6g} }}\n"
+        f"mesh lamp {{ filename lamp.slo material glow sampled {int(sampled)}\n"
+        " addKframe { time 0 key { pivot { 1 -2 9 } } } }\n"
+    )
 
 
 def outdoors(texture, sampled=True):
     ground = rectangle("ground", [(-30, -30, 0), (30, -30, 0), (30, 30, 0)], "grey")
-    return (f"texture sky {{ filename {texture}.png encoding SRGB }}\n"
-            f"material_principled glow {{ base_color {{ 0 0 0 }} {MATT} emission_color_texture sky emission_strength 1.2 }}\n"
-            f"mesh dome {{ filename dome.slo material glow sampled {int(sampled)} }}\n{ground}")
+    return (
+        f"texture sky {{ filename {texture}.png encoding SRGB }}\n"
+        f"material_principled glow {{ base_color {{ 0 0 0 }} {MATT} emission_color_texture sky emission_strength 1.2 }}\n"
+        f"mesh dome {{ filename dome.slo material glow sampled {int(sampled)} }}\n{ground}"
+    )
 
 
 def caustic_things():
-    return GREY + """material_principled glass { base_color { 1 1 1 } transmission 1 roughness 0 ior 1.5 }
+    return (
+        GREY
+        + """material_principled glass { base_color { 1 1 1 } transmission 1 roughness 0 ior 1.5 }
 material_principled gold { base_color { 1 .78 .34 } metallic 1 roughness 0 }
 mesh ball { filename glass_ball.slo smooth_normals 1 material glass addKframe { time 0 key { pivot { -1.9 .6 1.6 } } } }
 mesh ring { filename ring.slo smooth_normals 1 material gold addKframe { time 0 key { pivot { 1.7 .5 .001 } } } }
 lamp_point lamp { power { 700 700 700 } position { 3 3.5 8 } }
 """
+    )
 
 
 def text(number, settings, size, sampled=None):
