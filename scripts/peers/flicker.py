@@ -18,9 +18,9 @@ Prints, over the pixels that should stand still,
     median      the median pixel's
     steps       the same of the differences between successive frames, over the root of two: what the eye sees
 
-A pixel stands still if its true change is below 1 %: the standard deviation over time of a cubic that is fitted to it,
-to all sequences together and blurred over 5 x 5 pixels. Frames that are in the folder are not rendered again. --sheet
-writes a contact sheet: a frame of each sequence, and its deviation.
+A pixel stands still if its true change is below 1 %: the standard deviation over time of a cubic that is fitted to
+each sequence, taken as the median of all, and blurred over 5 x 5 pixels. Frames that are in the folder are not
+rendered again. --sheet writes a contact sheet: a frame of each sequence, and its deviation.
 
 Each program runs under the Python that --python names (by default the one that runs this script): they need `pip
 install pyluxcore`, or `bpy`, together with numpy. Programs that are not installed are left out.
@@ -55,6 +55,10 @@ def render(name, fixed, options):
     module, how, _ = SEQUENCES[name]
     folder = Path(options.keep).resolve() / f"{name}_{'fixed' if fixed else 'frame'}"
     folder.mkdir(parents=True, exist_ok=True)
+    # Both sequences of a program take the same number of samples.
+    samples = folder.parent / f"{name}_frame" / "samples"
+    if fixed and samples.exists():
+        (folder / "samples").write_bytes(samples.read_bytes())
     frames = list(range(0, 48, 48 // options.frames))
     order = {
         "how": how,
@@ -102,7 +106,7 @@ def blurred(pictures, half=2):
 
 
 def still_pixels(sequences):
-    mean = blurred(sum(fitted(s / s.mean()) for s in sequences) / len(sequences))
+    mean = blurred(np.median([fitted(s / np.median(s)) for s in sequences], axis=0))
     light = mean.mean(axis=0)
     # Lamps, and the brightest pixels next to them, are not light on surfaces.
     return (mean.std(axis=0) < STILL * light) & (light < 5)
@@ -160,10 +164,9 @@ def main():
     for (name, fixed), sequence in found.items():
         deviation, steps = (part[still] for part in flicker(sequence))
         root = [f"{100 * np.sqrt(np.mean(part**2)):.1f} %" for part in (deviation, steps)]
-        print(
-            f"| {SEQUENCES[name][2]} ({versions[name]}) | {'FIXED' if fixed else 'FRAME'} | {seconds[name, fixed].mean():.2f} | {root[0]} | "
-            f"{100 * np.median(deviation):.1f} % | {root[1]} |"
-        )
+        what = f"{SEQUENCES[name][2]} ({versions[name]}) | {'FIXED' if fixed else 'FRAME'}"
+        spent = f"{seconds[name, fixed].mean():.2f}"
+        print(f"| {what} | {spent} | {root[0]} | {100 * np.median(deviation):.1f} % | {root[1]} |")
     if options.sheet:
         sheet(options.sheet, found, still)
 
