@@ -42,6 +42,7 @@ HERE = Path(__file__).resolve().parent
 SEQUENCES = {
     "slo-rt-path": ("flicker_slo_rt", "path", "slo-rt, `PATH` with `photons .5`"),
     "slo-rt-photon-map": ("flicker_slo_rt", "photon_map", "slo-rt, `PHOTON_MAP`"),
+    "slo-rt-preview": ("flicker_slo_rt", "preview", "slo-rt, `PHOTON_MAP` with `gather 0`"),
     "slo-rt-cache": ("flicker_slo_rt", "cache", "slo-rt, `PHOTON_MAP` with a cache"),
     "luxcore-photongi": ("flicker_luxcore", "photongi", "LuxCore, PhotonGI"),
     "luxcore-path": ("flicker_luxcore", "path", "LuxCore, path tracing"),

@@ -11,6 +11,7 @@ from light_slo_rt import read_exr, scene_text
 SETTINGS = {
     "path": "photons .5",
     "photon_map": "photonMapSize 200000 causticMapSize 200000",
+    "preview": "photonMapSize 60000 causticMapSize 60000 photonNearest 100 gather 0",
     "cache": "photonMapSize 200000 causticMapSize 200000 cacheError .2 gatherRays 256",
 }
 
