@@ -86,7 +86,7 @@ def tumbler():
         low = min(max((6.1 + .55 * math.cos(math.tau * part) - z) / .35, 0), 1)
         outside = r > 2.62 + .057 * z
         return r * (1 + 1.5 * (flat - 1) * low) if outside else r, z
-    return lathe(dry, 192, facets), lathe(wet, 96), lathe(water, 96)
+    return lathe(dry, 168, facets), lathe(wet, 96), lathe(water, 96)
 
 
 SPRIG = [(1.3, .9, 1.55), (.2, .5, 6.0), (-1.2, -.3, 9.0), (-3.1, -1.6, 14.2)]

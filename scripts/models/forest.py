@@ -16,7 +16,7 @@ from mesh import ROOT, add, cross, lerp, mul, smoothstep, unit
 from still_life import sky
 from textures import fbm
 
-EYE = (-200.0, -430.0, 62.0)
+EYE, VIEW = (-200.0, -430.0), (.42, .908)      # where the camera stands at first, and in which direction it looks
 
 
 class Tree:
@@ -130,14 +130,15 @@ def ground(x, y):
 def placements(count):
     """The `count` trees that the camera is closest to: x y z, turn, size, kind and tint."""
     hand = random.Random(12)
-    cell = 4.35
+    cell = 4.25
     spots = []
     for j in range(int(2900 / cell)):
         for i in range(int(2600 / cell)):
             x, y = -1300 + (i + hand.random()) * cell, -700 + (j + hand.random()) * cell
             draws = [hand.random() for _ in range(7)]
-            ahead, across = y - EYE[1], abs(x - EYE[0])
-            if across < 110 + .62 * (ahead + 60):               # in the picture, or it throws shadows into it
+            dx, dy = x - EYE[0], y - EYE[1]
+            ahead, across = dx * VIEW[0] + dy * VIEW[1], abs(dx * VIEW[1] - dy * VIEW[0])
+            if across < 70 + .72 * (ahead + 50):               # in the picture, or it throws shadows into it
                 spots.append((math.hypot(ahead, across), x, y, draws))
     spots.sort()
     rows = []
