@@ -18,9 +18,8 @@ use super::stages::hits::Hits;
 use super::stages::lobes::Lobes;
 use super::stages::points::Points;
 use super::stages::scattering::{Scattering, bounces};
-use super::stages::visibility::Visibility;
 use super::work::Job;
-use crate::frame::WorldScratch;
+use crate::sampling::PixelSeed;
 
 /// The stages, in the order in which a batch passes them.
 #[derive(Debug, Default)]
@@ -35,10 +34,7 @@ pub(super) struct Distributed {
     pub(super) first_hits: FirstHits,
     lobes: Box<Lobes>,
     direct_light: Box<DirectLight>,
-    visibility: Box<Visibility>,
     scattering: Box<Scattering>,
-    /// Working memory of ray queries, used by one stage at a time.
-    scratch: WorldScratch,
 }
 
 impl Distributed {
@@ -51,31 +47,6 @@ impl Distributed {
     /// Returns the surface features of each slot.
     pub(super) fn features(&self) -> &[Features] {
         self.features.get()
-    }
-
-    /// Traces the batch, adds the light of its rays, and queues the rays that its hits send out.
-    /// Returns `None` if the work is given up.
-    fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
-        let frame = job.frame;
-        let Self { batch, hits, ended, points, features, first_hits, lobes, scratch, .. } = self;
-        hits.trace(frame, batch, machine.habit(depth), scratch);
-        ended.find(frame, batch, hits, depth);
-        machine.add(frame.isa, &ended.light, &ended.slot, ended.len);
-        points.find(frame, batch, hits, machine.seeds());
-        points.look_up_phong(frame);
-        if frame.material_table.has_ambient {
-            machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
-        }
-        if depth == 0 {
-            first_hits.add(frame, batch, hits, points);
-        }
-        features.add(frame, batch, hits, points, |i| Own::of_phong(frame, points, i));
-        let scatters = depth < frame.settings.recursion() && lobes.find(frame, points);
-        self.ask_lights(machine, job, scatters, depth)?;
-        if scatters {
-            self.scatter(machine, job, depth)?;
-        }
-        Some(())
     }
 
     /// Queues the rays from all points to lights. Returns `None` if the work is given up.
@@ -92,7 +63,7 @@ impl Distributed {
             let Self { points, lobes, direct_light, .. } = self;
             direct_light.ask(job, points, lobes, glossy, question, depth)?;
             machine.connect(kind, &direct_light.sent, &points.labels, &direct_light.chosen);
-            machine.relieve(self, job, kind);
+            machine.relieve(job, kind);
             job.goes_on()?;
         }
         Some(())
@@ -112,30 +83,36 @@ impl Distributed {
 }
 
 impl Integrator for Distributed {
-    fn start_paths(&mut self, machine: &mut Machine, job: &Job<'_>) -> Option<bool> {
+    fn start(&mut self, job: &Job<'_>, seeds: &[PixelSeed]) -> Option<u32> {
         let most = most_camera_rays(&job.frame.settings);
-        self.camera_rays.fill(job, machine.seeds(), most, &mut self.batch);
-        if self.batch.len() == 0 {
-            return Some(false);
-        }
-        machine.count_camera_rays(&self.batch);
-        self.trace(machine, job, 0)?;
-        Some(true)
+        self.camera_rays.fill(job, seeds, most, &mut self.batch);
+        (self.batch.len() > 0).then_some(0)
     }
 
-    fn extend_paths(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
-        machine.take_paths(depth, &mut self.batch);
-        self.trace(machine, job, depth)
+    fn batch(&mut self) -> &mut Batch {
+        &mut self.batch
     }
 
-    fn trace_connections(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection) {
-        let Self { visibility, scratch, .. } = self;
-        machine.take_connections(kind, &mut visibility.batch);
-        visibility.trace(job.frame, machine.connection_habit(kind), scratch);
-        if let Some((sent, labels, chosen)) = visibility.beyond() {
-            machine.connect(kind, sent, labels, chosen);
+    fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        let frame = job.frame;
+        let Self { batch, hits, ended, points, features, first_hits, lobes, .. } = self;
+        machine.find_hits(frame, batch, hits, depth);
+        ended.find(frame, batch, hits, depth);
+        machine.add(frame.isa, &ended.light, &ended.slot, ended.len);
+        points.find(frame, batch, hits, machine.seeds());
+        points.look_up_phong(frame);
+        if frame.material_table.has_ambient {
+            machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
         }
-        let Batch { weight, labels, .. } = &visibility.batch;
-        machine.add(job.frame.isa, weight, &labels.slot, visibility.batch.len());
+        if depth == 0 {
+            first_hits.add(frame, batch, hits, points);
+        }
+        features.add(frame, batch, hits, points, |i| Own::of_phong(frame, points, i));
+        let scatters = depth < frame.settings.recursion() && lobes.find(frame, points);
+        self.ask_lights(machine, job, scatters, depth)?;
+        if scatters {
+            self.scatter(machine, job, depth)?;
+        }
+        Some(())
     }
 }

@@ -12,7 +12,7 @@ use super::stages::hemispheres::Probe;
 use super::stages::hits::Hits;
 use super::stages::points::Points;
 use super::work::{Job, Work};
-use crate::frame::{FrameScene, WorldScratch};
+use crate::frame::FrameScene;
 use crate::photons::{CacheRecord, Gathered, Grid, PhotonLight};
 
 /// Rays of a round, at most.
@@ -42,14 +42,12 @@ pub struct HemisphereTracer {
     points: Box<Points>,
     bsdfs: Box<Bsdfs>,
     is_diffuse: Box<Marks>,
-    scratch: WorldScratch,
 }
 
 impl HemisphereTracer {
     /// Finds the points that camera samples see which have diffuse lobes. `None` stands for others.
     pub fn probes(&mut self, frame: &FrameScene, work: &[Work]) -> Vec<Option<Probe>> {
-        let Self { machine, camera_rays, batch, hits, points, bsdfs, is_diffuse, scratch, .. } =
-            self;
+        let Self { machine, camera_rays, batch, hits, points, bsdfs, is_diffuse, .. } = self;
         let job = Job::new(frame, work, &|| false);
         machine.begin(&frame.sampler, work, 1);
         camera_rays.restart();
@@ -59,11 +57,11 @@ impl HemisphereTracer {
             if batch.len() == 0 {
                 return probes;
             }
-            hits.trace(frame, batch, machine.habit(0), scratch);
+            machine.find_hits(frame, batch, hits, 0);
             points.find(frame, batch, hits, machine.seeds());
             points.choose_materials(frame, &frame.sampler, 0);
             bsdfs.look_up(frame, points);
-            bsdfs.find(frame, points);
+            bsdfs.find(frame, points, true);
             bsdfs.find_diffuse(frame, points, &mut is_diffuse.0);
             for i in (0..points.len()).filter(|&i| is_diffuse.0[i] == 1) {
                 let slot = points.labels.slot[i] as usize;

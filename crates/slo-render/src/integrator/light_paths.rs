@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::batch::Batch;
-use super::machine::{Connection, Integrator, Machine};
+use super::machine::{Integrator, Machine};
 use super::photon_pass::PhotonPass;
 use super::stages::bsdfs::Bsdfs;
 use super::stages::departure::{Departure, Flux};
@@ -15,8 +15,9 @@ use super::stages::passing::Passing;
 use super::stages::photon_bounce::PhotonBounce;
 use super::stages::points::Points;
 use super::work::Job;
-use crate::frame::{FrameScene, WorldScratch};
+use crate::frame::FrameScene;
 use crate::photons::{Deposit, Photon};
+use crate::sampling::PixelSeed;
 
 /// The stages, in the order in which a batch passes them.
 #[derive(Debug, Default)]
@@ -31,7 +32,6 @@ struct LightPaths {
     landing: Box<Landing>,
     deposits: Box<Deposits>,
     bounce: Box<PhotonBounce>,
-    scratch: WorldScratch,
 }
 
 /// Traces the light paths of one thread.
@@ -94,13 +94,25 @@ impl PhotonTracer {
     }
 }
 
-impl LightPaths {
+/// The numbers of hits are those of paths after so many bounces more: those of the first two belong
+/// to the departure.
+const NAMED: u32 = 2;
+
+impl Integrator for LightPaths {
+    fn start(&mut self, job: &Job<'_>, _: &[PixelSeed]) -> Option<u32> {
+        self.departure.fill(job.frame, &mut self.batch).then_some(0)
+    }
+
+    fn batch(&mut self) -> &mut Batch {
+        &mut self.batch
+    }
+
     /// Traces the batch, stores its photons, and queues the rays that go on.
-    fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) {
+    fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
         let Self { flux, batch, hits, points, passing, bsdfs, .. } = self;
-        let Self { landing, deposits, bounce, scratch, .. } = self;
-        hits.trace(frame, batch, machine.habit(depth), scratch);
+        let Self { landing, deposits, bounce, .. } = self;
+        machine.find_hits(frame, batch, hits, depth);
         // Only the camera passes through lamps that it does not see.
         if frame.has_passable_lamps(depth + 1) {
             passing.lamps(frame, batch, hits, depth + 1);
@@ -118,7 +130,7 @@ impl LightPaths {
             passing.surfaces(frame, batch, points);
             passing.queue(machine, depth);
         }
-        bsdfs.find(frame, points);
+        bsdfs.find(frame, points, true);
         let rough = flux.follows_rough();
         match flux {
             Flux::Pass(pass) if depth > 0 => {
@@ -139,29 +151,8 @@ impl LightPaths {
             let PhotonBounce { sent, labels, past, chosen, .. } = &**bounce;
             machine.extend_path(depth + 1, sent, labels, past, chosen);
         }
-    }
-}
-
-/// The numbers of hits are those of paths after so many bounces more: those of the first two belong
-/// to the departure.
-const NAMED: u32 = 2;
-
-impl Integrator for LightPaths {
-    fn start_paths(&mut self, machine: &mut Machine, job: &Job<'_>) -> Option<bool> {
-        if !self.departure.fill(job.frame, &mut self.batch) {
-            return Some(false);
-        }
-        self.trace(machine, job, 0);
-        Some(true)
-    }
-
-    fn extend_paths(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
-        machine.take_paths(depth, &mut self.batch);
-        self.trace(machine, job, depth);
         Some(())
     }
-
-    fn trace_connections(&mut self, _: &mut Machine, _: &Job<'_>, _: Connection) {}
 }
 
 #[cfg(test)]

@@ -6,26 +6,29 @@ use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
 use super::batch::{Batch, Labels, Past, Sent};
 use super::chosen::Chosen;
-use super::queue::{Habit, RayQueue};
+use super::queue::RayQueue;
+use super::stages::hits::Hits;
+use super::stages::visibility::Visibility;
 use super::sums::Sums;
 use super::work::{Job, SampleSum, Statistics, Work};
+use crate::frame::{FrameScene, WorldScratch};
 use crate::sampling::{PixelSeed, Sampler};
 
 /// Most connections that wait while the hits of one batch send more.
 const MOST_CONNECTIONS_WAITING: usize = 16 * BATCH;
 
-/// Stages that turn rays into light and further rays. Every fallible function returns `None` if the
-/// work is given up.
+/// Stages that turn rays into light and further rays.
 pub(super) trait Integrator {
-    /// Creates the first rays of the next paths and traces them. Returns false when all were
-    /// created.
-    fn start_paths(&mut self, machine: &mut Machine, job: &Job<'_>) -> Option<bool>;
+    /// Fills the batch with the first rays of the next paths; `seeds` are those of the slots. Returns the
+    /// number of bounces before them, or `None` if all were created.
+    fn start(&mut self, job: &Job<'_>, seeds: &[PixelSeed]) -> Option<u32>;
 
-    /// Takes the next batch of rays after `depth` bounces, and traces it.
-    fn extend_paths(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()>;
+    /// The batch that is traced next.
+    fn batch(&mut self) -> &mut Batch;
 
-    /// Takes the next batch of a kind of connections, and traces it.
-    fn trace_connections(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection);
+    /// Traces the batch, whose rays come after `depth` bounces: adds the light that they find, and queues
+    /// the rays that their hits send out. Returns `None` if the work is given up.
+    fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()>;
 }
 
 /// Kinds of connections by their origin. A connection carries the light that it adds if nothing
@@ -65,6 +68,9 @@ pub(super) struct Machine {
     seeds: Vec<PixelSeed>,
     sums: Box<Sums>,
     counts: Statistics,
+    visibility: Box<Visibility>,
+    /// Working memory of ray queries.
+    scratch: WorldScratch,
 }
 
 impl Machine {
@@ -121,7 +127,9 @@ impl Machine {
     }
 
     fn run_all(&mut self, integrator: &mut impl Integrator, job: &Job<'_>) -> Option<()> {
-        while integrator.start_paths(self, job)? {
+        while let Some(depth) = integrator.start(job, &self.seeds) {
+            self.counts.camera_rays += integrator.batch().len() as u64;
+            integrator.trace(self, job, depth)?;
             self.work_off(integrator, job, BATCH)?;
         }
         self.work_off(integrator, job, 1)
@@ -137,8 +145,11 @@ impl Machine {
         loop {
             job.goes_on()?;
             match self.next(least) {
-                Some(Next::Paths(depth)) => integrator.extend_paths(self, job, depth)?,
-                Some(Next::Connections(kind)) => integrator.trace_connections(self, job, kind),
+                Some(Next::Paths(depth)) => {
+                    self.take_paths(depth, integrator.batch());
+                    integrator.trace(self, job, depth)?;
+                }
+                Some(Next::Connections(kind)) => self.trace_connections(job, kind),
                 None => return Some(()),
             }
         }
@@ -168,37 +179,44 @@ impl Machine {
     ///
     /// The hits of one batch send as many as the product of lights and samples per light, which
     /// only the scene bounds.
-    pub(super) fn relieve(
-        &mut self,
-        integrator: &mut impl Integrator,
-        job: &Job<'_>,
-        kind: Connection,
-    ) {
+    pub(super) fn relieve(&mut self, job: &Job<'_>, kind: Connection) {
         if self.waiting(kind) >= MOST_CONNECTIONS_WAITING {
             while self.waiting(kind) >= BATCH {
-                integrator.trace_connections(self, job, kind);
+                self.trace_connections(job, kind);
             }
         }
+    }
+
+    /// Takes the next batch of connections of a kind, and adds the light of those that nothing blocks.
+    fn trace_connections(&mut self, job: &Job<'_>, kind: Connection) {
+        let Self { connections, visibility, scratch, counts, sums, .. } = self;
+        let (frame, queue) = (job.frame, &mut connections[kind as usize]);
+        queue.take_batch(&mut visibility.batch);
+        counts.shadow_rays += visibility.batch.len() as u64;
+        visibility.trace(frame, &mut queue.habit, scratch);
+        if let Some((sent, labels, chosen)) = visibility.beyond() {
+            queue.append(sent, labels, chosen);
+        }
+        let Batch { weight, labels, .. } = &visibility.batch;
+        let refused = sums.add(frame.isa, weight, &labels.slot, visibility.batch.len());
+        counts.refused_contributions += refused;
+    }
+
+    /// Finds the first hits of a batch of rays after `depth` bounces.
+    pub(super) fn find_hits(
+        &mut self,
+        frame: &FrameScene,
+        batch: &Batch,
+        hits: &mut Hits,
+        depth: u32,
+    ) {
+        self.queue_at(depth);
+        hits.trace(frame, batch, &mut self.paths[depth as usize].habit, &mut self.scratch);
     }
 
     /// Seed of the pixel of each slot.
     pub(super) fn seeds(&self) -> &[PixelSeed] {
         &self.seeds
-    }
-
-    /// Coherence statistics of the rays after `depth` bounces.
-    pub(super) fn habit(&mut self, depth: u32) -> &mut Habit {
-        &mut self.queue_at(depth).habit
-    }
-
-    /// Coherence statistics of the connections of a kind.
-    pub(super) fn connection_habit(&mut self, kind: Connection) -> &mut Habit {
-        &mut self.connections[kind as usize].habit
-    }
-
-    /// Counts the camera rays of a batch.
-    pub(super) fn count_camera_rays(&mut self, batch: &Batch) {
-        self.counts.camera_rays += batch.len() as u64;
     }
 
     /// Queues chosen rays after `depth` bounces.
@@ -230,15 +248,9 @@ impl Machine {
     }
 
     /// Takes the next batch of rays after `depth` bounces.
-    pub(super) fn take_paths(&mut self, depth: u32, batch: &mut Batch) {
+    fn take_paths(&mut self, depth: u32, batch: &mut Batch) {
         self.queue_at(depth).take_batch(batch);
         self.counts.bounce_rays += batch.len() as u64;
-    }
-
-    /// Takes the next batch of connections of a kind.
-    pub(super) fn take_connections(&mut self, kind: Connection, batch: &mut Batch) {
-        self.connections[kind as usize].take_batch(batch);
-        self.counts.shadow_rays += batch.len() as u64;
     }
 
     /// Adds the first `len` weighted radiances, each to its slot.

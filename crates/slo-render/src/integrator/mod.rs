@@ -26,6 +26,7 @@ mod roulette;
 mod stages;
 mod sums;
 mod tracer;
+mod vertices;
 mod work;
 
 pub use hemisphere::HemisphereTracer;

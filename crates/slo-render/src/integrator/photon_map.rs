@@ -8,74 +8,38 @@
 //! Sources: H. W. Jensen, "Realistic Image Synthesis Using Photon Mapping" (2001); P. H. Christensen,
 //! "Faster Photon Map Global Illumination" (1999).
 
-use slo_picture::film::{Features, PlaceLayers};
+use slo_picture::film::PlaceLayers;
 
 use super::batch::Batch;
-use super::branching::{continuations, most_camera_rays};
-use super::machine::{Connection, Integrator, Machine};
-use super::stages::arrived::{Arrived, arrived_parts};
-use super::stages::bsdfs::Bsdfs;
-use super::stages::camera_rays::CameraRays;
-use super::stages::continuation::{Continuation, Rays};
-use super::stages::direct_light::questions;
-use super::stages::emission::Emission;
-use super::stages::features::FeatureSums;
-use super::stages::first_hits::FirstHits;
-use super::stages::guiding::Guiding;
+use super::branching::continuations;
+use super::machine::{Integrator, Machine};
 use super::stages::hemispheres::{Hemispheres, Probe};
-use super::stages::hits::Hits;
-use super::stages::lamp_light::LampLight;
-use super::stages::passing::Passing;
-use super::stages::points::Points;
 use super::stages::stored_light::StoredLight;
-use super::stages::to_shaded::ToShaded;
-use super::stages::visibility::Visibility;
+use super::vertices::Vertices;
 use super::work::Job;
-use crate::frame::WorldScratch;
 use crate::photons::{Grid, PhotonLight};
+use crate::sampling::PixelSeed;
 
 /// The stages, in the order in which a batch passes them.
 #[derive(Debug, Default)]
 pub(super) struct PhotonMapping {
-    camera_rays: Box<CameraRays>,
-    /// The current batch.
-    batch: Box<Batch>,
-    hits: Box<Hits>,
-    arrived: Box<Arrived>,
-    points: Box<Points>,
-    passing: Box<Passing>,
-    emission: Box<Emission>,
-    features: FeatureSums,
-    pub(super) first_hits: FirstHits,
-    bsdfs: Box<Bsdfs>,
+    pub(super) vertices: Vertices,
     stored: Box<StoredLight>,
-    /// No field guides the rays.
-    guiding: Box<Guiding>,
-    lamp_light: Box<LampLight>,
-    to_shaded: Box<ToShaded>,
-    visibility: Box<Visibility>,
-    continuation: Box<Continuation>,
     /// Where rays start instead of at the camera, while records of the cache are made.
     hemispheres: Option<Box<Hemispheres>>,
-    /// See [`Path::restart`](super::path::Path::restart).
-    stride: u32,
-    /// Working memory of ray queries, used by one stage at a time.
-    scratch: WorldScratch,
 }
 
 impl PhotonMapping {
-    /// Begins new work, as [`Path::restart`](super::path::Path::restart) does.
+    /// Begins new work, as [`Vertices::restart`] does.
     pub(super) fn restart(&mut self, features: usize, stride: usize) {
-        self.camera_rays.restart();
-        self.features.reset(features);
-        self.stride = stride as u32;
+        self.vertices.restart(features, stride);
         self.hemispheres = None;
     }
 
     /// Begins to gather the hemispheres about some points.
     pub(super) fn restart_hemispheres(&mut self, probes: &[Probe], grid: Grid, round: u32) {
         self.restart(0, 0);
-        self.first_hits.reset(PlaceLayers::default(), false, 0);
+        self.vertices.first_hits.reset(PlaceLayers::default(), false, 0);
         self.hemispheres.get_or_insert_default().restart(probes, grid, round);
     }
 
@@ -84,62 +48,47 @@ impl PhotonMapping {
         self.hemispheres.as_ref().map_or(&[], |hemispheres| &hemispheres.distances)
     }
 
-    /// Returns the surface features of each slot.
-    pub(super) fn features(&self) -> &[Features] {
-        self.features.get()
+    /// Queues the rays that follow lobes. Returns `None` if the work is given up.
+    fn follow(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
+        let Self { vertices, stored, .. } = self;
+        let count = continuations(&job.frame.settings, depth);
+        for number in 0..count {
+            vertices.send(job, [number, count], depth);
+            stored.restrict(job.frame, &vertices.points, &mut vertices.continuation);
+            vertices.queue(machine, depth);
+            job.goes_on()?;
+        }
+        Some(())
+    }
+}
+
+impl Integrator for PhotonMapping {
+    fn start(&mut self, job: &Job<'_>, seeds: &[PixelSeed]) -> Option<u32> {
+        match &mut self.hemispheres {
+            Some(hemispheres) => {
+                hemispheres.fill(job.frame, &mut self.vertices.batch).then_some(Hemispheres::DEPTH)
+            }
+            None => self.vertices.start(job, seeds),
+        }
     }
 
-    /// Traces the batch, adds the light of its rays, and queues the rays that its hits send out.
-    /// Returns `None` if the work is given up.
+    fn batch(&mut self) -> &mut Batch {
+        &mut self.vertices.batch
+    }
+
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
-        let Self { batch, hits, arrived, points, emission, features, bsdfs, .. } = self;
-        let Self { first_hits, passing, stored, stride, scratch, .. } = self;
-        hits.trace(frame, batch, machine.habit(depth), scratch);
-        if frame.has_passable_lamps(depth) {
-            passing.lamps(frame, batch, hits, depth);
-            passing.queue(machine, depth);
+        let Self { vertices, stored, hemispheres } = self;
+        let goes_on = vertices.arrive(machine, job, depth, frame.settings.gather);
+        if depth == Hemispheres::DEPTH
+            && let Some(hemispheres) = hemispheres
+        {
+            hemispheres.note(&vertices.batch, &vertices.hits);
         }
-        for part in 0..arrived_parts(frame, *stride) {
-            arrived.find(frame, batch, hits, depth, (*stride, part));
-            machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
-        }
-        let is_last = depth > frame.settings.recursion();
-        let table = &frame.material_table;
-        if is_last && !table.emits && !table.images.any_passes() {
+        if !goes_on {
             return Some(());
         }
-        points.find(frame, batch, hits, machine.seeds());
-        points.choose_materials(frame, &frame.sampler, depth);
-        bsdfs.look_up(frame, points);
-        points.find_receivers(frame);
-        if table.absorbs {
-            bsdfs.absorb(batch, points);
-        }
-        if table.images.any_passes() {
-            bsdfs.let_pass(points);
-            passing.surfaces(frame, batch, points);
-            passing.queue(machine, depth);
-        }
-        bsdfs.find_lobes(frame, points, frame.settings.gather);
-        bsdfs.open_receivers(points);
-        if table.emits && emission.find(frame, batch, hits, points, bsdfs, depth) {
-            emission.name(frame, hits, points, *stride);
-            machine.add(frame.isa, &emission.light, &emission.slot, points.len());
-        }
-        if is_last {
-            return Some(());
-        }
-        if frame.has_shaded_lights() {
-            Emission::end(batch, points, depth);
-        }
-        if depth == 0 {
-            first_hits.add(frame, batch, hits, points);
-        }
-        if features.are_wanted() {
-            bsdfs.find_own(frame, points);
-            features.add(frame, batch, hits, points, |i| bsdfs.own(i));
-        }
+        let Vertices { batch, points, bsdfs, .. } = vertices;
         let none = PhotonLight::default();
         stored.find(frame, job.light.unwrap_or(&none), batch, points, bsdfs);
         machine.add(frame.isa, &stored.light, &points.labels.slot, points.len());
@@ -149,83 +98,9 @@ impl PhotonMapping {
         }
         if stored.any_open(points) {
             stored.hide_ends(points);
-            self.ask_lamps(machine, job, depth)?;
-            self.stored.show_ends(&mut self.points);
+            vertices.ask_lamps(machine, job, depth)?;
+            stored.show_ends(&mut vertices.points);
         }
         self.follow(machine, job, depth)
-    }
-
-    /// Queues the rays from all points to lamps. Returns `None` if the work is given up.
-    fn ask_lamps(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
-        let kind = Connection::at(depth);
-        for question in questions(job.frame, depth) {
-            let Self { points, bsdfs, guiding, lamp_light, to_shaded, .. } = self;
-            lamp_light.ask(job, points, (&**bsdfs, &**guiding), question, depth);
-            lamp_light.name(job.frame, points, self.stride);
-            machine.connect(kind, &lamp_light.sent, &lamp_light.labels, &lamp_light.chosen);
-            if job.frame.has_shaded_lights() {
-                to_shaded.find(job.frame, points, lamp_light, self.features.first_behind());
-                let ToShaded { sent, labels, past, chosen, .. } = &**to_shaded;
-                machine.extend_path(depth + 1, sent, labels, past, chosen);
-            }
-            machine.relieve(self, job, kind);
-            job.goes_on()?;
-        }
-        Some(())
-    }
-
-    /// Queues the rays that follow lobes. Returns `None` if the work is given up.
-    fn follow(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
-        let Self { points, bsdfs, guiding, stored, continuation, features, .. } = self;
-        let count = continuations(&job.frame.settings, depth);
-        for number in 0..count {
-            let (place, first_behind) = ([number, count], features.first_behind());
-            let lobes = (&**bsdfs, &**guiding);
-            continuation.send(job, points, lobes, place, depth, first_behind);
-            stored.restrict(job.frame, points, continuation);
-            let Continuation { rays: Rays { sent, past, .. }, labels, chosen, .. } =
-                &**continuation;
-            machine.extend_path(depth + 1, sent, labels, past, chosen);
-            job.goes_on()?;
-        }
-        Some(())
-    }
-}
-
-impl Integrator for PhotonMapping {
-    fn start_paths(&mut self, machine: &mut Machine, job: &Job<'_>) -> Option<bool> {
-        if let Some(hemispheres) = &mut self.hemispheres {
-            if !hemispheres.fill(job.frame, &mut self.batch) {
-                return Some(false);
-            }
-            self.trace(machine, job, 1)?;
-            let Self { hemispheres, batch, hits, .. } = self;
-            hemispheres.iter_mut().for_each(|hemispheres| hemispheres.note(batch, hits));
-            return Some(true);
-        }
-        let most = most_camera_rays(&job.frame.settings);
-        self.camera_rays.fill(job, machine.seeds(), most, &mut self.batch);
-        if self.batch.len() == 0 {
-            return Some(false);
-        }
-        machine.count_camera_rays(&self.batch);
-        self.trace(machine, job, 0)?;
-        Some(true)
-    }
-
-    fn extend_paths(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
-        machine.take_paths(depth, &mut self.batch);
-        self.trace(machine, job, depth)
-    }
-
-    fn trace_connections(&mut self, machine: &mut Machine, job: &Job<'_>, kind: Connection) {
-        let Self { visibility, scratch, .. } = self;
-        machine.take_connections(kind, &mut visibility.batch);
-        visibility.trace(job.frame, machine.connection_habit(kind), scratch);
-        if let Some((sent, labels, chosen)) = visibility.beyond() {
-            machine.connect(kind, sent, labels, chosen);
-        }
-        let Batch { weight, labels, .. } = &visibility.batch;
-        machine.add(job.frame.isa, weight, &labels.slot, visibility.batch.len());
     }
 }

@@ -29,7 +29,7 @@ impl PilotTracer {
         // One more for the light that the last rays find.
         let bounces = frame.settings.recursion() as usize + 1;
         machine.begin(&frame.pilot_sampler, work, bounces + 1);
-        path.restart(0, 0);
+        path.vertices.restart(0, 0);
         path.pilot.restart(work.len());
         machine.run(path, &job)?;
         let (_, sums, _) = machine.finish(work.len(), bounces);

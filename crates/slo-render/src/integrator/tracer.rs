@@ -43,15 +43,15 @@ impl Tracer {
             if frame.settings.integrator == Kind::PhotonMap {
                 let photon_map = photon_map.get_or_insert_default();
                 photon_map.restart(feature_slots, stride);
-                photon_map.first_hits.reset(places, ids, work.len());
+                photon_map.vertices.first_hits.reset(places, ids, work.len());
                 machine.run(photon_map, &job)?;
-                (photon_map.features(), &photon_map.first_hits)
+                (photon_map.vertices.features(), &photon_map.vertices.first_hits)
             } else if frame.is_physical {
                 let path = path.get_or_insert_default();
-                path.restart(feature_slots, stride);
-                path.first_hits.reset(places, ids, work.len());
+                path.vertices.restart(feature_slots, stride);
+                path.vertices.first_hits.reset(places, ids, work.len());
                 machine.run(path, &job)?;
-                (path.features(), &path.first_hits)
+                (path.vertices.features(), &path.vertices.first_hits)
             } else {
                 let distributed = distributed.get_or_insert_default();
                 distributed.restart(feature_slots);

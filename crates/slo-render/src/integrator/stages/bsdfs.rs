@@ -4,7 +4,6 @@ use glam::Vec3;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes, look_up, look_up_each};
 use slo_accel::math::elementary::exp2;
-use slo_scene::Integrator;
 
 use super::features::Own;
 use super::points::Points;
@@ -217,12 +216,8 @@ impl Bsdfs {
     }
 
     /// Sets up the lobes of all points, and the chance with which a ray follows each.
-    pub(in crate::integrator) fn find(&mut self, frame: &FrameScene, points: &Points) {
-        self.find_lobes(frame, points, frame.settings.integrator != Integrator::Distributed);
-    }
-
-    /// Like [`find`](Self::find). `diffuse` says whether rays follow diffuse lobes.
-    pub(in crate::integrator) fn find_lobes(
+    /// `diffuse` says whether rays follow diffuse lobes.
+    pub(in crate::integrator) fn find(
         &mut self,
         frame: &FrameScene,
         points: &Points,

@@ -40,6 +40,9 @@ pub(in crate::integrator) struct Hemispheres {
 }
 
 impl Hemispheres {
+    /// The rays count as those of paths after so many bounces.
+    pub(in crate::integrator) const DEPTH: u32 = 1;
+
     /// Begins a round.
     pub(in crate::integrator) fn restart(&mut self, probes: &[Probe], grid: Grid, round: u32) {
         self.probes.clear();
@@ -80,10 +83,12 @@ impl Hemispheres {
         len > 0
     }
 
-    /// Notes how far the rays of a batch went.
+    /// Notes how far the rays of a batch went, which may have passed through something before.
     pub(in crate::integrator) fn note(&mut self, batch: &Batch, hits: &Hits) {
         for i in 0..batch.len() {
-            self.distances[batch.labels.slot[i] as usize] = hits.found.hits.t[i];
+            let end = batch.rays.origin(i) + batch.rays.direction(i) * hits.found.hits.t[i];
+            let distance = (end - batch.past.from.get(i)).length();
+            self.distances[batch.labels.slot[i] as usize] = distance;
         }
     }
 }

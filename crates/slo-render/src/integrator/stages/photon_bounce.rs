@@ -16,36 +16,17 @@ use crate::sampling::batch::SetPoints;
 use crate::shading::bsdf::{At, Lobe, WithLobe, WithLobes};
 
 /// One ray from every point, at most.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(in crate::integrator) struct PhotonBounce {
     set: SetPoints,
     survival: SetPoints,
-    /// Sum of the chances of all lobes that rays follow.
-    total: Column<f32>,
-    /// Sum of the chances of those visited so far, of 1.
-    below: Column<f32>,
+    choice: Choice,
     back: LookBack,
     pub(in crate::integrator) sent: Sent,
     pub(in crate::integrator) labels: Labels,
     pub(in crate::integrator) past: Past,
     /// Points that send a ray.
     pub(in crate::integrator) chosen: Chosen,
-}
-
-impl Default for PhotonBounce {
-    fn default() -> Self {
-        Self {
-            set: SetPoints::default(),
-            survival: SetPoints::default(),
-            total: [0.0; BATCH],
-            below: [0.0; BATCH],
-            back: LookBack::default(),
-            sent: Sent::default(),
-            labels: Labels::default(),
-            past: Past::default(),
-            chosen: Chosen::default(),
-        }
-    }
 }
 
 impl PhotonBounce {
@@ -59,23 +40,22 @@ impl PhotonBounce {
         bsdfs: &Bsdfs,
         (depth, rough): (u32, bool),
     ) {
-        let Self { set, survival, total, below, back, sent, labels, past, .. } = self;
-        *total = [0.0; BATCH];
-        bsdfs.bsdf.for_each(&mut AddUp { frame, points, rough, total });
+        let Self { set, survival, choice, back, sent, labels, past, .. } = self;
+        choice.restart(rough);
+        bsdfs.bsdf.for_each(&mut AddUp { frame, points, choice });
         let place = [0, 1];
         let names = points.names(&frame.settings, depth, Purpose::Continuation, place);
         set.take::<3>(&frame.photon_sampler, frame.isa, &names);
         let names = points.names(&frame.settings, depth, Purpose::Survival, place);
         survival.take::<2>(&frame.photon_sampler, frame.isa, &names);
-        *below = [0.0; BATCH];
         for column in [&mut sent.weight.x, &mut sent.weight.y, &mut sent.weight.z] {
             column.fill(0.0);
         }
         past.marks = [0; BATCH];
-        bsdfs.bsdf.for_each(&mut Follow { frame, points, set, rough, total, below, sent, past });
+        bsdfs.bsdf.for_each(&mut Follow { frame, points, set, choice, sent, past });
         if bsdfs.look_back(frame, points, &sent.direction, back) {
-            *below = [0.0; BATCH];
-            let mut exchange = Exchange { frame, points, set, rough, total, below, sent };
+            choice.begin_again();
+            let mut exchange = Exchange { frame, points, set, choice, sent };
             bsdfs.bsdf.for_each_with(&back.bsdf, &mut exchange);
         }
         frame.isa.run(Finish { points, survival, sent });
@@ -122,19 +102,72 @@ impl PhotonBounce {
     }
 }
 
+/// Which lobe the ray of each point follows: one of those that rays follow, by their chances.
+#[derive(Debug)]
+struct Choice {
+    /// Whether rays follow rough lobes too.
+    rough: bool,
+    /// Sum of the chances of all lobes that rays follow.
+    total: Column<f32>,
+    /// Sum of the chances of those visited so far, of 1.
+    below: Column<f32>,
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        Self { rough: false, total: [0.0; BATCH], below: [0.0; BATCH] }
+    }
+}
+
+impl Choice {
+    /// Begins with other points.
+    fn restart(&mut self, rough: bool) {
+        (self.rough, self.total, self.below) = (rough, [0.0; BATCH], [0.0; BATCH]);
+    }
+
+    /// Begins again with the first lobe.
+    fn begin_again(&mut self) {
+        self.below = [0.0; BATCH];
+    }
+
+    /// Whether rays may follow lobes of this kind.
+    fn visits<L: Lobe>(&self) -> bool {
+        L::IS_FOLLOWED && (self.rough || !L::IS_DIFFUSE)
+    }
+
+    /// Adds the chance of a lobe of point `i` to the sum of all. `rough` is that of `self`: loops that read
+    /// it once can become vector code.
+    #[inline(always)]
+    fn add(&mut self, rough: bool, lobe: &impl Lobe, i: usize) {
+        let is_followed = rough | lobe.is_sharp(i);
+        self.total[i] += if is_followed { lobe.share().chance[i] } else { 0.0 };
+    }
+
+    /// Visits a lobe of point `i`. Returns whether the random number `u` chooses it, its chance, and
+    /// where in it `u` lies, from 0 to 1. For `rough` see [`add`](Self::add).
+    #[inline(always)]
+    fn visit(&mut self, rough: bool, lobe: &impl Lobe, i: usize, u: f32) -> (bool, f32, f32) {
+        let share = lobe.share().chance[i] / self.total[i];
+        let chance = if rough | lobe.is_sharp(i) { share } else { 0.0 };
+        let (start, end) = (self.below[i], self.below[i] + chance);
+        self.below[i] = end;
+        let rest = ((u - start) / chance).min(0.999_999_94);
+        ((u >= start) & (u < end), chance, rest)
+    }
+}
+
 /// Adds up the chances of lobes.
 struct AddUp<'a> {
     frame: &'a FrameScene,
     points: &'a Points,
-    rough: bool,
-    total: &'a mut Column<f32>,
+    choice: &'a mut Choice,
 }
 
 impl WithLobe for AddUp<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L) {
-        if L::IS_FOLLOWED && (self.rough || !L::IS_DIFFUSE) {
-            let Self { frame, points, rough, total } = self;
-            frame.isa.run(AddUpOne { lobe, points, rough: *rough, total });
+        if self.choice.visits::<L>() {
+            let Self { frame, points, choice } = self;
+            frame.isa.run(AddUpOne { lobe, points, choice });
         }
     }
 }
@@ -142,8 +175,7 @@ impl WithLobe for AddUp<'_> {
 struct AddUpOne<'a, L> {
     lobe: &'a L,
     points: &'a Points,
-    rough: bool,
-    total: &'a mut Column<f32>,
+    choice: &'a mut Choice,
 }
 
 impl<L: Lobe> Lanewise for AddUpOne<'_, L> {
@@ -151,9 +183,10 @@ impl<L: Lobe> Lanewise for AddUpOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, points, rough, total } = self;
+        let Self { lobe, points, choice } = self;
+        let rough = choice.rough;
         for i in lanes(points.surfaces.len) {
-            total[i] += if rough | lobe.is_sharp(i) { lobe.share().chance[i] } else { 0.0 };
+            choice.add(rough, lobe, i);
         }
     }
 }
@@ -163,19 +196,16 @@ struct Follow<'a> {
     frame: &'a FrameScene,
     points: &'a Points,
     set: &'a SetPoints,
-    rough: bool,
-    total: &'a Column<f32>,
-    below: &'a mut Column<f32>,
+    choice: &'a mut Choice,
     sent: &'a mut Sent,
     past: &'a mut Past,
 }
 
 impl WithLobe for Follow<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L) {
-        if L::IS_FOLLOWED && (self.rough || !L::IS_DIFFUSE) {
-            let Self { frame, points, set, rough, total, below, sent, past } = self;
-            let rough = *rough;
-            frame.isa.run(FollowOne { lobe, points, set, rough, total, below, sent, past });
+        if self.choice.visits::<L>() {
+            let Self { frame, points, set, choice, sent, past } = self;
+            frame.isa.run(FollowOne { lobe, points, set, choice, sent, past });
         }
     }
 }
@@ -184,9 +214,7 @@ struct FollowOne<'a, L> {
     lobe: &'a L,
     points: &'a Points,
     set: &'a SetPoints,
-    rough: bool,
-    total: &'a Column<f32>,
-    below: &'a mut Column<f32>,
+    choice: &'a mut Choice,
     sent: &'a mut Sent,
     past: &'a mut Past,
 }
@@ -196,16 +224,11 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, points, set, rough, total, below, sent, past } = self;
+        let Self { lobe, points, set, choice, sent, past } = self;
+        let rough = choice.rough;
         for i in lanes(points.surfaces.len) {
             let [u, v, w] = set.numbers.each_ref().map(|column| column[i]);
-            let share = lobe.share().chance[i] / total[i];
-            let is_sharp = lobe.is_sharp(i);
-            let chance = if rough | is_sharp { share } else { 0.0 };
-            let (start, end) = (below[i], below[i] + chance);
-            below[i] = end;
-            let is_chosen = (w >= start) & (w < end);
-            let rest = ((w - start) / chance).min(0.999_999_94);
+            let (is_chosen, chance, rest) = choice.visit(rough, lobe, i, w);
             let at = points.at(i);
             let sampled = lobe.sample(i, &at, [u, v, rest]);
             let of_photon = lobe.of_photon(i, &at, sampled.direction);
@@ -213,7 +236,7 @@ impl<L: Lobe> Lanewise for FollowOne<'_, L> {
             let weight = sampled.weight * (adjoint(&at, sampled.direction) * of_photon / chance);
             sent.direction.set_if(i, is_chosen, sampled.direction);
             sent.weight.set_if(i, is_chosen, weight);
-            let mark = if is_sharp { marks::SHARP } else { marks::ROUGH };
+            let mark = if lobe.is_sharp(i) { marks::SHARP } else { marks::ROUGH };
             past.marks[i] = select(is_chosen, mark, past.marks[i]);
         }
     }
@@ -225,18 +248,15 @@ struct Exchange<'a> {
     frame: &'a FrameScene,
     points: &'a Points,
     set: &'a SetPoints,
-    rough: bool,
-    total: &'a Column<f32>,
-    below: &'a mut Column<f32>,
+    choice: &'a mut Choice,
     sent: &'a mut Sent,
 }
 
 impl WithLobes for Exchange<'_> {
     fn run<L: Lobe>(&mut self, lobe: &L, other: &L) {
-        if L::IS_FOLLOWED && (self.rough || !L::IS_DIFFUSE) {
-            let Self { frame, points, set, rough, total, below, sent } = self;
-            let rough = *rough;
-            frame.isa.run(ExchangeOne { lobe, other, points, set, rough, total, below, sent });
+        if self.choice.visits::<L>() {
+            let Self { frame, points, set, choice, sent } = self;
+            frame.isa.run(ExchangeOne { lobe, other, points, set, choice, sent });
         }
     }
 }
@@ -246,9 +266,7 @@ struct ExchangeOne<'a, L> {
     other: &'a L,
     points: &'a Points,
     set: &'a SetPoints,
-    rough: bool,
-    total: &'a Column<f32>,
-    below: &'a mut Column<f32>,
+    choice: &'a mut Choice,
     sent: &'a mut Sent,
 }
 
@@ -257,21 +275,17 @@ impl<L: Lobe> Lanewise for ExchangeOne<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lobe, other, points, set, rough, total, below, sent } = self;
+        let Self { lobe, other, points, set, choice, sent } = self;
         let (mine, theirs) = (lobe.share(), other.share());
         // Lobes of Phong look the same from everywhere.
-        let is_there = theirs.is_present;
+        let (is_there, rough) = (theirs.is_present, choice.rough);
         for i in lanes(points.surfaces.len) {
-            let share = mine.chance[i] / total[i];
-            let chance = if rough | lobe.is_sharp(i) { share } else { 0.0 };
-            let (w, start, end) = (set.numbers[2][i], below[i], below[i] + chance);
-            below[i] = end;
-            let is_chosen = (w >= start) & (w < end) & is_there;
+            let (is_chosen, ..) = choice.visit(rough, lobe, i, set.numbers[2][i]);
             let (from, to) = (mine.weight.get(i), theirs.weight.get(i));
             let ratio = |from: f32, to: f32| if from > 0.0 { to / from } else { 1.0 };
             let ratio = Vec3::new(ratio(from.x, to.x), ratio(from.y, to.y), ratio(from.z, to.z));
             let weight = sent.weight.get(i);
-            sent.weight.set_if(i, is_chosen, weight * ratio);
+            sent.weight.set_if(i, is_chosen & is_there, weight * ratio);
         }
     }
 }

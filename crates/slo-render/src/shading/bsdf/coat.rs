@@ -3,9 +3,8 @@
 use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column};
 
-use super::facets::Facets;
+use super::facets::{Faceted, Facets};
 use super::fresnel::dielectric;
-use super::lobe::{At, Lobe, Sampled, Scattered, Share};
 
 /// Microfacets of a dielectric.
 #[derive(Debug)]
@@ -21,37 +20,19 @@ impl Default for Coat {
     }
 }
 
-impl Coat {
+impl Faceted for Coat {
+    #[inline(always)]
+    fn facets(&self) -> &Facets {
+        &self.facets
+    }
+
+    fn facets_mut(&mut self) -> &mut Facets {
+        &mut self.facets
+    }
+
     #[inline(always)]
     fn fresnel(&self, i: usize) -> impl Fn(f32) -> Vec3 {
         let eta = self.eta[i];
         move |cos| Vec3::splat(dielectric(cos, eta))
-    }
-}
-
-impl Lobe for Coat {
-    const IS_DIFFUSE: bool = false;
-
-    #[inline(always)]
-    fn is_sharp(&self, i: usize) -> bool {
-        self.facets.is_sharp(i)
-    }
-
-    fn share(&self) -> &Share {
-        &self.facets.share
-    }
-
-    fn share_mut(&mut self) -> &mut Share {
-        &mut self.facets.share
-    }
-
-    #[inline(always)]
-    fn evaluate(&self, i: usize, at: &At, toward: Vec3) -> Scattered {
-        self.facets.evaluate(i, at, toward, self.fresnel(i))
-    }
-
-    #[inline(always)]
-    fn sample(&self, i: usize, at: &At, u: [f32; 3]) -> Sampled {
-        self.facets.sample(i, at, u, self.fresnel(i))
     }
 }

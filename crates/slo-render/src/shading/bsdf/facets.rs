@@ -4,12 +4,12 @@ use glam::Vec3;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
 use super::ggx::{Frame, Seen};
-use super::lobe::{At, SHARP, Sampled, Scattered, Share};
+use super::lobe::{At, Lobe, SHARP, Sampled, Scattered, Share};
 use crate::shading::lobe::reflect;
 
 /// Microfacets of the hits of a batch.
 #[derive(Debug)]
-pub(super) struct Facets {
+pub struct Facets {
     /// Weights include what light that is reflected several times adds.
     pub(super) share: Share,
     /// Unit normals whose mirror directions lie above the surface.
@@ -31,6 +31,43 @@ impl Default for Facets {
     }
 }
 
+/// A lobe of light that microfacets reflect.
+pub trait Faceted {
+    fn facets(&self) -> &Facets;
+
+    fn facets_mut(&mut self) -> &mut Facets;
+
+    /// Returns the share of light that a microfacet of hit `i` reflects, by the cosine to its normal.
+    fn fresnel(&self, i: usize) -> impl Fn(f32) -> Vec3;
+}
+
+impl<T: Faceted> Lobe for T {
+    const IS_DIFFUSE: bool = false;
+
+    #[inline(always)]
+    fn is_sharp(&self, i: usize) -> bool {
+        self.facets().is_sharp(i)
+    }
+
+    fn share(&self) -> &Share {
+        &self.facets().share
+    }
+
+    fn share_mut(&mut self) -> &mut Share {
+        &mut self.facets_mut().share
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, i: usize, at: &At, toward: Vec3) -> Scattered {
+        self.facets().evaluate(i, at, toward, self.fresnel(i))
+    }
+
+    #[inline(always)]
+    fn sample(&self, i: usize, at: &At, u: [f32; 3]) -> Sampled {
+        self.facets().sample(i, at, u, self.fresnel(i))
+    }
+}
+
 impl Facets {
     /// The frame of hit `i`, its view from the eye, and whether the lobe is perfect.
     #[inline(always)]
@@ -43,16 +80,15 @@ impl Facets {
         (frame, Seen::new(frame.to_local(at.eye), alpha), is_perfect)
     }
 
-    /// See [`Lobe::is_sharp`](super::Lobe::is_sharp).
+    /// See [`Lobe::is_sharp`].
     #[inline(always)]
-    pub(super) fn is_sharp(&self, i: usize) -> bool {
+    fn is_sharp(&self, i: usize) -> bool {
         self.alpha[0][i].max(self.alpha[1][i]) < SHARP
     }
 
-    /// See [`Lobe::evaluate`](super::Lobe::evaluate). `fresnel` is the share of light that a
-    /// microfacet reflects, by the cosine to its normal.
+    /// See [`Lobe::evaluate`] and [`Faceted::fresnel`].
     #[inline(always)]
-    pub(super) fn evaluate(
+    fn evaluate(
         &self,
         i: usize,
         at: &At,
@@ -70,7 +106,7 @@ impl Facets {
         Scattered { value: self.share.weight.get(i) * reflected * density, density }
     }
 
-    /// See [`Lobe::sample`](super::Lobe::sample), and [`evaluate`](Self::evaluate).
+    /// See [`Lobe::sample`] and [`evaluate`](Self::evaluate).
     #[inline(always)]
     pub(super) fn sample(
         &self,

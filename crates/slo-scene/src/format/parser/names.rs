@@ -109,10 +109,13 @@ impl<'a> Parser<'a, '_> {
     /// The words that follow one in its line.
     fn words_ahead(&self, first: Word<'_>) -> Vec<Word<'a>> {
         let tokens = std::iter::once(self.next.clone()).chain(self.following()).take(MOST_WORDS);
-        let line = &self.text[first.span.end..];
-        let end = first.span.end + line.find(['\n', '\r']).unwrap_or(line.len());
+        let mut end = first.span.end;
         tokens
-            .take_while(|token| token.kind == TokenKind::Word && token.range.end <= end)
+            .take_while(|token| {
+                let gap = &self.text[end.min(token.range.start)..token.range.start];
+                end = token.range.end;
+                token.kind == TokenKind::Word && !gap.contains(['\n', '\r'])
+            })
             .map(|token| self.word_at(token.range))
             .collect()
     }

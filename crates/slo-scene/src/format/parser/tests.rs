@@ -245,3 +245,11 @@ fn numbers_that_are_none_keep_their_place() {
         &["`0,5` is not a number: the decimal sign is a point", "`nan` is not a finite number"],
     );
 }
+
+/// Work for each element in proportion to the length of its line would make this test run for minutes.
+#[test]
+fn a_long_scene_may_stand_in_one_line() {
+    let (text, tree) = ("sphere s { radius 1 } ", "sphere:s{radius=1}");
+    let count = 100_000;
+    check(&text.repeat(count), &vec![tree; count].join(" "), &[]);
+}
