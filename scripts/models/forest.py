@@ -14,7 +14,7 @@ import sys
 import ply
 from mesh import ROOT, add, cross, lerp, mul, smoothstep, unit
 from still_life import sky
-from textures import fbm
+from textures import fbm, hashed
 
 EYE, VIEW = (-200.0, -430.0), (.42, .908)      # where the camera stands at first, and in which direction it looks
 
@@ -128,7 +128,7 @@ def ground(x, y):
 
 
 def placements(count):
-    """The `count` trees that the camera is closest to: x y z, turn, size, kind and tint."""
+    """The `count` trees that matter most to the camera: x y z, turn, size, kind and tint."""
     hand = random.Random(12)
     cell = 4.25
     spots = []
@@ -139,7 +139,10 @@ def placements(count):
             dx, dy = x - EYE[0], y - EYE[1]
             ahead, across = dx * VIEW[0] + dy * VIEW[1], abs(dx * VIEW[1] - dy * VIEW[0])
             if across < 70 + .72 * (ahead + 50):               # in the picture, or it throws shadows into it
-                spots.append((math.hypot(ahead, across), x, y, draws))
+                far = math.hypot(ahead, across)
+                # Few trees are not all in front: their number falls with the square of the distance
+                rank = far if count > 100000 else -math.log(1 - hashed(i, j, 5)) * far * far
+                spots.append((rank, x, y, draws))
     spots.sort()
     rows = []
     for _, x, y, (turn, size, which, red, green, dark, thin) in spots:
