@@ -188,7 +188,7 @@ fn gltf_materials_lights_and_cameras() {
             { "camera": 0, "translation": [0, 0, 5] },
             { "extensions": { "KHR_lights_punctual": { "light": 0 } } },
         ],
-        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.5707963, "znear": 0.1, "aspectRatio": 2.0 } }],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.5, "znear": 0.1, "aspectRatio": 2.0 } }],
         "extensions": { "KHR_lights_punctual": { "lights": [
             { "type": "point", "intensity": 54.35141, "color": [1, 0.5, 0.25] }] } },
         "materials": [{
@@ -204,7 +204,7 @@ fn gltf_materials_lights_and_cameras() {
     assert_eq!((scene.camera.film.width, scene.camera.film.height), (1440, 720));
     // y of the file is up.
     says(&imported, "addPosition { 0 -5 0 }");
-    says(&imported, "fovStart 0.9999999 ");
+    says(&imported, "fovStart 0.9315965 ");
     says(&imported, "lamp_point lamp { power { 0.9999999 0.5 0.25 }");
     says(&imported, "roughness 0  transmission 1  thin 1  coat 0.5  coat_roughness 0 }");
 }

@@ -1,5 +1,6 @@
 //! A model as scene text, with its meshes and images as files beside it.
 
+mod numbers;
 mod ply;
 mod spaces;
 mod text;

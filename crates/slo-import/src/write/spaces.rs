@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::text::{number, rounded, vector};
+use super::numbers::{number, rounded, vector};
 use crate::model::{Key, Model, Pose, Space};
 use crate::names::Names;
 

@@ -2,9 +2,8 @@
 
 use std::fmt::Write;
 
-use glam::DVec3;
-
 use super::Paths;
+use super::numbers::{number, rounded, significant, triple, vector};
 use super::spaces::Spaces;
 use crate::model::{Camera, ImageUse, Lamp, LampKind, Material, Model, Notes, Object, Shape, View};
 use crate::names::Names;
@@ -73,33 +72,6 @@ fn settings(model: &Model, text: &mut String) {
     } else {
         writeln!(text, "settings imported {{ integrator PATH  imageSamples 256  noise .02 }}").ok();
     }
-}
-
-/// A number, as short as it can be written.
-pub(super) fn number(value: f64) -> String {
-    let single = value as f32;
-    if f64::from(single) == value { format!("{single}") } else { format!("{value}") }
-}
-
-fn triple(values: [f64; 3]) -> String {
-    let [x, y, z] = values.map(number);
-    format!("{{ {x} {y} {z} }}")
-}
-
-pub(super) fn vector(v: DVec3) -> String {
-    // Rounding that no one sees makes the text shorter.
-    triple(v.to_array().map(rounded))
-}
-
-/// A number without what lies below a millionth, relative to one.
-pub(super) fn rounded(value: f64) -> f64 {
-    let rounded = (value * 1e7).round() / 1e7;
-    if value.abs() > 1e3 || rounded == 0.0 && value.abs() > 1e-12 { value } else { rounded + 0.0 }
-}
-
-/// A number with seven significant digits, as many as single precision has.
-fn significant(value: f64) -> f64 {
-    format!("{value:.6e}").parse().unwrap_or(value)
 }
 
 fn camera_text(camera: &Camera, duration: f64) -> String {
