@@ -188,6 +188,8 @@ fn options_with_values() -> Vec<(Vec<&'static str>, String)> {
         "denoise" => vec!["denoise", "a.png"],
         "relight" => vec!["relight", "a.exr"],
         "merge" => vec!["merge", "a.part"],
+        "import" => vec!["import", "a.obj"],
+        "bake" => vec!["bake", "a.txt"],
         other => panic!("a command without a test: {other}"),
     };
     let of = |command: &clap::Command, typed: Vec<&'static str>| -> Vec<_> {
