@@ -47,9 +47,9 @@ pub mod description {
         LightSampling, Look, OutputFormat, Settings, ShadowMode, ToneMap, Wrap,
     };
     pub use slo_scene::{
-        CamSegment, Camera, Copy, KeyFrame, Light, LightKind, Material, MaterialId, MaterialKind,
-        Mesh, Object, Original, Placement, Placements, SceneDescription, Shape, Space, SpaceId,
-        Texture, TextureId, TextureUse,
+        CamSegment, Camera, Copy, KeyFrame, Light, LightKind, LightMap, Material, MaterialId,
+        MaterialKind, Mesh, Object, Original, Placement, Placements, SceneDescription, Shape,
+        Space, SpaceId, Texture, TextureId, TextureUse,
     };
     pub use slo_scene::{light, material, mesh, shape, texture};
 }

@@ -4,9 +4,9 @@
     cargo build --release --example trace_rays
     c++ -O3 -march=native scripts/embree/trace_rays.cpp -o trace_rays_embree -lembree3
     python3 scripts/embree/compare.py ./trace_rays_embree MESH.tri RAYS.rays [--rounds N]
-        [--accelerator BVH ...] [--isa auto ...]
+        [--accelerator BVH ...] [--isa auto ...] [--copies FILE]
 
-Prints for each set of rays the speed of each program, the best of all rounds, and its ratio to the
+Prints for each set of rays the speed of each program by the processor's clock, the best of all rounds, and its ratio to the
 speed of Embree's single rays and of Embree's best kernel.
 """
 
@@ -21,8 +21,8 @@ NAMES = ["primary", "lens", "shadow", "bounce 1", "bounce 2"]
 
 def run(command):
     lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
-    build, *sets = map(json.loads, lines)
-    return build, sets
+    build, *rest = map(json.loads, lines)
+    return build, [line for line in rest if "set" in line]
 
 
 def main():
@@ -34,20 +34,23 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--accelerator", nargs="+", default=["BVH"])
     parser.add_argument("--isa", nargs="+", default=["auto"])
+    parser.add_argument("--copies", help="where copies of the mesh are")
     options = parser.parse_args()
     files = [options.mesh, options.rays]
-    commands = {f"embree {n}": [options.embree, *files, n, "2"] for n in ["1", "8", "16"]}
+    copies = [options.copies] if options.copies else []
+    commands = {f"embree {n}": [options.embree, *files, n, "2", *copies] for n in ["1", "8", "16"]}
     for accelerator in options.accelerator:
         for isa in options.isa:
             commands[f"{accelerator} {isa}"] = [str(OURS), *files, "--accelerator", accelerator,
-                                                "--isa", isa, "--repeat", "2"]
+                                                "--isa", isa, "--repeat", "2",
+                                                *(["--copies", *copies] if copies else [])]
     speeds = {name: [] for name in commands}
     builds = {name: [] for name in commands}
     for _ in range(options.rounds):
         for name, command in commands.items():
             build, sets = run(command)
             builds[name].append(build["build_s"])
-            speeds[name].append([s["mrays_per_s"] for s in sets])
+            speeds[name].append([s["cpu_mrays_per_s"] for s in sets])
             for number, s in enumerate(sets):
                 if s.get("disagreement", 0) > 0:
                     print(f"{name}, {NAMES[number]}: {s['disagreement']:.1e} of the hits differ")

@@ -19,7 +19,9 @@ use std::ffi::OsString;
 
 pub use base::Exit;
 use base::{Problem, Terminal};
-use commands::{check, compare, denoise, merge, recipe, relight, render, sheet, verify};
+use commands::{
+    bake, check, compare, denoise, import, merge, recipe, relight, render, sheet, verify,
+};
 use options::{Options, Task};
 use system::{crash, interrupt};
 
@@ -47,6 +49,8 @@ fn execute(Options { task, terminal }: Options) -> Exit {
         Task::Sheet(args) => sheet::run(&args),
         Task::Denoise(args) => denoise::run(&args, terminal),
         Task::Relight(args) => relight::run(&args, terminal),
+        Task::Import(args) => import::run(&args, terminal),
+        Task::Bake(args, job) => bake::run(&args, &job, terminal),
         Task::Check(job) => check::run(&job, terminal),
         Task::Recipe(picture) => recipe::run(&picture),
     });

@@ -1,8 +1,11 @@
 //! Tests the program: what it prints, what it writes, and its exit codes.
 
+mod ahead;
 #[cfg(unix)]
+mod bake;
 mod budget;
 mod bytes;
+mod cache;
 mod documentation;
 mod exit_codes;
 #[cfg(unix)]
@@ -11,6 +14,7 @@ mod failures;
 mod foreign;
 mod frames;
 mod huge;
+mod import;
 mod layers;
 mod light;
 mod looks;

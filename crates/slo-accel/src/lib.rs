@@ -62,7 +62,7 @@ pub use isa::compress::{GROUP, Word};
 pub use isa::{Isa, Lanewise};
 pub use primitives::{Curved, Primitives, Triangle, curved, triangle};
 pub use rays::{Coherence, Hits, LANES, NO_HIT, Rays};
-pub use structure::{Accelerator, Bending, BuildOptions, Moment, Scratch, Structure};
+pub use structure::{Accelerator, Bending, BuildOptions, Moment, Scratch, Sections, Structure};
 
 /// The examples of the README, compiled and run.
 #[cfg(doctest)]

@@ -6,11 +6,12 @@ use std::io::Read;
 use std::sync::Arc;
 
 use crate::attributes::FARTHEST;
+use crate::cache::Cache;
 use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
-use crate::files::{ContentHash, Files, HashingReader, OpenError, is_absolute};
+use crate::files::{ContentHash, Files, HashingReader, OpenError, hash_whole, is_absolute};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
-use crate::mesh::{self, LoadedMesh, Mesh};
+use crate::mesh::{self, LoadedMesh, Mesh, kept};
 use crate::placements::Placements;
 use crate::settings::Axes;
 use crate::texture::{self, Texture};
@@ -231,11 +232,45 @@ impl<'f> Assets<'f> {
         diagnostics: &mut Diagnostics,
     ) -> Option<Mesh> {
         let load = |path: &str, reader: &mut dyn Read| mesh::load(path, reader, smooth, scale);
-        let mesh = self.loaded_mesh(path, diagnostics, load)?;
+        let mesh = match self.cached(path) {
+            None => self.loaded_mesh(path, diagnostics, load)?,
+            Some((cache, file)) => {
+                let hash = file.finalize();
+                let key = kept::key(&hash, &mesh::extension(path.text), smooth, scale);
+                let loaded = match kept::get(cache, &key, smooth) {
+                    Some(loaded) => {
+                        self.hash.add(&file);
+                        loaded
+                    }
+                    None => {
+                        let load = |reader: &mut dyn Read| load(path.text, reader);
+                        let (loaded, read) = self.read_hashed(path, diagnostics, load)?;
+                        // The file may have changed meanwhile.
+                        if read == Some(hash) {
+                            kept::put(cache, &key, &loaded);
+                        }
+                        loaded
+                    }
+                };
+                self.known(path, loaded, diagnostics)
+            }
+        };
         if size.is_none() {
             check_reach(&mesh, path, diagnostics)?;
         }
         Some(mesh)
+    }
+
+    /// Returns the cache, and the hash of a file that is large enough for it. If the file can't be read,
+    /// reading it again says why.
+    fn cached(&self, path: Word<'_>) -> Option<(&'f Cache, blake3::Hasher)> {
+        let (files, full) = (self.files, self.full(path));
+        let cache = files.cache()?;
+        if self.failed.contains(&full) || files.length(&full)? < kept::LEAST_BYTES {
+            return None;
+        }
+        let mut reader = files.open(&full).ok()?;
+        Some((cache, hash_whole(&mut reader).ok()?))
     }
 
     fn loaded_mesh(
@@ -245,6 +280,11 @@ impl<'f> Assets<'f> {
         load: impl FnOnce(&str, &mut dyn Read) -> Result<LoadedMesh, FileError>,
     ) -> Option<Mesh> {
         let loaded = self.read(path, diagnostics, |reader| load(path.text, reader))?;
+        Some(self.known(path, loaded, diagnostics))
+    }
+
+    /// Takes note of a mesh that was loaded, and passes its warnings on.
+    fn known(&mut self, path: Word<'_>, loaded: LoadedMesh, diagnostics: &mut Diagnostics) -> Mesh {
         for warning in loaded.warnings {
             let message = format!("mesh `{}`: {warning}", path.text);
             diagnostics.push(Diagnostic::warning(message).at(path.span, ""));
@@ -252,7 +292,7 @@ impl<'f> Assets<'f> {
         if loaded.mesh.uvs.is_empty() {
             self.without_uvs.insert(self.full(path));
         }
-        Some(loaded.mesh)
+        loaded.mesh
     }
 
     /// Warns once for each mesh that has a texture but no uvs.
@@ -273,6 +313,16 @@ impl<'f> Assets<'f> {
         diagnostics: &mut Diagnostics,
         load: impl FnOnce(&mut dyn Read) -> Result<T, FileError>,
     ) -> Option<T> {
+        self.read_hashed(path, diagnostics, load).map(|(loaded, _)| loaded)
+    }
+
+    /// The same; also returns the hash of the file, if it could be read to its end.
+    fn read_hashed<T>(
+        &mut self,
+        path: Word<'_>,
+        diagnostics: &mut Diagnostics,
+        load: impl FnOnce(&mut dyn Read) -> Result<T, FileError>,
+    ) -> Option<(T, Option<blake3::Hash>)> {
         let full = self.full(path);
         if self.failed.contains(&full) {
             return None;
@@ -289,7 +339,7 @@ impl<'f> Assets<'f> {
         path: Word<'_>,
         diagnostics: &mut Diagnostics,
         load: impl FnOnce(&mut dyn Read) -> Result<T, FileError>,
-    ) -> Option<T> {
+    ) -> Option<(T, Option<blake3::Hash>)> {
         let is_in_main = !self.folders.contains_key(&path.span.source);
         let reader = self.files.open(&self.full(path));
         let reader =
@@ -298,12 +348,15 @@ impl<'f> Assets<'f> {
         let loaded = load(&mut reader);
         let loaded = loaded.map_err(|e| self.report_content(path, e, diagnostics)).ok()?;
         match reader.finish() {
-            Ok(hash) => self.hash.add(&hash),
+            Ok(hash) => {
+                self.hash.add(&hash);
+                Some((loaded, Some(hash.finalize())))
+            }
             Err(e) => {
                 diagnostics.push(cannot_open(path, &OpenError::Unreadable(e), is_in_main));
+                Some((loaded, None))
             }
         }
-        Some(loaded)
     }
 
     /// Reports what is wrong inside a file, with the line of the file if there is one.

@@ -3,13 +3,16 @@
 use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
+use crate::cache::Cache;
 use crate::names::closest;
 
 /// The files that a scene may name.
 #[derive(Clone, Debug)]
 pub struct Files {
     origin: Origin,
+    cache: Option<Arc<Cache>>,
 }
 
 #[derive(Clone, Debug)]
@@ -39,13 +42,32 @@ impl Files {
     /// `root`, unless `allow_outside`.
     pub fn on_disk(folder: &Path, root: &Path, allow_outside: bool) -> Self {
         let (folder, root) = (absolute(folder), absolute(root));
-        Self { origin: Origin::Disk { folder, root, allow_outside } }
+        Self { origin: Origin::Disk { folder, root, allow_outside }, cache: None }
     }
 
     /// Files compiled into the program: pairs of path and content, paths with `/` and from the
     /// root of the table; those in the scene start from `folder`, which may be empty.
     pub fn built_in(folder: &str, table: Table) -> Self {
-        Self { origin: Origin::BuiltIn { folder: folder.to_owned(), table } }
+        Self { origin: Origin::BuiltIn { folder: folder.to_owned(), table }, cache: None }
+    }
+
+    /// The same files, with a cache of what was worked out from them.
+    #[must_use]
+    pub fn with_cache(self, cache: Option<Arc<Cache>>) -> Self {
+        Self { cache, ..self }
+    }
+
+    /// The cache of what was worked out from files.
+    pub(crate) fn cache(&self) -> Option<&Cache> {
+        self.cache.as_deref()
+    }
+
+    /// The length of the file on disk at a path as a scene writes it; `None` if it can't be told.
+    pub(crate) fn length(&self, path: &str) -> Option<u64> {
+        match &self.origin {
+            Origin::Disk { folder, .. } => Some(resolve(folder, path).metadata().ok()?.len()),
+            Origin::BuiltIn { .. } => None,
+        }
     }
 
     /// The content of the file at a path as a scene writes it.
@@ -220,6 +242,24 @@ impl<R: Read> HashingReader<R> {
     pub(crate) fn finish(mut self) -> io::Result<blake3::Hasher> {
         io::copy(&mut self, &mut io::sink())?;
         Ok(self.hasher)
+    }
+}
+
+/// Hashes all bytes of a file, on all threads of the current pool.
+///
+/// # Errors
+/// The file can't be read.
+pub(crate) fn hash_whole(mut reader: impl Read) -> io::Result<blake3::Hasher> {
+    /// Bytes that are read at once: many, so that there is something for each thread.
+    const PIECE: usize = 8 << 20;
+    let mut hasher = blake3::Hasher::new();
+    let mut piece = Vec::with_capacity(PIECE);
+    loop {
+        piece.clear();
+        if reader.by_ref().take(PIECE as u64).read_to_end(&mut piece)? == 0 {
+            return Ok(hasher);
+        }
+        hasher.update_rayon(&piece);
     }
 }
 

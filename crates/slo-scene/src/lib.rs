@@ -5,11 +5,12 @@
 //! ```
 //!
 //! Everything is plain data in scene space: right-handed, f64, in the user's own units. Nothing here
-//! knows a ray or a thread.
+//! knows a ray.
 
 pub mod animation;
 mod assets;
 mod attributes;
+pub mod cache;
 mod description;
 pub mod diagnostics;
 mod file_kinds;
@@ -18,6 +19,7 @@ pub mod format;
 mod key_frame;
 mod kinds;
 pub mod light;
+pub mod light_map;
 mod load;
 pub mod material;
 pub mod mesh;
@@ -32,10 +34,12 @@ pub mod texture;
 
 pub use description::{
     CamSegment, Camera, Copy, KeyFrame, LayerNames, LightGroups, MOST_COPIED, MOST_NESTED,
-    MaskNames, MaterialId, Object, Original, Placement, SceneDescription, Space, SpaceId,
+    MOST_SHOWN, MaskNames, MaterialId, Object, Original, Placement, SceneDescription, Space,
+    SpaceId,
 };
 pub use files::Files;
 pub use light::{Light, LightKind};
+pub use light_map::LightMap;
 pub use load::{Loaded, load, load_adapted};
 pub use material::{Channel, ImageUse, Material, MaterialKind, TextureId, TextureUse};
 pub use mesh::Mesh;

@@ -14,7 +14,7 @@ import numpy as np
 
 from . import exports, passes, preferences, process, program
 from .convert.scene import Job, write_scene
-from .convert.settings import picture_size
+from .convert.settings import PREVIEW_SAMPLES, picture_size
 from .format.names import plain
 
 # Report of the last rendering or export, for the panel.
@@ -95,12 +95,12 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
     def _render_frame(self, depsgraph):
         found = program.find(preferences.preferred_path())
         scene = depsgraph.scene
-        is_path = scene.slo_rt.integrator == "PATH"
-        if is_path and not found.can("--integrator"):
+        if scene.slo_rt.is_physical and not found.can("--integrator"):
             raise RenderFailed(
-                f"{found.path} ({found.version}) does not know the integrator Path. {program.WHAT_TO_DO} "
-                "Or choose the integrator Distributed in the render settings."
+                f"{found.path} ({found.version}) does not know the integrators Path and Photon Map. "
+                f"{program.WHAT_TO_DO} Or choose the integrator Distributed in the render settings."
             )
+        is_path = scene.slo_rt.integrator == "PATH"
         if is_path and scene.slo_rt.photons > 0.0 and not found.can("--photons"):
             raise RenderFailed(
                 f"{found.path} ({found.version}) does not know photons. {program.WHAT_TO_DO} "
@@ -118,6 +118,7 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             prefix="frame_",
             output="EXR_IMAGE",
             by_content=True,
+            preview_path=os.path.join(folder, "preview.txt") if self._shows_preview(scene) else "",
         )
         self._tell(write_scene(job), frame == scene.frame_start)
         self._set_frame(float(frame))
@@ -134,7 +135,13 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
     def _run_passes(self, run, depsgraph):
         values = depsgraph.scene.slo_rt
         # A stopped rendering continues at once.
-        early = not run.begin() and self._shows_early(values)
+        goes_on = run.begin()
+        if run.job.preview_path and not goes_on:
+            preview = Preview(run.found, run.job, depsgraph.scene.render)
+            if not self._run(preview, PREVIEW_SAMPLES, PREVIEW_SAMPLES):
+                return
+            self._show(preview, depsgraph)
+        early = not goes_on and self._shows_early(values)
         plan = passes.planned(values.samples, early, run.goes_on)
         run.goes_on &= len(plan) > 1 or values.time > 0.0
         measured = []
@@ -153,7 +160,14 @@ class SloRtRenderEngine(bpy.types.RenderEngine):
             measured.append((samples, time.monotonic() - begin))
 
     def _shows_early(self, values):
-        return values.show_early and not self.is_animation and not bpy.app.background
+        return values.show_early and self._is_watched()
+
+    def _shows_preview(self, scene):
+        values = scene.slo_rt
+        return values.show_preview and values.is_physical and self._is_watched()
+
+    def _is_watched(self):
+        return not self.is_animation and not bpy.app.background
 
     def _run(self, run, samples, all_samples):
         """Runs the program once; returns False if it was stopped."""
@@ -293,6 +307,21 @@ class Run:
             os.remove(os.path.join(self.folder, name))
 
 
+class Preview(Run):
+    """How the program is called for the preview of a frame."""
+
+    def __init__(self, found, job, render):
+        super().__init__(found, job, render)
+        self.folder = os.path.join(self.folder, "preview")
+        os.makedirs(self.folder, exist_ok=True)
+        self.picture = os.path.join(self.folder, os.path.basename(self.picture))
+
+    def command(self, samples):
+        """Returns the command line; `samples` are those of the scene."""
+        path, frame = self.job.preview_path, self.job.first
+        return self.found.command(path, frame, self.folder, samples, self.region)
+
+
 def _pixel(fraction, size):
     """Returns a border in pixels, computed in single precision and truncated as in Blender."""
     return int(np.float32(fraction) * np.float32(size))
@@ -321,7 +350,7 @@ def remove_stale_files(scene_path):
         text = file.read()
     folder = os.path.splitext(scene_path)[0]
     for name in os.listdir(folder):
-        if name.endswith((".slo", ".png", ".exr", ".hdr")) and name not in text:
+        if name.endswith((".slo", ".ply", ".png", ".exr", ".hdr")) and name not in text:
             os.remove(os.path.join(folder, name))
 
 

@@ -54,6 +54,8 @@ class SLO_RT_PT_sampling(_RenderPanel, bpy.types.Panel):
         layout.prop(values, "generator")
         layout.prop(values, "seed")
         layout.prop(values, "show_early")
+        if values.is_physical:
+            layout.prop(values, "show_preview")
 
 
 class SLO_RT_PT_light_paths(_RenderPanel, bpy.types.Panel):
@@ -64,8 +66,8 @@ class SLO_RT_PT_light_paths(_RenderPanel, bpy.types.Panel):
     def draw(self, context):
         layout, values = self.layout, context.scene.slo_rt
         layout.use_property_split = True
-        if values.integrator == "PATH":
-            self._draw_path(layout, context.scene)
+        if values.is_physical:
+            self._draw_physical(layout, context.scene)
             return
         layout.prop(values, "recursion")
         column = layout.column(align=True)
@@ -77,7 +79,7 @@ class SLO_RT_PT_light_paths(_RenderPanel, bpy.types.Panel):
         layout.prop(values, "world_light")
 
     @staticmethod
-    def _draw_path(layout, scene):
+    def _draw_physical(layout, scene):
         values = scene.slo_rt
         if hasattr(scene, "cycles"):
             layout.prop(values, "use_cycles_bounces")
@@ -85,7 +87,11 @@ class SLO_RT_PT_light_paths(_RenderPanel, bpy.types.Panel):
             layout.prop(scene.cycles, "max_bounces", text="Bounces")
         else:
             layout.prop(values, "bounces")
-        layout.prop(values, "photons")
+        if values.integrator == "PATH":
+            layout.prop(values, "photons")
+        else:
+            layout.prop(values, "photon_map_size")
+            layout.prop(values, "cache_error")
         layout.prop(values, "light_sampling")
 
 
@@ -156,7 +162,7 @@ class SLO_RT_PT_material(_Panel, bpy.types.Panel):
         layout.use_property_split = True
         layout.prop(values, "use_own")
         if not values.use_own:
-            if context.scene.slo_rt.integrator == "PATH":
+            if context.scene.slo_rt.is_physical:
                 self._draw_notes(layout, material)
             else:
                 self._draw_converted(layout, material)
@@ -213,7 +219,7 @@ class SLO_RT_PT_light(_Panel, bpy.types.Panel):
     def draw(self, context):
         layout, light = self.layout, context.light
         layout.use_property_split = True
-        if context.scene.slo_rt.integrator == "PATH":
+        if context.scene.slo_rt.is_physical:
             layout.prop(light.slo_rt, "brightness")
             return
         if light.type not in {"POINT", "AREA", "SUN"}:

@@ -53,6 +53,12 @@ class RenderSettings(bpy.types.PropertyGroup):
         items=[
             ("PATH", "Path", "All light, as in Cycles: also from surface to surface"),
             (
+                "PHOTON_MAP",
+                "Photon Map",
+                "All light by photons: smooth after few samples, with small errors that more samples do "
+                "not remove",
+            ),
+            (
                 "DISTRIBUTED",
                 "Distributed",
                 "Lights, mirrors and glass with Phong materials, as in the thesis: no light from "
@@ -106,6 +112,21 @@ class RenderSettings(bpy.types.PropertyGroup):
         "Light paths from lamps for each sample, which find caustics: light by way of mirrors and "
         "through glass. 0: none; 0.5 is usual",
         soft_max=4.0,
+        max=100.0,
+    )
+    photon_map_size: IntProperty(
+        name="Photons",
+        description="Photons of all light, and as many of caustics, at most",
+        default=1000000,
+        min=1,
+        max=1 << 26,
+    )
+    cache_error: _number(
+        "Cache Error",
+        "Error that is allowed between the points at which light is gathered; 0: no cache, each "
+        "sample gathers light",
+        default=0.2,
+        soft_max=0.5,
         max=100.0,
     )
     shadow_samples: _samples("Shadow", "Shadow rays per area light at the first hit")
@@ -176,6 +197,17 @@ class RenderSettings(bpy.types.PropertyGroup):
         "Not in animations and not in the background",
         default=True,
     )
+    show_preview: BoolProperty(
+        name="Preview First",
+        description="Show the light of photons first: the whole scene without noise, though blurred, in "
+        "the time of a few samples. Not in animations and not in the background",
+        default=False,
+    )
+
+    @property
+    def is_physical(self):
+        """Whether lamps, materials and skies are those of Cycles."""
+        return self.integrator != "DISTRIBUTED"
 
 
 class MaterialSettings(bpy.types.PropertyGroup):

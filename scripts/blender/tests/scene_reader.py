@@ -7,6 +7,8 @@ Written from the document, not from the exporter, so that it can check the expor
 import math
 import re
 
+import numpy as np
+
 
 class Block:
     """An element or block: `values` of attributes by name (lists), `inner` blocks in order."""
@@ -110,8 +112,29 @@ def unit(a):
 
 def placement(thing, time):
     """`(pivot, [right, forward, up])` of an element at scene time `time` in seconds."""
+    return whole_placement(thing, time)[:2]
+
+
+def matrix(scene, thing, time):
+    """The matrix (4, 4) to world space of an element at a scene time, with all that it hangs in."""
+    pivot, axes, scale = whole_placement(thing, time)
+    result = np.eye(4)
+    result[:3, :3] = np.transpose(axes) * scale
+    result[:3, 3] = pivot
+    if "parent" in thing.values:
+        name = thing.values["parent"][0][0]
+        parents = [
+            block for block in scene.inner if block.name == name and block.kind != "material"
+        ]
+        result = matrix(scene, parents[0], time) @ result
+    return result
+
+
+def whole_placement(thing, time):
+    """`(pivot, [right, forward, up], scale)` of an element at scene time `time` in seconds."""
     frames = [_key(block) for block in thing.all("addKframe")]
     previous = {"pivot": [0.0] * 3, "up": [0.0, 0.0, 1.0], "right": [1.0, 0.0, 0.0]}
+    previous["scale"] = [1.0] * 3
     for frame in frames:
         previous = {name: frame["key"].get(name, previous[name]) for name in previous}
         frame["key"] = previous
@@ -126,7 +149,7 @@ def placement(thing, time):
     right = unit(values["right"])
     along = sum(a * b for a, b in zip(values["up"], right))
     up = unit([a - along * b for a, b in zip(values["up"], right)])
-    return values["pivot"], [right, cross(up, right), up]
+    return values["pivot"], [right, cross(up, right), up], values["scale"]
 
 
 def _key(block):
@@ -141,7 +164,7 @@ def _between(frames, time):
     for a, b in zip(frames, frames[1:]):
         if a["time"] <= time <= b["time"]:
             u = (time - a["time"]) / (b["time"] - a["time"])
-            return {n: bezier(_control(a, b, n), u) for n in ("pivot", "up", "right")}
+            return {n: bezier(_control(a, b, n), u) for n in ("pivot", "up", "right", "scale")}
     raise AssertionError("key frames out of order")
 
 
@@ -190,3 +213,40 @@ def camera(scene, frame, shutter):
         "lens_radius": linear("lensRadius"),
         "time": scene_start + (scene_end - scene_start) * u,
     }
+
+
+def shapes(thing):
+    """Times and filenames of the shapes of a mesh."""
+    found = [
+        (block.number("time"), block.values["filename"][0][0]) for block in thing.all("addShape")
+    ]
+    for block in thing.all("shapes"):
+        pattern = block.values["filename"][0][0]
+        digits = pattern.count("#")
+        first, last = int(block.number("first")), int(block.number("last"))
+        for number in range(first, last + 1):
+            time = block.number("time", 0.0) + (number - first) / block.number("fps")
+            found.append((time, pattern.replace("#" * digits, f"{number:0{digits}d}")))
+    return found
+
+
+def ply(path):
+    """The columns of the vertices of a binary `.ply` file by name, and its triangles or None."""
+    with open(path, "rb") as file:
+        data = file.read()
+    end = data.index(b"end_header\n") + len(b"end_header\n")
+    lines = data[:end].decode().split("\n")
+    assert lines[1] == "format binary_little_endian 1.0"
+    counts = {line.split()[1]: int(line.split()[2]) for line in lines if line.startswith("element")}
+    names = [line.split()[2] for line in lines if line.startswith("property float")]
+    size = 4 * len(names) * counts["vertex"]
+    vertices = np.frombuffer(data[end : end + size], "<f4").reshape(-1, len(names))
+    rest = np.frombuffer(data[end + size :], np.uint8)
+    faces = None
+    if "face" in counts:
+        rest = rest.reshape(counts["face"], 13)
+        assert (rest[:, 0] == 3).all()
+        faces = np.ascontiguousarray(rest[:, 1:]).view("<i4")
+    else:
+        assert not rest.size
+    return dict(zip(names, vertices.T.astype(np.float64))), faces

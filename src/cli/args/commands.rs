@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::Subcommand;
 
 use super::settings::LookArgs;
-use crate::cli::values::{FormatName, Gain, Threads, count, gain, limit, threads};
+use crate::cli::values::{
+    FormatName, Gain, IntegratorName, ProgressForm, Threads, count, gain, limit, noise, photons,
+    samples, seed, threads,
+};
 
 /// What else the program does.
 #[derive(Debug, Subcommand)]
@@ -22,6 +25,10 @@ pub(crate) enum Command {
     Denoise(DenoiseArgs),
     /// Show pictures in another light: lamps dimmed or coloured, another exposure
     Relight(RelightArgs),
+    /// Turn a scene of another program (glTF, OBJ, PLY, NFF) into scene text
+    Import(ImportArgs),
+    /// Write the light on objects into images, by their texture coordinates
+    Bake(BakeArgs),
 }
 
 /// `merge`
@@ -173,6 +180,110 @@ pub(crate) struct RelightArgs {
 
     #[command(flatten)]
     pub(crate) look: LookArgs,
+
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+
+    /// Print help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
+}
+
+/// `import`
+#[derive(Debug, clap::Args)]
+pub(crate) struct ImportArgs {
+    /// A .gltf, .glb, .obj, .ply or .nff file
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+
+    /// Folder for the scene, its meshes and images (short: -od) [default: NAME, as the file]
+    #[arg(short, long, value_name = "DIR", alias = "outdir", alias = "outdit")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Replace files that exist
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+
+    /// Also read files that lie outside of the folder of FILE
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
+
+    /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+
+    /// Print help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
+}
+
+/// `bake`
+#[derive(Debug, clap::Args)]
+pub(crate) struct BakeArgs {
+    /// Scene file, in which objects have a `lightMap N`
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: PathBuf,
+
+    /// Folder for the light maps, created if missing (short: -od) [default: .]
+    #[arg(short, long, value_name = "DIR", alias = "outdit")]
+    pub(crate) outdir: Option<PathBuf>,
+
+    /// Only the light map of this object; may be given several times [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) object: Vec<String>,
+
+    /// The frame whose light is wanted; the files then have its number [default: 0]
+    #[arg(short, long, value_name = "N", allow_hyphen_values = true)]
+    pub(crate) frame: Option<i64>,
+
+    /// Folder that holds the scene file (short: -id)
+    #[arg(long, value_name = "DIR")]
+    pub(crate) indir: Option<PathBuf>,
+
+    /// Let paths in the scene lead anywhere
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
+
+    /// Bake light maps again that are finished already
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+
+    /// File format: exr, png or png16 [default: exr, which holds the light as it is]
+    #[arg(long, value_name = "NAME", hide_possible_values = true, ignore_case = true)]
+    pub(crate) format: Option<FormatName>,
+
+    #[command(flatten)]
+    pub(crate) look: LookArgs,
+
+    /// Samples per texel [default: those of the scene]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = samples)]
+    pub(crate) samples: Option<u32>,
+
+    /// Error at which a light map is clean enough, of irradiance / pi, such as 0.01
+    #[arg(long, value_name = "E", allow_hyphen_values = true, value_parser = noise)]
+    pub(crate) noise: Option<f32>,
+
+    /// Which light is found: distributed, path or photon_map
+    #[arg(long, value_name = "NAME", hide_possible_values = true, ignore_case = true)]
+    pub(crate) integrator: Option<IntegratorName>,
+
+    /// Photons per sample, for caustics of small lamps, with --integrator path
+    #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = photons)]
+    pub(crate) photons: Option<f32>,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = seed)]
+    pub(crate) seed: Option<u64>,
+
+    /// Number of threads, or auto for all [default: the scene's, or all]
+    #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
+    pub(crate) threads: Option<Threads>,
+
+    /// Form of the progress: auto, plain, json, openjd or none [default: auto]
+    #[arg(long, value_name = "FORM", hide_possible_values = true, ignore_case = true)]
+    #[arg(value_enum, default_value_t = ProgressForm::Auto, hide_default_value = true)]
+    pub(crate) progress: ProgressForm,
 
     /// Print nothing but warnings and errors
     #[arg(short, long)]

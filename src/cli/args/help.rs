@@ -30,6 +30,7 @@ Examples:
   slo-rt denoise draft_00015.exr        remove the noise from a picture
   slo-rt relight room.exr -g lamp=0.5 -o dim.png
                                         dim lights of a picture made with `--layers lights`
+  slo-rt bake room.txt -o maps          the light on objects, as images
   slo-rt --recipe default_00000.png     how a picture was made
 
 The paths of the pictures go to standard output, everything else to standard error.";

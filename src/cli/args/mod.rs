@@ -11,7 +11,8 @@ mod tests;
 mod tips;
 
 pub(crate) use commands::{
-    Command, CompareArgs, DenoiseArgs, MergeArgs, RelightArgs, SheetArgs, VerifyArgs,
+    BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs, SheetArgs,
+    VerifyArgs,
 };
 pub(crate) use parse::parse;
 pub(crate) use program::Args;

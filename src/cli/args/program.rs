@@ -11,7 +11,7 @@ use super::help::{ABOUT, EXAMPLES, EXIT_CODES, LONG_ABOUT, SETTINGS};
 use super::settings::SettingArgs;
 use crate::cli::base::When;
 use crate::cli::values::{
-    FrameChoice, FramePath, LayerName, Order, PartBy, ProgressForm, Region, Threads, frames,
+    FrameChoice, FramePath, LayerName, Order, PartBy, ProgressForm, Region, Threads, bytes, frames,
     interval, lease, part, region, steps, threads, time,
 };
 use slo_picture::film::Steps;
@@ -211,6 +211,20 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", help_heading = HOW, allow_hyphen_values = true)]
     #[arg(value_parser = threads)]
     pub(crate) threads: Option<Threads>,
+
+    /// Keep what large meshes take long to work out in DIR
+    ///
+    /// The next run that needs the same meshes starts sooner, on all machines that
+    /// see the folder. The pictures are the same.
+    #[arg(long, value_name = "DIR", help_heading = HOW, verbatim_doc_comment)]
+    pub(crate) cache: Option<PathBuf>,
+
+    /// Most room that the files in --cache may take [default: 20GB]
+    ///
+    /// What was not used for the longest time is removed.
+    #[arg(long, value_name = "SIZE", help_heading = HOW, default_value = "20GB")]
+    #[arg(hide_default_value = true, value_parser = bytes, requires = "cache")]
+    pub(crate) cache_size: u64,
 
     /// Print nothing but warnings and errors
     #[arg(short, long, help_heading = HOW)]

@@ -1,8 +1,10 @@
 //! The commands of the program. No command imports another.
 
+pub(crate) mod bake;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod denoise;
+pub(crate) mod import;
 pub(crate) mod merge;
 pub(crate) mod recipe;
 pub(crate) mod relight;

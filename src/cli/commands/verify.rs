@@ -16,10 +16,10 @@ use slo_picture::film::Steps;
 use slo_picture::film::{Area, FileLayer, Film, Image};
 use slo_picture::output::{
     Crop, Picture, Raster, ReadError, Recipe, RestoreError, Values, is_companion, is_denoised,
-    is_relit, read_layers, read_recipe, restore, steps_of, with_region, with_steps,
+    is_light_map, is_relit, read_layers, read_recipe, restore, steps_of, with_region, with_steps,
     without_outcome,
 };
-use slo_render::frame::FrameScene;
+use slo_render::frame::{Aids, FrameScene};
 use slo_render::render::{Observer, Plan, render};
 use slo_scene::SceneDescription;
 
@@ -128,6 +128,9 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
             return Err(bad(format!("it is {how}; verify the picture that it was made from")));
         }
     }
+    if is_light_map(&parsed) {
+        return Err(bad("it is a light map; `slo-rt bake` makes it again".into()));
+    }
     let (scene, frame) = restore(scene, &parsed).map_err(|error| bad(mismatch(error, job)))?;
     let film = &scene.camera.film;
     let whole = Area::whole(film.width, film.height);
@@ -148,7 +151,7 @@ fn verify(path: &Path, tiles: usize, scene: &SceneDescription, job: &Job) -> Ver
     let layers = read_layers(path).map_err(refusal)?;
     let expected = FileLayer::all(&film.layers, &scene.layer_names());
     let rasters = with_layers(colors, layers, &expected).map_err(bad)?;
-    let built = load::frame(job, &scene, frame, None)
+    let built = load::frame(job.isa, &scene, frame, Aids::default())
         .map_err(|problem| Refusal { exit: problem.exit, why: problem.message })?;
     let chosen = choose(area.cells(TILE).collect(), tiles);
     let different = chosen

@@ -6,8 +6,9 @@ use super::scene_file::SceneFile;
 use super::{built_in, scene_file};
 use crate::cli::base::{Exit, Problem, Terminal};
 use crate::cli::options::Job;
+use slo_accel::Isa;
 use slo_picture::output::check_prefix;
-use slo_render::frame::{FrameError, FrameScene};
+use slo_render::frame::{Aids, FrameError, FrameScene};
 use slo_scene::animation::NoSegment;
 use slo_scene::{Files, Loaded, SceneDescription, ShapeError, load_adapted};
 
@@ -38,25 +39,42 @@ fn read(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
 fn load_file(file: SceneFile, job: &Job) -> Loaded {
     let folder = file.path.parent().unwrap_or(Path::new(""));
     let files = Files::on_disk(folder, &file.root, job.allow_outside);
+    let files = files.with_cache(job.cache.clone());
     let adapt = |scene: &mut SceneDescription| job.overrides.apply(scene);
     load_adapted(&file.path.to_string_lossy(), file.text, &files, &adapt)
 }
 
-/// Builds what a frame needs, on the threads of the current pool. Takes from `before` what both
-/// frames have in common.
+/// Builds what a frame needs, on the threads of the current pool, with the help of what is there.
 pub(crate) fn frame(
+    isa: Isa,
+    scene: &SceneDescription,
+    number: i64,
+    aids: Aids,
+) -> Result<FrameScene, Problem> {
+    FrameScene::build_with(scene, number, isa, aids).map_err(no_frame)
+}
+
+/// Builds what the light map of an object needs, as [`frame`] does. `None` if the frame does not show
+/// the object.
+pub(crate) fn light_map(
     job: &Job,
     scene: &SceneDescription,
     number: i64,
+    object: usize,
     before: Option<FrameScene>,
-) -> Result<FrameScene, Problem> {
-    FrameScene::build_after(scene, number, job.isa, before).map_err(|error| match error {
+) -> Result<Option<FrameScene>, Problem> {
+    FrameScene::build_light_map(scene, number, object, job.isa, before).map_err(no_frame)
+}
+
+/// Makes the problem that a frame can't be built.
+fn no_frame(error: FrameError) -> Problem {
+    match error {
         FrameError::NoSegment(error) => no_segment(&error),
         FrameError::Shape { reason: ShapeError::Unreadable { .. }, .. } => {
             Problem::new(Exit::NoInput, error)
         }
         other => Problem::new(Exit::BadInput, other),
-    })
+    }
 }
 
 /// Makes the problem that the camera does not have a frame.

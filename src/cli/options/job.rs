@@ -1,6 +1,7 @@
 //! The rendering that is asked for.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::overrides::Overrides;
@@ -13,6 +14,7 @@ use slo_picture::film::Steps;
 use slo_render::render::Part;
 use slo_scene::SceneDescription;
 use slo_scene::animation::Clock;
+use slo_scene::cache::Cache;
 
 /// Frames of a scene, and how to render them.
 #[derive(Clone, Debug)]
@@ -56,6 +58,8 @@ pub(crate) struct Job {
     pub(crate) progress: ProgressForm,
     pub(crate) overrides: Overrides,
     pub(crate) threads: Option<usize>,
+    /// Folder of what was worked out before.
+    pub(crate) cache: Option<Arc<Cache>>,
     pub(crate) isa: Isa,
 }
 

@@ -1,17 +1,20 @@
 //! Derives from the arguments what the program is to do.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
-    Args, Command, CompareArgs, DenoiseArgs, MergeArgs, RelightArgs, SheetArgs, VerifyArgs,
+    Args, BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs,
+    SettingArgs, SheetArgs, VerifyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
-use crate::cli::values::{FrameChoice, Maps, Threads};
+use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
 use slo_accel::Isa;
 use slo_picture::output::check_prefix;
+use slo_scene::cache::Cache;
 
 /// What the program is to do, and how.
 #[derive(Debug)]
@@ -40,6 +43,10 @@ pub(crate) enum Task {
     Denoise(DenoiseArgs),
     /// Show pictures in another light.
     Relight(RelightArgs),
+    /// Turn a scene of another program into scene text.
+    Import(ImportArgs),
+    /// Write the light on objects into images. The job names their scene.
+    Bake(BakeArgs, Box<Job>),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -51,6 +58,8 @@ impl From<Args> for Options {
             Some(Command::Merge(merge)) => merge.quiet,
             Some(Command::Denoise(denoise)) => denoise.quiet,
             Some(Command::Relight(relight)) => relight.quiet,
+            Some(Command::Import(import)) => import.quiet,
+            Some(Command::Bake(bake)) => bake.quiet,
             _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
@@ -58,11 +67,12 @@ impl From<Args> for Options {
             (_, true) => Verbosity::Verbose,
             _ => Verbosity::Normal,
         };
-        Self { terminal: Terminal::new(args.color, verbosity), task: task(args) }
+        let terminal = Terminal::new(args.color, verbosity);
+        Self { terminal, task: task(args, terminal) }
     }
 }
 
-fn task(mut args: Args) -> Result<Task, Problem> {
+fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
     if let Some(command) = args.command.take() {
         return Ok(match command {
             Command::Merge(merge) => Task::Merge(merge),
@@ -71,22 +81,47 @@ fn task(mut args: Args) -> Result<Task, Problem> {
                 args.indir = verify.indir.clone();
                 args.allow_outside = verify.allow_outside;
                 args.threads = verify.threads;
-                Task::Verify(verify, Box::new(job(args)?))
+                Task::Verify(verify, Box::new(job(args, terminal)?))
             }
             Command::Compare(compare) => Task::Compare(compare),
             Command::Sheet(sheet) => Task::Sheet(sheet),
             Command::Denoise(denoise) => Task::Denoise(denoise),
             Command::Relight(relight) => Task::Relight(relight),
+            Command::Import(import) => Task::Import(import),
+            Command::Bake(bake) => {
+                let &BakeArgs { format, look, samples, noise, integrator, photons, seed, .. } =
+                    &bake;
+                args.settings = SettingArgs {
+                    format,
+                    look,
+                    samples,
+                    noise,
+                    integrator,
+                    photons,
+                    seed,
+                    ..SettingArgs::default()
+                };
+                args.scene = Some(bake.scene.clone());
+                args.indir = bake.indir.clone();
+                args.outdir = bake.outdir.clone();
+                args.allow_outside = bake.allow_outside;
+                args.overwrite = bake.overwrite;
+                args.skip_existing = !bake.overwrite;
+                args.threads = bake.threads;
+                args.progress = bake.progress;
+                args.frame = bake.frame.map(|n| FrameChoice::These(Frames::single(n)));
+                Task::Bake(bake, Box::new(job(args, terminal)?))
+            }
         });
     }
     match args.recipe.clone() {
         Some(picture) => Ok(Task::Recipe(picture)),
-        None if args.check => job(args).map(Task::Check),
-        None => job(args).map(Task::Render),
+        None if args.check => job(args, terminal).map(Task::Check),
+        None => job(args, terminal).map(Task::Render),
     }
 }
 
-fn job(args: Args) -> Result<Job, Problem> {
+fn job(args: Args, terminal: Terminal) -> Result<Job, Problem> {
     let usage = |why: String| Problem::new(Exit::Usage, why);
     check_prefix(args.prefix.as_deref().unwrap_or_default()).map_err(usage)?;
     let maps = Maps { samples: args.sample_map, error: args.error_map };
@@ -131,6 +166,10 @@ fn job(args: Args) -> Result<Job, Problem> {
         threads: args.threads.map(|threads| match threads {
             Threads::All => std::thread::available_parallelism().map_or(1, usize::from),
             Threads::Count(threads) => threads as usize,
+        }),
+        cache: args.cache.map(|folder| {
+            let warn = move |text: &str| terminal.warn(text);
+            Arc::new(Cache::new(&folder, args.cache_size, warn))
         }),
         isa: Isa::from_env().map_err(|why| usage(format!("SLO_RT_ISA: {why}")))?,
     })

@@ -51,6 +51,7 @@ pub(crate) fn job() -> Job {
         progress: ProgressForm::default(),
         overrides: Overrides::default(),
         threads: None,
+        cache: None,
         isa: Isa::Portable,
     }
 }

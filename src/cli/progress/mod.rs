@@ -4,7 +4,9 @@ mod estimate;
 mod pace;
 mod programs;
 
-use std::path::Path;
+use std::mem;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard};
 use std::time::Duration;
 
@@ -23,9 +25,22 @@ pub(crate) struct Progress {
     estimate: Mutex<Estimate>,
     is_shared: bool,
     frames: usize,
-    /// Number of frames that are done.
-    done: usize,
+    /// Number of frames that are done; a picture may still be on its way to the disk.
+    done: AtomicUsize,
+    beside: Mutex<Beside>,
     pace: Mutex<Pace>,
+    /// What is being made, if it is not a frame.
+    name: Option<String>,
+}
+
+/// What stands beside the frame in progress. Events come frame by frame: that a frame has started
+/// is told after the picture before it is finished.
+enum Beside {
+    Nothing,
+    /// The picture of the last frame is being written.
+    Picture,
+    /// So it is, and the next frame has started: its number, path and index.
+    PictureAndStart(i64, PathBuf, usize),
 }
 
 enum View {
@@ -62,7 +77,10 @@ impl Progress {
             _ => Pace::people(),
         };
         let (estimate, pace) = (Mutex::new(Estimate::new(to_render)), Mutex::new(pace));
-        let progress = Self { view, estimate, is_shared, frames: to_render, done: 0, pace };
+        let done = AtomicUsize::new(0);
+        let beside = Mutex::new(Beside::Nothing);
+        let progress =
+            Self { view, estimate, is_shared, frames: to_render, done, beside, pace, name: None };
         progress.tell(Event::Sequence { frames, to_render });
         progress
     }
@@ -72,16 +90,35 @@ impl Progress {
         self.estimate = Mutex::new(Estimate::of_time(span));
     }
 
+    /// Names what is made next, which is not a frame.
+    pub(crate) fn call(&mut self, name: String) {
+        self.name = Some(name);
+    }
+
+    /// Names what is being made.
+    fn name(&self, frame: i64) -> String {
+        self.name.clone().unwrap_or_else(|| format!("frame {frame}"))
+    }
+
     /// Moves to one of the frames to be rendered, by its place among them, 0 for the first.
     pub(crate) fn go_to(&mut self, place: usize) {
-        self.done = place;
+        *self.done.get_mut() = place;
+    }
+
+    /// Records that a frame has all of its samples, or that it failed. The next one may begin.
+    pub(crate) fn over(&self) {
+        self.done.fetch_add(1, Ordering::SeqCst);
+    }
+
+    fn done(&self) -> usize {
+        self.done.load(Ordering::SeqCst)
     }
 
     /// Records a frame that is finished already. `counted`: it was among the frames to be
     /// rendered.
-    pub(crate) fn found(&mut self, frame: i64, path: &Path, counted: bool) {
+    pub(crate) fn found(&self, frame: i64, path: &Path, counted: bool) {
         if counted {
-            self.done += 1;
+            self.over();
         }
         // Processes that share the work will continue as fast. Others may have helped just once.
         if counted && !self.is_shared {
@@ -92,35 +129,63 @@ impl Progress {
 
     /// Watches the rendering of a frame.
     pub(crate) fn frame(&self, frame: i64, path: &Path) -> FrameProgress<'_> {
-        self.tell(Event::Started { frame, path, index: self.done + 1 });
+        let index = self.done() + 1;
+        {
+            let mut beside = lock(&self.beside);
+            match &*beside {
+                Beside::Picture => *beside = Beside::PictureAndStart(frame, path.into(), index),
+                _ => self.tell(Event::Started { frame, path, index }),
+            }
+        }
         if let View::Bar(bar) = &self.view {
             bar.set_prefix(match self.frames {
-                1 => format!("frame {frame}"),
-                frames => format!("frame {frame}, {} of {frames}", self.done + 1),
+                1 => self.name(frame),
+                frames => format!("{}, {} of {frames}", self.name(frame), self.done() + 1),
             });
         }
         FrameProgress { run: self, frame, done: Mutex::new(0.0) }
     }
 
-    /// Records a frame that is in place after `time`.
-    pub(crate) fn finished(&mut self, frame: i64, path: &Path, time: Duration, outcome: Outcome) {
-        self.done += 1;
-        let run = lock(&self.estimate).at(self.done as f64);
-        self.tell(Event::Finished { frame, path, time, outcome, run });
-        self.show(frame, 0.0);
+    /// Records that the picture of a frame that is over is written while the next frame is rendered.
+    /// It will be finished, or fail, before any other frame does.
+    pub(crate) fn writes_beside(&self) {
+        *lock(&self.beside) = Beside::Picture;
+    }
+
+    /// Tells what happened to a picture, and then that the next frame has started, if it has. Returns
+    /// whether no frame is in progress.
+    fn settle(&self, event: Event) -> bool {
+        let mut beside = lock(&self.beside);
+        self.tell(event);
+        match mem::replace(&mut *beside, Beside::Nothing) {
+            Beside::PictureAndStart(frame, path, index) => {
+                self.tell(Event::Started { frame, path: &path, index });
+                false
+            }
+            _ => true,
+        }
+    }
+
+    /// Records a picture that is in place. Its frame, which is [over](Self::over), took `time`. The
+    /// next one may have begun.
+    pub(crate) fn finished(&self, frame: i64, path: &Path, time: Duration, outcome: Outcome) {
+        let run = lock(&self.estimate).at(self.done() as f64);
+        if self.settle(Event::Finished { frame, path, time, outcome, run }) {
+            self.show(frame, 0.0);
+        }
         if matches!(self.view, View::Lines) && self.frames > 1 {
-            let (done, frames) = (self.done, self.frames);
-            let left = left(&run);
-            say(format_args!("slo-rt: frame {frame} in {}, {done} of {frames}{left}", human(time)));
+            let (done, frames) = (self.done(), self.frames);
+            let (name, time, left) = (self.name(frame), human(time), left(&run));
+            say(format_args!("slo-rt: {name} in {time}, {done} of {frames}{left}"));
         }
     }
 
     /// Records a frame that failed.
-    pub(crate) fn failed(&mut self, frame: i64, problem: &Problem, counted: bool) {
+    pub(crate) fn failed(&self, frame: i64, problem: &Problem, counted: bool) {
         if counted {
-            self.done += 1;
+            self.over();
         }
-        self.tell(Event::Failed { frame, problem });
+        let _ = self.settle(Event::Failed { frame, problem });
     }
 
     /// Reports that only frames of other processes are left.
@@ -152,7 +217,7 @@ impl Progress {
 
     /// Shows that `fraction` of a frame is done.
     fn show(&self, frame: i64, fraction: f64) {
-        let done = self.done as f64 + fraction;
+        let done = self.done() as f64 + fraction;
         match &self.view {
             View::Nothing => {}
             View::Bar(bar) => {
@@ -173,7 +238,13 @@ impl Progress {
     }
 
     fn line(&self, frame: i64, fraction: f64, run: Moment) {
-        self.tell(Event::Progress { frame, fraction, run });
+        {
+            let beside = lock(&self.beside);
+            if matches!(*beside, Beside::PictureAndStart(..)) {
+                return;
+            }
+            self.tell(Event::Progress { frame, fraction, run });
+        }
         if matches!(self.view, View::Lines) {
             let (elapsed, left) = (human(run.elapsed), left(&run));
             say(format_args!("slo-rt: {:3.0} %, {elapsed} passed{left}", run.fraction * 100.0));

@@ -1,5 +1,6 @@
 //! Values of options: what can be typed for each, and what it stands for.
 
+mod bytes;
 mod frame_path;
 mod frames;
 mod gain;
@@ -14,6 +15,7 @@ mod quality;
 mod threads;
 mod time;
 
+pub(crate) use bytes::bytes;
 pub(crate) use frame_path::FramePath;
 pub(crate) use frames::{FrameChoice, Frames, frames, named, shown};
 pub(crate) use gain::{Gain, gain};

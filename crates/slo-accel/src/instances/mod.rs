@@ -42,9 +42,10 @@ use self::placements::nearest;
 pub use self::query::InstancesScratch;
 use crate::isa::Isa;
 use crate::math::Bounds;
+use crate::math::rounding::UNIT_ROUNDOFF;
 use crate::primitives::triangle::POSITION_ERROR;
-use crate::structure::Structure;
 use crate::structure::bvh::halting::Boxes;
+use crate::structure::{Bending, Structure};
 
 /// Instance number of a ray that hits nothing.
 pub const NO_INSTANCE: u32 = u32::MAX;
@@ -58,6 +59,8 @@ pub const MAX_DEPTH: usize = 8;
 pub enum Child {
     /// Primitives.
     Structure(Arc<Structure>),
+    /// Triangles that bend: each ray meets them at its own time.
+    Bending(Arc<Bending>),
     /// Instances of other things: copies of copies.
     Instances(Arc<Instances>),
 }
@@ -66,7 +69,7 @@ impl Child {
     /// Number of structures that are placed along with it: that of the deepest level.
     fn count(&self) -> u64 {
         match self {
-            Self::Structure(_) => 1,
+            Self::Structure(_) | Self::Bending(_) => 1,
             Self::Instances(instances) => u64::from(instances.count),
         }
     }
@@ -74,7 +77,7 @@ impl Child {
     /// Levels of instances above structures.
     fn depth(&self) -> usize {
         match self {
-            Self::Structure(_) => 0,
+            Self::Structure(_) | Self::Bending(_) => 0,
             Self::Instances(instances) => instances.depth,
         }
     }
@@ -83,6 +86,7 @@ impl Child {
     fn parts(&self, count: usize) -> Vec<Bounds> {
         match self {
             Self::Structure(structure) => structure.parts(count),
+            Self::Bending(bending) => vec![bending.bounds()],
             Self::Instances(instances) => instances.boxes.parts(count),
         }
     }
@@ -339,12 +343,18 @@ struct Original {
 
 impl Original {
     fn new(child: &Child) -> Self {
-        let parts = child.parts(PARTS);
+        let mut parts = child.parts(PARTS);
+        parts.retain(|part| !part.is_empty());
         let largest = |part: &Bounds| part.min.abs().max(part.max.abs()).max_element();
         let size = parts.iter().map(largest).fold(0.0, f32::max);
         let (error, is_along_axes) = match child {
             Child::Structure(_) => {
                 (Error { absolute: POSITION_ERROR * size, of_origin: POSITION_ERROR }, true)
+            }
+            Child::Bending(_) => {
+                // Where corners are is rounded too.
+                let absolute = (POSITION_ERROR + 16.0 * UNIT_ROUNDOFF) * size;
+                (Error { absolute, of_origin: POSITION_ERROR }, true)
             }
             Child::Instances(instances) => (Error { absolute: 0.0, ..instances.error }, false),
         };

@@ -7,26 +7,23 @@ use super::affine::Affine;
 /// A placement has one map from the child's space, or several: these are its poses, evenly spaced
 /// over the time from 0 to 1, and a ray uses the one nearest to its own time. A box is tightest
 /// and numbers are most exact if the origin of the child's space is in its middle.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Placements {
     children: Vec<u32>,
-    /// The first pose of each placement, and the number of all poses.
+    /// The first pose of each placement, and the number of all poses; empty if each placement has
+    /// one.
     first: Vec<u32>,
     poses: Vec<Affine>,
-}
-
-impl Default for Placements {
-    fn default() -> Self {
-        Self { children: vec![], first: vec![0], poses: vec![] }
-    }
 }
 
 impl Placements {
     /// Room for `count` placements of one pose each.
     pub fn with_capacity(count: usize) -> Self {
-        let mut first = Vec::with_capacity(count + 1);
-        first.push(0);
-        Self { children: Vec::with_capacity(count), first, poses: Vec::with_capacity(count) }
+        Self {
+            children: Vec::with_capacity(count),
+            first: vec![],
+            poses: Vec::with_capacity(count),
+        }
     }
 
     /// Adds a placement of the child of an index.
@@ -35,9 +32,15 @@ impl Placements {
     /// If `poses` is empty, or there are 2^32 poses already.
     pub fn push(&mut self, child: u32, poses: &[Affine]) {
         assert!(!poses.is_empty(), "a placement has a pose");
+        if poses.len() > 1 && self.first.is_empty() {
+            self.first.extend(0..=self.children.len() as u32);
+        }
         self.children.push(child);
         self.poses.extend_from_slice(poses);
-        self.first.push(u32::try_from(self.poses.len()).expect("fewer than 2^32 poses"));
+        let count = u32::try_from(self.poses.len()).expect("fewer than 2^32 poses");
+        if !self.first.is_empty() {
+            self.first.push(count);
+        }
     }
 
     /// Number of placements.
@@ -60,7 +63,11 @@ impl Placements {
     /// The poses of a placement.
     #[inline]
     pub fn poses(&self, placement: u32) -> &[Affine] {
-        let [from, to] = [0, 1].map(|i| self.first[placement as usize + i] as usize);
+        let placement = placement as usize;
+        if self.first.is_empty() {
+            return std::slice::from_ref(&self.poses[placement]);
+        }
+        let [from, to] = [0, 1].map(|i| self.first[placement + i] as usize);
         &self.poses[from..to]
     }
 

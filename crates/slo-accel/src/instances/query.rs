@@ -54,7 +54,7 @@ impl Answers {
     #[inline]
     fn instance(&self, child: &Child, j: usize) -> u32 {
         match child {
-            Child::Structure(_) => 0,
+            Child::Structure(_) | Child::Bending(_) => 0,
             Child::Instances(_) => self.instance[j],
         }
     }
@@ -365,6 +365,9 @@ impl Question for Closest<'_> {
             Child::Structure(structure) => {
                 structure.intersect(&local.rays, coherence, hits, structures)
             }
+            Child::Bending(bending) => {
+                bending.intersect(&local.rays, &local.time, coherence, hits, structures)
+            }
             Child::Instances(instances) => {
                 hits.reset(local.rays.len());
                 let (rays, time) = (&local.rays, &local.time[..]);
@@ -420,6 +423,9 @@ impl Question for Any<'_> {
         match child {
             Child::Structure(structure) => {
                 structure.occluded(&local.rays, coherence, blocked, structures)
+            }
+            Child::Bending(bending) => {
+                bending.occluded(&local.rays, &local.time, coherence, blocked, structures)
             }
             Child::Instances(instances) => {
                 let (rays, time) = (&local.rays, &local.time[..]);

@@ -59,11 +59,20 @@ fn one_by_one(instances: &Instances, rays: &Rays, time: &[f32]) -> Vec<(Bits, bo
                 (origin, direction) = Inverse::of(pose).expect("invertible").ray(origin, direction);
                 child = Some(level.child(placement));
             }
-            let Some(Child::Structure(structure)) = child else { panic!("a structure") };
             let mut local = Rays::default();
             local.push(origin, direction, rays.t_max[i]);
-            structure.intersect(&local, Coherence::Incoherent, &mut hits, &mut scratch);
-            structure.occluded(&local, Coherence::Incoherent, &mut blocked, &mut scratch);
+            let alike = Coherence::Incoherent;
+            match child {
+                Some(Child::Structure(structure)) => {
+                    structure.intersect(&local, alike, &mut hits, &mut scratch);
+                    structure.occluded(&local, alike, &mut blocked, &mut scratch);
+                }
+                Some(Child::Bending(bending)) => {
+                    bending.intersect(&local, &time[i..], alike, &mut hits, &mut scratch);
+                    bending.occluded(&local, &time[i..], alike, &mut blocked, &mut scratch);
+                }
+                _ => panic!("primitives"),
+            }
             assert_eq!(blocked[0], hits.primitive[0] != NO_HIT);
             // Bits of positive numbers order as they do.
             if hits.primitive[0] != NO_HIT && hits.t[0].to_bits() < best[0] {
@@ -152,6 +161,26 @@ fn copies_of_copies_are_hit_where_they_are() {
     let depths: Vec<usize> = (0..31).map(|number| instances.chain(number).count()).collect();
     assert_eq!((depths[0], depths.iter().min(), depths.iter().max()), (4, Some(&1), Some(&4)));
     assert!(check(&make, &random.rays(2_000, 2.0)) > 300);
+}
+
+#[test]
+fn some_children_bend() {
+    let mut random = Random::new(8);
+    let mesh = Primitives::from(random.triangles(30, 0.5));
+    let shapes: Vec<Vec<Triangle>> = (0..3).map(|_| random.triangles(30, 0.5)).collect();
+    let mut placements = Placements::default();
+    for i in 0..40 {
+        let poses: Vec<_> = (0..1 + i % 2).map(|_| affine(&mut random, 0.5)).collect();
+        placements.push(i % 2, &poses);
+    }
+    let make = |accelerator, isa| {
+        let bending = Bending::build(&shapes, &[0.0, 0.4, 1.0], isa);
+        let children = vec![structure(accelerator, &mesh, isa), Child::Bending(Arc::new(bending))];
+        Instances::build(children, placements.clone(), isa).expect("it can be built")
+    };
+    let rays = random.rays(300, 3.0);
+    let hits = check(&make, &rays);
+    assert!(hits > 50, "{hits}");
 }
 
 #[test]

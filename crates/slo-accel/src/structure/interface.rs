@@ -1,5 +1,6 @@
 //! What every structure does: the seam between the [list](super) and the folders.
 
+use std::borrow::Cow;
 use std::fmt::Debug;
 
 use crate::isa::Isa;
@@ -46,6 +47,17 @@ impl From<Isa> for BuildOptions {
     }
 }
 
+/// Bytes in which a structure is [kept](super::Structure::kept), section by section. They may have been
+/// written by anybody.
+pub trait Sections {
+    /// The length of a section in bytes; `None` if there is none of this number.
+    fn length(&self, section: usize) -> Option<usize>;
+
+    /// Fills `to`, which is as long as the section, with its bytes. Returns false if they can't be read,
+    /// or are not those that were written.
+    fn read(&self, section: usize, to: &mut [u8]) -> bool;
+}
+
 /// A structure over primitives.
 ///
 /// Hits are exactly those of [`Brute`](super::brute::Brute), bit by bit: the first with
@@ -62,6 +74,23 @@ pub(crate) trait SpatialIndex: Debug + Sized + Send + Sync {
     /// Builds the structure, on all threads of the current rayon pool; it is the same for any
     /// number of threads.
     fn build(primitives: Primitives, options: BuildOptions) -> Self;
+
+    /// What was built over the primitives, for [`restore`](Self::restore); `None` if it can't be kept.
+    fn kept(&self) -> Option<Vec<Cow<'_, [u8]>>> {
+        None
+    }
+
+    /// Makes of sections that were kept the structure that [`build`](Self::build) makes of the same
+    /// primitives. Gives the primitives back if the sections can't belong to them. Whatever the
+    /// sections hold, queries stay within bounds and come to an end.
+    fn restore(
+        primitives: Primitives,
+        options: BuildOptions,
+        sections: &dyn Sections,
+    ) -> Result<Self, Primitives> {
+        let _ = (options, sections);
+        Err(primitives)
+    }
 
     /// The primitives, as they were given.
     fn geometry(&self) -> &Self::Geometry;

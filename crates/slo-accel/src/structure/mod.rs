@@ -16,8 +16,10 @@ pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
+
 pub use self::bending::{Bending, Moment};
-pub use self::interface::BuildOptions;
+pub use self::interface::{BuildOptions, Sections};
 use self::interface::{Geometry, SpatialIndex};
 use crate::math::Bounds;
 use crate::primitives::{Curved, Primitives, Triangle};
@@ -49,6 +51,19 @@ macro_rules! structures {
             fn new(accelerator: Accelerator, primitives: Primitives, options: BuildOptions) -> Self {
                 match accelerator {
                     $(Accelerator::$name => Self::$name(SpatialIndex::build(primitives, options)),)*
+                }
+            }
+
+            fn restored(
+                accelerator: Accelerator,
+                primitives: Primitives,
+                options: BuildOptions,
+                sections: &dyn Sections,
+            ) -> Result<Self, Primitives> {
+                match accelerator {
+                    $(Accelerator::$name => {
+                        SpatialIndex::restore(primitives, options, sections).map(Self::$name)
+                    })*
                 }
             }
         }
@@ -144,6 +159,50 @@ impl Structure {
         let primitives = primitives.into();
         assert!(primitives.len() <= Self::MAX_PRIMITIVES, "at most 2^28 primitives");
         Self { built: Built::new(accelerator, primitives, options.into()) }
+    }
+
+    /// Returns the bytes of all triangles, as they lie in memory: the corners one after the other, each
+    /// with its x, y and z. What is [kept](Self::kept) depends on nothing else, on curved surfaces, and on
+    /// the options.
+    pub fn bytes_of_triangles(primitives: &Primitives) -> &[u8] {
+        shared::pages::bytes_of(&primitives.triangles)
+    }
+
+    /// Version of what [`kept`](Self::kept) returns. A structure that another version kept may be
+    /// [restored](Self::restore) to another one, which gives the same hits.
+    pub const KEPT: u32 = 1;
+
+    /// Returns what was built over the primitives, in sections of bytes, from which
+    /// [`restore`](Self::restore) makes the structure again faster than it was built. The bytes are
+    /// the same on all machines.
+    ///
+    /// Returns `None` for structures that cannot be kept, and on machines whose numbers begin with
+    /// their highest byte.
+    pub fn kept(&self) -> Option<Vec<Cow<'_, [u8]>>> {
+        ask!(&self.built, index => index.kept()).filter(|_| cfg!(target_endian = "little"))
+    }
+
+    /// Makes a structure of what was [kept](Self::kept) of one over the same primitives, with the
+    /// same options but for the instruction set. It gives the same hits.
+    ///
+    /// The sections need not be trusted: if they cannot belong to these primitives, the primitives come
+    /// back. Sections of another structure over as many primitives may be accepted, and hits may then be
+    /// missed, but no query fails, and none returns a hit that is not there.
+    ///
+    /// # Errors
+    /// The primitives come back if the sections cannot be used.
+    pub fn restore(
+        accelerator: Accelerator,
+        primitives: impl Into<Primitives>,
+        options: impl Into<BuildOptions>,
+        sections: &dyn Sections,
+    ) -> Result<Self, Primitives> {
+        let primitives = primitives.into();
+        if primitives.len() > Self::MAX_PRIMITIVES || cfg!(target_endian = "big") {
+            return Err(primitives);
+        }
+        let built = Built::restored(accelerator, primitives, options.into(), sections)?;
+        Ok(Self { built })
     }
 
     /// Number of triangles: ids below it are triangles.

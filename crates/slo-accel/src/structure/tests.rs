@@ -1,5 +1,7 @@
 //! What holds for every structure of the list.
 
+use rand::RngExt;
+
 use super::testing::Random;
 use super::*;
 use crate::isa::Isa;
@@ -84,4 +86,108 @@ fn nothing_is_hit_where_nothing_is() {
             assert!(answers.iter().all(|a| a.0[3] == crate::NO_HIT && !a.1), "{name}, {isa}");
         }
     }
+}
+
+/// Sections in memory.
+impl Sections for Vec<Vec<u8>> {
+    fn length(&self, section: usize) -> Option<usize> {
+        self.get(section).map(Vec::len)
+    }
+
+    fn read(&self, section: usize, to: &mut [u8]) -> bool {
+        to.copy_from_slice(&self[section]);
+        true
+    }
+}
+
+/// What is kept of a structure over primitives; `None` if it can't be kept.
+fn kept(accelerator: Accelerator, primitives: &Primitives, splits: bool) -> Option<Vec<Vec<u8>>> {
+    let options = BuildOptions::new(Isa::best()).with_spatial_splits(splits);
+    let structure = Structure::build(accelerator, primitives.clone(), options);
+    let sections = structure.kept()?;
+    Some(sections.into_iter().map(Cow::into_owned).collect())
+}
+
+#[test]
+fn a_restored_structure_is_the_one_that_was_built() {
+    let mut random = Random::new(5);
+    let rays = random.rays(2000, 1.0);
+    let mut scratch = Scratch::default();
+    let scenes = [primitives(&mut random), Primitives::default(), random.triangles(3, 0.5).into()];
+    for (primitives, splits) in scenes.iter().flat_map(|of| [(of, false), (of, true)]) {
+        for &(name, accelerator) in Accelerator::NAMES {
+            let Some(kept) = kept(accelerator, primitives, splits) else {
+                assert_ne!(accelerator, Accelerator::Bvh);
+                continue;
+            };
+            let built = Structure::build(accelerator, primitives.clone(), Isa::best());
+            let expected = ask(&built, &rays, Coherence::Coherent, &mut scratch);
+            for isa in Isa::available() {
+                let restored = Structure::restore(accelerator, primitives.clone(), isa, &kept);
+                let restored = restored.unwrap_or_else(|_| panic!("{name}"));
+                assert_geometry(&restored, primitives, name);
+                assert_eq!(restored.kept().expect("kept again"), kept, "{name}");
+                let answers = ask(&restored, &rays, Coherence::Coherent, &mut scratch);
+                assert!(answers == expected, "{name}, {isa}");
+            }
+        }
+    }
+}
+
+/// Whatever sections hold, they give no structure, or one that answers and finds only what is there.
+#[test]
+fn damaged_and_hostile_sections_do_no_harm() {
+    let mut random = Random::new(6);
+    let primitives = primitives(&mut random);
+    let rays = random.rays(64, 1.0);
+    let mut scratch = Scratch::default();
+    let oracle = Structure::build(Accelerator::None, primitives.clone(), Isa::Portable);
+    let expected = ask(&oracle, &rays, Coherence::Incoherent, &mut scratch);
+    let sound = kept(Accelerator::Bvh, &primitives, false).expect("it can be kept");
+    let (mut refused, mut restored) = (0, 0);
+    for round in 0..600 {
+        let mut sections = sound.clone();
+        let section = random.0.random_range(0..sections.len());
+        let words = sections[section].len() / 4;
+        for _ in 0..1 + round % 3 {
+            let at = 4 * random.0.random_range(0..words);
+            let other = 4 * random.0.random_range(0..words);
+            let old = u32::from_le_bytes(sections[section][at..at + 4].try_into().expect("four"));
+            let word = match round % 6 {
+                0 => random.0.random(),
+                1 => u32::MAX,
+                2 => old ^ 1 << random.0.random_range(0..32),
+                3 => f32::NAN.to_bits(),
+                4 => old.wrapping_add(1),
+                _ => u32::from_le_bytes(sections[section][other..other + 4].try_into().expect("4")),
+            };
+            sections[section][at..at + 4].copy_from_slice(&word.to_le_bytes());
+        }
+        match round % 50 {
+            0 => sections[section].truncate(4 * (words - 1)),
+            1 => sections[section].extend([0; 256]),
+            2 => sections.truncate(1),
+            3 => sections.swap(0, 1),
+            _ => {}
+        }
+        for isa in Isa::available() {
+            let structure =
+                Structure::restore(Accelerator::Bvh, primitives.clone(), isa, &sections);
+            let Ok(structure) = structure else {
+                refused += 1;
+                continue;
+            };
+            restored += 1;
+            assert_geometry(&structure, &primitives, "restored");
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                let answers = ask(&structure, &rays, coherence, &mut scratch);
+                for (answer, expected) in answers.iter().zip(&expected) {
+                    let t = |bits: u32| f32::from_bits(bits);
+                    assert!(t(answer.0[0]) >= t(expected.0[0]));
+                    assert!(expected.1 || !answer.1);
+                }
+            }
+        }
+    }
+    assert!(refused > 200 && restored > 20, "{refused} refused, {restored} restored");
 }

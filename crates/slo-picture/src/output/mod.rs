@@ -27,8 +27,8 @@ pub use map::{
 };
 pub use name::{Info, check_prefix, file_name};
 pub use recipe::{
-    Outcome, Recipe, RestoreError, continues, has_same_samples, is_denoised, is_relit, layers_of,
-    restore, settings_of, steps_of, with_denoiser, with_look, with_outcome, with_region,
-    with_relit, with_steps, without_outcome,
+    Outcome, Recipe, RestoreError, continues, has_same_samples, is_denoised, is_light_map,
+    is_relit, layers_of, restore, settings_of, steps_of, with_denoiser, with_light_map, with_look,
+    with_outcome, with_region, with_relit, with_steps, without_outcome,
 };
 pub use state::{read_state, read_subject, write_state};

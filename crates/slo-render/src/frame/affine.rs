@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
+use slo_accel::instances;
+use slo_accel::math::rounding::UNIT_ROUNDOFF;
 use slo_scene::animation::DAffine;
 
 /// The transform `x -> linear x + translation`, with its inverse; f32.
@@ -29,15 +31,22 @@ impl Affine {
     /// Converts `affine` to f32 and to a target space whose origin lies at `origin` of the old
     /// target space.
     pub(super) fn relative(affine: &DAffine, origin: DVec3) -> Self {
-        let is_rigid = affine.is_rigid();
-        let linear = affine.linear;
-        let inverse: DMat3 = if is_rigid { linear.transpose() } else { linear.inverse() };
-        Self {
-            inverse: inverse.as_mat3(),
-            translation: (affine.translation - origin).as_vec3(),
-            linear: linear.as_mat3(),
-            is_rigid,
-        }
+        Self::of(affine.linear.as_mat3(), (affine.translation - origin).as_vec3())
+    }
+
+    /// The map `x -> linear x + translation`.
+    pub(super) fn of(linear: Mat3, translation: Vec3) -> Self {
+        let wide = linear.as_dmat3();
+        // The products of columns of a rotation are rounded twice.
+        let rest = (wide.transpose() * wide - DMat3::IDENTITY).to_cols_array();
+        let is_rigid = rest.iter().all(|c| c.abs() <= 2.5 * f64::from(UNIT_ROUNDOFF));
+        let inverse = if is_rigid { linear.transpose() } else { wide.inverse().as_mat3() };
+        Self { inverse, translation, linear, is_rigid }
+    }
+
+    /// The map as structures know it.
+    pub(super) fn placed(&self) -> instances::Affine {
+        instances::Affine { matrix: self.linear, translation: self.translation }
     }
 
     /// Transforms a point.

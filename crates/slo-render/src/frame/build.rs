@@ -1,6 +1,5 @@
 //! Builds a FrameScene from a SceneDescription and a frame number.
 
-use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
@@ -8,13 +7,16 @@ use glam::{DVec3, Vec3};
 use super::compositing::Compositing;
 use super::emitters::{add_emitters, light_groups};
 use super::error::FrameError;
+use super::kept::{Aids, structure};
+use super::lists::{crowd, not_placed};
 use super::looks::{Look, Looks};
-use super::parts::{Parts, Seen, structure};
+use super::parts::{Parts, Seen};
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
 use super::shared::Shared;
 use super::sharp::sharp_objects;
 use super::shown::Shown;
+use super::texels::LightMaps;
 use super::world::World;
 use crate::camera::Camera;
 use crate::photons::{Emission, Everywhere, PhotonLamps, targets};
@@ -22,8 +24,8 @@ use crate::sampling::Sampler;
 use crate::shading::light::{EvenSky, LightBounds, LightTree, Poses, Skies, SkyShare, Techniques};
 use crate::shading::material::{self, Kind};
 use crate::shading::{Light, Lights, MaterialTable};
-use slo_accel::{Isa, Structure};
-use slo_scene::animation::{Clock, DAffine};
+use slo_accel::Isa;
+use slo_scene::animation::Clock;
 use slo_scene::{
     CamSegment, Integrator, LightSampling, PhotonSeed, SceneDescription, Settings, ShadowMode,
 };
@@ -43,21 +45,23 @@ impl FrameScene {
     /// Fails if the frame's time lies in no camera segment, if nothing can be seen from the
     /// camera's view, or if an object's key frames do not form a path.
     pub fn build(scene: &SceneDescription, number: i64, isa: Isa) -> Result<Self, FrameError> {
-        Self::build_after(scene, number, isa, None)
+        Self::build_with(scene, number, isa, Aids::default())
     }
 
-    /// Like [`build`](Self::build), but reuses structures of another frame of the same scene if
-    /// they fit this frame too: the structures of objects that move in both frames, and the
-    /// structure of all still objects if they lie in the same places.
+    /// Like [`build`](Self::build), but starts from what is there: [what another frame
+    /// left](Self::remains), if it fits this frame too (structures of objects that move in both
+    /// frames, and the structure of all still objects if they lie in the same places), and structures
+    /// in a cache. The picture is the same.
     ///
     /// # Errors
     /// Fails in the same cases as [`build`](Self::build).
-    pub fn build_after(
+    pub fn build_with(
         scene: &SceneDescription,
         number: i64,
         isa: Isa,
-        before: Option<Self>,
+        aids: impl Into<Aids>,
     ) -> Result<Self, FrameError> {
+        let Aids { before, cache } = aids.into();
         let shutter = Clock::new(&scene.camera).shutter(number).map_err(FrameError::NoSegment)?;
         let segment = &scene.camera.segments[shutter.segment];
         let film = &scene.camera.film;
@@ -70,10 +74,12 @@ impl FrameScene {
         let shown = Shown::of(scene)?;
         let spaces = &shown.spaces;
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
-        let before = before.map(Before::from);
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
-        let shared = Shared::new(shown.objects.iter().map(|shown| &shown.object.shape));
-        let mut parts = Parts { before: moving, shared, ..Parts::default() };
+        let cast =
+            |&(object, _, count): &(u32, _, u64)| (&scene.objects[object as usize].shape, count);
+        let shapes = shown.objects.iter().map(|shown| (&shown.object.shape, 1));
+        let shared = Shared::new(shapes.chain(shown.casts.iter().map(cast)));
+        let mut parts = Parts { before: moving, cache, shared, ..Parts::default() };
         for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
         }
@@ -82,7 +88,8 @@ impl FrameScene {
             // Photons start where the sky is sampled.
             Integrator::Distributed | Integrator::PhotonMap => SkyShare::All,
         };
-        let sampled = Skies { share, before: before.as_ref().map(|before| &before.lights) };
+        let skies_before = before.as_ref().map_or(&[][..], |before| &before.skies);
+        let sampled = Skies { share, before: skies_before };
         let (mut lights, mut poses) = (Vec::new(), Poses::default());
         let (mut hidden, mut passable) = (Vec::new(), Vec::new());
         for shown in &shown.lights {
@@ -109,6 +116,7 @@ impl FrameScene {
             LightSampling::One => 0,
         };
         let first_shaded = add_emitters(scene, &shown.objects, &mut parts, &mut lights, &mut poses);
+        let crowd = crowd(&shown, &mut parts, scene, &seen, isa)?;
         let light_groups = light_groups(scene, &shown, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {
@@ -122,13 +130,14 @@ impl FrameScene {
         let sends = uses_photons || is_photon_map;
         let targets = sends.then(|| targets(&sharp_objects(scene, &shown.objects, &parts)));
         let still = match before {
-            Some(before) if before.places == parts.places && !parts.any_is_shaped => before.still,
+            Some(before) if *before.places == parts.places => before.still,
             // Free the old structure before building the new one.
             other => {
                 drop(other);
-                Arc::new(structure(parts.still, &scene.settings, isa))
+                Arc::new(structure(parts.still(), &scene.settings, isa, parts.cache.as_deref()))
             }
         };
+        let still_objects = parts.still_objects();
         let times = (number, &shutter);
         let compositing = Compositing::new(scene, &shown, times, origin, &parts.looks)?;
         let looks = Looks::new(
@@ -136,7 +145,11 @@ impl FrameScene {
             parts.instances.iter().map(|instance| instance.object),
         );
         let materials: Vec<_> = scene.materials.iter().map(material::row).collect();
-        let world = World::new(still, parts.instances, isa);
+        let world = World::new(still, parts.instances, crowd, isa).map_err(|error| {
+            // There is no error without a crowd.
+            let first = shown.crowds.first().copied().unwrap_or(0);
+            not_placed(error, &scene.copies[first as usize])
+        })?;
         let bounds = light_bounds(&lights, &poses);
         let light_tree = LightTree::new(&bounds[first_chosen..]);
         let skies = skies(&lights);
@@ -154,7 +167,9 @@ impl FrameScene {
             PhotonSeed::Fixed => 0,
         };
         let sampler = |frame| Sampler::new(scene.settings.generator, scene.settings.seed, frame);
-        Ok(Self {
+        let tints =
+            world.crowd.tints() || parts.objects.iter().any(|object| object.tint != Vec3::ONE);
+        let frame = Self {
             camera,
             world,
             material_table: MaterialTable::new(&scene.materials, &materials),
@@ -173,11 +188,14 @@ impl FrameScene {
             is_physical: is_physical(scene),
             softens,
             stretches: parts.stretches,
-            tints: parts.objects.iter().any(|object| object.tint != Vec3::ONE),
+            tints,
             sampler: sampler(number),
             photon_sampler: sampler(photon_frame),
             pilot_sampler: sampler(number).renamed(PILOT),
             field: OnceLock::new(),
+            baked: None,
+            light_maps: LightMaps::default(),
+            known_light: OnceLock::new(),
             settings,
             isa,
             clever: true,
@@ -185,9 +203,10 @@ impl FrameScene {
             objects: parts.objects,
             looks,
             compositing,
-            still_places: parts.places,
-            still_objects: [parts.triangle_objects, parts.curved_objects].concat(),
-        })
+            still_places: Arc::new(parts.places),
+            still_objects,
+        };
+        Ok(Self { light_maps: frame.light_maps_of(scene), ..frame })
     }
 }
 
@@ -229,24 +248,6 @@ fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
         let is_physical = |index| Kind::of(&scene.materials[index as usize]) != Kind::Phong;
         !object.normals.is_empty() && look.material().is_some_and(is_physical)
     })
-}
-
-/// Structures of another frame, to be reused.
-struct Before {
-    still: Arc<Structure>,
-    places: Vec<(u32, DAffine)>,
-    /// Structures of instances, by the index of the object.
-    moving: HashMap<u32, Arc<Structure>>,
-    /// Lights, for tables of images.
-    lights: Lights,
-}
-
-impl From<FrameScene> for Before {
-    fn from(frame: FrameScene) -> Self {
-        let World { still, instances, .. } = frame.world;
-        let moving = instances.into_iter().map(|i| (i.object, i.structure)).collect();
-        Self { still, places: frame.still_places, moving, lights: frame.lights }
-    }
 }
 
 /// Chooses the origin of render space, in scene space: near the camera, where precision matters. It

@@ -45,8 +45,7 @@ impl Compositing {
             objects: Vec::new(),
             materials: Vec::new(),
         };
-        let things =
-            || (0..).zip(looks).map(|(number, look)| Thing::of(scene, shown, number, *look));
+        let things = || (0..looks.len()).map(|number| Thing::of(scene, shown, number, looks));
         if has(Layer::CryptoObject) {
             all.objects = things().map(|thing| mask_id(thing.name)).collect();
         }
@@ -95,21 +94,26 @@ struct Thing<'a> {
 }
 
 impl<'a> Thing<'a> {
-    fn of(scene: &'a SceneDescription, shown: &Shown<'a>, number: usize, look: Look) -> Self {
-        match look {
+    fn of(scene: &'a SceneDescription, shown: &Shown<'a>, number: usize, looks: &[Look]) -> Self {
+        let at_rest = Whereabouts { key_frames: &[], repeat: None, parent: None };
+        match looks[number] {
             Look::Light(light) => {
                 let ShownLight { light, at } = shown.lights[light as usize];
                 Self { name: &light.name, at, material: None }
             }
             Look::Material(material) => {
-                let ShownObject { object, at, .. } = shown.objects[number];
+                let (object, at) = match shown.objects.get(number) {
+                    Some(ShownObject { object, at, .. }) => (*object, *at),
+                    None => {
+                        // Crowds come last. They rest, if anybody asks for motion.
+                        let (object, ..) = shown.casts[number - (looks.len() - shown.casts.len())];
+                        (&scene.objects[object as usize], at_rest)
+                    }
+                };
                 let material = Some(&*scene.materials[material as usize].name);
                 Self { name: &object.name, at, material }
             }
-            Look::Nothing => {
-                let at = Whereabouts { key_frames: &[], repeat: None, parent: None };
-                Self { name: "", at, material: None }
-            }
+            Look::Nothing => Self { name: "", at: at_rest, material: None },
         }
     }
 }

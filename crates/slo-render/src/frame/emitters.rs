@@ -56,10 +56,7 @@ impl Body {
         let instances = &parts.instances;
         if let Ok(place) = instances.binary_search_by_key(&number, |of| of.object) {
             let instance = &instances[place];
-            if instance.bending.is_some() {
-                return None;
-            }
-            let structure = &instance.structure;
+            let structure = instance.body.structure()?;
             let primitives = match (geometry, structure.curved()) {
                 (Geometry::Curved(_), [Curved::Sphere { center, radius }]) => {
                     Primitives::Sphere(*center, *radius)
@@ -72,15 +69,13 @@ impl Body {
             };
             return Self { primitives, poses: Vec::new() }.moving(&instance.poses);
         }
-        let primitives = match geometry {
-            Geometry::Mesh(..) => Primitives::Triangles(parts.still_triangles(object)?.to_vec()),
-            Geometry::Curved(_) => {
-                let place = parts.curved_objects.binary_search(&number).ok()?;
-                match parts.still.curved[place] {
-                    Curved::Sphere { center, radius } => Primitives::Sphere(center, radius),
-                    _ => return None,
-                }
+        let slo_accel::Primitives { triangles, curved, .. } = parts.still_object(object)?;
+        let primitives = match (geometry, &curved[..]) {
+            (Geometry::Mesh(..), _) => Primitives::Triangles(triangles),
+            (Geometry::Curved(_), [Curved::Sphere { center, radius }]) => {
+                Primitives::Sphere(*center, *radius)
             }
+            (Geometry::Curved(_), _) => return None,
         };
         Some(Self { primitives, poses: Vec::new() })
     }
@@ -223,6 +218,10 @@ pub(super) fn light_groups(
     let mut all: Vec<u32> =
         shown.lights.iter().map(|of| number(of.light.group.as_deref())).collect();
     all.resize(lights, 0);
+    let first_cast = parts.objects.len() - shown.casts.len();
+    for ((object, ..), to) in shown.casts.iter().zip(&mut parts.objects[first_cast..]) {
+        to.light_group = number(scene.objects[*object as usize].light_group.as_deref());
+    }
     for (shown, to) in shown.objects.iter().zip(&mut parts.objects) {
         to.light_group = number(shown.object.light_group.as_deref());
         if let Some(first) = to.first_light {

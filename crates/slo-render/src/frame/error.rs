@@ -6,7 +6,7 @@ use super::lamps::LampFault;
 use crate::camera::DegenerateView;
 use slo_scene::ShapeError;
 use slo_scene::animation::{KeyFrameError, NoSegment};
-use slo_scene::{MOST_COPIED, MOST_NESTED};
+use slo_scene::{MOST_COPIED, MOST_NESTED, MOST_SHOWN};
 
 /// Why a frame of a scene cannot be built.
 #[derive(Clone, Debug)]
@@ -89,9 +89,12 @@ impl fmt::Display for FrameError {
             Self::Nested { copy } => {
                 write!(f, "more than {MOST_NESTED} copies are nested in one another: `{copy}`")
             }
-            Self::Copies => {
-                write!(f, "the frame shows more than {MOST_COPIED} things, copies included")
-            }
+            Self::Copies => write!(
+                f,
+                "the frame shows more than {MOST_SHOWN} things, copies included, or more than \
+                 {MOST_COPIED} that are no plain copies: lamps, things that glow or change shape, \
+                 and things that move by themselves"
+            ),
             Self::Extent { object } => write!(
                 f,
                 "`{object}` is too large or too small in this frame: all its scales together must \

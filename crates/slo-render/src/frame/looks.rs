@@ -16,6 +16,9 @@ pub(crate) enum Look {
 }
 
 impl Look {
+    /// The word of [`Nothing`](Self::Nothing).
+    pub(crate) const NOTHING: u32 = u32::MAX;
+
     /// Words below this are materials; words from here on are lights.
     const LIGHTS: u32 = 1 << 31;
 
@@ -31,13 +34,13 @@ impl Look {
         match self {
             Self::Material(index) => index,
             Self::Light(index) => Self::LIGHTS | index,
-            Self::Nothing => u32::MAX,
+            Self::Nothing => Self::NOTHING,
         }
     }
 
     pub(crate) fn of_word(word: u32) -> Self {
         match word {
-            u32::MAX => Self::Nothing,
+            Self::NOTHING => Self::Nothing,
             Self::LIGHTS.. => Self::Light(word & !Self::LIGHTS),
             _ => Self::Material(word),
         }
@@ -82,7 +85,13 @@ impl Looks {
 
     /// Returns the look of the object with an index.
     pub(super) fn of(&self, object: u32) -> Look {
-        Look::of_word(self.words[object as usize])
+        Look::of_word(self.word_of(object))
+    }
+
+    /// Returns the look of the object with an index, as a word.
+    #[inline]
+    pub(super) fn word_of(&self, object: u32) -> u32 {
+        self.words[object as usize]
     }
 }
 

@@ -7,7 +7,10 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::affine::Affine;
 use super::bend::{Bent, Shaped};
+use super::crowd::Cast;
 use super::error::FrameError;
+use super::instance::{Body, Instance};
+use super::kept::structure;
 use super::lamps::carried;
 use super::looks::Look;
 use super::sampled_camera::SampledCamera;
@@ -16,13 +19,13 @@ use super::scene::FrameObject;
 use super::shapes::{Geometry, geometry, lamp_geometry};
 use super::shared::Shared;
 use super::shown::{ShownLight, ShownObject, Whereabouts};
-use super::world::Instance;
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
-use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Structure, Triangle};
+use slo_accel::{Isa, Primitives, Structure};
 use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
+use slo_scene::cache::Cache;
 use slo_scene::shape::MeshSurface;
-use slo_scene::{SceneDescription, Settings, Shape};
+use slo_scene::{MaterialId, Object, SceneDescription, Shape};
 
 /// What the objects' motion is sampled for.
 pub(super) struct Seen<'a> {
@@ -49,7 +52,7 @@ impl Seen<'_> {
 
     /// Returns where something is over the shutter: one pose if it does not move. `about` are bounds
     /// of it in its own space.
-    fn poses(
+    pub(super) fn poses(
         &self,
         name: &str,
         path: &Path,
@@ -70,7 +73,7 @@ impl Seen<'_> {
 }
 
 /// Whether f32 can hold a stretched object.
-fn fits(pose: &DAffine, about: &ObjectBox) -> bool {
+pub(super) fn fits(pose: &DAffine, about: &ObjectBox) -> bool {
     const MOST_GROWTH: f64 = 1e12;
     const FARTHEST: f64 = 1e10;
     let most = |m: DMat3| m.to_cols_array().into_iter().fold(0.0, |most: f64, c| most.max(c.abs()));
@@ -87,30 +90,56 @@ pub(super) struct Parts {
     pub(super) objects: Vec<FrameObject>,
     /// Look of each object.
     pub(super) looks: Vec<Look>,
-    pub(super) still: Primitives,
     /// Index and place of each still object.
     pub(super) places: Vec<(u32, DAffine)>,
-    /// Whether any object has its shape in this frame only.
-    pub(super) any_is_shaped: bool,
     /// Whether normals of any still object may have any length.
     pub(super) stretches: bool,
     /// Existing structures of instances, by the index of the object.
     pub(super) before: HashMap<u32, Arc<Structure>>,
+    /// Where structures may be found.
+    pub(super) cache: Option<Arc<Cache>>,
     /// What objects of one mesh share.
     pub(super) shared: Shared,
-    /// Index of the object of each still triangle, and of each still curved surface.
-    pub(super) triangle_objects: Vec<u32>,
+    /// Number of triangles of all still objects.
+    pub(super) still_triangles: usize,
+    /// Index of the object of each still curved surface.
     pub(super) curved_objects: Vec<u32>,
     pub(super) instances: Vec<Instance>,
 }
 
 impl Parts {
-    /// Returns the triangles of an object, in render space, if it is still.
-    pub(super) fn still_triangles(&self, object: usize) -> Option<&[Triangle]> {
-        self.places.binary_search_by_key(&(object as u32), |(number, _)| *number).ok()?;
-        let Geometry::Mesh(mesh, _) = &self.objects[object].geometry else { return None };
-        let first = self.objects[object].first_triangle as usize;
-        self.still.triangles.get(first..first + mesh.faces.len())
+    /// Returns the primitives of all still objects, in render space.
+    pub(super) fn still(&self) -> Primitives {
+        let mut still = Primitives::default();
+        still.triangles.reserve_exact(self.still_triangles);
+        for (number, place) in &self.places {
+            add_primitives(&mut still, &self.objects[*number as usize].geometry, place);
+        }
+        still
+    }
+
+    /// Returns the primitives of an object, in render space, if it is still.
+    pub(super) fn still_object(&self, object: usize) -> Option<Primitives> {
+        let place =
+            self.places.binary_search_by_key(&(object as u32), |(number, _)| *number).ok()?;
+        let mut primitives = Primitives::default();
+        add_primitives(&mut primitives, &self.objects[object].geometry, &self.places[place].1);
+        Some(primitives)
+    }
+
+    /// Returns the index of the object of each still triangle, then of each still curved surface.
+    pub(super) fn still_objects(&self) -> Vec<u32> {
+        let faces = |number: u32| match &self.objects[number as usize].geometry {
+            Geometry::Mesh(mesh, _) => mesh.faces.len(),
+            Geometry::Curved(_) => 0,
+        };
+        let count: usize = self.places.iter().map(|(number, _)| faces(*number)).sum();
+        let mut all = Vec::with_capacity(count + self.curved_objects.len());
+        for (number, _) in &self.places {
+            all.extend(std::iter::repeat_n(*number, faces(*number)));
+        }
+        all.extend(&self.curved_objects);
+        all
     }
 
     pub(super) fn add(
@@ -123,7 +152,6 @@ impl Parts {
         let object = shown.object;
         let path = seen.path(&object.name, shown.at)?;
         let look = Look::Material(shown.material.0);
-        let mut geometry = geometry(&object.shape);
         if let Shape::Mesh(MeshSurface { mesh, smooth, shapes: Some(shapes) }) = &object.shape {
             // What another frame knows of this object is about another shape.
             self.before.remove(&(self.objects.len() as u32));
@@ -132,19 +160,21 @@ impl Parts {
             match shaped {
                 Shaped::Bends(bent) => {
                     let poses = seen.poses(&object.name, &path, &bent.about())?;
-                    self.add_bent(look, bent, *smooth, &poses, scene, seen, isa);
-                    if let Some(added) = self.objects.last_mut() {
-                        added.tint = shown.tint.into();
-                    }
-                    return Ok(());
+                    self.add_bent(look, bent, *smooth, &poses, seen, isa);
                 }
-                Shaped::AtRest(mesh) => geometry = Geometry::Mesh(mesh, *smooth),
+                // It has a structure of its own, so that those of other objects fit the next frame.
+                Shaped::AtRest(mesh) => {
+                    let geometry = Geometry::Mesh(mesh, *smooth);
+                    let poses = seen.poses(&object.name, &path, &self.shared.about(&geometry))?;
+                    self.add_instance(look, geometry, &poses, scene, seen, isa);
+                }
             }
-            self.any_is_shaped = true;
+        } else {
+            let geometry = geometry(&object.shape);
+            let about = self.shared.about(&geometry);
+            let poses = seen.poses(&object.name, &path, &about)?;
+            self.add_surface(look, geometry, &poses, scene, seen, isa);
         }
-        let about = self.shared.about(&geometry);
-        let poses = seen.poses(&object.name, &path, &about)?;
-        self.add_surface(look, geometry, &poses, scene, seen, isa);
         if let Some(added) = self.objects.last_mut() {
             added.tint = shown.tint.into();
         }
@@ -238,16 +268,54 @@ impl Parts {
         isa: Isa,
     ) {
         let center = self.shared.about(&geometry).center();
+        let (structure, normals) = self.made_of(&geometry, center, scene, isa);
+        let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
+        self.instances.push(Instance {
+            body: Body::Still(structure),
+            center: center.as_vec3(),
+            poses: poses.collect(),
+            object: self.objects.len() as u32,
+        });
+        self.looks.push(look);
+        self.objects.push(FrameObject::placed(geometry, normals));
+    }
+
+    /// Adds an object of a crowd. Returns what it is made of, and its box in object space.
+    pub(super) fn add_cast(
+        &mut self,
+        object: &Object,
+        material: MaterialId,
+        scene: &SceneDescription,
+        isa: Isa,
+    ) -> (Cast, ObjectBox) {
+        let geometry = geometry(&object.shape);
+        let about = self.shared.about(&geometry);
+        let (structure, normals) = self.made_of(&geometry, about.center(), scene, isa);
+        self.looks.push(Look::Material(material.0));
+        self.objects.push(FrameObject::placed(geometry, normals));
+        (Cast { body: Body::Still(structure), center: about.center().as_vec3() }, about)
+    }
+
+    /// Returns the structure of the next object, translated by `-center`, and the normals of its
+    /// vertices. Both may be shared with others.
+    fn made_of(
+        &mut self,
+        geometry: &Geometry,
+        center: DVec3,
+        scene: &SceneDescription,
+        isa: Isa,
+    ) -> (Arc<Structure>, Arc<[Vec3]>) {
         let number = self.objects.len() as u32;
         let there = self.before.get(&number).cloned();
+        let cache = self.cache.clone();
         let build = || {
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
-            add_primitives(&mut local, &geometry, &place);
-            Arc::new(structure(local, &scene.settings, isa))
+            add_primitives(&mut local, geometry, &place);
+            Arc::new(structure(local, &scene.settings, isa, cache.as_deref()))
         };
-        let normals = || vertex_normals(&geometry, &DAffine::IDENTITY).into();
-        let (structure, normals) = match self.shared.of(&geometry) {
+        let normals = || vertex_normals(geometry, &DAffine::IDENTITY).into();
+        match self.shared.of(geometry) {
             Some(common) => {
                 let structure = &mut common.structure;
                 let structure = structure.get_or_insert_with(|| there.unwrap_or_else(build));
@@ -259,68 +327,41 @@ impl Parts {
                 (structure.clone(), normals)
             }
             None => (there.unwrap_or_else(build), normals()),
-        };
-        let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
-        self.instances.push(Instance {
-            structure,
-            bending: None,
-            center: center.as_vec3(),
-            poses: poses.collect(),
-            object: number,
-        });
-        self.looks.push(look);
-        self.objects.push(FrameObject {
-            normals,
-            geometry,
-            place: Affine::IDENTITY,
-            first_triangle: 0,
-            first_light: None,
-            light_group: 0,
-            tint: Vec3::ONE,
-        });
+        }
     }
 
     /// Adds a mesh that bends during the shutter.
-    #[allow(clippy::too_many_arguments)]
     fn add_bent(
         &mut self,
         look: Look,
         bent: Bent,
         is_smooth: bool,
         poses: &[DAffine],
-        scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
     ) {
         let center = bent.about().center();
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
-            structure: Arc::new(structure(Primitives::default(), &scene.settings, isa)),
-            bending: Some(bent.structure(center, isa)),
+            body: Body::Bending(Arc::new(bent.structure(center, isa))),
             center: center.as_vec3(),
             poses: poses.collect(),
             object: self.objects.len() as u32,
         });
         self.looks.push(look);
-        self.objects.push(FrameObject {
-            normals: if is_smooth { bent.normals.into() } else { Arc::default() },
-            geometry: Geometry::Mesh(bent.mesh, is_smooth),
-            place: Affine::IDENTITY,
-            first_triangle: 0,
-            first_light: None,
-            light_group: 0,
-            tint: Vec3::ONE,
-        });
+        let normals = if is_smooth { bent.normals.into() } else { Arc::default() };
+        self.objects.push(FrameObject::placed(Geometry::Mesh(bent.mesh, is_smooth), normals));
     }
 
     fn add_still(&mut self, look: Look, geometry: Geometry, place: &DAffine, seen: &Seen<'_>) {
         let number = self.objects.len() as u32;
-        let first_triangle = self.still.triangles.len() as u32;
+        let first_triangle = self.still_triangles;
         let placed = DAffine { translation: place.translation - seen.origin, ..*place };
         self.places.push((number, placed));
-        add_primitives(&mut self.still, &geometry, &placed);
-        self.triangle_objects.resize(self.still.triangles.len(), number);
-        self.curved_objects.resize(self.still.curved.len(), number);
+        match &geometry {
+            Geometry::Mesh(mesh, _) => self.still_triangles += mesh.faces.len(),
+            Geometry::Curved(_) => self.curved_objects.push(number),
+        }
         let normals = vertex_normals(&geometry, place);
         self.stretches |= place.growth.is_none() && !normals.is_empty();
         let place = Affine::relative(place, seen.origin);
@@ -328,28 +369,12 @@ impl Parts {
         self.objects.push(FrameObject {
             geometry,
             place,
-            first_triangle,
+            first_triangle: first_triangle as u32,
             first_light: None,
             light_group: 0,
             tint: Vec3::ONE,
             normals: normals.into(),
         });
-    }
-}
-
-/// Builds the structure that the settings ask for.
-pub(super) fn structure(primitives: Primitives, settings: &Settings, isa: Isa) -> Structure {
-    let options = BuildOptions::new(isa).with_spatial_splits(settings.spatial_splits);
-    Structure::build(accelerator(settings.accelerator), primitives, options)
-}
-
-/// Converts the scene's name of a structure.
-fn accelerator(name: slo_scene::Accelerator) -> Accelerator {
-    match name {
-        slo_scene::Accelerator::KdTree => Accelerator::KdTree,
-        slo_scene::Accelerator::Bvh => Accelerator::Bvh,
-        slo_scene::Accelerator::Cwbvh => Accelerator::Cwbvh,
-        slo_scene::Accelerator::None => Accelerator::None,
     }
 }
 

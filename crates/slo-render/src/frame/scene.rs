@@ -7,17 +7,19 @@ use glam::Vec3;
 
 use super::affine::Affine;
 use super::compositing::Compositing;
+use super::instance::Instance;
 use super::looks::Looks;
 use super::shapes::Geometry;
-use super::world::{Instance, World, WorldHits};
+use super::texels::{Baked, LightMaps};
+use super::world::{STILL, World, WorldHits};
 use crate::camera::Camera;
 use crate::guiding::Field;
-use crate::photons::{Emission, PhotonLamps};
+use crate::photons::{Emission, PhotonLamps, PhotonLight};
 use crate::sampling::Sampler;
 use crate::shading::light::{LightTree, Techniques};
 use crate::shading::{Lights, Material, MaterialTable};
 use slo_accel::math::columns::Column;
-use slo_accel::{Bending, Isa, Structure};
+use slo_accel::{Isa, Structure};
 use slo_scene::animation::DAffine;
 use slo_scene::{Integrator, Settings, ShadowMode, Texture};
 
@@ -62,6 +64,12 @@ pub struct FrameScene {
     pub(crate) settings: Settings,
     /// The field that guides rays, once it is known.
     pub(crate) field: OnceLock<Field>,
+    /// The light map whose texels are the pixels, instead of what the camera sees.
+    pub(crate) baked: Option<Baked>,
+    /// Light maps that `PHOTON_MAP` reads at the ends of rays.
+    pub(crate) light_maps: LightMaps,
+    /// The light that photons brought, if the next frame needs it too.
+    pub(crate) known_light: OnceLock<PhotonLight>,
     /// Instruction set of all vectorized code.
     pub(crate) isa: Isa,
     /// Whether variance is reduced by more than good sample points; see [`plain`](Self::plain).
@@ -80,7 +88,7 @@ pub struct FrameScene {
     pub(super) looks: Looks,
     pub(super) compositing: Compositing,
     /// Index and place of each still object: what the still structure was built from.
-    pub(super) still_places: Vec<(u32, DAffine)>,
+    pub(super) still_places: Arc<Vec<(u32, DAffine)>>,
     /// For each primitive of the still structure, the index of its object in `objects`.
     pub(super) still_objects: Vec<u32>,
 }
@@ -103,6 +111,21 @@ pub(super) struct FrameObject {
     /// Normals of the vertices: in render space if the object is still, in object space if it is an
     /// instance. They are unit, except if `place` is a stretch. Empty if the object is not smooth.
     pub(super) normals: Arc<[Vec3]>,
+}
+
+impl FrameObject {
+    /// An object of this geometry that is an instance.
+    pub(super) fn placed(geometry: Geometry, normals: Arc<[Vec3]>) -> Self {
+        Self {
+            geometry,
+            place: Affine::IDENTITY,
+            first_triangle: 0,
+            first_light: None,
+            light_group: 0,
+            tint: Vec3::ONE,
+            normals,
+        }
+    }
 }
 
 impl FrameScene {
@@ -212,6 +235,15 @@ impl FrameScene {
     /// Finds the looks of what the rays of a batch hit, as words.
     pub(crate) fn find_looks(&self, found: &WorldHits, to: &mut Column<u32>) {
         self.looks.find(self.isa, &self.still_objects, found, to);
+        if self.world.crowd.is_empty() {
+            return;
+        }
+        let first = self.world.instances.len() as u32;
+        for (to, &instance) in to.iter_mut().zip(&found.instance) {
+            if (first..STILL).contains(&instance) {
+                *to = self.looks.word_of(self.world.object_of(instance));
+            }
+        }
     }
 
     /// Returns the memory, in bytes, of the structures and tables of this frame without meshes and
@@ -229,8 +261,11 @@ impl FrameScene {
     /// Returns where a point of a surface, which is there at one time of the shutter, is at another;
     /// `instance` is the instance that was hit.
     pub(crate) fn moved(&self, instance: u32, point: Vec3, [from, to]: [f32; 2]) -> Vec3 {
-        let Some(instance) = self.world.instances.get(instance as usize) else { return point };
-        instance.pose(to).point(instance.pose(from).inverse_point(point))
+        if instance == STILL {
+            return point;
+        }
+        let [from, to] = [from, to].map(|time| self.world.pose(instance, time));
+        to.point(from.inverse_point(point))
     }
 
     /// Whether anything but the camera moves within the shutter.
@@ -240,16 +275,15 @@ impl FrameScene {
 
     /// Returns the number of objects that move within the shutter.
     pub fn moving_objects(&self) -> usize {
-        let moves = |of: &&Instance| of.poses.len() > 1 || of.bending.is_some();
-        self.world.instances.iter().filter(moves).count()
+        let moves = |of: &&Instance| of.moves();
+        self.world.instances.iter().filter(moves).count() + self.world.crowd.moving
     }
 
     /// Returns the number of primitives in all structures. Objects that share a structure count
     /// once.
     pub fn primitives(&self) -> usize {
         let of = |s: &Structure| s.triangle_count() + s.curved().len();
-        let bending = |i: &Instance| i.bending.as_ref().map_or(0, Bending::triangle_count);
-        let bending: usize = self.world.instances.iter().map(bending).sum();
+        let bending: usize = self.world.bending().map(|of| of.triangle_count()).sum();
         self.world.structures().map(|structure| of(structure)).sum::<usize>() + bending
     }
 }

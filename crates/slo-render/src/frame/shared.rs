@@ -36,12 +36,13 @@ fn address(mesh: &Arc<Mesh>) -> usize {
 }
 
 impl Shared {
-    /// Counts the objects of each mesh among these shapes.
-    pub(super) fn new<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Self {
+    /// Counts the objects of each mesh among these shapes, which come with a number of objects.
+    pub(super) fn new<'a>(shapes: impl Iterator<Item = (&'a Shape, u64)>) -> Self {
         let mut shared = Self::default();
-        for shape in shapes {
+        for (shape, count) in shapes {
             if let Shape::Mesh(surface) = shape {
-                shared.0.entry(address(&surface.mesh)).or_default().objects += 1;
+                let objects = &mut shared.0.entry(address(&surface.mesh)).or_default().objects;
+                *objects = objects.saturating_add(count as usize);
             }
         }
         shared
@@ -66,7 +67,7 @@ impl Shared {
     pub(super) fn is_placed(&mut self, geometry: &Geometry) -> bool {
         let Geometry::Mesh(mesh, _) = geometry else { return false };
         let faces = mesh.faces.len();
-        self.of(geometry).is_some_and(|common| common.objects * faces > MOST_COPIED)
+        self.of(geometry).is_some_and(|common| common.objects.saturating_mul(faces) > MOST_COPIED)
     }
 }
 

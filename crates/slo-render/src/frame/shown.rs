@@ -1,4 +1,6 @@
-//! What a frame shows: objects and lights, and all copies of them, one by one.
+//! What a frame shows: objects and lights, and copies of them, one by one unless they are a crowd.
+
+use std::collections::HashMap;
 
 use slo_scene::animation::{Spaces, placed};
 use slo_scene::{
@@ -7,6 +9,8 @@ use slo_scene::{
 };
 
 use super::error::FrameError;
+use super::members::Members;
+use super::survey::{Found, Survey};
 
 /// An object, or a copy of one.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +46,16 @@ pub(super) struct Shown<'a> {
     pub(super) lights: Vec<ShownLight<'a>>,
     /// What they hang in: the spaces of the scene, then those of copies.
     pub(super) spaces: Spaces,
+    /// Copies that are not among the objects.
+    pub(super) crowds: Vec<u32>,
+    /// Whether copies of copies in crowds stay nested.
+    pub(super) is_nested: bool,
+    /// The objects of crowds, each with its material and how many there are.
+    pub(super) casts: Vec<(u32, MaterialId, u64)>,
+    /// How many things originals show, by the material that a copy gives them.
+    pub(super) things: HashMap<(Original, Option<MaterialId>), u64>,
+    /// What hangs in spaces of the scene; empty if there are no copies.
+    pub(super) members: Members,
 }
 
 impl<'a> Shown<'a> {
@@ -51,7 +65,16 @@ impl<'a> Shown<'a> {
             let object = scene.spaces[space].name.clone();
             FrameError::Path { object, reason }
         })?;
-        let mut shown = Self { objects: Vec::new(), lights: Vec::new(), spaces };
+        let mut shown = Self {
+            objects: Vec::new(),
+            lights: Vec::new(),
+            spaces,
+            crowds: Vec::new(),
+            is_nested: false,
+            casts: Vec::new(),
+            things: HashMap::new(),
+            members: Members::default(),
+        };
         for object in scene.objects.iter().filter(|of| !of.hidden && !scene.hides(of.parent)) {
             let Object { key_frames, parent, material, .. } = object;
             let at = Whereabouts { key_frames, repeat: object.repeat, parent: *parent };
@@ -64,37 +87,17 @@ impl<'a> Shown<'a> {
             shown.lights.push(ShownLight { light, at });
         }
         if !scene.copies.is_empty() {
-            Expansion { scene, members: Members::of(scene), shown: &mut shown }.copies()?;
+            shown.members = Members::of(scene);
+            let found = Survey::new(scene, &shown.members, &shown.spaces).decide();
+            let Found { crowds, others, is_nested, casts, things } = found;
+            (shown.crowds, shown.is_nested) = (crowds, is_nested);
+            (shown.casts, shown.things) = (casts, things);
+            let members = std::mem::take(&mut shown.members);
+            let mut expansion = Expansion { scene, members: &members, shown: &mut shown };
+            expansion.copies(others)?;
+            shown.members = members;
         }
         Ok(shown)
-    }
-}
-
-/// Indices of what hangs in each space directly, and is not hidden.
-struct Members {
-    objects: Vec<Vec<u32>>,
-    lights: Vec<Vec<u32>>,
-    copies: Vec<Vec<u32>>,
-    spaces: Vec<Vec<u32>>,
-}
-
-impl Members {
-    fn of(scene: &SceneDescription) -> Self {
-        let sorted = |parents: &mut dyn Iterator<Item = (bool, Option<SpaceId>)>| {
-            let mut members = vec![Vec::new(); scene.spaces.len()];
-            for (number, (is_hidden, parent)) in (0u32..).zip(parents) {
-                if let Some(parent) = parent.filter(|_| !is_hidden) {
-                    members[parent.0 as usize].push(number);
-                }
-            }
-            members
-        };
-        Self {
-            objects: sorted(&mut scene.objects.iter().map(|of| (of.hidden, of.parent))),
-            lights: sorted(&mut scene.lights.iter().map(|of| (false, of.parent))),
-            copies: sorted(&mut scene.copies.iter().map(|of| (of.hidden, of.parent))),
-            spaces: sorted(&mut scene.spaces.iter().map(|of| (of.hidden, of.parent))),
-        }
     }
 }
 
@@ -110,14 +113,13 @@ struct Change {
 /// Adds copies one by one.
 struct Expansion<'a, 's> {
     scene: &'a SceneDescription,
-    members: Members,
+    members: &'s Members,
     shown: &'s mut Shown<'a>,
 }
 
 impl<'a> Expansion<'a, '_> {
-    fn copies(&mut self) -> Result<(), FrameError> {
-        let scene = self.scene;
-        for copy in scene.copies.iter().filter(|of| !of.hidden && !scene.hides(of.parent)) {
+    fn copies(&mut self, copies: Vec<&'a Copy>) -> Result<(), FrameError> {
+        for copy in copies {
             let space = self.add_space(copy, copy.parent)?;
             let change = Change { material: None, tint: [1.0; 3], depth: 0 };
             self.copy(copy, space, change)?;

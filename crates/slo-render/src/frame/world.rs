@@ -1,15 +1,16 @@
 //! The two-level structure: one tree over everything that is still, one tree over the boxes of
 //! moving or stretched objects, and a tree of its own for each of these.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use glam::Vec3;
 
 use super::affine::Affine;
-use slo_accel::instances::{self, Child, NO_INSTANCE, Placements};
+use super::crowd::Crowd;
+use super::instance::{Body, Instance, all_of};
+use slo_accel::instances::{self, NO_INSTANCE};
 use slo_accel::math::Bounds;
-use slo_accel::math::rounding::gamma;
 use slo_accel::{
     Bending, BoxScratch, BoxTree, Coherence, Hits, Instances, InstancesScratch, Isa, LANES, NO_HIT,
     Rays, Scratch, Structure,
@@ -26,58 +27,15 @@ const MANY: usize = 16;
 #[derive(Debug)]
 pub(crate) struct World {
     pub(super) still: Arc<Structure>,
+    /// Instances that are kept one by one: the first of all instances.
     pub(super) instances: Vec<Instance>,
+    /// What the other instances are.
+    pub(super) crowd: Crowd,
     /// Boxes of few instances.
     boxes: BoxTree,
     /// All instances, if they are many.
     many: Option<Instances>,
     isa: Isa,
-}
-
-/// An object that moves within the shutter, or a curved one that is stretched.
-#[derive(Debug)]
-pub(crate) struct Instance {
-    /// Its primitives, in object space translated by `-center`.
-    pub(super) structure: Arc<Structure>,
-    /// Its triangles if they bend, in the same space. `structure` is empty then.
-    pub(super) bending: Option<Bending>,
-    /// Middle of the object in object space. Coordinates relative to it are small and keep their
-    /// precision.
-    pub(super) center: Vec3,
-    /// `render_from_structure`, evenly spaced over the shutter. A ray uses the pose nearest to its
-    /// time.
-    pub(super) poses: Vec<Affine>,
-    /// Index of the object.
-    pub(super) object: u32,
-}
-
-impl Instance {
-    /// Returns `render_from_structure` at a time of the shutter in `[0, 1]`.
-    ///
-    /// Source: thesis 5.3, with rounding to the nearest pose.
-    #[inline]
-    pub(super) fn pose(&self, time: f32) -> &Affine {
-        let last = self.poses.len() - 1;
-        &self.poses[((time * last as f32 + 0.5) as usize).min(last)]
-    }
-
-    /// Returns the bounding box of all poses.
-    pub(super) fn bounds(&self) -> Bounds {
-        let bounds = match &self.bending {
-            Some(bending) => bending.bounds(),
-            None => self.structure.bounds(),
-        };
-        let corners = bounds.corners();
-        let at = |pose: &Affine| Bounds::of_points(corners.map(|c| pose.point(c)));
-        let bounds = self.poses.iter().map(at).fold(Bounds::EMPTY, Bounds::union);
-        // Rays are transformed to object space with rounding errors of their own.
-        let far = bounds.min.abs().max(bounds.max.abs());
-        let stretched = self.poses.iter().filter(|pose| !pose.is_rigid);
-        let size = stretched
-            .fold(far.max_element(), |size, pose| size.max(pose.round_trip(far).max_element()));
-        let margin = Vec3::splat(size * gamma(16));
-        Bounds { min: bounds.min - margin, max: bounds.max + margin }
-    }
 }
 
 /// The first hits of a batch of rays, and their instances.
@@ -106,15 +64,32 @@ pub(crate) struct WorldScratch {
 }
 
 impl World {
-    pub(super) fn new(still: Arc<Structure>, instances: Vec<Instance>, isa: Isa) -> Self {
-        let any_bends = instances.iter().any(|instance| instance.bending.is_some());
-        let are_few = instances.len() < MANY || any_bends;
-        let many = if are_few { None } else { all_of(&instances, isa) };
+    /// # Errors
+    /// If the crowd cannot be placed.
+    pub(super) fn new(
+        still: Arc<Structure>,
+        instances: Vec<Instance>,
+        mut crowd: Crowd,
+        isa: Isa,
+    ) -> Result<Self, instances::BuildError> {
+        let many = match crowd.take() {
+            Some((children, placements)) => Some(Instances::build(children, placements, isa)?),
+            None if instances.len() < MANY => None,
+            None => {
+                let (children, placements) = all_of(&instances);
+                Instances::build(children, placements, isa).ok()
+            }
+        };
         let boxes: Vec<_> = match many {
             Some(_) => Vec::new(),
             None => instances.iter().map(Instance::bounds).collect(),
         };
-        Self { still, instances, boxes: BoxTree::new(&boxes), many, isa }
+        Ok(Self { still, instances, crowd, boxes: BoxTree::new(&boxes), many, isa })
+    }
+
+    /// Whether there is nothing but what is still.
+    fn is_still(&self) -> bool {
+        self.instances.is_empty() && self.many.is_none()
     }
 
     /// Finds the first hit of every ray at its own time in `[0, 1]`. Returns how coherent the rays
@@ -130,7 +105,7 @@ impl World {
         let coherence = self.still.intersect(rays, coherence, &mut found.hits, &mut scratch.accel);
         found.instance.clear();
         found.instance.resize(rays.len(), STILL);
-        if self.instances.is_empty() {
+        if self.is_still() {
             return coherence;
         }
         let reach = |t: f32, i: usize| t.min(rays.t_max[i]);
@@ -157,13 +132,16 @@ impl World {
                 push_local(local, rays, instance.pose(time[i as usize]), i as usize, t_max);
             }
             let (hits, accel) = (&mut scratch.local_hits, &mut scratch.accel);
-            if let Some(bending) = &instance.bending {
-                let times = &mut scratch.local_times;
-                times.clear();
-                times.extend(entering.iter().map(|&i| time[i as usize]));
-                bending.intersect(local, times, coherence, hits, accel);
-            } else {
-                instance.structure.intersect(local, coherence, hits, accel);
+            match &instance.body {
+                Body::Still(structure) => {
+                    structure.intersect(local, coherence, hits, accel);
+                }
+                Body::Bending(bending) => {
+                    let times = &mut scratch.local_times;
+                    times.clear();
+                    times.extend(entering.iter().map(|&i| time[i as usize]));
+                    bending.intersect(local, times, coherence, hits, accel);
+                }
             }
             for (j, &i) in entering.iter().enumerate() {
                 let i = i as usize;
@@ -190,7 +168,7 @@ impl World {
         scratch: &mut WorldScratch,
     ) -> Coherence {
         let coherence = self.still.occluded(rays, coherence, blocked, &mut scratch.accel);
-        if self.instances.is_empty() {
+        if self.is_still() {
             return coherence;
         }
         let reach = |i: usize| if blocked[i] { -1.0 } else { rays.t_max[i] };
@@ -216,13 +194,16 @@ impl World {
                 push_local(local, rays, instance.pose(time[i]), i, rays.t_max[i]);
             }
             let (found, accel) = (&mut scratch.local_blocked, &mut scratch.accel);
-            if let Some(bending) = &instance.bending {
-                let times = &mut scratch.local_times;
-                times.clear();
-                times.extend(entering.iter().map(|&i| time[i as usize]));
-                bending.occluded(local, times, coherence, found, accel);
-            } else {
-                instance.structure.occluded(local, coherence, found, accel);
+            match &instance.body {
+                Body::Still(structure) => {
+                    structure.occluded(local, coherence, found, accel);
+                }
+                Body::Bending(bending) => {
+                    let times = &mut scratch.local_times;
+                    times.clear();
+                    times.extend(entering.iter().map(|&i| time[i as usize]));
+                    bending.occluded(local, times, coherence, found, accel);
+                }
             }
             for (&i, &hit) in entering.iter().zip(&*found) {
                 blocked[i as usize] |= hit;
@@ -246,54 +227,94 @@ impl World {
 
     /// Whether anything moves within the shutter.
     pub(super) fn moves(&self) -> bool {
-        self.instances.iter().any(|instance| instance.poses.len() > 1)
+        self.crowd.moving > 0 || self.instances.iter().any(|instance| instance.poses.len() > 1)
     }
 
     /// Returns the bounding box of everything.
     pub(super) fn bounds(&self) -> Bounds {
-        self.instances.iter().map(Instance::bounds).fold(self.still.bounds(), Bounds::union)
+        let instances = self.instances.iter().map(Instance::bounds);
+        let crowd = (!self.crowd.is_empty()).then_some(self.many.as_ref()).flatten();
+        let crowd = crowd.map_or(Bounds::EMPTY, Instances::bounds);
+        instances.fold(self.still.bounds(), Bounds::union).union(crowd)
     }
 
     /// Returns the memory, in bytes, of all structures and poses.
     pub(super) fn memory(&self) -> usize {
-        let of = |i: &Instance| {
-            let bending = i.bending.as_ref().map_or(0, Bending::memory);
-            size_of::<Instance>() + bending + i.poses.len() * size_of::<Affine>()
-        };
+        let of = |i: &Instance| size_of::<Instance>() + i.poses.len() * size_of::<Affine>();
         self.structures().map(|structure| structure.memory()).sum::<usize>()
+            + self.bending().map(|bending| bending.memory()).sum::<usize>()
             + self.instances.iter().map(of).sum::<usize>()
             + self.many.as_ref().map_or(0, Instances::memory)
+            + self.crowd.memory()
     }
 
     /// Returns all structures, each once.
     pub(super) fn structures(&self) -> impl Iterator<Item = &Arc<Structure>> {
         let mut known = HashSet::new();
-        let all = [&self.still].into_iter().chain(self.instances.iter().map(|i| &i.structure));
+        let instances = self.instances.iter().filter_map(|instance| instance.body.structure());
+        let all = [&self.still].into_iter().chain(instances).chain(self.crowd.structures());
         all.filter(move |structure| known.insert(Arc::as_ptr(structure)))
     }
-}
 
-/// Returns a hierarchy over instances, which share the structures that they have in common; `None`
-/// if it cannot be built.
-fn all_of(instances: &[Instance], isa: Isa) -> Option<Instances> {
-    let mut numbers = HashMap::new();
-    let mut children = Vec::new();
-    let mut placements = Placements::with_capacity(instances.len());
-    let mut poses = Vec::new();
-    for instance in instances {
-        let child = *numbers.entry(Arc::as_ptr(&instance.structure)).or_insert_with(|| {
-            children.push(Child::Structure(instance.structure.clone()));
-            children.len() as u32 - 1
-        });
-        let pose = |pose: &Affine| instances::Affine {
-            matrix: pose.linear,
-            translation: pose.translation,
-        };
-        poses.clear();
-        poses.extend(instance.poses.iter().map(pose));
-        placements.push(child, &poses);
+    /// Returns everything that bends.
+    pub(super) fn bending(&self) -> impl Iterator<Item = &Arc<Bending>> {
+        self.instances.iter().filter_map(|instance| match &instance.body {
+            Body::Still(_) => None,
+            Body::Bending(bending) => Some(bending),
+        })
     }
-    Instances::build(children, placements, isa).ok()
+
+    /// Returns the number of the object that an instance belongs to.
+    #[inline]
+    pub(super) fn object_of(&self, instance: u32) -> u32 {
+        match self.instances.get(instance as usize) {
+            Some(instance) => instance.object,
+            None => self.crowd.object_of(self.placed(), instance),
+        }
+    }
+
+    /// Returns the primitives of an instance, and where their origin is in object space.
+    #[inline]
+    pub(super) fn body(&self, instance: u32) -> (&Body, Vec3, u32) {
+        match self.instances.get(instance as usize) {
+            Some(Instance { body, center, object, .. }) => (body, *center, *object),
+            None => {
+                let object = self.crowd.object_of(self.placed(), instance);
+                let (body, center) = self.crowd.body(object);
+                (body, center, object)
+            }
+        }
+    }
+
+    /// Returns `render_from_structure` of an instance at a time of the shutter in `[0, 1]`.
+    #[inline]
+    pub(super) fn pose(&self, instance: u32, time: f32) -> Affine {
+        match self.instances.get(instance as usize) {
+            Some(instance) => *instance.pose(time),
+            None => self.crowd.pose(self.placed(), instance, time),
+        }
+    }
+
+    /// As [`Affine::magnitude`], for an instance.
+    #[inline]
+    pub(super) fn magnitude(&self, instance: u32, time: f32, of: Vec3) -> Vec3 {
+        match self.instances.get(instance as usize) {
+            Some(instance) => instance.pose(time).magnitude(of),
+            None => self.crowd.magnitude(self.placed(), instance, time, of),
+        }
+    }
+
+    /// Returns the tint that the places of an instance give it; none if it is kept by itself.
+    #[inline]
+    pub(super) fn tint(&self, instance: u32) -> Option<Vec3> {
+        let is_of_crowd = instance != STILL && instance as usize >= self.instances.len();
+        is_of_crowd.then(|| self.crowd.tint(self.placed(), instance))
+    }
+
+    /// All instances; there is a crowd.
+    fn placed(&self) -> &Instances {
+        self.many.as_ref().expect("a crowd is placed")
+    }
 }
 
 fn push_local(local: &mut Rays, rays: &Rays, pose: &Affine, i: usize, t_max: f32) {
@@ -340,6 +361,15 @@ mod tests {
         let (still, mesh) = (structure(20, 2.0), structure(30, 0.5));
         let mut vector =
             |size: f32| Vec3::from_array(std::array::from_fn(|_| rng.random_range(-size..size)));
+        let shape = |by: f32| {
+            let triangle = |k: u32| {
+                let at = Vec3::splat(0.02 * k as f32 - 0.5) + by * Vec3::new(0.3, -0.2, 0.1);
+                [at, at + Vec3::X * 0.4, at + Vec3::Y * (0.3 + by)]
+            };
+            (0..50).map(triangle).collect::<Vec<_>>()
+        };
+        let shapes = [shape(0.0), shape(1.0), shape(0.5)];
+        let bent = Arc::new(Bending::build(&shapes, &[0.0, 0.3, 1.0], Isa::best()));
         let mut instances = Vec::new();
         for object in 0..2 * MANY as u32 {
             let mut poses = Vec::new();
@@ -349,11 +379,13 @@ mod tests {
                 let pose = DRigid { rotation, translation: vector(2.0).as_dvec3() };
                 poses.push(Affine::relative(&DAffine::from(pose), DVec3::ZERO));
             }
-            let structure = mesh.clone();
-            let (bending, center) = (None, Vec3::ZERO);
-            instances.push(Instance { structure, bending, center, poses, object });
+            let body = match object % 4 {
+                0 => Body::Bending(bent.clone()),
+                _ => Body::Still(mesh.clone()),
+            };
+            instances.push(Instance { body, center: Vec3::ZERO, poses, object });
         }
-        let many = World::new(still, instances, Isa::best());
+        let many = World::new(still, instances, Crowd::default(), Isa::best()).unwrap();
         assert!(many.many.is_some());
         let mut rays = Rays::default();
         for _ in 0..1000 {
@@ -365,6 +397,7 @@ mod tests {
         let few = World { many: None, boxes: BoxTree::new(&boxes), ..many };
         assert_eq!(found, ask(&few, &rays, &time));
         let of_instances = found.iter().filter(|(hit, _)| hit[4] != STILL).count();
-        assert!(of_instances > 100, "{of_instances}");
+        let bending = found.iter().filter(|(hit, _)| hit[4] != STILL && hit[4] % 4 == 0).count();
+        assert!(of_instances > 100 && bending > 20, "{of_instances}, {bending}");
     }
 }

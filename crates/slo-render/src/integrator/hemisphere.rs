@@ -57,7 +57,9 @@ impl HemisphereTracer {
             if batch.len() == 0 {
                 return probes;
             }
-            machine.find_hits(frame, batch, hits, 0);
+            if !hits.take_texels(frame, batch, camera_rays) {
+                machine.find_hits(frame, batch, hits, 0);
+            }
             points.find(frame, batch, hits, machine.seeds());
             points.choose_materials(frame, &frame.sampler, 0);
             bsdfs.look_up(frame, points);

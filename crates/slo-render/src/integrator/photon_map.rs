@@ -88,9 +88,9 @@ impl Integrator for PhotonMapping {
         if !goes_on {
             return Some(());
         }
-        let Vertices { batch, points, bsdfs, .. } = vertices;
+        let Vertices { batch, hits, points, bsdfs, .. } = vertices;
         let none = PhotonLight::default();
-        stored.find(frame, job.light.unwrap_or(&none), batch, points, bsdfs);
+        stored.find(frame, job.light.unwrap_or(&none), (batch, hits), points, bsdfs);
         machine.add(frame.isa, &stored.light, &points.labels.slot, points.len());
         stored.close(frame, points, bsdfs);
         if !stored.any_goes_on(points) {

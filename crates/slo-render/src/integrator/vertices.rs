@@ -78,9 +78,11 @@ impl Vertices {
         diffuse: bool,
     ) -> bool {
         let frame = job.frame;
-        let Self { batch, hits, arrived, points, passing, emission, .. } = self;
+        let Self { camera_rays, batch, hits, arrived, points, passing, emission, .. } = self;
         let Self { features, first_hits, bsdfs, guiding, stride, .. } = self;
-        machine.find_hits(frame, batch, hits, depth);
+        if depth > 0 || !hits.take_texels(frame, batch, camera_rays) {
+            machine.find_hits(frame, batch, hits, depth);
+        }
         if frame.has_passable_lamps(depth) {
             passing.lamps(frame, batch, hits, depth);
             passing.queue(machine, depth);

@@ -2,6 +2,8 @@
 //!
 //! Source: P. H. Christensen, "Faster Photon Map Global Illumination" (1999).
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use rayon::prelude::*;
 use slo_accel::{Isa, Lanewise};
@@ -100,6 +102,42 @@ impl IrradianceMap {
     }
 }
 
+/// Estimates the irradiance at points of surfaces with unit normals, on the threads of the current rayon
+/// pool; nothing where there is no point. Returns `None` if `gives_up` says to give up.
+pub fn irradiance_at(
+    map: &FluxMap,
+    nearest: u32,
+    isa: Isa,
+    points: &[Option<[Vec3; 2]>],
+    gives_up: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Irradiance>> {
+    let at_once = |points| (!gives_up()).then(|| isa.run(EstimateAt { map, nearest, points }));
+    let estimated: Option<Vec<Vec<Irradiance>>> = points.par_chunks(AT_ONCE).map(at_once).collect();
+    Some(estimated?.into_iter().flatten().collect())
+}
+
+struct EstimateAt<'a> {
+    map: &'a FluxMap,
+    nearest: u32,
+    points: &'a [Option<[Vec3; 2]>],
+}
+
+impl Lanewise for EstimateAt<'_> {
+    type Output = Vec<Irradiance>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Irradiance> {
+        let Self { map, nearest, points } = self;
+        let rule = Rule { nearest, cone: false, ends: true };
+        let mut found = Nearest::default();
+        let of = |place: &Option<[Vec3; 2]>| match *place {
+            Some([point, normal]) => map.irradiance(point, normal, rule, u32::MAX, &mut found),
+            None => Irradiance::default(),
+        };
+        points.iter().map(of).collect()
+    }
+}
+
 struct Estimate<'a> {
     map: &'a FluxMap,
     nearest: u32,
@@ -126,9 +164,12 @@ impl Lanewise for Estimate<'_> {
 #[derive(Clone, Debug, Default)]
 pub struct PhotonLight {
     /// Irradiance of light that comes from surfaces; if rays gather it, of all light.
-    pub(crate) surfaces: IrradianceMap,
+    pub(crate) surfaces: Arc<IrradianceMap>,
     /// Photons that came through sharp lobes.
-    pub(crate) caustics: FluxMap,
+    pub(crate) caustics: Arc<FluxMap>,
+    /// The same as `surfaces`, for each texel of each light map of the frame, row by row. The radius is 0
+    /// where a texel is not on the surface.
+    pub(crate) maps: Arc<[Vec<Irradiance>]>,
     /// Irradiance of light that comes from surfaces, gathered by rays; empty without a cache.
     pub(crate) cache: IrradianceCache,
 }
@@ -136,6 +177,7 @@ pub struct PhotonLight {
 impl PhotonLight {
     /// Memory in bytes.
     pub fn memory(&self) -> usize {
-        self.surfaces.memory() + self.caustics.memory() + self.cache.memory()
+        let maps: usize = self.maps.iter().map(|map| size_of_val(&map[..])).sum();
+        self.surfaces.memory() + self.caustics.memory() + self.cache.memory() + maps
     }
 }

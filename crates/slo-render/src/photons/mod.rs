@@ -23,7 +23,7 @@ pub use cache::{CacheRecord, Gathered, Grid, IrradianceCache};
 pub use emission::{Emission, Emitted, Numbers};
 pub use everywhere::Everywhere;
 pub use flux_map::{Deposit, FluxMap, Irradiance, Rule};
-pub use irradiance::{IrradianceMap, PhotonLight};
+pub use irradiance::{IrradianceMap, PhotonLight, irradiance_at};
 pub use map::{Photon, PhotonMap, PhotonMaps, Slab};
 pub use nearest::Nearest;
 pub use schedule::{pass_of, radius_share, samples_of};

@@ -3,6 +3,7 @@
 mod budget;
 mod clock;
 mod guide;
+mod light_map;
 mod lock;
 mod observer;
 mod photon_cache;
@@ -16,6 +17,7 @@ mod whole;
 
 pub use crate::integrator::Statistics;
 pub use budget::{Budget, render_until};
+pub use light_map::light_map;
 pub use observer::{Exposed, Observer};
 pub use plan::{Part, Plan};
 pub use whole::render;

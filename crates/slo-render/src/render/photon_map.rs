@@ -8,7 +8,7 @@ use super::lock::lock;
 use super::photon_cache::irradiance_cache;
 use crate::frame::FrameScene;
 use crate::integrator::{Flux, PhotonTracer};
-use crate::photons::{Deposit, FluxMap, IrradianceMap, PhotonLight};
+use crate::photons::{Deposit, FluxMap, IrradianceMap, PhotonLight, irradiance_at};
 
 /// Light paths that a thread traces at a time.
 const PATHS_AT_ONCE: u32 = 4096;
@@ -26,6 +26,23 @@ pub(super) fn photon_light(
     frame: &FrameScene,
     gives_up: &(dyn Fn() -> bool + Sync),
 ) -> Option<PhotonLight> {
+    let mut light = match frame.known_light.get() {
+        Some(known) => known.clone(),
+        None => stored_light(frame, gives_up)?,
+    };
+    if frame.baked.is_some() {
+        // If another thread was faster, it has found the same.
+        let _ = frame.known_light.set(light.clone());
+    }
+    let settings = &frame.settings;
+    if frame.photon_lamps.is_some() && settings.gather && settings.cache_error > 0.0 {
+        light.cache = irradiance_cache(frame, &light, gives_up)?;
+    }
+    Some(light)
+}
+
+/// Finds the light of photons, without a cache.
+fn stored_light(frame: &FrameScene, gives_up: &(dyn Fn() -> bool + Sync)) -> Option<PhotonLight> {
     let Some(lamps) = &frame.photon_lamps else { return Some(PhotonLight::default()) };
     let threads = rayon::current_num_threads();
     let maker =
@@ -34,6 +51,11 @@ pub(super) fn photon_light(
     let (size, nearest) = (settings.photon_map_size, settings.photon_nearest);
     let all = maker.map(Flux::Everywhere, size, settings.photon_distance, nearest)?;
     let surfaces = IrradianceMap::new(&all, nearest, frame.isa, gives_up)?;
+    let mut maps = Vec::new();
+    for texels in frame.light_maps.all() {
+        let points = frame.texel_middles(texels);
+        maps.push(irradiance_at(&all, nearest, frame.isa, &points, gives_up)?);
+    }
     drop(all);
     let caustics = if lamps.aimed.is_some() {
         let (size, nearest) = (settings.caustic_map_size, settings.caustic_nearest);
@@ -41,11 +63,8 @@ pub(super) fn photon_light(
     } else {
         FluxMap::default()
     };
-    let mut light = PhotonLight { surfaces, caustics, ..PhotonLight::default() };
-    if settings.gather && settings.cache_error > 0.0 {
-        light.cache = irradiance_cache(frame, &light, gives_up)?;
-    }
-    Some(light)
+    let (surfaces, caustics, maps) = (surfaces.into(), caustics.into(), maps.into());
+    Some(PhotonLight { surfaces, caustics, maps, ..PhotonLight::default() })
 }
 
 struct Maker<'a> {

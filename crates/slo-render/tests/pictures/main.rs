@@ -5,6 +5,7 @@ mod any_split;
 mod determinism;
 mod estimators;
 mod guiding;
+mod light_maps;
 mod oracle;
 mod photons;
 mod support;

@@ -125,9 +125,15 @@ impl Spaces {
 impl Path {
     /// The map from object space to scene space at a scene time; always finite.
     pub fn pose(&self, time: f64) -> DAffine {
-        let mut factors = self.factors.iter().map(|factor| factor.pose(time));
+        let mut factors = self.factors(time);
         let first = factors.next().unwrap_or(DAffine::IDENTITY);
         factors.fold(first, |pose, outer| outer.after(&pose))
+    }
+
+    /// The maps whose product is [`pose`](Self::pose): that of the thing in its parent, then the
+    /// parent's, and so on.
+    pub fn factors(&self, time: f64) -> impl Iterator<Item = DAffine> {
+        self.factors.iter().map(move |factor| factor.pose(time))
     }
 
     /// Whether it turns and moves only, at all times.

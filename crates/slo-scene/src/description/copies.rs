@@ -41,6 +41,9 @@ pub struct Copy {
 }
 
 /// Most things that a scene may show, copies included.
+pub const MOST_SHOWN: u64 = 4_000_000_000;
+
+/// Most things that a frame may show one by one: all lamps, and whatever needs something of its own.
 pub const MOST_COPIED: u64 = 10_000_000;
 
 /// Most copies that may be nested in one another.

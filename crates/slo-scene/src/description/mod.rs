@@ -21,7 +21,7 @@ use crate::texture::Texture;
 pub use crate::key_frame::{KeyFrame, Placement, SpaceId};
 pub use crate::material::MaterialId;
 pub use camera::{CamSegment, Camera};
-pub use copies::{Copy, MOST_COPIED, MOST_NESTED, Original};
+pub use copies::{Copy, MOST_COPIED, MOST_NESTED, MOST_SHOWN, Original};
 pub use layer_names::{LayerNames, MaskNames};
 pub use light_groups::LightGroups;
 pub use object::Object;

@@ -1,6 +1,7 @@
 //! Objects: their shape, material and motion.
 
 use crate::key_frame::{KeyFrame, SpaceId};
+use crate::light_map::LightMap;
 use crate::material::MaterialId;
 use crate::settings::Repeat;
 use crate::shape::Shape;
@@ -28,6 +29,8 @@ pub struct Object {
     pub hidden: bool,
     /// `light_group`: the layer that holds the light that its material emits.
     pub light_group: Option<String>,
+    /// Its light map, if it has one.
+    pub light_map: Option<LightMap>,
 }
 
 impl Object {
@@ -44,6 +47,7 @@ impl Object {
             sampled: true,
             hidden: false,
             light_group,
+            light_map: None,
         }
     }
 }

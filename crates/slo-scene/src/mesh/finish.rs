@@ -8,7 +8,7 @@ use crate::format::FileError;
 use crate::mesh::data::Mesh;
 
 /// The largest coordinate. Its square is still an f32, and the area of a triangle an f64.
-const MAX_COORDINATE: f64 = 1e18;
+pub(super) const MAX_COORDINATE: f64 = 1e18;
 
 /// What becomes of triangles without area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

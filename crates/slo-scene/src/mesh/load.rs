@@ -153,7 +153,7 @@ fn start(reader: &mut dyn Read) -> Result<Cursor<Vec<u8>>, FileError> {
 }
 
 /// What follows the last point of the file's name, in lower case; empty if there is none.
-fn extension(path_name: &str) -> String {
+pub(crate) fn extension(path_name: &str) -> String {
     let name = path_name.rsplit(['/', '\\']).next().unwrap_or_default();
     name.rsplit_once('.').map(|(_, extension)| extension.to_lowercase()).unwrap_or_default()
 }

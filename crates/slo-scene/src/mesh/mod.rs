@@ -3,6 +3,7 @@
 mod append;
 mod data;
 mod finish;
+pub(crate) mod kept;
 mod load;
 mod normals;
 mod not_finite;
@@ -17,6 +18,6 @@ mod tangents;
 mod warnings;
 
 pub use data::{LoadedMesh, Mesh};
-pub(crate) use load::{BYTE_ORDER_MARK, kind, load_placements};
+pub(crate) use load::{BYTE_ORDER_MARK, extension, kind, load_placements};
 pub use load::{load, load_shape};
 pub use tangent::Tangent;

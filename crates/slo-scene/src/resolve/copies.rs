@@ -3,7 +3,7 @@
 use super::spaces::{Hangings, Hung};
 use crate::assets::Assets;
 use crate::attributes::{Fields, References, Referred};
-use crate::description::{Copy, MOST_COPIED, MOST_NESTED, MaterialId, Object, Original};
+use crate::description::{Copy, MOST_NESTED, MOST_SHOWN, MaterialId, Object, Original};
 use crate::diagnostics::{Diagnostic, Diagnostics, Span};
 
 /// Most members of a ring that are named.
@@ -182,8 +182,8 @@ impl Walk<'_> {
         let mut sum = self.shown.objects.len() as u64;
         for of in self.written.iter().filter(|of| !of.copy.hidden) {
             sum = sum.saturating_add(known[2 * of.number].count);
-            if sum > MOST_COPIED {
-                let message = format!("the scene shows more than {MOST_COPIED} things");
+            if sum > MOST_SHOWN {
+                let message = format!("the scene shows more than {MOST_SHOWN} things");
                 let count = known[2 * of.number].count;
                 let label = format!("this adds {count}");
                 diagnostics.push(Diagnostic::error(message).at(of.place, label));

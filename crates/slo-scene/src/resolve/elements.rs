@@ -72,6 +72,8 @@ const OBJECT: &[Attribute] = &[
     word("material", "NAME").required(),
     number("sampled"),
     word("light_group", "NAME"),
+    number("lightMap"),
+    number("lightMapInside"),
     HIDDEN,
     PARENT,
     block(&ADD_KFRAME).repeated(),

@@ -6,6 +6,7 @@ mod copies;
 mod elements;
 mod includes;
 mod key_frames;
+mod light_maps;
 mod lights;
 mod oddities;
 mod overlaps;

@@ -9,7 +9,7 @@ use super::includes::{Texts, Trees};
 use super::oddities::Said;
 use super::spaces::{Hanging, Hangings};
 use super::texture::{Image, texture, warn_of_alpha};
-use super::{camera, lights, oddities, overlaps, photons, settings, tangents};
+use super::{camera, light_maps, lights, oddities, overlaps, photons, settings, tangents};
 use crate::assets::Assets;
 use crate::attributes::{Element, Fields, References, Referred};
 use crate::description::{Camera, MaterialId, Object, SceneDescription};
@@ -322,6 +322,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         self.said.groups.extend(light_group);
         let light_group = light_group.map(|group| group.text.to_owned());
         let shape = read(&mut fields, &mut self.assets);
+        let light_map = light_maps::read(&mut fields, shape.as_ref(), hidden);
         let files = fields.words("filename").unwrap_or_default();
         let find = |name| self.references.find(Referred::Material, name);
         let material = material.and_then(find);
@@ -341,6 +342,7 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             sampled,
             hidden,
             light_group,
+            light_map,
         })
     }
 

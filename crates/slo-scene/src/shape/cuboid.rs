@@ -9,6 +9,7 @@ use crate::assets::Assets;
 use crate::attributes::schema::{number, point};
 use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
+use crate::light_map::Unwrapped;
 
 /// A base rectangle, raised along (v2 - v1) x (v0 - v1).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +45,10 @@ impl Surface for Cuboid {
 
     fn is_closed(&self) -> bool {
         true
+    }
+
+    fn unwrapped(&self) -> Result<Unwrapped, &'static str> {
+        Err("the six sides of a box have the same texture coordinates")
     }
 
     fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool) {

@@ -9,6 +9,7 @@ use crate::assets::Assets;
 use crate::attributes::schema::{number, point};
 use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
+use crate::light_map::Unwrapped;
 
 /// A closed cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,10 @@ impl Surface for Cylinder {
 
     fn is_closed(&self) -> bool {
         true
+    }
+
+    fn unwrapped(&self) -> Result<Unwrapped, &'static str> {
+        Err("the side and the ends of a cylinder have the same texture coordinates")
     }
 
     fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool) {

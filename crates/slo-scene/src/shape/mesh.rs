@@ -11,6 +11,7 @@ use crate::attributes::Fields;
 use crate::attributes::schema::{block, choice, number, single, word};
 use crate::diagnostics::Diagnostic;
 use crate::kinds::Keyword;
+use crate::light_map::Unwrapped;
 use crate::mesh::Mesh;
 use crate::mesh_shapes::MeshShapes;
 
@@ -103,6 +104,15 @@ impl Surface for MeshSurface {
 
     fn is_closed(&self) -> bool {
         true
+    }
+
+    fn unwrapped(&self) -> Result<Unwrapped, &'static str> {
+        let Mesh { uvs, face_uvs, .. } = &*self.mesh;
+        if face_uvs.is_empty() {
+            return Err("its file has no texture coordinates");
+        }
+        let corners = |face: &[u32; 3]| face.map(|corner| uvs[corner as usize]);
+        Ok(Unwrapped::Faces(face_uvs.iter().map(corners).collect()))
     }
 
     fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool) {

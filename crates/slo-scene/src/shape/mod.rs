@@ -19,6 +19,7 @@ use glam::DVec3;
 use crate::assets::Assets;
 use crate::attributes::Fields;
 use crate::kinds::kinds;
+use crate::light_map::Unwrapped;
 use surface::{Surface, WrittenShape};
 
 pub use cone::Cone;
@@ -76,6 +77,14 @@ impl Shape {
     /// Whether only the outside of the surface can be seen from outside of it.
     pub(crate) fn is_closed(&self) -> bool {
         self.common().is_closed()
+    }
+
+    /// Returns where the surface lies in images, by its texture coordinates.
+    ///
+    /// # Errors
+    /// Why no place in an image belongs to one place of the surface.
+    pub fn unwrapped(&self) -> Result<Unwrapped, &'static str> {
+        self.common().unwrapped()
     }
 
     /// Hands the flat parts of the surface to `put`, for as long as that returns true:

@@ -8,6 +8,7 @@ use crate::assets::Assets;
 use crate::attributes::Fields;
 use crate::attributes::schema::point;
 use crate::kinds::Keyword;
+use crate::light_map::Unwrapped;
 
 /// Side of the square, before `Scaling`.
 const SIDE: f64 = 1000.0;
@@ -44,6 +45,10 @@ impl Surface for Plane {
 
     fn is_closed(&self) -> bool {
         false
+    }
+
+    fn unwrapped(&self) -> Result<Unwrapped, &'static str> {
+        Ok(Unwrapped::rectangle())
     }
 
     fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool) {

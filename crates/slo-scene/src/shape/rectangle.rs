@@ -7,6 +7,7 @@ use super::surface::{Surface, WrittenShape};
 use crate::assets::Assets;
 use crate::attributes::Fields;
 use crate::kinds::Keyword;
+use crate::light_map::Unwrapped;
 
 /// A rectangle by three consecutive corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +44,10 @@ impl Surface for Rectangle {
 
     fn is_closed(&self) -> bool {
         false
+    }
+
+    fn unwrapped(&self) -> Result<Unwrapped, &'static str> {
+        Ok(Unwrapped::rectangle())
     }
 
     fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool) {

@@ -7,6 +7,7 @@ use crate::assets::Assets;
 use crate::attributes::schema::{number, point};
 use crate::attributes::{Bound, Fields};
 use crate::kinds::Keyword;
+use crate::light_map::Unwrapped;
 
 /// A sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +38,10 @@ impl Surface for Sphere {
 
     fn is_closed(&self) -> bool {
         true
+    }
+
+    fn unwrapped(&self) -> Result<Unwrapped, &'static str> {
+        Ok(Unwrapped::Sphere)
     }
 
     fn for_flat_parts(&self, _put: &mut dyn FnMut(&[DVec3]) -> bool) {}

@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::assets::Assets;
 use crate::attributes::Fields;
 use crate::kinds::Keyword;
+use crate::light_map::Unwrapped;
 
 /// A surface, in object space.
 pub(super) trait Surface {
@@ -17,6 +18,12 @@ pub(super) trait Surface {
     /// Hands the flat parts of the surface to `put`, for as long as that returns true:
     /// counter-clockwise seen from outside, in object space.
     fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool);
+
+    /// Returns where the surface lies in images, by its texture coordinates.
+    ///
+    /// # Errors
+    /// Why no place in an image belongs to one place of the surface.
+    fn unwrapped(&self) -> Result<Unwrapped, &'static str>;
 
     /// Whether all of its indices lead somewhere.
     fn is_consistent(&self) -> bool {

@@ -7,6 +7,7 @@ use super::surface::{Surface, WrittenShape};
 use crate::assets::Assets;
 use crate::attributes::Fields;
 use crate::kinds::Keyword;
+use crate::light_map::Unwrapped;
 
 /// A triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,10 @@ impl Surface for Triangle {
 
     fn is_closed(&self) -> bool {
         false
+    }
+
+    fn unwrapped(&self) -> Result<Unwrapped, &'static str> {
+        Ok(Unwrapped::Faces(vec![[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]]))
     }
 
     fn for_flat_parts(&self, put: &mut dyn FnMut(&[DVec3]) -> bool) {

@@ -4,6 +4,7 @@ mod documentation;
 mod fuzz;
 mod includes;
 mod lamps;
+mod light_maps;
 mod materials;
 mod meshes;
 mod messages;

@@ -203,9 +203,9 @@ TABLES = {
         """,
     ),
     "CyclesObjectSettings": _table(
-        read="name use_motion_blur",
+        read="name use_motion_blur use_deform_motion",
         idle="""
-        use_deform_motion motion_steps use_camera_cull use_distance_cull shadow_terminator_offset
+        motion_steps use_camera_cull use_distance_cull shadow_terminator_offset
         shadow_terminator_geometry_offset ao_distance dicing_rate
         """,
         use_adaptive_subdivision=(False, "adaptive subdivision is not carried, that for rendering is"),

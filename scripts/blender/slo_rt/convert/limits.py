@@ -81,6 +81,17 @@ def note_blur(thing, report):
         report.note(f'object "{thing.name}"', "not blurred in Blender; it is in slo-rt")
 
 
+def note_bending_blur(thing, report):
+    """Notes an object (the original) whose changes of shape Cycles does not blur; only for an open
+    shutter."""
+    ours = getattr(thing, "cycles", None)
+    if getattr(ours, "use_motion_blur", True) and not getattr(ours, "use_deform_motion", True):
+        report.note(
+            f'object "{thing.name}"',
+            "its changes of shape are not blurred in Blender; they are in slo-rt",
+        )
+
+
 def note_view_layer(layer, report):
     """Notes the settings of a view layer that slo-rt lacks."""
     subject = f'view layer "{layer.name}"'

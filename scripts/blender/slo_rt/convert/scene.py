@@ -1,28 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes Blender's evaluated scene as a scene text with its meshes and textures."""
 
+import hashlib
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import count
 
 import numpy as np
 
 from .. import compat
-from ..fit.motion import fit_all, sample_times
-from ..fit.rigid import split_matrix
-from ..format import key_frames, scene_text, slo_mesh
+from ..fit.motion import sample_times
+from ..fit.rigid import split_affine
+from ..format import key_frames, ply, scene_text, slo_mesh
+from ..format.fingerprint import fingerprint
 from ..format.names import Names, plain
 from ..format.scene_text import Element
 from ..report import Report
+from . import bending, environment, lamp, light, limits, motion, nodes, settings, world
 from . import camera as cameras
-from . import environment, lamp, light, limits, motion, nodes, settings, world
+from .copies import Crowds
+from .objects import Objects
+from .paths import Mover, Paths
 from .surfaces import PhysicalSurfaces, Surfaces
 from .surroundings import Surroundings
-from .things import Collector, Lamp, outlines
+from .things import NOTHING, Collector, Thing
 
-# A shape counts as changing if its entries change by more than this fraction of the thing's size.
-SHAPE_TOLERANCE = 1e-4
-# Most times at which deforming things are checked.
-OUTLINE_TIMES = 32
 # Moving lamps count as at least this fraction of the scene.
 LEAST_LAMP = 0.01
 
@@ -35,7 +37,8 @@ class Job:
     `scene_path` is the file to write; meshes and textures go to a folder beside it with its name.
     `first` to `last` are the frames, whole numbers. `output` is the Film's format. `by_content` names
     meshes by a hash of their contents, so that none is written twice. `notes` holds pairs of subject
-    and message with which the report begins.
+    and message with which the report begins. `preview_path` is where the scene goes with the settings
+    of a preview, in the same folder; nowhere if it is empty.
     """
 
     depsgraph: object
@@ -47,6 +50,7 @@ class Job:
     output: str = "PNG_IMAGE"
     by_content: bool = False
     notes: tuple = ()
+    preview_path: str = ""
 
     @property
     def single(self):
@@ -70,7 +74,7 @@ class _Writer:
         self.layer = job.depsgraph.view_layer
         self.render = self.scene.render
         self.values = self.scene.slo_rt
-        self.is_physical = self.values.integrator == "PATH"
+        self.is_physical = self.values.is_physical
         self.report = Report()
         for note in job.notes:
             self.report.note(*note)
@@ -80,6 +84,8 @@ class _Writer:
         self.folder_name = plain(os.path.splitext(filename)[0])
         self.folder = os.path.join(beside, self.folder_name)
         self.breaks = {}
+        self.files = {}  # paths in the scene, by the contents of meshes
+        self.sequences = {}  # names and numbers of shapes
         self.names = {kind: Names() for kind in ("file", "object")}
 
     def write(self):
@@ -88,23 +94,36 @@ class _Writer:
             raise ValueError("the scene has no camera")
         os.makedirs(self.folder, exist_ok=True)
         job.set_frame(float(job.first))
+        self.changing = motion.changed_shapes(job.depsgraph) if self._moving else set()
         self.world = (self.layer.world_override or self.scene.world) if self.layer.use_sky else None
         sky = self._read_world()
-        is_blurred = self.shutter.duration > 0.0
-        collector = Collector(self._store_mesh, self.surfaces.look_of, is_blurred, self.report)
-        found = collector.take_stock(job.depsgraph)
+        self.collector = Collector(
+            self._store_mesh,
+            self.surfaces.look_of,
+            self.shutter.duration > 0.0,
+            self.changing.__contains__,
+            self.report,
+        )
+        found = self.collector.take_stock(job.depsgraph)
+        crowds = Crowds(found.things)
         self.surroundings = Surroundings(found.things)
         lights = [] if self.is_physical else self._lights(found.lamps)
+        bent = _bent(found.things + found.nothing)
+        timeline = self._timeline(found, crowds, bent)
+        self._wake_nothing(found, timeline)
         self._note_darkness([*sky, *(found.lamps if self.is_physical else lights)], found.things)
         materials = self.surfaces.elements(found.things)
-        timeline = self._timeline()
         camera = self._camera(timeline)
-        movers = [*found.things, *(found.lamps if self.is_physical else ())]
-        paths = self._paths(movers, timeline)
-        if self.is_physical:
+        gathered = crowds.gather(timeline)
+        paths = self._paths(found, crowds, gathered, timeline)
+        for each in bent.values():
+            self._finish(each)
+        if self.is_physical and found.lamps:
+            job.set_frame(float(job.first))  # lights are as at the first frame
             lights = self._lamps(found.lamps, paths)
         elements = [*sky, *lights, *materials]
-        objects = [e for thing in found.things for e in self._thing(thing, paths)]
+        objects = Objects(self.fps, self.surfaces, self.names["object"], self._store_placements)
+        elements += objects.elements(found.things, crowds.spaces, gathered, paths)
         self._note_changes(found, timeline)
         limits.note_physics(job.depsgraph, self.report)
         limits.note_view_layer(self.layer, self.report)
@@ -112,11 +131,14 @@ class _Writer:
         if job.output != "EXR_IMAGE":
             limits.note_export(self.scene, self.layer, self.report, self.is_physical)
         if self.is_physical:
-            head = [settings.path_settings_element(self.scene), camera]
+            head = [settings.physical_settings_element(self.scene), camera]
         else:
             head = [settings.settings_element(self.values, self.background), camera]
-        text = scene_text.write(head + elements + objects, self._comments())
+        text = scene_text.write(head + elements, self._comments())
         _write_text(job.scene_path, text)
+        if job.preview_path:
+            head = [settings.preview_settings_element(self.scene), camera]
+            _write_text(job.preview_path, scene_text.write(head + elements))
         return self.report
 
     def _now(self, item):
@@ -154,22 +176,75 @@ class _Writer:
 
     # Time
 
-    def _timeline(self):
+    def _timeline(self, found, crowds, bent):
+        """Samples the whole scene, and looks at the shapes of `bent` (by the key of a thing that has them)."""
         shots = cameras.shots(self.scene, self.job.first, self.job.last)
         used = {camera.name_full: camera for camera, _, _ in shots}.values()
         for camera in used:
             cameras.note_limits(camera, self.render, self.report)
         size = settings.picture_size(self.render)
         reader = cameras.CameraReader(self.render, *size, self.report)
-        timeline = motion.Timeline(self.job.depsgraph, self.job.set_frame, list(used), reader)
-        start = float(self.job.first)
+        start, job = float(self.job.first), self.job
+        timeline = motion.Timeline(
+            job.depsgraph, job.set_frame, start, list(used), reader, found.keys, crowds.instancers
+        )
         timeline.visit([start])
         for camera in used:
             values = timeline.camera_values(camera, [start])[0]
             self.surroundings.note_clipping(camera, values, self.report)
         if self._moving:
-            timeline.visit(sample_times(*self._span))
+            times = sample_times(*self._span)
+            timeline.visit(times, self._looks(timeline, times, bent) if bent else None)
         return timeline
+
+    def _looks(self, timeline, times, bent):
+        """Returns functions, by time, that look at the shapes of `bent`."""
+
+        def look(time, is_border):
+            changed = motion.changed_shapes(self.job.depsgraph)
+            anew = {key for key in bent if key[0] in changed or time == times[0]}
+            seen = set()
+            for key, instance in timeline.instances(anew):
+                thing, one = instance.object, bent[key]
+                mesh = thing.to_mesh()
+                if mesh is not None:
+                    matrix = np.array(instance.matrix_world, np.float64)
+                    one.original.bending.look(
+                        time, is_border, mesh, _rest_of(one, matrix), self._store_shape
+                    )
+                    seen.add(key)
+                thing.to_mesh_clear()
+            for key in bent.keys() - seen:
+                bent[key].original.bending.look(time, is_border, None, None, self._store_shape)
+
+        watched = bending.watched(times, self.shutter.duration > 0.0)
+        return {
+            float(time): lambda time=float(time), border=border: look(time, border)
+            for time, border in zip(*watched)
+        }
+
+    def _finish(self, thing):
+        """Gives a thing that may bend its files."""
+        original = thing.original
+        original.bending.finish(original.parts, self._store_mesh)
+        if original.bending.bends and self.shutter.duration > 0.0:
+            limits.note_bending_blur(thing.sources[0], self.report)
+        if original.bending.is_broken:
+            self.report.note(
+                thing.subject, f"its faces change; it has those of frame {self.job.first}"
+            )
+
+    def _wake_nothing(self, found, timeline):
+        """Notes things that are scaled to nothing, except for those that grow."""
+        for thing in found.nothing:
+            growing = timeline.moves(thing.key) and any(
+                np.linalg.norm(state[0, :3, :3], axis=0).min() > 0.0
+                for state in timeline.states([thing.key])
+            )
+            if growing:
+                found.things.append(thing)
+            else:
+                self.report.note(thing.subject, NOTHING)
 
     @property
     def _moving(self):
@@ -229,97 +304,127 @@ class _Writer:
 
     # Things
 
-    def _thing(self, thing, paths):
-        keys = self._key_frames(thing, paths)
-        elements = []
-        for part in thing.parts:
-            wish = thing.name
-            if len(thing.parts) > 1 and part.material:
-                wish = f"{thing.name}_{part.material.name}"
-            body = [
-                ("filename", part.filename),
-                ("smooth_normals", int(part.smooth)),
-                ("material", self.surfaces.name_of(part.material)),
-                *self._light_of_part(thing, part),
-                *keys,
-            ]
-            elements.append(Element("mesh", self.names["object"].new(wish), body))
-        return elements
-
-    def _light_of_part(self, thing, part):
-        """Returns the attributes of a part that shines."""
-        if not self.surfaces.emits(part.material):
-            return []
-        group = [("light_group", thing.group)] if thing.group else []
-        ours = getattr(part.material, "cycles", None)
-        is_asked = getattr(ours, "emission_sampling", "AUTO") != "NONE"
-        return group + ([] if is_asked else [("sampled", 0)])
-
-    def _key_frames(self, thing, paths):
-        if thing.key in paths:
-            return key_frames.moving(paths[thing.key], self.fps)
-        rest = np.concatenate([np.zeros(3), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
-        return [] if np.array_equal(thing.placement, rest) else [key_frames.still(thing.placement)]
-
-    def _paths(self, things, timeline):
-        """Returns the key frames of the things and lamps that move, by their keys."""
-        moving = [thing for thing in things if self._moving and timeline.moves(thing.key)]
-        if not moving:
+    def _paths(self, found, crowds, gathered, timeline):
+        """Returns the key frames of what moves, by their keys."""
+        if not self._moving:
             return {}
-        keys = [thing.key for thing in moving]
-        shapes = np.array([thing.shape for thing in moving])
-        shape_misses = np.zeros(len(moving))
-
-        def sample(who, times):
-            matrices = timeline.matrices([keys[number] for number in who], times)
-            placements, shape = split_matrix(matrices)
-            miss = np.abs(shape - shapes[who][:, None]).max(axis=(1, 2, 3))
-            np.maximum.at(shape_misses, who, miss)
-            return placements
-
+        settled = {member.key for crowd in gathered for member in crowd.members}
+        movers = [
+            Mover(
+                thing,
+                thing.key,
+                thing.sources,
+                thing.original.reach,
+                thing.original.box[1] - thing.original.box[0],
+                frame=thing.frame,
+            )
+            for thing in found.things
+            if thing.key not in settled and self._moves(thing, timeline)
+        ]
+        movers += [
+            Mover(each, each.key, each.sources, np.zeros(3), np.zeros(3), self._size_of_lamp(each))
+            for each in (found.lamps if self.is_physical else ())
+            if timeline.moves(each.key)
+        ]
+        movers += [
+            Mover(space, space.key, [space.instancer], space.reach, 2.0 * space.reach, 1e-3)
+            for space in crowds.spaces.values()
+            if timeline.moves(space.key)
+        ]
+        paths = Paths(movers, timeline)
+        self._reshape(paths, timeline)
         first, last = self._span
-        breaks = [self._breaks(thing, first, last) for thing in moving]
-        sizes = [self._size(thing) for thing in moving]
-        fitted = fit_all(sample, first, last, sizes, breaks, timeline.visit)
-        largest = SHAPE_TOLERANCE * np.abs(shapes).max(axis=(1, 2))
-        for thing, (_, misfit), scales in zip(moving, fitted, shape_misses > largest):
-            self._note_motion(thing, misfit, scales)
-        return {key: path for key, (path, _) in zip(keys, fitted)}
+        fitted = paths.fit(first, last, lambda mover: self._breaks(mover, first, last))
+        for mover, misfit in paths.misfits:
+            self.report.note(
+                mover.item.subject,
+                f"moves too wildly at frame {misfit.time:.2f}: off by up to "
+                f"{100.0 * misfit.position:.3g} % of its size and {np.degrees(misfit.direction):.3g} degrees",
+            )
+        return fitted
 
-    def _size(self, thing):
-        """Returns the size, in metres, that the errors of a thing's path are relative to."""
-        if not isinstance(thing, Lamp):
-            return thing.diagonal
-        own = lamp.size_of(self._now(thing.light), thing.matrix)
+    def _moves(self, thing, timeline):
+        """Whether a thing moves in the world, or in the space in which it hangs."""
+        moves = timeline.moves(thing.key)
+        return moves or (thing.frame is not None and timeline.moves(motion.space_key(thing.frame)))
+
+    def _reshape(self, paths, timeline):
+        """Gives shapes to things whose shear or mirroring changes, since key frames have neither."""
+        sheared = {}
+        for mover in paths.reshaped:
+            if mover.is_rigid:
+                note = f"its scale changes; it is as at frame {self.job.first}"
+                self.report.note(mover.item.subject, note)
+            elif isinstance(mover.item, Thing) and not mover.item.original.bending:
+                sheared[mover.key] = mover
+        if not sheared:
+            return
+        timeline.go(self.job.first)
+        times, borders = bending.watched(sample_times(*self._span), self.shutter.duration > 0.0)
+        for key, instance in timeline.instances(sheared):
+            thing = sheared[key].item
+            rests = split_affine(paths.matrices_of(sheared[key], times))[1]
+            override = self.layer.material_override
+            bent, parts, shape = self.collector.bending(instance.object, rests[0], override)
+            for time, border, rest in zip(times, borders, rests):
+                bent.take(float(time), border, shape, rest, self._store_shape)
+            bent.finish(parts, self._store_mesh)
+            thing.original = replace(thing.original, parts=parts, bending=bent)
+
+    def _size_of_lamp(self, each):
+        """Returns the size, in metres, that the errors of a lamp's path are relative to."""
+        own = lamp.size_of(self._now(each.light), each.matrix)
         return max(own, LEAST_LAMP * self.surroundings.diagonal, 1e-3)
 
-    def _breaks(self, thing, first, last):
-        """Returns the `Break`s of all sources of a thing. Many things share their sources."""
+    def _breaks(self, mover, first, last):
+        """Returns the `Break`s of all sources of a mover. Many things share their sources."""
         remapped = self.render.frame_map_new / self.render.frame_map_old
         found = []
-        for source in thing.sources:
+        for source in mover.sources:
             if source.name_full not in self.breaks:
                 self.breaks[source.name_full] = motion.breaks(source, first, last, remapped)
             found += self.breaks[source.name_full]
         return found
 
-    def _note_motion(self, thing, misfit, scales):
-        subject = thing.subject
-        if scales:
-            self.report.note(subject, f"its scale changes; it is as at frame {self.job.first}")
-        if misfit:
-            self.report.note(
-                subject,
-                f"moves too wildly at frame {misfit.time:.2f}: off by up to "
-                f"{100.0 * misfit.position:.3g} % of its size and {np.degrees(misfit.direction):.3g} degrees",
-            )
-
     def _store_mesh(self, name, arrays):
-        name = arrays.digest() if self.job.by_content else self.names["file"].new(name)
-        path = os.path.join(self.folder, f"{name}.slo")
+        """Writes a mesh, each only once, and returns its path in the scene."""
+        digest = arrays.digest()
+        if digest not in self.files:
+            name = digest if self.job.by_content else self.names["file"].new(name)
+            path = os.path.join(self.folder, f"{name}.slo")
+            if not (self.job.by_content and os.path.exists(path)):
+                slo_mesh.write(path, arrays)
+            self.files[digest] = f"{self.folder_name}/{name}.slo"
+        return self.files[digest]
+
+    def _store_shape(self, sequence, name, arrays):
+        """Writes a shape of the part `sequence`, each only once, and returns its path in the scene."""
+        digest = arrays.digest()
+        if (sequence, digest) not in self.files:
+            if self.job.by_content:
+                name = digest
+            else:
+                if sequence not in self.sequences:
+                    self.sequences[sequence] = self.names["file"].new(name), count(1)
+                base, numbers = self.sequences[sequence]
+                name = f"{base}_{next(numbers):04d}"
+            path = os.path.join(self.folder, f"{name}.ply")
+            if not (self.job.by_content and os.path.exists(path)):
+                ply.write_mesh(path, arrays)
+            self.files[sequence, digest] = f"{self.folder_name}/{name}.ply"
+        return self.files[sequence, digest]
+
+    def _store_placements(self, name, columns):
+        """Writes where copies are, and returns the path in the scene."""
+        if self.job.by_content:
+            hashes = [b"" if each is None else fingerprint(each) for each in columns]
+            name = hashlib.blake2b(b";".join(hashes), digest_size=16).hexdigest()
+        else:
+            name = self.names["file"].new(name)
+        path = os.path.join(self.folder, f"{name}.ply")
         if not (self.job.by_content and os.path.exists(path)):
-            slo_mesh.write(path, arrays)
-        return f"{self.folder_name}/{name}.slo"
+            ply.write_placements(path, *columns)
+        return f"{self.folder_name}/{name}.ply"
 
     def _lights(self, lamps):
         names, elements = Names(), []
@@ -357,27 +462,6 @@ class _Writer:
             self.report.note(
                 f'object "{key[0]}"', f"appears or vanishes; it is as at frame {self.job.first}"
             )
-        deforming = {thing.key: thing for thing in found.things if thing.outline is not None}
-        for time in self._outline_times():
-            if not deforming:
-                break
-            self.job.set_frame(time)
-            for key, outline in outlines(self.job.depsgraph, deforming).items():
-                if outline != deforming[key].outline:
-                    subject = f'object "{deforming.pop(key).name}"'
-                    self.report.note(
-                        subject, f"changes its shape; it is as at frame {self.job.first}"
-                    )
-
-    def _outline_times(self):
-        """Returns the times (frames) at which deforming things are checked: the last one, and whole
-        frames: either all, or scattered irregularly, so that no oscillation is missed."""
-        first, last = self._span
-        frames = np.arange(self.job.first + 1, self.job.last)
-        if len(frames) > OUTLINE_TIMES:
-            golden = (np.arange(OUTLINE_TIMES) * 0.6180339887498949) % 1.0
-            frames = frames[np.unique((golden * len(frames)).astype(int))]
-        return [last, (first + last) / 2.0, *frames.astype(float)]
 
     def _note_animated_data(self, found):
         owners = {each.light for each in found.lamps} | {self.world, self.scene}
@@ -389,6 +473,18 @@ class _Writer:
                     f'{kind} "{owner.name}"',
                     f"its changes over time are not carried; it is as at frame {self.job.first}",
                 )
+
+
+def _bent(things):
+    """Returns one thing for each original that may bend, by its key."""
+    firsts = {id(thing.original): thing for thing in reversed(things) if thing.original.bending}
+    return {thing.key: thing for thing in firsts.values()}
+
+
+def _rest_of(thing, matrix):
+    """Returns what must be done to the vertices of a thing with a matrix (4, 4), or None for nothing."""
+    rest = thing.rest if thing.frame else split_affine(matrix)[1]
+    return None if np.array_equal(rest, np.eye(3)) else rest
 
 
 class _Frozen:

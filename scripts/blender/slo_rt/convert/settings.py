@@ -7,6 +7,11 @@ import numpy as np
 
 from ..format.scene_text import Element
 
+# A preview shows the light of so many photons directly.
+PREVIEW_SAMPLES = 4
+PREVIEW_PHOTONS = 60000
+PREVIEW_NEAREST = 100
+
 
 @dataclass
 class Shutter:
@@ -64,19 +69,38 @@ def settings_element(values, background):
     return Element("settings", "blender", [*body, *_machine(values), ("background", background)])
 
 
-def path_settings_element(scene):
-    """Makes `settings` for the integrator PATH from the artist's values and Cycles' bounces."""
+def physical_settings_element(scene):
+    """Makes `settings` for the integrators PATH and PHOTON_MAP from the artist's values and Cycles'
+    bounces."""
+    values = scene.slo_rt
+    if values.integrator == "PHOTON_MAP":
+        size = values.photon_map_size
+        more = [("photonMapSize", size), ("causticMapSize", size)]
+        more += [("cacheError", values.cache_error)] if values.cache_error > 0.0 else []
+    else:
+        more = [("photons", values.photons)] if values.photons > 0.0 else []
+    return _physical_settings(scene, values.integrator, _sampling(values), more)
+
+
+def preview_settings_element(scene):
+    """Makes `settings` for a preview: the light of few photons, shown directly."""
+    count = min(PREVIEW_SAMPLES, scene.slo_rt.samples)
+    more = [("gather", 0), ("photonMapSize", PREVIEW_PHOTONS), ("causticMapSize", PREVIEW_PHOTONS)]
+    more.append(("photonNearest", PREVIEW_NEAREST))
+    return _physical_settings(scene, "PHOTON_MAP", [("imageSamples", count)], more)
+
+
+def _physical_settings(scene, integrator, sampling, more):
     values = scene.slo_rt
     cycles = getattr(scene, "cycles", None)
     has_bounces = values.use_cycles_bounces and cycles is not None
     body = [
-        ("integrator", "PATH"),
-        *_sampling(values),
+        ("integrator", integrator),
+        *sampling,
         ("recursion", cycles.max_bounces if has_bounces else values.bounces),
         ("generatorType", values.generator),
+        *more,
     ]
-    if values.photons > 0.0:
-        body.append(("photons", values.photons))
     if not _is_auto(values):
         body.append(("lightSamplingType", values.light_sampling))
     body.append(("accelerator", values.accelerator))

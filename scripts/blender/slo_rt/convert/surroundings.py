@@ -18,15 +18,19 @@ class Surroundings:
     middles (`center`), and the diagonal of the whole scene (`diagonal`)."""
 
     def __init__(self, things):
-        self.centers = np.array([thing.center for thing in things] or np.zeros((1, 3)))
-        self.center = np.median(self.centers, axis=0)
-        self._diagonals = np.array([thing.diagonal for thing in things])
-        reach = self._diagonals.max(initial=0.0)
-        self.diagonal = float(np.linalg.norm(np.ptp(self.centers, axis=0)) + reach)
-        placements = np.array([thing.placement for thing in things]).reshape(-1, 9)
+        placements = np.array([thing.placement for thing in things]).reshape(-1, 12)
         self._pivots = placements[:, :3]
         self._axes = axes_of(placements[:, 3:6], placements[:, 6:9])
-        self._boxes = np.array([thing.box for thing in things]).reshape(-1, 2, 3)
+        boxes = np.array([thing.original.box for thing in things]).reshape(-1, 2, 3)
+        self._boxes = boxes * placements[:, None, 9:]
+        middles = self._boxes.mean(axis=1)
+        self.centers = self._pivots + np.einsum("nij,nj->ni", self._axes, middles)
+        if not things:
+            self.centers = np.zeros((1, 3))
+        self.center = np.median(self.centers, axis=0)
+        self._diagonals = np.linalg.norm(self._boxes[:, 1] - self._boxes[:, 0], axis=1)
+        reach = self._diagonals.max(initial=0.0)
+        self.diagonal = float(np.linalg.norm(np.ptp(self.centers, axis=0)) + reach)
 
     def eyes(self, position):
         """Returns a point (3,) in the space of each thing's box, and its distance to the box, 0 inside."""

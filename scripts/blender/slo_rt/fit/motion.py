@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fits key frames to sampled placements.
 
-Between two key frames of slo-rt, pivot, up and right are cubic Bézier curves in time. A stretch of
+Between two key frames of slo-rt, pivot, up, right and scale are cubic Bézier curves in time. A stretch of
 motion is fitted by one piece. If the piece misses the samples, it is divided, first at whole frames.
 The times of the artist's own key frames are borders of pieces from the start. So a motion that is
 cubic between them, such as Bézier curves with automatic handles, is reproduced exactly.
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import bezier
-from .rigid import angle_between, axes_of
+from .rigid import SMALLEST, angle_between, axes_of
 
 POSITION_TOLERANCE = 1e-4  # of the thing's size
 DIRECTION_TOLERANCE = np.radians(0.05)
@@ -34,7 +34,8 @@ LEAP = 1.0 / 256.0
 
 @dataclass
 class KeyFrame:
-    """One key frame at `time` (frames): `key`, `pre`, `nex` hold pivot, up, right (9,).
+    """One key frame at `time` (frames): `key`, `pre`, `nex` hold pivot, up, right, and scale (12,) or
+    not (9,).
 
     `pre` and `nex` are None if no motion leads in or out, or if it is straight at constant speed.
     """
@@ -66,12 +67,12 @@ class Misfit:
 class _Piece:
     start: float
     end: float
-    control: np.ndarray  # (4, 9), or (2, 9); tidied
+    control: np.ndarray  # (4, 12 or 9), or (2, 12 or 9); tidied
     is_straight: bool
 
 
 def fit_key_frames(sample, start, end, size, breaks=()):
-    """Does `fit_all` for one motion; `sample(times)` returns placements (n, 9) at times (n,)."""
+    """Does `fit_all` for one motion; `sample(times)` returns placements (n, 12 or 9) at times (n,)."""
 
     def sample_one(_who, times):
         return np.array([sample(row) for row in times])
@@ -79,18 +80,19 @@ def fit_key_frames(sample, start, end, size, breaks=()):
     return fit_all(sample_one, start, end, [size], [breaks])[0]
 
 
-def fit_all(sample, start, end, sizes, breaks, prepare=None):
+def fit_all(sample, start, end, sizes, breaks, prepare=None, reach=None):
     """Returns the key frames of many motions from `start` to `end` (frames).
 
-    `sample(who, times)` returns placements (n, k, 9) of the motions with numbers `who` (n,) at times
-    (n, k). `prepare(times)` is called in advance with the times to be sampled next. `sizes` are the
-    diagonals of the things, `breaks` lists of `Break`s. Returns `(key_frames, misfit)` of each motion.
+    `sample(who, times)` returns placements (n, k, 12 or 9) of the motions with numbers `who` (n,) at
+    times (n, k). `prepare(times)` is called in advance with the times to be sampled next. `sizes` are
+    the diagonals of the things, `breaks` lists of `Break`s. `reach` (n, 3) is how far a thing extends
+    along its axes at a scale of 1; half of its size without it. Returns `(key_frames, misfit)` of each motion.
     `misfit` is None if the tolerances hold at all samples, otherwise the place at which the motion is
     too wild, such as a jump that no curve announces.
 
     Pieces of all motions that have the same pattern of samples are fitted together.
     """
-    fitter = _Fitter(sample, sizes, prepare or (lambda times: None))
+    fitter = _Fitter(sample, sizes, prepare or (lambda times: None), reach)
     stretches, leaps = [], []
     for who, own in enumerate(breaks):
         borders = _borders(start, end, own)
@@ -122,10 +124,12 @@ def middle(start, end):
 
 
 class _Fitter:
-    def __init__(self, sample, sizes, prepare):
+    def __init__(self, sample, sizes, prepare, reach):
         self.sample = sample
         self.prepare = prepare
         self.sizes = np.maximum(np.asarray(sizes, np.float64), 1e-12)
+        half = np.repeat(self.sizes[:, None] / 2.0, 3, axis=1)
+        self.reach = half if reach is None else np.asarray(reach, np.float64)
         self.pieces = [[] for _ in sizes]
         self.misfits = {}
 
@@ -155,11 +159,19 @@ class _Fitter:
         placements = self.sample(who, times)
         u = (times[0] - times[0, 0]) / (times[0, -1] - times[0, 0])
         control = bezier.fit_many(3, u, placements)
+        if control.shape[-1] > 9:
+            # Handles of 0 or less are not allowed.
+            control[..., 9:] = np.maximum(control[..., 9:], SMALLEST * placements[..., 9:].max())
         tidied = _tidy(control)
         straight = _is_straight(tidied)
         axes = _axes(placements)
         fitted = bezier.basis(3, u) @ control
         gaps = np.linalg.norm(fitted[..., :3] - placements[..., :3], axis=-1)
+        growth = (
+            np.abs(fitted[..., 9:] - placements[..., 9:])
+            * self.reach[who][:, None, : fitted.shape[-1] - 9]
+        )
+        gaps = np.maximum(gaps, growth.max(axis=-1, initial=0.0))
         position = gaps.max(axis=1) / self.sizes[who]
         direction = angle_between(_axes(fitted), axes).max(axis=1)
         turn = angle_between(axes[:, 1:], axes[:, :-1]).max(axis=1)
@@ -228,13 +240,14 @@ def _join(pieces):
 
 
 def _tidy(control):
-    """Rounds control points (n, m, 9) to the digits of single precision, separately for pivot, up and
-    right."""
-    return np.concatenate([bezier.tidy_many(control[..., i : i + 3]) for i in (0, 3, 6)], axis=-1)
+    """Rounds control points (n, m, 12 or 9) to the digits of single precision, separately for pivot, up,
+    right and scale."""
+    parts = range(0, control.shape[-1], 3)
+    return np.concatenate([bezier.tidy_many(control[..., i : i + 3]) for i in parts], axis=-1)
 
 
 def _is_straight(control):
-    """Returns which curves with control points (n, 4, 9) are straight with constant speed."""
+    """Returns which curves with control points (n, 4, 12 or 9) are straight with constant speed."""
     line = control[:, :1] + (control[:, 3:] - control[:, :1]) * np.array([[1.0 / 3.0], [2.0 / 3.0]])
     return np.abs(control[:, 1:3] - line).max(axis=(1, 2)) <= 1e-9
 

@@ -6,13 +6,20 @@ import numpy as np
 from .decimal_text import vectors
 from .scene_text import block, exact
 
-PARTS = {"pivot": slice(0, 3), "up": slice(3, 6), "right": slice(6, 9)}
-STRAIGHT = 1e-8  # largest distance of a straight handle from the line, in units of the largest number
+PARTS = {"pivot": slice(0, 3), "up": slice(3, 6), "right": slice(6, 9), "scale": slice(9, 12)}
+NO_SCALE = (1.0, 1.0, 1.0)
+STRAIGHT = (
+    1e-8  # largest distance of a straight handle from the line, in units of the largest number
+)
 
 
 def still(placement):
-    """One key frame that places a thing: pivot, up, right (9,)."""
-    return block("addKframe", [("time", 0), block("key", _parts(placement, PARTS))])
+    """One key frame that places a thing: pivot, up, right, and scale (12,) or not (9,)."""
+    parts = [(name, placement[PARTS[name]]) for name in PARTS]
+    parts = [(name, value) for name, value in parts[:3] + parts[3:] if len(value)]
+    if len(placement) > 9 and tuple(placement[9:]) == NO_SCALE:
+        parts.pop()
+    return block("addKframe", [("time", 0), block("key", parts)])
 
 
 def moving(keys, frames_per_second):
@@ -35,29 +42,30 @@ def moving(keys, frames_per_second):
 
 
 def _points(keys):
-    """Returns handle, key, handle of `n` key frames by their parts, (n, 3, 3, 3), and which vectors
-    must be written, (n, 3, 3)."""
+    """Returns handle, key, handle of `n` key frames by their parts, (n, 3, 4, 3), and which vectors
+    must be written, (n, 3, 4). Without a scale, there are 3 parts."""
     key = np.array([each.key for each in keys])
+    width = key.shape[1]
     step = np.diff(key, axis=0) / 3.0
     lines = key[:-1] + step, key[1:] - step
     has_handles = [a.nex is not None and b.pre is not None for a, b in zip(keys, keys[1:])]
     nex, pre = (line.copy() for line in lines)
     for i in np.flatnonzero(has_handles):
         nex[i], pre[i] = keys[i].nex, keys[i + 1].pre
-    nothing = np.zeros((1, 9))
+    parts = width // 3
+    nothing = np.zeros((1, width))
     points = np.stack([np.vstack([nothing, pre]), key, np.vstack([nex, nothing])], axis=1)
-    points = points.reshape(len(keys), 3, 3, 3)
+    points = points.reshape(len(keys), 3, parts, 3)
 
-    off = np.maximum(np.abs(nex - lines[0]), np.abs(pre - lines[1])).reshape(-1, 3, 3).max(axis=2)
-    size = np.maximum(np.abs(key[:-1]), np.abs(key[1:])).reshape(-1, 3, 3).max(axis=2)
+    off = np.maximum(np.abs(nex - lines[0]), np.abs(pre - lines[1]))
+    off = off.reshape(-1, parts, 3).max(axis=2)
+    size = np.maximum(np.abs(key[:-1]), np.abs(key[1:])).reshape(-1, parts, 3).max(axis=2)
     bent = off > STRAIGHT * np.maximum(1.0, size)
-    changed = (np.diff(key, axis=0) != 0.0).reshape(-1, 3, 3).any(axis=2)
-    never, always = np.zeros((1, 3), bool), np.ones((1, 3), bool)
+    changed = (np.diff(key, axis=0) != 0.0).reshape(-1, parts, 3).any(axis=2)
+    never, always = np.zeros((1, parts), bool), np.ones((1, parts), bool)
+    if width > 9:
+        always[0, 3] = tuple(key[0, 9:]) != NO_SCALE
     is_told = np.stack(
         [np.vstack([never, bent]), np.vstack([always, changed]), np.vstack([bent, never])], axis=1
     )
     return points, is_told
-
-
-def _parts(placement, names):
-    return [(name, placement[PARTS[name]]) for name in PARTS if name in names]

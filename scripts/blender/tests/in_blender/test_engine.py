@@ -174,6 +174,34 @@ class EngineTest(unittest.TestCase):
         np.testing.assert_array_equal(result_pixels(self.scene), last)
         self.assertTrue(all(0.0 <= fraction <= 1.0 for fraction in fractions))
 
+    def test_a_preview_comes_first(self):
+        """A preview by photons has the light of the whole picture, for both integrators that need it."""
+        blend.cube()
+        bpy.ops.mesh.primitive_plane_add(size=20.0, location=(0.0, 0.0, -1.0))
+        blend.lamp(energy=2000.0).data.shadow_soft_size = 0.2
+        values = self.scene.slo_rt
+        values.samples, values.show_preview = 64, True
+        whole_show = engine.SloRtRenderEngine._show
+        for integrator in ("PATH", "PHOTON_MAP"):
+            values.integrator = integrator
+            shown = []
+
+            def show(self, run, depsgraph, shown=shown):
+                shown.append((type(run), engine.linear_pixels(run.picture)[..., :3]))
+                whole_show(self, run, depsgraph)
+
+            with (
+                mock.patch.object(engine.SloRtRenderEngine, "_is_watched", lambda self: True),
+                mock.patch.object(engine.SloRtRenderEngine, "_show", show),
+            ):
+                last = result_pixels(self.scene)
+            self.assertEqual(
+                [kind is engine.Preview for kind, _ in shown], [True, False, False, False]
+            )
+            np.testing.assert_array_equal(shown[-1][1], last)
+            self.assertGreater(last.mean(), 0.01)
+            self.assertAlmostEqual(shown[0][1].mean() / last.mean(), 1.0, delta=0.1)
+
     def test_time_limit_takes_fewer_samples(self):
         blend.cube()
         self.scene.slo_rt.samples, self.scene.slo_rt.time = 65535, 2.0

@@ -367,8 +367,8 @@ FEATURES = {
     "scaled to a line": (
         lambda f: setattr(f.cube, "scale", (1.0, 0.0, 0.0)), "scaled to nothing and left out",
     ),
-    "shape key for a moment": (shape_key_for_a_moment, "changes its shape"),
-    "armature": (armature, "changes its shape"),
+    "shape key for a moment": (shape_key_for_a_moment, CHANGES),
+    "armature": (armature, CHANGES),
     "world that changes": (animated_world, 'world "World": its changes over time'),
     "material that changes": (animated_material, 'material "Paint": its changes over time'),
     "scene that changes": (

@@ -2,6 +2,7 @@
 """Key frames reproduce Blender's motion: compares scene texts with `matrix_world` between frames."""
 
 import math
+import os
 import random
 import unittest
 
@@ -179,12 +180,79 @@ class MotionTest(unittest.TestCase):
             )
         self.assertNotIn("wildly", text[:1000])
 
-    def test_scale_is_baked_and_its_changes_told(self):
-        thing = blend.cube()
-        blend.key(thing, "scale", 1, (1.0, 2.0, -3.0))
-        blend.key(thing, "scale", 25, (2.0, 2.0, -3.0))
+    def check_matrices(self, thing, reach=1.0, error=2e-4):
+        """The whole matrix, with scale, of the only mesh."""
         text = blend.export_text()
-        self.assertIn("its scale changes", text)
+        described = scene_reader.read(text)
+        element = described.one("mesh", thing.name)
+        for time in moments(self.scene, 50):
+            ours = scene_reader.matrix(described, element, time / self.scene.render.fps)
+            theirs = matrix_at(self.scene, thing, time)
+            off = np.abs(np.abs(ours) - np.abs(theirs)).max()
+            self.assertLess(off, error * reach, time)
+        self.assertNotIn("wildly", text)
+        return text
+
+    def test_scale(self):
+        thing = blend.cube()
+        for frame, scale, turn in ((1, (1.0, 2.0, -3.0), 0.0), (25, (2.0, 2.0, -1.0), 2.0)):
+            blend.key(thing, "scale", frame, scale)
+            blend.key(thing, "rotation_euler", frame, (0.0, 0.0, turn))
+        text = self.check_matrices(thing, reach=6.0)
+        self.assertNotIn("Not carried, or carried differently:\n# object", text)
+
+    def test_growth_from_nothing(self):
+        """What is scaled to nothing is turned as when it grows."""
+        thing = blend.cube()
+        thing.rotation_euler = (0.3, 0.9, 1.7)
+        for frame, size in ((1, 0.0), (8, 0.0), (20, 1.5), (25, 1.5)):
+            blend.key(thing, "scale", frame, (size, size, size))
+        text = self.check_matrices(thing, reach=3.0)
+        self.assertNotIn("left out", text)
+
+    def test_what_stays_nothing_is_left_out(self):
+        thing = blend.cube()
+        thing.scale = (0.0, 0.0, 0.0)
+        blend.key(thing, "location", 1, (0.0, 0.0, 0.0))
+        blend.key(thing, "location", 25, (1.0, 0.0, 0.0))
+        text = blend.export_text()
+        self.assertIn("left out", text)
+        self.assertNotIn("mesh Cube", text)
+
+    def test_constant_scale_is_no_motion_of_its_own(self):
+        thing = blend.cube()
+        thing.scale = (0.3, 1.7, 0.55)
+        blend.key(thing, "rotation_euler", 1, (0.0, 0.0, 0.0))
+        blend.key(thing, "rotation_euler", 25, (2.0, 1.0, 3.0))
+        self.assertEqual(blend.export_text().count("scale {"), 1)
+
+    def test_shear_that_changes_is_a_change_of_shape(self):
+        """A child turns in a squashed parent: no key frame can say this."""
+        parent = bpy.data.objects.new("Parent", None)
+        self.scene.collection.objects.link(parent)
+        parent.scale = (1.0, 1.0, 0.4)
+        thing = blend.cube()
+        thing.parent = parent
+        self.scene.frame_end = 5
+        blend.key(thing, "rotation_euler", 1, (0.1, 0.0, 0.0))
+        blend.key(thing, "rotation_euler", 5, (0.6, 0.0, 0.0))
+        self.scene.render.use_motion_blur = True
+        path = blend.export()
+        with open(path, encoding="utf-8") as file:
+            described = scene_reader.read(file.read())
+        element = described.one("mesh")
+        shapes = scene_reader.shapes(element)
+        self.assertGreater(len(shapes), 4)
+        corners = np.array([vertex.co[:] for vertex in thing.data.vertices])
+        for time, filename in shapes:
+            columns, _ = scene_reader.ply(os.path.join(os.path.dirname(path), filename))
+            vertices = np.stack([columns[axis] for axis in "xyz"], axis=1)
+            ours = scene_reader.matrix(described, element, time)
+            theirs = matrix_at(self.scene, thing, time * self.scene.render.fps)
+            ours = vertices @ ours[:3, :3].T + ours[:3, 3]
+            theirs = corners @ theirs[:3, :3].T + theirs[:3, 3]
+            gaps = np.linalg.norm(ours[:, None] - theirs, axis=2).min(axis=1)
+            self.assertLess(gaps.max(), 1e-3)
 
     def test_rest_needs_no_more_than_one_key_frame(self):
         thing = blend.cube()

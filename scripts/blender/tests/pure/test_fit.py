@@ -81,6 +81,47 @@ class RigidTest(unittest.TestCase):
             axes = rigid.axes_of(placement[3:6], placement[6:9])
             np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-12)
 
+    def test_affine_matrix_comes_back(self):
+        random = np.random.default_rng(5)
+        for _ in range(50):
+            matrix = np.eye(4)
+            matrix[:3] = random.standard_normal((3, 4))
+            placement, rest = rigid.split_affine(matrix)
+            whole = rigid.matrix_of(placement)
+            np.testing.assert_allclose(whole[:3, :3] @ rest, matrix[:3, :3], atol=1e-12)
+            np.testing.assert_allclose(np.abs(np.diag(rest)), 1.0, atol=1e-12)
+            self.assertGreater(placement[9:].min(), 0.0)
+
+    def test_scale_and_mirroring_leave_no_rest(self):
+        """Single precision counts as rounding, also among very different scales."""
+        for scale in (
+            (2, 3, 4),
+            (2, -3, 4),
+            (-1, -1, -1),
+            (0.01, 100, 1),
+            (1, 1, 0),
+            (0, 0, 0),
+            (0, 2, 0),
+        ):
+            matrix = np.eye(4, dtype=np.float32)
+            matrix[:3, :3] = rotation((1, 2, 3), 0.7) @ np.diag(np.array(scale, float))
+            placement, rest = rigid.split_affine(matrix)
+            mirrors = np.prod(np.sign(scale)) < 0
+            np.testing.assert_array_equal(rest, rigid.MIRROR if mirrors else np.eye(3))
+            sizes = np.abs(np.array(scale, float))
+            off = np.abs(np.sort(placement[9:]) - np.sort(sizes))
+            self.assertLessEqual(off.max(), 2e-6 * max(sizes.max(), 1.0))
+
+    def test_quaternions_turn_as_matrices_do(self):
+        random = np.random.default_rng(6)
+        turns = [rotation(random.standard_normal(3), angle) for angle in np.linspace(-7.0, 7.0, 40)]
+        turns += [rotation(axis, np.pi) for axis in np.eye(3)]
+        for (w, *xyz), matrix in zip(rigid.quaternions(np.array(turns)), turns):
+            for point in np.eye(3):
+                twice = 2.0 * np.cross(xyz, point)
+                turned = point + w * twice + np.cross(xyz, twice)
+                np.testing.assert_allclose(turned, matrix @ point, atol=1e-12)
+
 
 class MotionTest(unittest.TestCase):
     def check(self, sample, size, start=1.0, end=25.0, breaks=(), most=1000):
@@ -96,6 +137,24 @@ class MotionTest(unittest.TestCase):
         self.assertLessEqual(turn, motion.DIRECTION_TOLERANCE)
         self.assertLessEqual(len(keys), most)
         return keys
+
+    def test_growth(self):
+        """A scale is fitted as exactly as a position, and no handle reaches 0."""
+
+        def sample(times):
+            still = placements(lambda t: (0.0, 0.0, 0.0), (0, 0, 1), lambda t: 0.0)(times)
+            growth = np.maximum(((times - 1.0) / 24.0) ** 3 * (1.0 + 0.3 * np.sin(times)), 1e-6)
+            return np.hstack([still, growth[:, None] * (1.0, 2.0, 3.0)])
+
+        keys, misfit = motion.fit_key_frames(sample, 1.0, 25.0, 6.0)
+        self.assertIsNone(misfit)
+        times = np.linspace(1.0, 25.0, 1009)
+        fitted = np.array([at(keys, time) for time in times])
+        off = np.abs(fitted[:, 9:] - sample(times)[:, 9:]).max()
+        self.assertLess(off, 2.0 * motion.POSITION_TOLERANCE)
+        for key in keys:
+            for point in (key.pre, key.key, key.nex):
+                self.assertTrue(point is None or (point[9:] > 0.0).all())
 
     def test_fast_spin(self):
         sample = placements(lambda t: (t, 0.0, 0.0), (1, 1, 0), lambda t: 5.2 * t)

@@ -32,6 +32,15 @@ impl Times {
     }
 }
 
+/// When a picture is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// Between the rendering of two frames.
+    Between,
+    /// While the next frame is rendered.
+    Beside,
+}
+
 /// Size of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Size {

@@ -4,12 +4,12 @@ use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use super::desk::Desk;
 use super::done::{Done, Size, Times};
 use super::guide_file::GuideFile;
 use super::target::{Target, in_the_way};
 use crate::cli::base::{Exit, Problem, Terminal, counted};
 use crate::cli::files::checkpoint::{Checkpoint, recipe_hash};
-use crate::cli::files::load;
 use crate::cli::options::Job;
 use crate::cli::progress::{FrameProgress, Progress};
 use crate::cli::system::memory::Reserve;
@@ -20,7 +20,7 @@ use slo_picture::film::{Film, TooLarge};
 use slo_picture::output::{Outcome, check_free, check_writable, remove_leftovers};
 use slo_render::frame::FrameScene;
 use slo_render::guiding::Field;
-use slo_render::render::{Budget, Exposed, Observer, render, render_until};
+use slo_render::render::{Budget, Exposed, Observer, Statistics, render, render_until};
 use slo_scene::{Layer, SceneDescription};
 
 /// Approximate time to encode and write a pixel, in nanoseconds.
@@ -43,6 +43,20 @@ pub(super) struct Limit {
     pub(super) step: u32,
 }
 
+/// A frame that has all of its samples.
+pub(super) struct Taken {
+    pub(super) frame: i64,
+    film: Film,
+    /// How far the frame was taken, if the clock decided it.
+    steps: Option<Steps>,
+    checkpoint: Checkpoint,
+    /// Memory for the files.
+    end: Reserve,
+    pub(super) times: Times,
+    statistics: Statistics,
+    size: Size,
+}
+
 impl Studio<'_> {
     /// Builds, renders and saves a frame. `expected` is the path of its picture. `before` holds
     /// what was built for another frame, and afterwards what was built for this one. If `is_lost`,
@@ -59,21 +73,41 @@ impl Studio<'_> {
         before: &mut Option<FrameScene>,
         is_lost: &(dyn Fn() -> bool + Sync),
     ) -> Result<Done, Problem> {
-        find_out_if_writable(expected, before.is_none())?;
+        let mut desk = Desk::new(before.take(), None);
+        let taken = self.take(frame, expected, limit, progress, &mut desk, is_lost);
+        *before = desk.before;
+        self.develop(taken?)
+    }
+
+    /// Builds and renders a frame. The rest is its [development](Self::develop).
+    pub(super) fn take(
+        &self,
+        frame: i64,
+        expected: &Path,
+        limit: Option<Limit>,
+        progress: &Progress,
+        desk: &mut Desk<'_>,
+        is_lost: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Taken, Problem> {
+        find_out_if_writable(expected, desk.before.is_none())?;
         let (progress, checkpoint) = (progress.frame(frame, expected), self.checkpoint(frame));
         let guide_file = GuideFile::new(self.job, self.scene, frame, self.terminal);
         let watch = Watch { progress, checkpoint, guide_file, is_lost };
         let start = Instant::now();
-        let build = || load::frame(self.job, self.scene, frame, before.take());
-        let built = interrupt::while_building(build)?;
+        let built = desk.frame(self.job, self.scene, frame)?;
         let built = match watch.guide_file.read()? {
             Some(field) if built.is_guided() => built.with_field(field),
             _ => built,
         };
-        let needs = self.needs(frame, 1);
-        let film = watch.checkpoint.film();
-        let (film, least) = film.map_err(|TooLarge { .. }| needs.too_large())?;
-        let end = self.reserve(&needs)?;
+        let ((film, least), end) = match self.film(frame, &watch.checkpoint) {
+            // The picture before this one takes memory until it is in place.
+            Err(_) if desk.is_writing() => {
+                desk.written()?;
+                self.film(frame, &watch.checkpoint)?
+            }
+            film => film?,
+        };
+        desk.begin_next(&built);
         let budget =
             limit.map(|Limit { time, step }| Budget { deadline: start + time, least, last: step });
         let building = start.elapsed();
@@ -82,25 +116,41 @@ impl Studio<'_> {
         let (exposed, steps) = self.expose(&built, film, budget, &watch);
         let rendering = start.elapsed();
         let checkpoint = watch.checkpoint;
-        if !exposed.is_complete && is_lost() {
-            *before = Some(built);
+        let Exposed { film, statistics, is_complete } = exposed;
+        desk.before = Some(built);
+        if !is_complete && is_lost() {
             return Err(Problem::told(Exit::Stopped));
         }
-        if !exposed.is_complete {
-            let steps = steps.unwrap_or_default();
-            return Err(stopped(frame, &checkpoint, exposed.film, steps));
+        if !is_complete {
+            return Err(stopped(frame, &checkpoint, film, steps.unwrap_or_default()));
         }
+        let times = Times { building, rendering, ..Times::default() };
+        Ok(Taken { frame, film, steps, checkpoint, end, times, statistics, size })
+    }
+
+    /// Makes the files of a frame that has all of its samples.
+    pub(super) fn develop(&self, taken: Taken) -> Result<Done, Problem> {
+        let Taken { frame, film, steps, checkpoint, end, times, statistics, size } = taken;
         let start = Instant::now();
         end.release();
-        let path = self.target.path(frame, rendering);
-        let Exposed { film, statistics, .. } = exposed;
+        let path = self.target.path(frame, times.rendering);
         let full_pixels = film.full_pixels();
         let (outcome, beside) = self.put_in_place(frame, film, steps, &path, &checkpoint)?;
-        let times =
-            Times { loading: Duration::ZERO, building, rendering, writing: start.elapsed() };
-        *before = Some(built);
+        let times = Times { writing: start.elapsed(), ..times };
         let missing = beside.err();
         Ok(Done { path, times, statistics, size, full_pixels, outcome, missing, steps })
+    }
+
+    /// Returns the film of a frame, the steps to which it must be continued, and the reserve for the
+    /// end of the frame.
+    fn film(
+        &self,
+        frame: i64,
+        checkpoint: &Checkpoint,
+    ) -> Result<((Film, Steps), Reserve), Problem> {
+        let needs = self.needs(frame, 1);
+        let film = checkpoint.film().map_err(|TooLarge { .. }| needs.too_large())?;
+        Ok((film, self.reserve(&needs)?))
     }
 
     /// Writes the files that are made from a film, and the film itself if it is still needed. Also

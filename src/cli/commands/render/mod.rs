@@ -1,5 +1,7 @@
 //! Renders the frames of a job one after the other in one process.
 
+mod ahead;
+mod desk;
 mod done;
 mod dry_run;
 mod frame;
@@ -9,6 +11,7 @@ mod maps;
 mod plan;
 mod run;
 mod schedule;
+mod sequence;
 mod shared;
 mod summary;
 mod target;
@@ -75,7 +78,7 @@ fn render(
     let result = match (job.share, job.total_time) {
         (Some(lease), _) => run.share(steps, lease),
         (None, Some(span)) => run.rounds(steps, span, begin),
-        (None, None) => steps.iter().try_for_each(|step| run.step(step)),
+        (None, None) => run.sequence(&steps),
     };
     let result = result.map(|()| run.look_once_more());
     run.ended(start.elapsed());

@@ -86,7 +86,8 @@ impl Run<'_> {
     /// Renders a frame that is still to do, if it is unclaimed.
     fn look(&mut self, step: &Step, claims: &Claims) -> Result<Look, Problem> {
         if let State::None(_) | State::Foreign(_) = step.state {
-            return self.step(step).map(|()| Look::Settled);
+            self.settle(step.frame, &step.path, &step.state, false);
+            return Ok(Look::Settled);
         }
         // A process that died while releasing a finished frame has left its claim, which is taken
         // over below.

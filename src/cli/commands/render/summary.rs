@@ -3,19 +3,26 @@
 use std::fmt::Write;
 use std::time::Duration;
 
-use super::done::{Done, Size, Times};
+use super::done::{Done, Place, Size, Times};
 use crate::cli::base::{Terminal, counted, human, megabytes};
 use slo_accel::Isa;
 use slo_render::render::Statistics;
 use slo_scene::Accelerator;
+use slo_scene::cache::Uses;
 use slo_scene::{SceneDescription, Settings};
 
 /// Measurements of one run.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Summary {
     /// Number of frames that were rendered.
     pub(super) frames: usize,
     times: Times,
+    /// Times of what was done beside rendering.
+    beside: Times,
+    /// Why frames were not built ahead.
+    refused: Option<String>,
+    /// Uses of the cache, if there is one.
+    pub(super) cache: Option<Uses>,
     statistics: Statistics,
     /// Size of the last frame.
     size: Size,
@@ -31,13 +38,41 @@ impl Summary {
     pub(super) fn new(loading: Duration, isa: Isa) -> Self {
         let times = Times { loading, ..Times::default() };
         let (statistics, size) = (Statistics::default(), Size::default());
-        Self { frames: 0, times, statistics, size, full_pixels: 0, error: None, isa }
+        let (beside, refused) = (Times::default(), None);
+        Self {
+            frames: 0,
+            times,
+            beside,
+            refused,
+            cache: None,
+            statistics,
+            size,
+            full_pixels: 0,
+            error: None,
+            isa,
+        }
+    }
+
+    /// Adds time spent waiting for pictures to be written.
+    pub(super) fn waited(&mut self, time: Duration) {
+        self.times.writing += time;
+    }
+
+    /// Adds time spent building frames beside rendering, and why this was not always done.
+    pub(super) fn built_ahead(&mut self, time: Duration, refused: Option<String>) {
+        self.beside.building += time;
+        self.refused = refused;
     }
 
     /// Adds a frame.
-    pub(super) fn add(&mut self, done: &Done) {
+    pub(super) fn add(&mut self, done: &Done, place: Place) {
         self.frames += 1;
-        self.times.add(&done.times);
+        let mut times = done.times;
+        if place == Place::Beside {
+            self.beside.writing += times.writing;
+            times.writing = Duration::ZERO;
+        }
+        self.times.add(&times);
         self.statistics += done.statistics;
         self.size = done.size;
         self.full_pixels += done.full_pixels;
@@ -70,21 +105,29 @@ impl Summary {
         }
     }
 
-    fn details(&self, scene: &SceneDescription) -> [String; 4] {
+    fn details(&self, scene: &SceneDescription) -> Vec<String> {
         let Statistics { camera_rays, shadow_rays, bounce_rays, .. } = self.statistics;
         let Times { loading, building, rendering, writing } = self.times;
         let film = &scene.camera.film;
         let pixels = f64::from(film.width) * f64::from(film.height) * self.frames as f64;
         let Settings { accelerator, spatial_splits, .. } = scene.settings;
         let has_spatial_splits = spatial_splits && accelerator == Accelerator::Bvh;
-        [
-            format!(
-                "loading {}, building {}, rendering {}, writing {}",
-                human(loading),
-                human(building),
-                human(rendering),
-                human(writing)
-            ),
+        let beside = self.beside;
+        let is_beside = beside.total() > Duration::ZERO;
+        let beside = is_beside.then(|| {
+            let [building, writing] = [beside.building, beside.writing].map(human);
+            format!("beside rendering: building {building}, writing {writing}")
+        });
+        let refused = self.refused.as_ref();
+        let refused = refused.map(|why| format!("not all frames were built ahead: {why}"));
+        let phases = format!(
+            "loading {}, building {}, rendering {}, writing {}",
+            human(loading),
+            human(building),
+            human(rendering),
+            human(writing)
+        );
+        let rest = [
             format!(
                 "{}, {}; structures {}",
                 counted(self.size.primitives, "primitive"),
@@ -103,7 +146,10 @@ impl Summary {
                 scene.settings.accelerator,
                 if has_spatial_splits { " with spatial splits" } else { "" }
             ),
-        ]
+        ];
+        let cache =
+            self.cache.map(|Uses { found, made }| format!("cache: {found} found, {made} written"));
+        [phases].into_iter().chain(beside).chain(refused).chain(cache).chain(rest).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::done::Done;
+use super::done::{Done, Place};
 use super::frame::Limit;
 use super::ledger::Ledger;
 use super::plan::{Step, is_open};
@@ -66,11 +66,11 @@ impl Run<'_> {
         span: Duration,
         begin: Instant,
     ) -> Result<(), Problem> {
-        let takes = self.takes(steps)?;
+        let takes = self.takes(steps);
         if takes.is_empty() {
             return Ok(());
         }
-        let share = takes.len() as f64 / (takes.len() + self.found) as f64;
+        let share = takes.len() as f64 / (takes.len() + self.record().found) as f64;
         let ledger = Ledger::new(self.studio.job, self.studio.scene);
         let mut known = ledger.read();
         let known: Vec<Option<Known>> = takes
@@ -94,10 +94,12 @@ impl Run<'_> {
     }
 
     /// Settles the frames that are not to be rendered, and returns the others.
-    fn takes(&mut self, steps: Vec<Step>) -> Result<Vec<Take>, Problem> {
+    fn takes(&self, steps: Vec<Step>) -> Vec<Take> {
         let (todo, settled): (Vec<_>, Vec<_>) = steps.into_iter().partition(Step::is_to_render);
-        settled.iter().try_for_each(|step| self.step(step))?;
-        Ok(todo.into_iter().map(|step| Take { step, done: None }).collect())
+        for Step { frame, path, state } in &settled {
+            self.settle(*frame, path, state, false);
+        }
+        todo.into_iter().map(|step| Take { step, done: None }).collect()
     }
 
     /// Whether an earlier run left a picture of the frame that is to improve further.
@@ -178,7 +180,7 @@ impl Run<'_> {
 
     /// Closes the frames when the time is up: their pictures are final for this run.
     fn close(&mut self, rounds: Rounds) {
-        let failed: Vec<i64> = self.failures.iter().map(|failure| failure.0).collect();
+        let failed: Vec<i64> = self.record().failures.iter().map(|failure| failure.0).collect();
         let mut takes = rounds.takes;
         let all = takes.len();
         takes.retain(|take| !failed.contains(&take.step.frame));
@@ -189,7 +191,10 @@ impl Run<'_> {
                     self.print(&step.path);
                     self.fail(step.frame, problem, true);
                 }
-                (Ok(()), Some(done)) => self.finish(step.frame, done),
+                (Ok(()), Some(done)) => {
+                    self.progress.over();
+                    self.finish(step.frame, done, Place::Between);
+                }
                 // Its picture comes from earlier runs alone.
                 (Ok(()), None) => self.keep(step.frame, &step.path, true),
             }

@@ -3,7 +3,7 @@
 use crate::math::{Bounds, rounding::UNIT_ROUNDOFF};
 use crate::primitives::Triangle;
 use crate::primitives::triangle::POSITION_ERROR;
-use crate::structure::shared::pages::Array;
+use crate::structure::shared::pages::{Array, Plain};
 use crate::structure::shared::stops::{self, Target};
 use glam::Vec3;
 
@@ -43,7 +43,18 @@ pub(super) struct Node {
     pub(super) order: [u32; WIDTH],
 }
 
+// SAFETY: numbers without padding.
+unsafe impl Plain for Node {}
+
 impl Node {
+    /// Whether nothing can enter the box of a child.
+    pub(super) fn is_closed(&self, place: usize) -> bool {
+        (0..3).all(|axis| {
+            self.planes[2 * axis][place] == f32::INFINITY
+                && self.planes[2 * axis + 1][place] == f32::NEG_INFINITY
+        })
+    }
+
     pub(super) const EMPTY: Self = Self {
         planes: [
             [f32::INFINITY; WIDTH],
@@ -231,7 +242,6 @@ impl Corners {
     }
 
     /// Number of triangles that there is room for.
-    #[cfg(test)]
     pub(super) fn slots(&self) -> usize {
         (self.rows.len() - Self::PADDING) / self.per_triangle
     }

@@ -22,6 +22,8 @@ pub(super) mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+use std::borrow::Cow;
+
 #[cfg(test)]
 pub(super) use self::builder::is_never_hit;
 pub(super) use self::hierarchy::Bvh;
@@ -31,7 +33,7 @@ use crate::isa::Isa;
 use crate::math::Bounds;
 use crate::primitives::{Primitives, Triangle};
 use crate::rays::{Coherence, Hits, Rays};
-use crate::structure::interface::{BuildOptions, SpatialIndex};
+use crate::structure::interface::{BuildOptions, Sections, SpatialIndex};
 
 /// Working memory of queries.
 #[derive(Debug, Default)]
@@ -45,6 +47,18 @@ impl SpatialIndex for Bvh {
 
     fn build(primitives: Primitives, options: BuildOptions) -> Self {
         builder::build(primitives, options)
+    }
+
+    fn kept(&self) -> Option<Vec<Cow<'_, [u8]>>> {
+        Some(builder::kept(self))
+    }
+
+    fn restore(
+        primitives: Primitives,
+        options: BuildOptions,
+        sections: &dyn Sections,
+    ) -> Result<Self, Primitives> {
+        builder::restore(primitives, options, sections)
     }
 
     #[inline]

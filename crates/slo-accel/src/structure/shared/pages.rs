@@ -53,6 +53,29 @@ impl<T> Array<T> {
     }
 }
 
+/// Types that are nothing but their bytes.
+///
+/// # Safety
+/// The type has no padding, and any bytes are a value of it.
+pub(crate) unsafe trait Plain: Copy {}
+
+// SAFETY: numbers.
+unsafe impl Plain for u32 {}
+// SAFETY: nine numbers.
+unsafe impl Plain for crate::primitives::Triangle {}
+
+/// The bytes of plain values, as they lie in memory.
+pub(crate) fn bytes_of<T: Plain>(values: &[T]) -> &[u8] {
+    // SAFETY: all bytes of plain values are initialised.
+    unsafe { std::slice::from_raw_parts(values.as_ptr().cast(), size_of_val(values)) }
+}
+
+/// The same bytes, to be changed.
+pub(crate) fn bytes_of_mut<T: Plain>(values: &mut [T]) -> &mut [u8] {
+    // SAFETY: as above; any bytes make plain values.
+    unsafe { std::slice::from_raw_parts_mut(values.as_mut_ptr().cast(), size_of_val(values)) }
+}
+
 impl<T> Drop for Array<T> {
     fn drop(&mut self) {
         let layout = Self::layout(self.len);

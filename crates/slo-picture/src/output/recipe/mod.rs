@@ -1,5 +1,6 @@
 //! How a picture was made, and what came of it: the text inside every picture, part and state.
 
+mod baked;
 mod continuation;
 mod outcome;
 mod read;
@@ -7,6 +8,7 @@ mod relit;
 mod restore;
 mod write;
 
+pub use baked::{is_light_map, with_light_map};
 pub use continuation::{continues, has_same_samples};
 pub use outcome::{Outcome, is_denoised, with_denoiser, with_outcome, without_outcome};
 pub(super) use read::restore_settings;

@@ -53,7 +53,7 @@ pub fn is_relit(recipe: &serde_json::Value) -> bool {
 }
 
 /// A text as JSON in ASCII.
-fn ascii(text: &str) -> String {
+pub(super) fn ascii(text: &str) -> String {
     let mut json = String::new();
     for c in serde_json::Value::from(text).to_string().chars() {
         if c.is_ascii() {

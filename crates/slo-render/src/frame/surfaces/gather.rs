@@ -8,10 +8,11 @@ use glam::{DVec3, Vec3};
 use super::columns::Surfaces;
 use super::tangents::{Tangent, tangent};
 use crate::frame::bend::normal_at;
+use crate::frame::instance::Body;
 use crate::frame::looks::Look;
 use crate::frame::scene::{FrameObject, FrameScene};
 use crate::frame::shapes::Geometry;
-use crate::frame::world::{Instance, STILL, WorldHits};
+use crate::frame::world::{STILL, WorldHits};
 use crate::shading::material::Kind;
 use crate::shading::material::principled::Parameters;
 use crate::shading::texture::sample_bilinear;
@@ -170,18 +171,19 @@ impl FrameScene {
         let (structure, object) = if hit.instance == STILL {
             (&self.world.still, self.still_objects[hit.primitive as usize])
         } else {
-            let instance = &self.world.instances[hit.instance as usize];
             to.moving.extend(numbers.clone());
-            if let Some(bending) = &instance.bending {
-                let (time, object) = (time[hit.ray], &self.objects[instance.object as usize]);
-                *last = Corners {
-                    of: (NO_HIT, STILL),
-                    corners: bending.triangle(hit.primitive, time),
-                    normals: object.bent_normals(hit.primitive, bending.moment(time)),
-                };
-                return;
+            match self.world.body(hit.instance) {
+                (Body::Still(structure), _, object) => (structure, object),
+                (Body::Bending(bending), _, object) => {
+                    let (time, object) = (time[hit.ray], &self.objects[object as usize]);
+                    *last = Corners {
+                        of: (NO_HIT, STILL),
+                        corners: bending.triangle(hit.primitive, time),
+                        normals: object.bent_normals(hit.primitive, bending.moment(time)),
+                    };
+                    return;
+                }
             }
-            (&instance.structure, instance.object)
         };
         if (hit.primitive as usize) >= structure.triangle_count() {
             to.curved.extend(numbers);
@@ -197,7 +199,7 @@ impl FrameScene {
     /// Whether the corners of an instance depend on the ray's time.
     fn bends(&self, instance: u32) -> bool {
         let instance = self.world.instances.get(instance as usize);
-        instance.is_some_and(|instance| instance.bending.is_some())
+        instance.is_some_and(|instance| matches!(instance.body, Body::Bending(_)))
     }
 
     /// Computes points and normals of curved surfaces, in the space of their structure.
@@ -216,11 +218,12 @@ impl FrameScene {
             let local = if hit.instance == STILL {
                 on_curved(&self.world.still, &hit, origin, direction)
             } else {
-                let instance = &self.world.instances[hit.instance as usize];
-                let pose = instance.pose(time[hit.ray]);
+                // Only what does not bend has curved surfaces.
+                let (Body::Still(structure), ..) = self.world.body(hit.instance) else { continue };
+                let pose = self.world.pose(hit.instance, time[hit.ray]);
                 let (origin, direction) =
                     (pose.inverse_point(origin), pose.inverse_vector(direction));
-                on_curved(&instance.structure, &hit, origin, direction)
+                on_curved(structure, &hit, origin, direction)
             };
             to.point.set(i, local.point);
             to.n_geo.set(i, local.normal);
@@ -242,14 +245,15 @@ impl FrameScene {
         for &i in &gathered.moving {
             let i = usize::from(i);
             let ray = to.ray[i] as usize;
-            let pose = self.world.instances[found.instance[ray] as usize].pose(time[ray]);
+            let (instance, time) = (found.instance[ray], time[ray]);
+            let pose = self.world.pose(instance, time);
             to.point.set(i, pose.point(to.point.get(i)));
             to.n_geo.set(i, pose.normal(to.n_geo.get(i)).normalize());
             to.n_shade.set(i, pose.normal(to.n_shade.get(i)));
             if turns {
                 to.tangent.set(i, pose.direction(to.tangent.get(i)));
             }
-            to.magnitude.set(i, pose.magnitude(to.magnitude.get(i)));
+            to.magnitude.set(i, self.world.magnitude(instance, time, to.magnitude.get(i)));
         }
     }
 
@@ -291,25 +295,19 @@ impl FrameScene {
             let found = tangent(&object.geometry, face, hit.uv, point, normal);
             Tangent { along: place.direction(found.along), ..found }
         } else {
-            let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
+            let (_, center, object) = self.world.body(hit.instance);
             let geometry = &self.objects[object as usize].geometry;
             tangent(geometry, hit.primitive, hit.uv, point + center, normal)
         }
     }
 
     /// Returns the texture coordinates of a hit at `point`, in render space.
-    pub(in crate::frame) fn uv_of(
-        &self,
-        found: &WorldHits,
-        ray: usize,
-        point: Vec3,
-        time: f32,
-    ) -> [f32; 2] {
+    pub(crate) fn uv_of(&self, found: &WorldHits, ray: usize, point: Vec3, time: f32) -> [f32; 2] {
         let hit = Hit::new(found, ray);
-        match self.world.instances.get(hit.instance as usize) {
-            Some(instance) => self.uv(&hit, instance.pose(time).inverse_point(point)),
-            None => self.uv(&hit, point),
+        if hit.instance == STILL {
+            return self.uv(&hit, point);
         }
+        self.uv(&hit, self.world.pose(hit.instance, time).inverse_point(point))
     }
 
     /// Returns the texture coordinates of a hit. `point` is in the space of its structure.
@@ -318,7 +316,7 @@ impl FrameScene {
             let object = &self.objects[self.still_objects[hit.primitive as usize] as usize];
             (object, None, object.place)
         } else {
-            let Instance { center, object, .. } = self.world.instances[hit.instance as usize];
+            let (_, center, object) = self.world.body(hit.instance);
             let object = &self.objects[object as usize];
             (object, Some(point + center), object.place)
         };
@@ -395,8 +393,14 @@ impl FrameScene {
         if instance == STILL {
             self.still_objects[primitive as usize]
         } else {
-            self.world.instances[instance as usize].object
+            self.world.object_of(instance)
         }
+    }
+
+    /// Returns the factor of the material's colours at a hit.
+    fn tint_of(&self, hit: &Hit) -> Vec3 {
+        let of_object = || self.objects[self.object_of(hit.primitive, hit.instance) as usize].tint;
+        self.world.tint(hit.instance).unwrap_or_else(of_object)
     }
 
     /// Returns the look of a primitive.
@@ -445,11 +449,7 @@ impl Lanewise for Images<'_> {
         for i in 0..to.len.min(BATCH) {
             let material = frame.materials.get(to.material[i] as usize);
             let hit = Hit::new(found, to.ray[i] as usize);
-            let tint = if frame.tints {
-                frame.objects[frame.object_of(hit.primitive, hit.instance) as usize].tint
-            } else {
-                Vec3::ONE
-            };
+            let tint = if frame.tints { frame.tint_of(&hit) } else { Vec3::ONE };
             let Some(texture) = material.and_then(|material| material.texture) else {
                 to.tint.set(i, tint);
                 continue;

@@ -33,7 +33,7 @@ impl FrameScene {
         for &i in &gathered.moving {
             let i = usize::from(i);
             let ray = to.ray[i] as usize;
-            let pose = self.world.instances[found.instance[ray] as usize].pose(time[ray]);
+            let pose = self.world.pose(found.instance[ray], time[ray]);
             to.lift.set(i, pose.vector(to.lift.get(i)));
         }
         for &i in &gathered.curved {

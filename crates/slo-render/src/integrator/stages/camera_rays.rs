@@ -1,11 +1,13 @@
-//! The camera rays of a batch.
+//! The camera rays of a batch, or rays that hit texels.
 
 use std::ops::Range;
 
+use glam::Vec3;
 use slo_accel::Lanewise;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
 use crate::camera::Camera;
+use crate::frame::{Baked, FrameScene, TexelPoint};
 use crate::integrator::batch::Batch;
 use crate::integrator::work::{Job, Work};
 use crate::sampling::PixelSeed;
@@ -22,6 +24,8 @@ pub(in crate::integrator) struct CameraRays {
     y: Column<u32>,
     origin: Vec3s,
     direction: Vec3s,
+    /// What each ray hits if the pixels are texels; otherwise empty.
+    points: Vec<Option<TexelPoint>>,
 }
 
 impl Default for CameraRays {
@@ -34,6 +38,7 @@ impl Default for CameraRays {
             y: [0; BATCH],
             origin: Vec3s::default(),
             direction: Vec3s::default(),
+            points: Vec::new(),
         }
     }
 }
@@ -68,7 +73,11 @@ impl CameraRays {
         let lens = frame.camera.has_lens();
         let names = CameraNames { seed: &self.seed, index: &batch.labels.index, end, lens, len };
         self.samples.take(&frame.sampler, frame.isa, &names);
-        frame.isa.run(Expose { camera: &frame.camera, rays: self, len });
+        self.points.clear();
+        match &frame.baked {
+            None => frame.isa.run(Expose { camera: &frame.camera, rays: self, len }),
+            Some(baked) => self.look_at_texels(frame, baked, len),
+        }
         self.put(len, batch);
         let rough = &mut batch.past.rough;
         rough.is_kept = frame.emission.is_some();
@@ -76,6 +85,27 @@ impl CameraRays {
             rough.rival[..len].fill(0.0);
             rough.width[..len].fill(0.0);
             rough.spread[..len].fill(frame.camera.pixel_angle());
+        }
+    }
+
+    /// Returns what each ray hits if the pixels are texels.
+    pub(super) fn points(&self) -> &[Option<TexelPoint>] {
+        &self.points
+    }
+
+    /// Creates rays that hit texels straight on, from so far away that a pixel of the camera is as wide
+    /// as a texel. Texels that are not on the surface have none.
+    fn look_at_texels(&mut self, frame: &FrameScene, baked: &Baked, len: usize) {
+        for i in 0..len {
+            let (sample, place) = (self.samples.get(i), [self.x[i], self.y[i]]);
+            let found = frame.texel_point(&baked.texels, place, sample.pixel, sample.time);
+            let [origin, direction] = found.map_or([Vec3::ZERO, Vec3::Z], |found| {
+                let distance = found.width / frame.camera.pixel_angle();
+                [found.point + found.normal * distance, -found.normal]
+            });
+            self.origin.set(i, origin);
+            self.direction.set(i, direction);
+            self.points.push(found);
         }
     }
 
@@ -94,6 +124,9 @@ impl CameraRays {
         batch.labels.path[..len].fill(0);
         for weight in [&mut batch.weight.x, &mut batch.weight.y, &mut batch.weight.z] {
             weight[..len].fill(1.0);
+        }
+        for (i, _) in self.points.iter().enumerate().filter(|(_, point)| point.is_none()) {
+            batch.weight.set(i, Vec3::ZERO);
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The first hits of a batch, and which of them are shaded.
 
+use slo_accel::instances::NO_INSTANCE;
 use slo_accel::math::columns::{BATCH, Column};
 
+use super::camera_rays::CameraRays;
 use crate::frame::{FrameScene, Look, WorldHits, WorldScratch};
 use crate::integrator::batch::Batch;
 use crate::integrator::chosen::Chosen;
@@ -24,6 +26,30 @@ impl Default for Hits {
 }
 
 impl Hits {
+    /// If the pixels are texels, takes their points as hits, and returns true.
+    pub(in crate::integrator) fn take_texels(
+        &mut self,
+        frame: &FrameScene,
+        batch: &Batch,
+        camera_rays: &CameraRays,
+    ) -> bool {
+        let Some(baked) = &frame.baked else { return false };
+        let Self { found: WorldHits { hits, instance }, looks, shaded } = self;
+        hits.reset(batch.len());
+        instance.clear();
+        instance.resize(batch.len(), NO_INSTANCE);
+        for (i, point) in camera_rays.points().iter().enumerate() {
+            looks[i] = Look::NOTHING;
+            let Some(point) = point else { continue };
+            looks[i] = baked.white;
+            (hits.primitive[i], instance[i]) = (point.primitive, point.instance);
+            [hits.u[i], hits.v[i]] = point.uv;
+            hits.t[i] = (batch.rays.origin(i) - point.point).length();
+        }
+        shaded.set(frame.isa, batch.len(), |i| Look::is_material(looks[i]));
+        true
+    }
+
     /// Finds the first hits of the rays of a batch.
     pub(in crate::integrator) fn trace(
         &mut self,

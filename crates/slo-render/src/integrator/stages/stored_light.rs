@@ -8,10 +8,11 @@ use slo_accel::math::columns::{BATCH, Column, Vec3s, lanes};
 
 use super::bsdfs::Bsdfs;
 use super::continuation::{Continuation, Rays};
+use super::hits::Hits;
 use super::points::Points;
 use crate::frame::FrameScene;
 use crate::integrator::batch::{Batch, marks};
-use crate::photons::{Nearest, PhotonLight, Rule};
+use crate::photons::{Irradiance, Nearest, PhotonLight, Rule};
 use crate::shading::bsdf::{Lobe, WithLobe};
 
 /// What photons know of the points of a batch.
@@ -56,7 +57,7 @@ impl StoredLight {
         &mut self,
         frame: &FrameScene,
         light: &PhotonLight,
-        batch: &Batch,
+        (batch, hits): (&Batch, &Hits),
         points: &Points,
         bsdfs: &Bsdfs,
     ) {
@@ -67,7 +68,7 @@ impl StoredLight {
         let Self { diffuse, rough, sharp, .. } = self;
         (*diffuse, *rough, *sharp) = (Vec3s::default(), Vec3s::default(), [0.0; BATCH]);
         bsdfs.bsdf.for_each(&mut AddAlbedos { frame, points, diffuse, rough, sharp });
-        frame.isa.run(Read { frame, stored: light, batch, points, to: self });
+        frame.isa.run(Read { frame, stored: light, batch, hits, points, to: self });
     }
 
     /// Keeps rays from following lobes whose light is known.
@@ -181,8 +182,27 @@ struct Read<'a> {
     frame: &'a FrameScene,
     stored: &'a PhotonLight,
     batch: &'a Batch,
+    hits: &'a Hits,
     points: &'a Points,
     to: &'a mut StoredLight,
+}
+
+impl Read<'_> {
+    /// Returns what is known of the irradiance at a point, estimated in advance.
+    #[inline(always)]
+    fn known(&self, i: usize) -> Option<Irradiance> {
+        let Self { frame, stored, hits, points, .. } = self;
+        let Points { surfaces, labels, .. } = points;
+        let point = surfaces.point.get(i);
+        let in_map = || {
+            let (ray, outside) = (surfaces.ray[i] as usize, surfaces.from_outside[i] == 1);
+            let place = (point, labels.time[i], outside);
+            let (map, texel) = frame.texel_of(&hits.found, ray, place)?;
+            stored.maps.get(map)?.get(texel).filter(|found| found.radius > 0.0).copied()
+        };
+        let from_map = if stored.maps.is_empty() { None } else { in_map() };
+        from_map.or_else(|| stored.surfaces.near(point, surfaces.n_geo.get(i)))
+    }
 }
 
 impl Lanewise for Read<'_> {
@@ -190,7 +210,7 @@ impl Lanewise for Read<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { frame, stored, batch, points, to } = self;
+        let Self { frame, stored, batch, points, .. } = self;
         let rule = Rule {
             nearest: frame.settings.caustic_nearest,
             cone: frame.settings.caustic_filter == slo_scene::CausticFilter::Cone,
@@ -201,22 +221,22 @@ impl Lanewise for Read<'_> {
             let (point, n_geo) = (points.surfaces.point.get(i), points.surfaces.n_geo.get(i));
             let (weight, mut irradiance, mut albedo) =
                 (points.weight.get(i), Vec3::ZERO, Vec3::ZERO);
-            if weight != Vec3::ZERO && to.is_end[i] == 1 {
-                albedo = to.rough.get(i);
-                if let Some(found) = stored.surfaces.near(point, n_geo) {
+            if weight != Vec3::ZERO && self.to.is_end[i] == 1 {
+                albedo = self.to.rough.get(i);
+                if let Some(found) = self.known(i) {
                     let from = batch.past.from.get(points.surfaces.ray[i] as usize);
                     // Estimates that reach to where the ray comes from show no details there.
                     let is_near = (point - from).length_squared() < found.radius * found.radius;
-                    to.is_end[i] = u32::from(!is_near);
+                    self.to.is_end[i] = u32::from(!is_near);
                     irradiance = found.light;
                 }
             }
-            to.is_cached[i] = 0;
-            if to.is_end[i] == 0 {
-                (irradiance, albedo) = (Vec3::ZERO, to.diffuse.get(i));
+            self.to.is_cached[i] = 0;
+            if self.to.is_end[i] == 0 {
+                (irradiance, albedo) = (Vec3::ZERO, self.to.diffuse.get(i));
                 if weight * albedo != Vec3::ZERO {
                     if !stored.caustics.is_empty() {
-                        let nearest = &mut to.nearest;
+                        let nearest = &mut self.to.nearest;
                         let found =
                             stored.caustics.irradiance(point, n_geo, rule, u32::MAX, nearest);
                         irradiance = found.light;
@@ -224,14 +244,14 @@ impl Lanewise for Read<'_> {
                     let n_shade = points.surfaces.n_shade.get(i);
                     if let Some(cached) = stored.cache.light(point, n_shade).filter(|_| gathers) {
                         irradiance += cached;
-                        to.is_cached[i] = 1;
+                        self.to.is_cached[i] = 1;
                     }
                     if !gathers {
-                        irradiance += stored.surfaces.smooth(point, n_geo, &mut to.nearest);
+                        irradiance += stored.surfaces.smooth(point, n_geo, &mut self.to.nearest);
                     }
                 }
             }
-            to.light.set(i, weight * albedo * irradiance * FRAC_1_PI);
+            self.to.light.set(i, weight * albedo * irradiance * FRAC_1_PI);
         }
     }
 }

@@ -86,8 +86,8 @@ lamps! {
 pub struct Skies<'a> {
     /// Which light rays to the sky are to find.
     pub share: SkyShare,
-    /// The lights of another frame, whose tables are used again.
-    pub before: Option<&'a Lights>,
+    /// Skies of another frame, whose tables are used again.
+    pub before: &'a [ImageSky],
 }
 
 impl Light {
@@ -120,9 +120,14 @@ impl Light {
                 }
                 Sky::Image(image) => {
                     let texture = &textures[image.0 as usize];
-                    let before = skies.before.map_or(&[][..], |lights| &lights.image_skies);
                     let (strength, turn) = (lamp.strength, lamp.turn_deg);
-                    Self::ImageSky(ImageSky::new(texture, strength, turn, skies.share, before))
+                    Self::ImageSky(ImageSky::new(
+                        texture,
+                        strength,
+                        turn,
+                        skies.share,
+                        skies.before,
+                    ))
                 }
             },
         }
@@ -142,6 +147,11 @@ impl Lights {
     #[must_use]
     pub fn with_poses(self, poses: Poses) -> Self {
         Self { poses, ..self }
+    }
+
+    /// Skies that are images.
+    pub fn image_skies(&self) -> &[ImageSky] {
+        &self.image_skies
     }
 
     /// Whether any light has poses.

@@ -16,6 +16,7 @@ pub struct Shaded<L>(pub L);
 impl<L: Lamp> Lamp for Shaded<L> {
     const IS_AREA: bool = L::IS_AREA;
     const IS_DELTA: bool = L::IS_DELTA;
+    const IS_CLOSED: bool = L::IS_CLOSED;
     const IS_SHADED: bool = true;
 
     #[inline(always)]
@@ -41,6 +42,22 @@ impl<L: Lamp> Lamp for Shaded<L> {
     #[inline(always)]
     fn shadow_ray(&self, from: Vec3, point: Vec3) -> (Vec3, f32) {
         self.0.shadow_ray(from, point)
+    }
+
+    fn encloses(&self, point: Vec3) -> bool {
+        self.0.encloses(point)
+    }
+
+    fn area(&self) -> f32 {
+        self.0.area()
+    }
+
+    fn place(&self, u: [f32; 2]) -> Vec3 {
+        self.0.place(u)
+    }
+
+    fn normal(&self, point: Vec3) -> Vec3 {
+        self.0.normal(point)
     }
 
     fn bounds(&self) -> LightBounds {

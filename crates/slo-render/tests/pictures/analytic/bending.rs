@@ -135,7 +135,7 @@ fn frames_in_turn_are_those_built_alone() {
         "addShape { time 0 filename quad_1.slo } addShape { time 1 filename quad_2.slo }",
     );
     let first = FrameScene::build(&scene, 0, Isa::best()).expect("frame 0");
-    let next = FrameScene::build_after(&scene, 1, Isa::best(), Some(first)).expect("frame 1");
+    let next = FrameScene::build_with(&scene, 1, Isa::best(), first.remains()).expect("frame 1");
     let alone = FrameScene::build(&scene, 1, Isa::best()).expect("frame 1");
     let picture = |frame| crate::support::expose_frame(&scene, frame).image();
     assert_eq!(picture(&next), picture(&alone));

@@ -3,6 +3,7 @@
 mod bending;
 mod compositing;
 mod copied;
+mod crowds;
 mod expectation;
 mod far_away;
 mod furnace;

@@ -60,6 +60,10 @@ fn lamps_of_all_kinds_send_what_path_tracing_finds_of_them() {
         "lamp_disc l { power { 30 30 30 } center { 1 1 1 } normal { 1 0 -1 } radius .3 }",
         "material_principled g { base_color { 0 0 0 } ior 1 specular_ior_level 0 emission_strength 30 }
          triangle t { material g vertex0 { 1 1 1 } vertex1 { 1 1.5 1 } vertex2 { 1.5 1.5 1 } }",
+        // Emission that is looked up, and what layers leave of it.
+        "texture plank { filename files/plank.png }
+         material_principled g { base_color { 0 0 0 } emission_strength 30 emission_color_texture plank coat .8 coat_roughness .4 }
+         rectangle t { material g vertex0 { 1 1 1 } vertex1 { 1 1.5 1 } vertex2 { 1.5 1.5 1 } }",
     ] {
         let scene = matte("m", 0.6, 0.0) + room + lamp;
         let expected = {

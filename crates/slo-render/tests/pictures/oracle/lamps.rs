@@ -40,7 +40,7 @@ pub(super) fn color(rgb: [f32; 3]) -> DVec3 {
 
 impl<'a> Lamps<'a> {
     pub(super) fn new(scene: &'a SceneDescription, world: &World<'_>) -> Self {
-        let skies = Skies { share: SkyShare::All, before: None };
+        let skies = Skies { share: SkyShare::All, before: &[] };
         let prepared = |light| Light::new(light, DVec3::ZERO, &[], skies);
         let mut lights: Vec<Light> = scene.lights.iter().map(prepared).collect();
         let first_chosen = match scene.settings.light_sampling() {

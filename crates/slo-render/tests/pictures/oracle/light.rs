@@ -90,7 +90,7 @@ fn phong_of(material: &Material) -> &Phong {
 
 impl<'a> Oracle<'a> {
     pub(super) fn new(scene: &'a SceneDescription, frame: i64) -> Self {
-        let skies = Skies { share: SkyShare::All, before: None };
+        let skies = Skies { share: SkyShare::All, before: &[] };
         let bounds = |light| PreparedLight::new(light, DVec3::ZERO, &[], skies).bounds();
         let bounds: Vec<_> = scene.lights.iter().map(bounds).collect();
         Self {

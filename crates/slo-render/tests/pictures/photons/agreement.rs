@@ -185,6 +185,36 @@ fn alpha_and_mixes() {
 }
 
 #[test]
+fn emitters_with_images_and_layers() {
+    assert_agreement(&[
+        Case {
+            name: "image",
+            settings: "",
+            elements: "texture plank { filename files/plank.png }
+                material_principled lit { base_color { 0 0 0 } emission_strength 9 emission_color_texture plank }
+                rectangle e { material lit vertex0 { 1 2 -1 } vertex1 { 3 1 -1 } vertex2 { 3 1 1.5 } }
+                sphere b { material glass center { 0 0 -.4 } radius 1 }",
+        },
+        Case {
+            name: "coat",
+            settings: "",
+            elements: "material_principled lit { base_color { .3 .2 .1 } emission_strength 5 coat 1 coat_roughness .3 }
+                rectangle e { material lit vertex0 { 1 2 -1 } vertex1 { 3 1 -1 } vertex2 { 3 1 1.5 } }
+                sphere b { material mirror center { 0 0 -.4 } radius 1 }",
+        },
+        Case {
+            name: "mixed",
+            settings: "",
+            elements: "texture plank { filename files/plank.png }
+                material_principled glow { base_color { 0 0 0 } emission_strength 9 }
+                material_mix lit { first glow second matte factor_texture plank }
+                rectangle e { material lit vertex0 { 1 2 -1 } vertex1 { 3 1 -1 } vertex2 { 3 1 1.5 } }
+                sphere b { material glass center { 0 0 -.4 } radius 1 }",
+        },
+    ]);
+}
+
+#[test]
 fn smooth_meshes() {
     assert_agreement(&[
         case!(

@@ -155,3 +155,19 @@ fn groups_of_lamps_keep_their_own_photons() {
     let (all, sum) = (quarters(&all), [quarters(&a), quarters(&b)]);
     assert_same(all, std::array::from_fn(|k| sum[0][k] + sum[1][k]), 1e-5, "sum");
 }
+
+#[test]
+fn errors_fall_with_the_number_of_passes() {
+    let lamp = LAMPS[0];
+    let common = MATTE.to_owned() + FLOOR + SCREEN;
+    let expected = shot(0.0, 64, "").take(&(common.clone() + lamp.1));
+    let error = |samples: u32| {
+        let found = shot(1.0, samples, "").take(&(common.clone() + MIRROR + CEILING + lamp.0));
+        let off = found.0.rgb.iter().zip(&expected.0.rgb).map(|(a, b)| f64::from(a[0] - b[0]));
+        off.map(|off| off * off).sum::<f64>()
+    };
+    // Radii shrink such that squares of errors fall with the power -2/3 of the number of passes.
+    let [first, middle, last] = [4, 16, 64].map(error);
+    let slopes = [first / middle, middle / last].map(|ratio| libm::log(ratio) / libm::log(4.0));
+    assert!(slopes.iter().all(|slope| (0.55..1.05).contains(slope)), "{slopes:?}");
+}

@@ -4,3 +4,4 @@ mod agreement;
 mod flux;
 mod mirrored;
 mod split;
+mod stored;

@@ -20,14 +20,14 @@ pub(super) fn build(
     [all, centers]: [Box8; 2],
     first_curved: u32,
     isa: Isa,
-) -> BinaryTree {
+) -> BinaryTree<'static> {
     let n = references.len();
     let mut nodes = vec![BinaryNode::UNBUILT; n.saturating_sub(1)];
     if n > 1 {
         let job = Job { all, centers, depth: 0, first_curved, isa };
         job.build(&mut references, &mut nodes);
     }
-    BinaryTree { nodes, references, has_pieces: false }
+    BinaryTree::new(nodes, references, false)
 }
 
 /// One subtree to be built.

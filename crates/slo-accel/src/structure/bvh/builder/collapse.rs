@@ -1,17 +1,13 @@
 //! From the planned binary hierarchy to nodes, blocks of triangles, and their ids.
 
-use std::sync::atomic::{AtomicU32, Ordering};
-
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::family::Family;
+use super::rows::{self, Shapes};
 use super::tree::{BinaryTree, Branch};
 use crate::math::Bounds;
-use crate::primitives::Triangle;
-use crate::structure::bvh::layout::{
-    BLOCK, Child, Corners, FIRST_CHANGE, ID_ROW, Node, Place, WIDTH, nodes_per_node, rows_of,
-};
+use crate::structure::bvh::layout::{BLOCK, Child, Corners, Node, Place, WIDTH, nodes_per_node};
 use crate::structure::shared::pages::Array;
 
 /// Wide nodes that one task writes.
@@ -27,50 +23,6 @@ pub(super) struct Wide {
     pub(super) depth: usize,
 }
 
-/// The triangles that leaves hold.
-pub(super) struct Shapes<'a> {
-    pub(super) starts: &'a [Triangle],
-    /// Where they move to, if they do.
-    pub(super) ends: Option<&'a [Triangle]>,
-}
-
-impl Shapes<'_> {
-    /// The boxes about a triangle at the start and at the end.
-    pub(super) fn boxes(&self, id: u32) -> [Bounds; 2] {
-        let ends = self.ends.unwrap_or(self.starts);
-        [self.starts, ends].map(|triangles| Bounds::of_points(triangles[id as usize]))
-    }
-
-    fn moves(&self) -> bool {
-        self.ends.is_some()
-    }
-
-    fn rows(&self) -> usize {
-        rows_of(self.moves())
-    }
-
-    /// Writes a block of triangles in rows.
-    fn write(&self, rows: &mut [f32], block: &[u32]) {
-        let n = block.len();
-        for (lane, &id) in block.iter().enumerate() {
-            let start = &self.starts[id as usize];
-            rows[ID_ROW * n + lane] = f32::from_bits(id);
-            for (corner, p) in start.iter().enumerate() {
-                for axis in 0..3 {
-                    rows[(3 * corner + axis) * n + lane] = p[axis];
-                }
-            }
-            let Some(ends) = self.ends else { continue };
-            for (corner, p) in ends[id as usize].iter().enumerate() {
-                let change = p - start[corner];
-                for axis in 0..3 {
-                    rows[(FIRST_CHANGE + 3 * corner + axis) * n + lane] = change[axis];
-                }
-            }
-        }
-    }
-}
-
 /// A wide node to be written.
 #[derive(Clone, Copy)]
 struct Draft {
@@ -82,17 +34,14 @@ struct Draft {
 /// Writes the wide hierarchy; `left_out` are triangles without area, which get a place but no leaf.
 pub(super) fn collapse(mut tree: BinaryTree, shapes: &Shapes, left_out: &[u32]) -> Wide {
     let (drafts, slots, depth) = draft(&mut tree, shapes.starts.len() as u32);
-    let mut corners = Corners::new(slots + left_out.len(), shapes.moves());
-    let (leaf_rows, other_rows) = corners.rows_mut().split_at_mut(slots * shapes.rows());
-    let places =
-        (0..shapes.starts.len()).into_par_iter().map(|_| AtomicU32::new(u32::MAX)).collect();
-    let writer = Writer { tree: &tree, shapes, places };
-    let nodes = writer.write_all(&drafts, leaf_rows);
-    let mut others = Blocks { begin: slots as u32, used: 0, rows: other_rows };
-    for &id in left_out {
-        others.push(&[id], &writer);
-    }
-    let places = writer.places.into_iter().map(|place| Place(place.into_inner())).collect();
+    let mut ids = Vec::with_capacity(slots + left_out.len());
+    ids.resize(slots, 0);
+    let nodes = Writer { tree: &tree, shapes }.write_all(&drafts, &mut ids);
+    ids.extend(left_out);
+    // The corners take the place of what is not needed any more.
+    let has_pieces = tree.has_pieces;
+    drop((tree, drafts));
+    let (corners, places) = rows::fill(shapes, &nodes, (&ids, slots), has_pieces);
     Wide { nodes, corners, places, depth }
 }
 
@@ -113,7 +62,7 @@ fn draft(tree: &mut BinaryTree, first_curved: u32) -> (Vec<Draft>, usize, usize)
         for &child in family.children.iter().rev() {
             if !tree.is_leaf(child) {
                 stack.push((child, level + 1));
-            } else if tree.references[child.first as usize].id() < first_curved {
+            } else if tree.id(child.first) < first_curved {
                 slots += block_len(tree, child);
             }
         }
@@ -122,17 +71,16 @@ fn draft(tree: &mut BinaryTree, first_curved: u32) -> (Vec<Draft>, usize, usize)
 }
 
 struct Writer<'a> {
-    tree: &'a BinaryTree,
+    tree: &'a BinaryTree<'a>,
     shapes: &'a Shapes<'a>,
-    /// Where each triangle was put, by id.
-    places: Vec<AtomicU32>,
 }
 
 impl Writer<'_> {
-    fn write_all(&self, drafts: &[Draft], mut rows: &mut [f32]) -> Array<Node> {
-        let (per_node, per_triangle) = (nodes_per_node(self.shapes.moves()), self.shapes.rows());
+    /// Writes all nodes, and the ids of triangles by slot.
+    fn write_all(&self, drafts: &[Draft], mut ids: &mut [u32]) -> Array<Node> {
+        let per_node = nodes_per_node(self.shapes.moves());
         let mut nodes = Array::filled(Node::EMPTY, per_node * drafts.len());
-        let slots = (rows.len() / per_triangle) as u32;
+        let slots = ids.len() as u32;
         let tasks: Vec<_> = nodes
             .chunks_mut(per_node * TASK)
             .zip(drafts.chunks(TASK))
@@ -140,31 +88,20 @@ impl Writer<'_> {
             .map(|(i, (nodes, task))| {
                 let end = drafts.get((i + 1) * TASK).map_or(slots, |next| next.first_slot);
                 let count = (end - task[0].first_slot) as usize;
-                let (task_rows, later_rows) =
-                    std::mem::take(&mut rows).split_at_mut(count * per_triangle);
-                rows = later_rows;
-                (nodes, task, task_rows)
+                let (of_task, later) = std::mem::take(&mut ids).split_at_mut(count);
+                ids = later;
+                (nodes, task, of_task)
             })
             .collect();
-        tasks.into_par_iter().for_each(|(nodes, task, rows)| {
+        tasks.into_par_iter().for_each(|(nodes, task, ids)| {
             let mut family = Family::default();
-            let mut blocks = Blocks { begin: task[0].first_slot, used: 0, rows };
+            let mut blocks = Blocks { begin: task[0].first_slot, used: 0, ids };
             for (nodes, draft) in nodes.chunks_exact_mut(per_node).zip(task) {
                 family.gather(self.tree, draft.root);
                 self.write(nodes, &family, &mut blocks);
             }
         });
         nodes
-    }
-
-    /// Notes the place of a triangle; the lowest one if there are several, in any order of tasks.
-    fn put(&self, id: u32, place: Place) {
-        let known = &self.places[id as usize];
-        if self.tree.has_pieces {
-            known.fetch_min(place.0, Ordering::Relaxed);
-        } else {
-            known.store(place.0, Ordering::Relaxed);
-        }
     }
 
     fn write(&self, nodes: &mut [Node], family: &Family, blocks: &mut Blocks) {
@@ -185,10 +122,9 @@ impl Writer<'_> {
     /// The boxes about a branch at the start and at the end. What moves straight from one to the
     /// other stays between the planes that do, so both are as tight as they can be.
     fn moving_boxes(&self, of: Branch) -> [Bounds; 2] {
-        let references = &self.tree.references[of.first as usize..][..of.count as usize];
-        references
-            .iter()
-            .map(|r| self.shapes.boxes(r.id()))
+        self.tree
+            .ids(of)
+            .map(|id| self.shapes.boxes(id))
             .fold([Bounds::EMPTY; 2], |[start, end], [a, b]| [start.union(a), end.union(b)])
     }
 
@@ -197,12 +133,12 @@ impl Writer<'_> {
             let per_node = nodes_per_node(self.shapes.moves()) as u32;
             return Child::node(per_node * self.tree.plan(child).number());
         }
-        let id = self.tree.references[child.first as usize].id();
+        let id = self.tree.id(child.first);
         let triangles = self.shapes.starts.len();
         if id as usize >= triangles {
             return Child::curved(id - triangles as u32);
         }
-        blocks.push(Block::of(self.tree, child).ids(), self)
+        blocks.push(Block::of(self.tree, child).ids())
     }
 
     /// The children from far to near, for each octant of directions. Of two sides of a fork the
@@ -255,10 +191,8 @@ struct Block {
 
 impl Block {
     fn of(tree: &BinaryTree, leaf: Branch) -> Self {
-        let (first, mut len) = (leaf.first as usize, leaf.count as usize);
-        let mut ids = [0; BLOCK];
-        let references = &tree.references[first..first + len];
-        ids.iter_mut().zip(references).for_each(|(id, r)| *id = r.id());
+        let (mut ids, mut len) = ([0; BLOCK], leaf.count as usize);
+        ids.iter_mut().zip(tree.ids(leaf)).for_each(|(to, id)| *to = id);
         // The first lane of several equals is then the one of the lowest id.
         ids[..len].sort_unstable();
         if tree.has_pieces {
@@ -288,17 +222,14 @@ fn without_repeats(ids: &mut [u32]) -> usize {
 struct Blocks<'a> {
     begin: u32,
     used: usize,
-    rows: &'a mut [f32],
+    ids: &'a mut [u32],
 }
 
 impl Blocks<'_> {
-    fn push(&mut self, block: &[u32], writer: &Writer) -> Child {
-        let (slot, count) = (self.begin + self.used as u32, block.len() as u32);
-        writer.shapes.write(&mut self.rows[self.used * writer.shapes.rows()..], block);
-        for (lane, &id) in (0..).zip(block) {
-            writer.put(id, Place::new(slot, count, lane));
-        }
+    fn push(&mut self, block: &[u32]) -> Child {
+        let slot = self.begin + self.used as u32;
+        self.ids[self.used..][..block.len()].copy_from_slice(block);
         self.used += block.len();
-        Child::triangles(slot, count)
+        Child::triangles(slot, block.len() as u32)
     }
 }

@@ -13,13 +13,17 @@ mod family;
 mod few;
 mod heuristic;
 mod plan;
+mod restore;
+mod rows;
 mod spatial;
 mod tree;
 
 use rayon::prelude::*;
 
 use self::boxes::{Box8, Reference, extent};
-use self::collapse::{Shapes, Wide};
+use self::collapse::Wide;
+pub(super) use self::restore::{kept, restore};
+use self::rows::Shapes;
 use super::hierarchy::{Bvh, FAR};
 use super::layout::{Node, stack_size};
 use super::ray::TAME_COORDINATE;
@@ -28,6 +32,9 @@ use crate::math::Bounds;
 use crate::primitives::{Curved, Primitives, Triangle, triangle};
 use crate::structure::interface::BuildOptions;
 use crate::structure::shared::pages::Array;
+
+/// So many primitives need memory that their references should leave for what is built of them.
+const VERY_MANY: usize = 1 << 20;
 
 /// Builds the hierarchy over primitives.
 pub(super) fn build(primitives: Primitives, options: BuildOptions) -> Bvh {
@@ -43,10 +50,14 @@ pub(super) fn build(primitives: Primitives, options: BuildOptions) -> Bvh {
     let bounds =
         left_out.iter().fold(extent[0].bounds(), |all, &id| all.union(primitives.bounds(id)));
     let left_out = &left_out[..left_out.partition_point(|&id| (id as usize) < triangle_count)];
-    let tree = match spatial_splits {
+    let mut tree = match spatial_splits {
         true => spatial::build(references, extent, &primitives.triangles, isa),
         false => binary::build(references, extent, triangle_count as u32, isa),
     };
+    let of_whole = |id: u32| primitives.bounds(id);
+    if primitives.len() >= VERY_MANY {
+        tree.forget_boxes(&of_whole);
+    }
     let shapes = Shapes { starts: &primitives.triangles, ends: None };
     let wide = collapse::collapse(tree, &shapes, left_out);
     assemble(wide, primitives.curved, bounds, options.isa)

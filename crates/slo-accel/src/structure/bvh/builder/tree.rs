@@ -44,19 +44,63 @@ pub(super) struct Branch {
 }
 
 /// A binary hierarchy with its plan.
-pub(super) struct BinaryTree {
+pub(super) struct BinaryTree<'a> {
     /// The inner nodes, the root first.
-    pub(super) nodes: Vec<BinaryNode>,
-    /// The primitives in the order of leaves.
-    pub(super) references: Vec<Reference>,
+    nodes: Vec<BinaryNode>,
+    leaves: Leaves<'a>,
     /// Whether there may be several references to a triangle.
     pub(super) has_pieces: bool,
 }
 
-impl BinaryTree {
+/// The primitives in the order of leaves.
+enum Leaves<'a> {
+    References(Vec<Reference>),
+    /// Their ids, and their boxes by id.
+    Ids(Vec<u32>, &'a (dyn Fn(u32) -> Bounds + Sync)),
+}
+
+impl<'a> BinaryTree<'a> {
+    pub(super) fn new(
+        nodes: Vec<BinaryNode>,
+        references: Vec<Reference>,
+        has_pieces: bool,
+    ) -> Self {
+        Self { nodes, leaves: Leaves::References(references), has_pieces }
+    }
+
+    /// Forgets the boxes of primitives, which `bounds` finds again by the ids. They are those of
+    /// whole primitives.
+    pub(super) fn forget_boxes(&mut self, bounds: &'a (dyn Fn(u32) -> Bounds + Sync)) {
+        if let (Leaves::References(references), false) = (&self.leaves, self.has_pieces) {
+            self.leaves = Leaves::Ids(references.iter().map(Reference::id).collect(), bounds);
+        }
+    }
+
+    /// How many primitives there are, with pieces.
+    fn len(&self) -> usize {
+        match &self.leaves {
+            Leaves::References(references) => references.len(),
+            Leaves::Ids(ids, _) => ids.len(),
+        }
+    }
+
+    /// The id of a primitive by its place in the order of leaves.
+    #[inline]
+    pub(super) fn id(&self, place: u32) -> u32 {
+        match &self.leaves {
+            Leaves::References(references) => references[place as usize].id(),
+            Leaves::Ids(ids, _) => ids[place as usize],
+        }
+    }
+
+    /// The ids of the primitives of a branch.
+    pub(super) fn ids(&self, of: Branch) -> impl Iterator<Item = u32> {
+        (of.first..of.first + of.count).map(|place| self.id(place))
+    }
+
     /// The whole hierarchy; none if it has no primitives.
     pub(super) fn root(&self) -> Option<Branch> {
-        let count = self.references.len() as u32;
+        let count = self.len() as u32;
         (count > 0).then_some(Branch { first: 0, count, node: 0 })
     }
 
@@ -71,11 +115,13 @@ impl BinaryTree {
 
     /// The box about the primitives of a branch.
     pub(super) fn bounds(&self, of: Branch) -> Bounds {
-        if of.count == 1 {
-            self.references[of.first as usize].bounds().bounds()
-        } else {
+        if of.count > 1 {
             let node = &self.nodes[of.node as usize];
-            Bounds { min: node.min, max: node.max }
+            return Bounds { min: node.min, max: node.max };
+        }
+        match &self.leaves {
+            Leaves::References(references) => references[of.first as usize].bounds().bounds(),
+            Leaves::Ids(ids, bounds) => bounds(ids[of.first as usize]),
         }
     }
 

@@ -62,7 +62,7 @@ fn tables_of_skies_serve_another_frame() {
         strength: 1.0,
         turn_deg: 0.0,
     };
-    let one = |before| {
+    let one = |before: &[ImageSky]| {
         let (name, key_frames, group) = ("l".into(), Vec::new(), None);
         let kind = LightKind::Environment(lamp);
         let light = slo_scene::Light {
@@ -77,8 +77,9 @@ fn tables_of_skies_serve_another_frame() {
         };
         Light::new(&light, DVec3::ZERO, &textures, Skies { share: SkyShare::All, before })
     };
-    let first: Lights = std::iter::once(one(None)).collect();
-    let (Light::ImageSky(first_sky), Light::ImageSky(second)) = (&first[0], one(Some(&first)))
+    let first: Lights = std::iter::once(one(&[])).collect();
+    let (Light::ImageSky(first_sky), Light::ImageSky(second)) =
+        (&first[0], one(first.image_skies()))
     else {
         panic!("an image");
     };

@@ -29,7 +29,7 @@ fn light(kind: LightKind, textures: &[Arc<Texture>]) -> Light {
         solid,
         group,
     };
-    Light::new(&light, DVec3::ZERO, textures, Skies { share: SkyShare::All, before: None })
+    Light::new(&light, DVec3::ZERO, textures, Skies { share: SkyShare::All, before: &[] })
 }
 
 pub(super) fn sphere(position: DVec3, radius: f64) -> Light {

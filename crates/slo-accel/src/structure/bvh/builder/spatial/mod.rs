@@ -45,7 +45,7 @@ pub(super) fn build(
     [all, centers]: [Box8; 2],
     triangles: &[Triangle],
     isa: Isa,
-) -> BinaryTree {
+) -> BinaryTree<'static> {
     let n = references.len();
     // Triangles without area take slots too.
     let spare = (n / SPARE).min(MAX_SLOTS.saturating_sub(n.max(triangles.len())));
@@ -59,7 +59,7 @@ pub(super) fn build(
     if count > 0 {
         sketch.build(&mut references, &mut nodes);
     }
-    BinaryTree { nodes, references, has_pieces: count > n }
+    BinaryTree::new(nodes, references, count > n)
 }
 
 /// The upper part of a hierarchy.

@@ -1,0 +1,69 @@
+//! glTF 2.0.
+//!
+//! Source: the specification of the Khronos group, and its extensions `KHR_lights_punctual`,
+//! `KHR_texture_transform`, `KHR_mesh_quantization` and `KHR_materials_*`. Lights have photometric units
+//! there; as Blender does by default, 683 lm are 1 W.
+
+mod accessor;
+mod animation;
+mod buffers;
+mod material;
+mod mesh;
+mod nodes;
+
+use ::gltf::Gltf;
+
+use crate::error::ImportError;
+use crate::files::Source;
+use crate::model::Model;
+
+/// Extensions that change what a file means and that are understood.
+const UNDERSTOOD: &[&str] = &[
+    "KHR_lights_punctual",
+    "KHR_texture_transform",
+    "KHR_mesh_quantization",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+];
+
+/// Reads a file.
+pub(crate) fn read(source: &Source) -> Result<Model, ImportError> {
+    // The crate refuses files that require extensions which it does not know; what it does not check
+    // without that, `checked` does.
+    let file = Gltf::from_slice_without_validation(&source.bytes)
+        .map_err(|error| source.bad(format!("it is not glTF: {error}")))?;
+    let unknown: Vec<&str> =
+        file.extensions_required().filter(|name| !UNDERSTOOD.contains(name)).collect();
+    if !unknown.is_empty() {
+        let message = format!("it requires {}, which slo-rt does not read", unknown.join(", "));
+        return Err(source.bad(message));
+    }
+    let file = checked(source, file)?;
+    let mut model = Model::default();
+    let blob = file.blob.as_deref();
+    let buffers = buffers::load(source, &file.document, blob)?;
+    material::read(source, &file.document, &buffers, &mut model)?;
+    nodes::read(source, &file.document, &buffers, &mut model)?;
+    for name in file.extensions_used().filter(|name| !UNDERSTOOD.contains(name)) {
+        model.notes.leave_out(format!("the extension {name}"));
+    }
+    Ok(model)
+}
+
+/// Checks all references between the parts of a file.
+fn checked(source: &Source, file: Gltf) -> Result<Gltf, ImportError> {
+    let blob = file.blob;
+    let mut json = file.document.into_json();
+    // The crate takes them for errors if it does not know them.
+    json.extensions_required.clear();
+    let document = ::gltf::Document::from_json(json)
+        .map_err(|error| source.bad(format!("it is damaged: {error}")))?;
+    Ok(Gltf { document, blob })
+}

@@ -1,0 +1,134 @@
+//! Structures, built or taken from a cache.
+
+use std::sync::Arc;
+
+use super::remains::Remains;
+use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Sections, Structure};
+use slo_scene::Settings;
+use slo_scene::cache::{Cache, Entry, Key, hash_of};
+
+/// Structures over fewer primitives are built as fast as they are found.
+const LEAST: usize = 1 << 16;
+
+/// What the building of a frame may start from. None of it changes the picture.
+#[derive(Clone, Debug, Default)]
+pub struct Aids {
+    /// What another frame of the same scene left.
+    pub before: Option<Remains>,
+    /// A cache of structures.
+    pub cache: Option<Arc<Cache>>,
+}
+
+impl From<Remains> for Aids {
+    fn from(before: Remains) -> Self {
+        Self { before: Some(before), cache: None }
+    }
+}
+
+/// Sections of a file of a cache.
+struct Kept<'a>(&'a Entry);
+
+impl Sections for Kept<'_> {
+    fn length(&self, section: usize) -> Option<usize> {
+        self.0.length(section)
+    }
+
+    fn read(&self, section: usize, to: &mut [u8]) -> bool {
+        self.0.read(section, to)
+    }
+}
+
+/// Returns the structure that the settings ask for: from the cache, or built and put there.
+pub(super) fn structure(
+    primitives: Primitives,
+    settings: &Settings,
+    isa: Isa,
+    cache: Option<&Cache>,
+) -> Structure {
+    let options = BuildOptions::new(isa).with_spatial_splits(settings.spatial_splits);
+    let accelerator = accelerator(settings.accelerator);
+    let build = |primitives| Structure::build(accelerator, primitives, options);
+    let pays = accelerator == Accelerator::Bvh && primitives.len() >= LEAST;
+    let Some(cache) = cache.filter(|_| pays) else { return build(primitives) };
+    let key = key(&primitives, accelerator, options);
+    let mut given = Some(primitives);
+    let found = cache.get(&key, |entry| {
+        match Structure::restore(accelerator, given.take()?, options, &Kept(entry)) {
+            Ok(structure) => Some(structure),
+            Err(back) => {
+                given = Some(back);
+                None
+            }
+        }
+    });
+    found.unwrap_or_else(|| {
+        let built = build(given.unwrap_or_default());
+        if let Some(sections) = built.kept() {
+            let sections: Vec<&[u8]> = sections.iter().map(|section| &**section).collect();
+            cache.put(&key, &sections);
+        }
+        built
+    })
+}
+
+/// Returns the key of a structure. Instruction sets build the same one.
+fn key(primitives: &Primitives, accelerator: Accelerator, options: BuildOptions) -> Key {
+    let triangles = hash_of(Structure::bytes_of_triangles(primitives));
+    let mut words = format!("{accelerator} {}", options.spatial_splits);
+    for curved in &primitives.curved {
+        words += &format!(" {curved:?}");
+    }
+    Key::new("structure", Structure::KEPT, &[&triangles, words.as_bytes()])
+}
+
+/// Converts the scene's name of a structure.
+fn accelerator(name: slo_scene::Accelerator) -> Accelerator {
+    match name {
+        slo_scene::Accelerator::KdTree => Accelerator::KdTree,
+        slo_scene::Accelerator::Bvh => Accelerator::Bvh,
+        slo_scene::Accelerator::Cwbvh => Accelerator::Cwbvh,
+        slo_scene::Accelerator::None => Accelerator::None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slo_accel::glam::Vec3;
+
+    fn grid(height: f32) -> Primitives {
+        let corner = |x: usize, y: usize| {
+            Vec3::new(x as f32, y as f32, height * ((x * 7 + y * 5) % 11) as f32)
+        };
+        let cells = (0..200).flat_map(|x| (0..200).map(move |y| (x, y)));
+        let triangles = cells.flat_map(|(x, y)| {
+            let [a, b] = [corner(x, y), corner(x + 1, y + 1)];
+            [[a, corner(x + 1, y), b], [a, b, corner(x, y + 1)]]
+        });
+        triangles.collect::<Vec<_>>().into()
+    }
+
+    #[test]
+    fn structures_are_built_once_for_all_instruction_sets() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let open = || Cache::new(folder.path(), 1 << 30, |warning| panic!("{warning}"));
+        let settings = Settings::default();
+        let built = structure(grid(0.1), &settings, Isa::best(), None);
+        let expected = built.kept().expect("it can be kept");
+        for (round, isa) in Isa::available().into_iter().chain([Isa::best()]).enumerate() {
+            let cache = open();
+            let found = structure(grid(0.1), &settings, isa, Some(&cache));
+            assert!(found.kept().expect("it can be kept") == expected, "{isa}");
+            let uses = cache.uses();
+            assert_eq!((uses.made, uses.found), if round == 0 { (1, 0) } else { (0, 1) });
+        }
+        let cache = open();
+        structure(grid(0.2), &settings, Isa::best(), Some(&cache));
+        let mut split = settings.clone();
+        split.spatial_splits = true;
+        structure(grid(0.1), &split, Isa::best(), Some(&cache));
+        structure(Primitives::default(), &settings, Isa::best(), Some(&cache));
+        let uses = cache.uses();
+        assert_eq!((uses.made, uses.found), (2, 0));
+    }
+}
