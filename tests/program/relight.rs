@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slo_picture::film::{FileLayer, Image};
-use slo_picture::output::{Picture, Raster, read_layers, read_recipe};
+use slo_picture::output::{Picture, Raster, read_layers, read_recipe, with_denoiser};
 use slo_scene::{Look, OutputFormat};
 
 use super::{Folder, SCENE};
@@ -143,6 +143,28 @@ fn another_look_is_as_if_it_had_been_rendered() {
     folder.printed("relight ball_00000.exr --format png16 -o deep.png");
     assert!(folder.printed("--recipe deep.png").contains("PNG16_IMAGE"));
     assert_eq!(folder.printed("relight -q ball_00000.exr"), "ball_00000_relit.exr\n");
+}
+
+#[test]
+fn a_denoised_picture_gets_another_look_only() {
+    let folder = folder();
+    folder.printed("-q -s scene.txt --format exr --layers lights");
+    let path = folder.path().join("ball_00000.exr");
+    let (image, layers) = (Raster::read(&path).unwrap().image, read_layers(&path).unwrap());
+    let recipe = with_denoiser(&read_recipe(&path).unwrap(), "a denoiser");
+    let (format, look) = (OutputFormat::Exr, Look::default());
+    let picture = Picture { image: &image, format, look, recipe: &recipe, crop: None };
+    picture.save_with(&folder.path().join("clean.exr"), &layers).unwrap();
+    let look = "--exposure 0.5 --tone-map agx";
+    for name in ["ball_00000", "clean"] {
+        folder.printed(&format!("relight -q {name}.exr {look} -o {name}.png"));
+    }
+    let same = folder.printed("compare clean.png ball_00000.png --max-pixels 0");
+    assert!(same.starts_with("pixels\t0\n"), "{same}");
+    assert!(folder.printed("--recipe clean.png").contains("\"denoised\": \"a denoiser\""));
+    let run = folder.run("relight clean.exr -g key=2 -o b.exr");
+    assert_eq!(run.exit, 65);
+    assert!(run.said.contains("still holds the noise"), "{}", run.said);
 }
 
 #[test]

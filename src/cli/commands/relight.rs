@@ -25,7 +25,7 @@ pub(crate) fn run(args: &RelightArgs, terminal: Terminal) -> Result<(), Problem>
         return Err(Problem::new(Exit::Usage, message).with_help("name a folder with `--outdir`"));
     }
     for path in &args.pictures {
-        let source = Source::read(path)?;
+        let source = Source::read(path, &args.group)?;
         let target = Target::of(&source, args)?;
         let _folders = NewFolders::of(&target.path);
         check_target(path, &target.path)?;
@@ -62,7 +62,8 @@ struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    fn read(path: &'a Path) -> Result<Self, Problem> {
+    /// Reads a picture whose groups of lights are to be changed, if there are `gains`.
+    fn read(path: &'a Path, gains: &[Gain]) -> Result<Self, Problem> {
         let shown = path.display();
         let bad = |why: String| Problem::new(Exit::BadInput, format!("`{shown}`: {why}"));
         let raster = read(path)?;
@@ -76,11 +77,14 @@ impl<'a> Source<'a> {
         }
         let parsed: Value =
             serde_json::from_str(&recipe).map_err(|error| bad(error.to_string()))?;
-        for (is_made, how) in [(is_denoised(&parsed), "denoised"), (is_relit(&parsed), "relit")] {
-            if is_made {
-                let why = format!("it is {how} already; relight the picture that it was made from");
-                return Err(bad(why));
-            }
+        if is_relit(&parsed) {
+            return Err(bad(
+                "it is relit already; relight the picture that it was made from".into()
+            ));
+        }
+        if is_denoised(&parsed) && !gains.is_empty() {
+            let why = "it is denoised, but the light of its groups still holds the noise";
+            return Err(bad(why.into()).with_help("relight the picture that it was made from"));
         }
         let Some((_, look)) = settings_of(&parsed) else {
             return Err(bad("its recipe does not name a file format".into()));

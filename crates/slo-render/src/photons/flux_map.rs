@@ -109,6 +109,31 @@ impl FluxMap {
         self.most_square
     }
 
+    /// Number of photons, at most `nearest`, that all but a tenth of the photons find within the distance.
+    pub fn usual_count(&self, nearest: u32) -> u32 {
+        const PROBES: usize = 256;
+        let mut found = Nearest::default();
+        let count = |i: usize| {
+            let (point, normal, _) = self.photon(i);
+            found.restart(nearest as usize, self.most_square);
+            let around = Around { point, flat: normal * FLATNESS, square: self.most_square };
+            self.tree.near(around, |number, square| {
+                let of = receiver::unpack(self.flux[number as usize].normal);
+                if of.dot(normal) > LEAST_COSINE {
+                    found.add(number, square)
+                } else {
+                    found.square()
+                }
+            });
+            found.cut();
+            found.len() as u32
+        };
+        let step = self.len().div_ceil(PROBES).max(1);
+        let mut counts: Vec<u32> = (0..self.len()).step_by(step).map(count).collect();
+        counts.sort_unstable();
+        counts.get(counts.len() / 10).copied().unwrap_or(nearest)
+    }
+
     /// Estimates the irradiance on the side of a unit normal. Photon `except` does not count.
     #[inline(always)]
     pub fn irradiance(

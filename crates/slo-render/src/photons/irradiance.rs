@@ -23,6 +23,9 @@ const AT_ONCE: usize = 512;
 /// Number of estimates that [`IrradianceMap::smooth`] averages.
 const SMOOTHED: usize = 6;
 
+/// Where no estimate is near enough, one so many times as far away will do.
+const FARTHER: f32 = 4.0;
+
 /// Estimates of irradiance, to be looked up.
 #[derive(Clone, Debug, Default)]
 pub struct IrradianceMap {
@@ -42,7 +45,8 @@ impl IrradianceMap {
         isa: Isa,
         gives_up: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        let every = (nearest / OVERLAPPING).max(1);
+        // A short distance holds fewer photons than `nearest`.
+        let every = (map.usual_count(nearest) / OVERLAPPING).max(1);
         let chosen: Vec<u32> = (0..map.len() as u32)
             .filter(|&i| map.photon(i as usize).2.is_multiple_of(every))
             .collect();
@@ -62,8 +66,18 @@ impl IrradianceMap {
     /// Returns the estimate that is nearest to a point, on the side of a unit normal.
     #[inline(always)]
     pub fn near(&self, point: Vec3, normal: Vec3) -> Option<Irradiance> {
-        let around = Around { point, flat: normal * FLATNESS, square: self.most_square };
-        let (mut square, mut found) = (self.most_square, None);
+        self.nearest_of(point, normal, self.most_square).or_else(|| self.farther(point, normal))
+    }
+
+    #[cold]
+    fn farther(&self, point: Vec3, normal: Vec3) -> Option<Irradiance> {
+        self.nearest_of(point, normal, self.most_square * (FARTHER * FARTHER))
+    }
+
+    #[inline(always)]
+    fn nearest_of(&self, point: Vec3, normal: Vec3, most_square: f32) -> Option<Irradiance> {
+        let around = Around { point, flat: normal * FLATNESS, square: most_square };
+        let (mut square, mut found) = (most_square, None);
         self.tree.near(around, |number, distance| {
             if self.fits(number, normal) {
                 (square, found) = (distance, Some(number));
@@ -88,7 +102,10 @@ impl IrradianceMap {
             light += self.estimates[number as usize].light * share;
             sum += share;
         }
-        if sum > 0.0 { light * (1.0 / sum) } else { Vec3::ZERO }
+        if sum > 0.0 {
+            return light * (1.0 / sum);
+        }
+        self.farther(point, normal).map_or(Vec3::ZERO, |estimate| estimate.light)
     }
 
     #[inline(always)]
@@ -179,5 +196,37 @@ impl PhotonLight {
     pub fn memory(&self) -> usize {
         let maps: usize = self.maps.iter().map(|map| size_of_val(&map[..])).sum();
         self.surfaces.memory() + self.caustics.memory() + self.cache.memory() + maps
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::flux_map::Deposit;
+    use super::*;
+
+    #[test]
+    fn a_short_distance_leaves_no_holes() {
+        const SIDE: u32 = 100;
+        let normal = receiver::pack(Vec3::Z);
+        let place = |i: u32| {
+            let jitter = |k: u32| (i.wrapping_mul(k) >> 16 & 1023) as f32 / 1024.0;
+            let (x, y) = ((i % SIDE) as f32, (i / SIDE) as f32);
+            Vec3::new(x + jitter(0x9e37_79b1), y + jitter(0x85eb_ca77), 0.0) / SIDE as f32
+        };
+        let power = Vec3::splat(1.0 / (SIDE * SIDE) as f32);
+        let deposits: Vec<Deposit> = (0..SIDE * SIDE)
+            .map(|path| Deposit { position: place(path), power, normal, path })
+            .collect();
+        // About 78 of 500 photons lie within the distance.
+        let map = FluxMap::new(&deposits, 1.0, Some(0.05), 500);
+        let estimates = IrradianceMap::new(&map, 500, Isa::best(), &|| false).expect("it goes on");
+        let mut found = Nearest::default();
+        for i in 0..400u32 {
+            let point = Vec3::new((i % 20) as f32, (i / 20) as f32, 0.0) * (0.8 / 19.0) + 0.1;
+            let point = Vec3::new(point.x, point.y, 0.0);
+            let light = estimates.smooth(point, Vec3::Z, &mut found).x;
+            assert!((0.8..1.2).contains(&light), "{light} at {point}");
+            assert!(estimates.near(point, Vec3::Z).is_some(), "{point}");
+        }
     }
 }

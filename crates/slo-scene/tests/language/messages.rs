@@ -172,6 +172,18 @@ fn missing_files_are_told_from_bad_ones() {
 }
 
 #[test]
+fn a_shutter_as_long_as_its_segment_is_no_mistake_of_rounding() {
+    let text = "Camera c { fps 24 Film f { width 2 height 2 } CamSegment s {
+            videoStart 0.25 videoEnd 0.2708333333333333 blurDuration 0.020833333333333332
+            addPosition { 0 -5 1 } addTarget { 0 0 0 } fovStart 1 } }
+        light_point l { color { 1 1 1 } position { 0 0 5 } }";
+    let check =
+        |text: &str| load("a.txt", text, &Files::built_in("", &[])).diagnostics.render(false);
+    assert_eq!(check(text), "");
+    assert!(check(&text.replace("0.020833333333333332", "0.0209")).contains("the shutter is open"));
+}
+
+#[test]
 fn colours_only_where_asked() {
     let diagnostics = load_fixture("errors/a_hundred_errors.txt").diagnostics;
     assert!(!diagnostics.render(false).contains('\u{1b}'));
