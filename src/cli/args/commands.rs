@@ -6,8 +6,8 @@ use clap::Subcommand;
 
 use super::settings::LookArgs;
 use crate::cli::values::{
-    FormatName, Gain, IntegratorName, ProgressForm, Threads, count, gain, limit, noise, photons,
-    samples, seed, threads,
+    FormatName, Gain, IntegratorName, ProgressForm, Threads, count, frame, gain, limit, noise,
+    photons, samples, seed, threads,
 };
 
 /// What else the program does.
@@ -234,7 +234,7 @@ pub(crate) struct BakeArgs {
     pub(crate) object: Vec<String>,
 
     /// The frame whose light is wanted; the files then have its number [default: 0]
-    #[arg(short, long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(short, long, value_name = "N", allow_hyphen_values = true, value_parser = frame)]
     pub(crate) frame: Option<i64>,
 
     /// Folder that holds the scene file (short: -id)

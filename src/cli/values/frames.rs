@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
+use super::numbers::whole;
+
 /// Maximum number of frames in one run. More are a typing mistake.
 const MOST: u128 = 1_000_000;
 
@@ -217,6 +219,15 @@ pub(crate) fn shown(frames: &[i64]) -> String {
         [] => String::new(),
     });
     runs.collect::<Vec<_>>().join(", ")
+}
+
+/// Parses the number of one frame.
+pub(crate) fn frame(text: &str) -> Result<i64, String> {
+    let text = text.trim();
+    let (sign, digits) = text.strip_prefix('-').map_or((1, text), |digits| (-1, digits));
+    let number = whole(digits).filter(|_| !digits.starts_with('+') || sign == 1);
+    let number = number.and_then(|number| i64::try_from(number).ok());
+    number.map(|number| sign * number).ok_or_else(|| "expected a whole number, such as 12".into())
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ mod time;
 
 pub(crate) use bytes::bytes;
 pub(crate) use frame_path::FramePath;
-pub(crate) use frames::{FrameChoice, Frames, frames, named, shown};
+pub(crate) use frames::{FrameChoice, Frames, frame, frames, named, shown};
 pub(crate) use gain::{Gain, gain};
 pub(crate) use maps::{Map, Maps, check_name};
 pub(crate) use names::{
