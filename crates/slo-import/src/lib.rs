@@ -33,6 +33,9 @@ pub use error::ImportError;
 use files::Source;
 use model::Model;
 
+/// Farthest that anything may be, in metres; the camera stands a little farther away.
+const MOST_COORDINATE: f64 = 1e8;
+
 /// A scene, ready to be written.
 #[derive(Debug)]
 pub struct Imported {
@@ -64,11 +67,17 @@ pub struct Imported {
 pub fn import(path: &Path, allow_outside: bool) -> Result<Imported, ImportError> {
     let source = Source::open(path, allow_outside)?;
     let mut model = read(&source)?;
+    straighten::straighten(&mut model);
+    model.drop_hollow();
     if model.objects.is_empty() {
         return Err(source.bad("there is nothing to see in it: no surface"));
     }
+    let far = model.bounds().map_or(0.0, |[least, most]| least.abs().max(most.abs()).max_element());
+    if !far.is_finite() || far > MOST_COORDINATE {
+        let message = format!("a coordinate is {far:e}, more than {MOST_COORDINATE:e}");
+        return Err(source.bad(message));
+    }
     model.drop_unused();
-    straighten::straighten(&mut model);
     view::complete(&mut model);
     let written = write::write(&model, &source.name());
     let left_out = model.notes.left_out.iter();

@@ -210,6 +210,21 @@ impl Model {
         false
     }
 
+    /// Drops meshes without an area, which slo-rt refuses.
+    pub(crate) fn drop_hollow(&mut self) {
+        let Self { objects, meshes, notes, .. } = self;
+        objects.retain(|object| {
+            let has_area = match object.shape {
+                Shape::Mesh(mesh) => meshes[mesh].has_area(),
+                _ => true,
+            };
+            if !has_area {
+                notes.leave_out("a mesh without an area");
+            }
+            has_area
+        });
+    }
+
     /// Drops materials that nothing has, and images that no material shows.
     pub(crate) fn drop_unused(&mut self) {
         let used = self.objects.iter_mut().map(|object| &mut object.material);
@@ -283,6 +298,16 @@ pub(crate) fn pose_at(keys: &[Key], time: f64) -> Pose {
 }
 
 impl Mesh {
+    /// Whether any face may have an area.
+    fn has_area(&self) -> bool {
+        let corner = |i: u32| glam::Vec3::from(self.positions[i as usize]);
+        let has_area = |&[a, b, c]: &[u32; 3]| {
+            let (x, y) = (corner(b) - corner(a), corner(c) - corner(a));
+            x.cross(y) != glam::Vec3::ZERO
+        };
+        !self.polygons.is_empty() || self.faces.iter().any(has_area)
+    }
+
     /// Number of triangles.
     pub(crate) fn triangles(&self) -> usize {
         self.faces.len() + self.polygons.iter().map(|polygon| polygon.len() - 2).sum::<usize>()

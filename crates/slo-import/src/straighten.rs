@@ -1,6 +1,6 @@
 //! What key frames cannot say: things that are mirrored, or flat, are placed once and for all.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use crate::model::{Key, Model, Pose, Shape, Space};
 
@@ -37,6 +37,8 @@ pub(crate) fn straighten(model: &mut Model) {
             continue;
         };
         let (_, turn, pivot) = model.matrix(Some(space), 0.0).to_scale_rotation_translation();
+        // What has no size has no direction.
+        let turn = if turn.is_finite() { turn } else { DQuat::IDENTITY };
         let keys = vec![Key { time: 0.0, pose: Pose { pivot, turn, scale: DVec3::ONE } }];
         let name = model.spaces[space].name.clone();
         model.spaces.push(Space { name, parent: None, keys });

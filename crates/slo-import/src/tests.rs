@@ -255,6 +255,8 @@ fn damaged_gltf_is_an_error() {
         (json!({ "buffers": [{ "byteLength": 76, "uri": "..%2Fgone.bin" }] }), "can't read"),
         (nodes(json!([{ "children": [1] }, { "children": [0] }])), "hangs in itself"),
         (nodes(json!([{ "mesh": 7 }])), "it is damaged"),
+        (nodes(json!([{ "mesh": 0, "scale": [0, 0, 0] }])), "nothing to see"),
+        (nodes(json!([{ "mesh": 0, "scale": [1e30, 1, 1] }])), "a coordinate is"),
         (
             json!({ "extensionsRequired": ["X_any"], "extensionsUsed": ["X_any"] }),
             "it requires X_any",
@@ -273,4 +275,16 @@ fn damaged_gltf_is_an_error() {
     }
     assert!(refused("a.glb", "glTF\u{2}\0\0\0").contains("it is not glTF"));
     assert!(!Path::new("gone.bin").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("a.obj");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    if made.is_ok_and(|status| status.success()) {
+        let error = import(&pipe, false).unwrap_err().to_string();
+        assert!(error.contains("it is not a regular file"), "{error}");
+    }
 }

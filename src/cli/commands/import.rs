@@ -33,11 +33,17 @@ pub(crate) fn run(args: &ImportArgs, terminal: Terminal) -> Result<(), Problem> 
         .chain([&scene])
         .map(|path| NewFolders::of(path))
         .collect();
-    for (path, bytes) in &paths {
-        write(path, bytes)?;
-    }
     // The scene comes last, so that it never names files that are not there.
-    write(&scene, imported.text.as_bytes())?;
+    let scene_file = (scene.clone(), imported.text.as_bytes());
+    let mut made: Vec<&Path> = Vec::new();
+    for (path, bytes) in paths.iter().chain([&scene_file]) {
+        let is_new = !path.exists();
+        if let Err(problem) = write(path, bytes) {
+            made.iter().for_each(|path| drop(fs::remove_file(path)));
+            return Err(problem);
+        }
+        made.extend(is_new.then_some(path.as_path()));
+    }
     tell(&imported, terminal);
     print(scene.as_os_str().as_encoded_bytes()).map_err(|error| {
         Problem::new(Exit::Failed, format!("can't print the scene's path: {error}"))

@@ -94,12 +94,16 @@ impl Cache {
     /// `read` returns `None` if the content makes no sense.
     pub fn get<T>(&self, key: &Key, read: impl FnOnce(&Entry) -> Option<T>) -> Option<T> {
         let path = self.path(key);
-        let file = File::open(&path).ok()?;
-        let content = Entry::open(file, key).and_then(|entry| read(&entry));
+        // Opening a pipe would wait for somebody who writes.
+        let is_file = fs::metadata(&path).ok()?.is_file();
+        let file = if is_file { File::open(&path).ok() } else { None };
+        let entry = file.and_then(|file| Entry::open(file, key));
+        let content = entry.and_then(|entry| read(&entry));
         match &content {
             Some(_) => {
                 self.found.fetch_add(1, Ordering::Relaxed);
                 mark_as_used(&path);
+                self.make_room(0);
             }
             // Another process may have removed it meanwhile, to make room.
             None if path.exists() => {

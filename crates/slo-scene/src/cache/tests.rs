@@ -120,6 +120,33 @@ fn a_file_under_another_key_is_not_used() {
     assert_eq!(tried.warned(), 1);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_pipe_under_the_name_of_a_file_is_not_waited_for() {
+    let tried = Tried::new(1 << 30);
+    put(&tried, &key("a"), b"rest");
+    let path = tried.cache.path(&key("a"));
+    fs::remove_file(&path).unwrap();
+    let made = std::process::Command::new("mkfifo").arg(&path).status();
+    if made.is_ok_and(|status| status.success()) {
+        assert_eq!(tried.get(&key("a")), None);
+        assert_eq!(tried.warned(), 1);
+    }
+}
+
+#[test]
+fn a_smaller_limit_holds_even_if_nothing_is_written() {
+    let mut tried = Tried::new(1 << 20);
+    let rest = vec![7; 200];
+    for name in ["a", "b", "c"] {
+        put(&tried, &key(name), &rest);
+    }
+    tried.cache.most = 700;
+    tried.cache.since = Mutex::default();
+    assert!(tried.get(&key("c")).is_some());
+    assert!(tried.files().len() < 3);
+}
+
 #[test]
 fn what_was_not_used_for_the_longest_time_is_removed() {
     let mut tried = Tried::new(1 << 20);
