@@ -77,6 +77,16 @@ pub(crate) struct Space {
     pub(crate) keys: Vec<Key>,
 }
 
+impl Space {
+    /// The space of a file in which y is up.
+    pub(crate) fn y_up(name: String) -> Self {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let turn = DQuat::from_xyzw(half, 0.0, 0.0, half);
+        let key = Key { time: 0.0, pose: Pose { turn, ..Pose::default() } };
+        Self { name, parent: None, keys: vec![key] }
+    }
+}
+
 /// A shape of a material in a space.
 #[derive(Debug)]
 pub(crate) struct Object {

@@ -11,7 +11,7 @@ use super::animation::{Animation, STEPS};
 use super::mesh::{Part, parts};
 use crate::error::ImportError;
 use crate::files::Source;
-use crate::model::{Camera, Key, Lamp, LampKind, Model, Object, Pose, Shape, Space, View};
+use crate::model::{Camera, Lamp, LampKind, Model, Object, Pose, Shape, Space, View};
 use crate::view::SIZE;
 
 /// Lumens of a watt, as Blender converts them.
@@ -84,14 +84,7 @@ const ROOT: usize = 0;
 
 impl Reader<'_> {
     fn root(&mut self, source: &Source) {
-        let turn = DQuat::from_xyzw(
-            std::f64::consts::FRAC_1_SQRT_2,
-            0.0,
-            0.0,
-            std::f64::consts::FRAC_1_SQRT_2,
-        );
-        let key = Key { time: 0.0, pose: Pose { turn, ..Pose::default() } };
-        self.model.spaces.push(Space { name: source.stem(), parent: None, keys: vec![key] });
+        self.model.spaces.push(Space::y_up(source.stem()));
     }
 
     /// Notes where a node and all that hangs in it are, if anything in it can be seen.

@@ -5,12 +5,10 @@ mod mtl;
 use std::collections::HashMap;
 use std::str::FromStr;
 
-use glam::DQuat;
-
 use crate::corners::{Corner, Corners};
 use crate::error::ImportError;
 use crate::files::Source;
-use crate::model::{Key, Material, Model, Object, Pose, Shape, Space};
+use crate::model::{Material, Model, Object, Shape, Space};
 
 /// Reads a file. Most programs write y up.
 pub(crate) fn read(source: &Source) -> Result<Model, ImportError> {
@@ -144,14 +142,7 @@ impl<'a> Reader<'a> {
     fn finish(self) -> Result<Model, ImportError> {
         let Self { source, mut model, positions, normals, uvs, meshes, libraries, .. } = self;
         let known = mtl::read(source, &libraries, &mut model);
-        let turn = DQuat::from_xyzw(
-            std::f64::consts::FRAC_1_SQRT_2,
-            0.0,
-            0.0,
-            std::f64::consts::FRAC_1_SQRT_2,
-        );
-        let key = Key { time: 0.0, pose: Pose { turn, ..Pose::default() } };
-        model.spaces.push(Space { name: source.stem(), parent: None, keys: vec![key] });
+        model.spaces.push(Space::y_up(source.stem()));
         model.notes.made_up.push("which axis is up: y".into());
         let mut plain = None;
         for (object, material, corners) in meshes {
