@@ -31,6 +31,7 @@ mod signals;
 mod tools;
 #[cfg(unix)]
 mod total_time;
+mod why;
 
 use std::fs;
 use std::path::Path;

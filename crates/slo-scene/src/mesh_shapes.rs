@@ -114,7 +114,15 @@ impl MeshShapes {
         scale: f64,
         first: String,
     ) -> Self {
-        Self { files: files.clone(), keys, standing, scale, first, kept: Arc::default(), hashes: Arc::default() }
+        Self {
+            files: files.clone(),
+            keys,
+            standing,
+            scale,
+            first,
+            kept: Arc::default(),
+            hashes: Arc::default(),
+        }
     }
 
     /// The times and paths of the shapes, in order of time.
@@ -173,8 +181,10 @@ impl MeshShapes {
     fn read(&self, place: usize, whole: &Mesh) -> Result<Mesh, ShapeError> {
         let path = &self.keys[place].1;
         let wrong = |reason| ShapeError::Wrong { path: path.clone(), reason: Box::new(reason) };
-        let unreadable =
-            |error: &OpenError| ShapeError::Unreadable { path: path.clone(), reason: reason(error) };
+        let unreadable = |error: &OpenError| ShapeError::Unreadable {
+            path: path.clone(),
+            reason: reason(error),
+        };
         let reader = self.files.open(path).map_err(|error| unreadable(&error))?;
         let mut reader = HashingReader::new(reader);
         let loaded = mesh::load_shape(path, &mut reader, self.standing.smooth, self.scale);
