@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::tally::{Bright, Share, Tally, rays_of};
 use super::text::word;
 use super::way::{Names, Step};
-use slo_render::integrator::Account;
+use slo_render::integrator::{Account, AccountRay, Gain};
 
 /// What a pixel is made of. `account` is that of the only sample, if there is one.
 pub(super) fn answer(
@@ -64,12 +64,11 @@ fn step(step: &Step) -> Value {
 
 /// All rays of a sample. A ray names the one before it by its place in the list.
 fn rays(account: &Account, names: &Names<'_>) -> Value {
-    let ray = |(_, ray, gains): (u32, _, Vec<&slo_render::integrator::Gain>)| {
-        let ray: &slo_render::integrator::AccountRay = ray;
+    let ray = |(ray, gains): (&AccountRay, Vec<&Gain>)| {
         let mut value = step(&names.step(ray));
         value["before"] = json!(ray.before);
         value["depth"] = json!(ray.depth);
-        let gain = |gain: &&slo_render::integrator::Gain| {
+        let gain = |gain: &&Gain| {
             let light = gain.light.map(|light| light.to_f64());
             json!({ "source": word(gain.source), "light": light })
         };

@@ -141,7 +141,7 @@ impl Tally {
 
     /// Variance of the samples' luminance.
     fn variance(&self) -> f64 {
-        self.squares / self.count() - self.luminance().powi(2)
+        self.squares / self.count() - self.luminance() * self.luminance()
     }
 
     /// The parts by lamp.
@@ -183,15 +183,13 @@ impl Tally {
 }
 
 /// The rays of one sample, with the light that each brought.
-pub(super) fn rays_of<'a>(
-    account: &'a Account,
-) -> impl Iterator<Item = (u32, &'a AccountRay, Vec<&'a Gain>)> {
+pub(super) fn rays_of(account: &Account) -> impl Iterator<Item = (&AccountRay, Vec<&Gain>)> {
     let mut gains: BTreeMap<u32, Vec<&Gain>> = BTreeMap::new();
     for gain in &account.gains {
         gains.entry(gain.ray).or_default().push(gain);
     }
-    let rays = (0..).zip(&account.rays);
-    rays.map(move |(number, ray)| (number, ray, gains.remove(&number).unwrap_or_default()))
+    let rays = (0u32..).zip(&account.rays);
+    rays.map(move |(number, ray)| (ray, gains.remove(&number).unwrap_or_default()))
 }
 
 pub(super) fn luminance(light: [f64; 3]) -> f64 {

@@ -123,7 +123,7 @@ pub(super) fn tree(account: &Account, names: &Names<'_>) -> String {
             break;
         }
         lines += 1;
-        let (_, ray, gains) = &listed[number as usize];
+        let (ray, gains) = &listed[number as usize];
         let step = names.step(ray);
         let _ = write!(text, "{:indent$}{}", "", leg(&step), indent = 2 + 2 * depth);
         let _ = write!(text, "  x {}", rgb(step.weight.map(f64::from)));
