@@ -167,6 +167,7 @@ fn job(args: Args, terminal: Terminal) -> Result<Job, Problem> {
         steps: args.steps,
         maps,
         guide_file: args.guide_file,
+        display_server: args.display_server,
         dry_run: args.dry_run,
         progress: args.progress,
         overrides: Overrides {

@@ -12,6 +12,7 @@ mod part;
 mod picture;
 mod progress;
 mod quality;
+mod server;
 mod threads;
 mod time;
 
@@ -29,5 +30,6 @@ pub(crate) use part::{PartBy, part};
 pub(crate) use picture::{PixelAt, Region, SizeChoice, pixel_at, region, size};
 pub(crate) use progress::ProgressForm;
 pub(crate) use quality::{exposure, limit, noise, photons, samples, seed, steps};
+pub(crate) use server::server;
 pub(crate) use threads::{Threads, threads};
 pub(crate) use time::{LONGEST_LEASE, SHORTEST_LEASE, interval, lease, time};
