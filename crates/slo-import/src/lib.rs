@@ -10,21 +10,26 @@
 //! | glTF 2.0 (`.gltf`, `.glb`) | hierarchy, meshes, materials with the extensions of the Khronos group, images, lights, the first camera, animation of nodes, skins and morph targets |
 //! | Wavefront (`.obj` with `.mtl`) | meshes by material, colours, images |
 //! | PLY | one mesh |
+//! | AFF | hierarchy, meshes, polygons, solids, fills with images, lights, splines, triangles whose corners move, the path of the camera |
 //! | NFF | view, lights, fills, polygons, spheres, cylinders |
 
+mod aff;
 mod corners;
 mod error;
 mod files;
 mod gltf;
+mod images;
 mod model;
 mod names;
-mod nff;
 mod obj;
 mod ply;
+mod solids;
 mod straighten;
 #[cfg(test)]
 mod tests;
+mod thin;
 mod view;
+mod words;
 mod write;
 
 use std::path::Path;
@@ -103,7 +108,8 @@ fn read(source: &Source) -> Result<Model, ImportError> {
     }
     match ending.as_str() {
         "obj" => obj::read(source),
-        "nff" => nff::read(source),
-        _ => Err(source.bad("its format is not known: glTF, OBJ, PLY and NFF are")),
+        "nff" => aff::read(source, aff::Flavour::Nff),
+        "aff" => aff::read(source, aff::Flavour::Aff),
+        _ => Err(source.bad("its format is not known: glTF, OBJ, PLY, AFF and NFF are")),
     }
 }

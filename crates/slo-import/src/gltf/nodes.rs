@@ -11,7 +11,7 @@ use super::animation::{Animation, STEPS};
 use super::mesh::{Part, parts};
 use crate::error::ImportError;
 use crate::files::Source;
-use crate::model::{Camera, Lamp, LampKind, Model, Object, Pose, Shape, Space, View};
+use crate::model::{Camera, Lamp, LampKind, Model, Object, Pose, Shape, Space, Times, View};
 use crate::view::SIZE;
 
 /// Lumens of a watt, as Blender converts them.
@@ -265,7 +265,7 @@ impl Reader<'_> {
             let shaped = self.shaped(node, place, bones, step as f64 / STEPS);
             self.model.meshes.push(shaped);
         }
-        Shape::Changing { first, count: steps + 1, fps: STEPS }
+        Shape::Changing { first, count: steps + 1, times: Times::Even(STEPS) }
     }
 
     /// The first camera that is shown.
