@@ -15,7 +15,7 @@ fn an_imported_scene_renders() {
     folder.write("balls.nff", SPHERES);
     let run = folder.run("import balls.nff");
     assert_eq!((run.exit, &*run.printed), (0, "balls/balls.txt\n"));
-    assert!(run.said.contains("imported 1 sphere or cylinder, 1 material, 1 lamp"), "{}", run.said);
+    assert!(run.said.contains("imported 1 other shape, 1 material, 1 lamp"), "{}", run.said);
     let run = folder.run("-s balls/balls.txt --samples 1 -q");
     assert_eq!((run.exit, &*run.printed, &*run.said), (0, "frame_00000.png\n", ""));
 }

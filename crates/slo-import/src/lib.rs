@@ -11,6 +11,7 @@
 //! | Wavefront (`.obj` with `.mtl`) | meshes by material, colours, images |
 //! | PLY | one mesh |
 //! | AFF | hierarchy, meshes, polygons, solids, fills with images, lights, splines, triangles whose corners move, the path of the camera |
+//! | Open Inventor (`.iv`), text and binary | nodes with their state, shapes with faces, solids, materials, images, lights, the first camera |
 //! | NFF | view, lights, fills, polygons, spheres, cylinders |
 
 mod aff;
@@ -19,6 +20,7 @@ mod error;
 mod files;
 mod gltf;
 mod images;
+mod inventor;
 mod model;
 mod names;
 mod obj;
@@ -50,7 +52,7 @@ pub struct Imported {
     pub text: String,
     /// Meshes and images: paths in that folder, with `/`, and contents.
     pub files: Vec<(String, Vec<u8>)>,
-    /// Number of triangles, and of spheres and cylinders.
+    /// Number of triangles, and of other shapes.
     pub shapes: (usize, usize),
     /// Number of materials.
     pub materials: usize,
@@ -106,10 +108,16 @@ fn read(source: &Source) -> Result<Model, ImportError> {
     if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
         return ply::read(source);
     }
+    if inventor::is_known(bytes) || ending == "iv" {
+        return inventor::read(source);
+    }
     match ending.as_str() {
         "obj" => obj::read(source),
         "nff" => aff::read(source, aff::Flavour::Nff),
         "aff" => aff::read(source, aff::Flavour::Aff),
-        _ => Err(source.bad("its format is not known: glTF, OBJ, PLY, AFF and NFF are")),
+        _ => {
+            Err(source
+                .bad("its format is not known: glTF, OBJ, PLY, AFF, NFF and Open Inventor are"))
+        }
     }
 }

@@ -107,6 +107,8 @@ pub(crate) struct Object {
     pub(crate) space: Option<usize>,
     pub(crate) material: usize,
     pub(crate) shape: Shape,
+    /// Whether it is there, but not seen.
+    pub(crate) is_hidden: bool,
 }
 
 #[derive(Debug)]
@@ -132,6 +134,10 @@ pub(crate) enum Shape {
         base: DVec3,
         apex: DVec3,
         radius: f64,
+    },
+    /// A box around the origin, with half of its sides.
+    Box {
+        half: DVec3,
     },
 }
 
@@ -312,6 +318,12 @@ impl Model {
                 Shape::Cone { base, apex, radius } => {
                     add_ball(*base, *radius);
                     add_ball(*apex, 0.0);
+                }
+                Shape::Box { half } => {
+                    for corner in 0..8 {
+                        let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                        add_ball(*half * DVec3::new(sign(0), sign(1), sign(2)), 0.0);
+                    }
                 }
             }
         }

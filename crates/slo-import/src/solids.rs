@@ -73,6 +73,18 @@ pub(crate) fn sphere(center: DVec3, radius: f64) -> Mesh {
     mesh
 }
 
+/// A box around the origin, with half of its sides.
+pub(crate) fn cuboid(half: DVec3) -> Mesh {
+    let corner = |i: usize| {
+        let sign = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        (half * DVec3::new(sign(0), sign(1), sign(2))).as_vec3().to_array()
+    };
+    let faces =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let polygons = faces.map(|face| face.to_vec()).to_vec();
+    Mesh { positions: (0..8).map(corner).collect(), polygons, ..Mesh::default() }
+}
+
 fn around(x: DVec3, y: DVec3, side: u32) -> DVec3 {
     let angle = std::f64::consts::TAU * f64::from(side % SIDES) / f64::from(SIDES);
     x * libm::cos(angle) + y * libm::sin(angle)

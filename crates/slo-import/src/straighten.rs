@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{DMat4, DQuat, DVec3};
 
 use crate::model::{LampKind, Mesh, Model, Pose, Shape, Space};
-use crate::solids::{add_disc, add_side, sphere};
+use crate::solids::{add_disc, add_side, cuboid, sphere};
 
 /// Mirrors meshes by their vertices instead of by the spaces that they hang in. What is flat at some time,
 /// or turns inside out, is placed once and for all.
@@ -86,6 +86,7 @@ fn place_objects(model: &mut Model, flips: &[Option<DVec3>], matrices: &[DMat4])
                 let places: Vec<usize> = (first..first + count).map(place).collect();
                 Shape::Changing { first: places[0], count, times }
             }
+            Shape::Box { half } if flip.is_some() => Shape::Box { half },
             Shape::Sphere { center, radius } if flip.is_some() => {
                 Shape::Sphere { center: point(center), radius }
             }
@@ -95,7 +96,10 @@ fn place_objects(model: &mut Model, flips: &[Option<DVec3>], matrices: &[DMat4])
             Shape::Cone { base, apex, radius } if flip.is_some() => {
                 Shape::Cone { base: point(base), apex: point(apex), radius }
             }
-            Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => {
+            Shape::Sphere { .. }
+            | Shape::Cylinder { .. }
+            | Shape::Cone { .. }
+            | Shape::Box { .. } => {
                 model.notes.leave_out("that a flat shape is round: it became a mesh");
                 let mesh = as_mesh(&model.objects[number].shape);
                 model.meshes.push(mesh.transformed(matrix));
@@ -122,6 +126,7 @@ fn as_mesh(shape: &Shape) -> Mesh {
         Shape::Sphere { center, radius } => sphere(center, radius),
         Shape::Cylinder { base, top, radius } => closed(base, top, [radius; 2]),
         Shape::Cone { base, apex, radius } => closed(base, apex, [radius, 0.0]),
+        Shape::Box { half } => cuboid(half),
         Shape::Mesh(_) | Shape::Changing { .. } => Mesh::default(),
     }
 }

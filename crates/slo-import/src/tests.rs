@@ -1,6 +1,7 @@
 //! Whole files: what their scenes say, and that slo-rt reads them.
 
 mod aff;
+mod inventor;
 
 use std::fs;
 use std::path::Path;

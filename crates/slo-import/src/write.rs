@@ -39,7 +39,10 @@ fn meshes(model: &Model, files: &mut Vec<(String, Vec<u8>)>) -> Vec<String> {
         let (first, count) = match object.shape {
             Shape::Mesh(mesh) => (mesh, 1),
             Shape::Changing { first, count, .. } => (first, count),
-            Shape::Sphere { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => {
+            Shape::Sphere { .. }
+            | Shape::Cylinder { .. }
+            | Shape::Cone { .. }
+            | Shape::Box { .. } => {
                 paths.push(String::new());
                 continue;
             }

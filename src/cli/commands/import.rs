@@ -71,7 +71,7 @@ fn tell(imported: &Imported, terminal: Terminal) {
     let mut parts = Vec::new();
     for (count, one, many) in [
         (triangles, "triangle", "triangles"),
-        (others, "sphere or cylinder", "spheres and cylinders"),
+        (others, "other shape", "other shapes"),
         (materials, "material", "materials"),
         (lamps, "lamp", "lamps"),
     ] {

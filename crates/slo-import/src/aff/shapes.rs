@@ -106,7 +106,13 @@ impl Reader<'_> {
 
     fn object(&mut self, name: &str, kind: &Kind, shape: Shape) {
         let Kind { space, material, .. } = *kind;
-        self.model.objects.push(Object { name: name.into(), space, material, shape });
+        self.model.objects.push(Object {
+            name: name.into(),
+            space,
+            material,
+            shape,
+            is_hidden: false,
+        });
     }
 
     pub(super) fn sphere(&mut self, words: &mut Words<'_>) -> Result<(), ImportError> {

@@ -177,7 +177,13 @@ impl Reader<'_> {
             } else {
                 Shape::Mesh(self.resting(mesh, number))
             };
-            self.model.objects.push(Object { name, space: Some(space), material, shape });
+            self.model.objects.push(Object {
+                name,
+                space: Some(space),
+                material,
+                shape,
+                is_hidden: false,
+            });
         }
         Ok(())
     }

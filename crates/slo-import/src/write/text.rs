@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use glam::DVec3;
+
 use super::numbers::{number, rounded, significant, triple, vector};
 use super::spaces::Spaces;
 use super::{Paths, shape_path};
@@ -276,8 +278,12 @@ impl ObjectWriter<'_> {
     /// `path` is that of its mesh.
     fn text(&self, object: &Object, name: &str, path: &str) -> String {
         let Self { model, materials, spaces } = self;
-        let end =
-            format!("  material {}{} }}\n", materials[object.material], spaces.place(object.space));
+        let hidden = if object.is_hidden { "  hidden 1" } else { "" };
+        let end = format!(
+            "  material {}{hidden}{} }}\n",
+            materials[object.material],
+            spaces.place(object.space)
+        );
         let smooth = |mesh: usize| {
             if model.meshes[mesh].normals.is_empty() { "" } else { "  smooth_normals 1" }
         };
@@ -310,6 +316,17 @@ impl ObjectWriter<'_> {
                 vector(*top),
                 number(*radius)
             ),
+            Shape::Box { half } => {
+                let DVec3 { x, y, z } = *half;
+                let [a, b, c] = [[-x, -y], [x, -y], [x, y]].map(|[x, y]| DVec3::new(x, y, -z));
+                format!(
+                    "box {name} {{ vertex0 {}  vertex1 {}  vertex2 {}  height {}{end}",
+                    vector(a),
+                    vector(b),
+                    vector(c),
+                    number(rounded(2.0 * z))
+                )
+            }
             Shape::Cone { base, apex, radius } => format!(
                 "cone {name} {{ base {}  apex {}  radius {}{end}",
                 vector(*base),
