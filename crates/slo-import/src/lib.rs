@@ -102,6 +102,9 @@ pub fn import(path: &Path, allow_outside: bool) -> Result<Imported, ImportError>
 
 fn read(source: &Source) -> Result<Model, ImportError> {
     let (bytes, ending) = (&source.bytes, source.ending());
+    if bytes.is_empty() {
+        return Err(source.bad("the file is empty"));
+    }
     if bytes.starts_with(b"glTF") || ending == "gltf" || ending == "glb" {
         return gltf::read(source);
     }

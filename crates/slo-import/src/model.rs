@@ -186,7 +186,7 @@ impl ImageUse {
 }
 
 /// Inputs of a material, under the names of the scene language.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Material {
     pub(crate) name: String,
     pub(crate) colors: Vec<(&'static str, [f64; 3])>,

@@ -7,22 +7,20 @@
 
 mod blocks;
 mod fills;
-mod finish;
+mod moves;
 mod shapes;
 mod spline;
-
-use std::collections::HashMap;
 
 use glam::DVec3;
 
 use crate::error::ImportError;
 use crate::files::Source;
-use crate::images::Images;
-use crate::model::{KnownMeshes, Lamp, LampKind, Model, Pose, Space, View};
+use crate::model::{Lamp, LampKind, Model, Pose, Space, View};
 use crate::words::{Words, shortened};
 use blocks::{Block, about};
-use fills::Fills;
-use shapes::Batches;
+use fills::light_from_everywhere;
+use moves::{Moves, Seen};
+use shapes::{Batches, Drawing};
 
 /// Deepest nesting of groups and included files.
 const DEEPEST: usize = 100;
@@ -45,55 +43,43 @@ pub(crate) enum Flavour {
 
 /// Reads a file.
 pub(crate) fn read(source: &Source, flavour: Flavour) -> Result<Model, ImportError> {
+    let is_aff = flavour == Flavour::Aff;
+    let model = Model { is_classical: true, has_clear_shadows: is_aff, ..Model::default() };
     let mut reader = Reader {
-        main: source,
         flavour,
-        model: Model {
-            is_classical: true,
-            has_clear_shadows: flavour == Flavour::Aff,
-            ..Model::default()
-        },
-        fills: Fills::default(),
-        images: Images::default(),
-        meshes: KnownMeshes::default(),
-        batches: Batches::new(source.stem()),
-        space: None,
+        drawing: Drawing::new(source, model),
+        moves: Moves::default(),
         depth: 0,
         level: 0,
         included: (0, 0),
         everywhere: DVec3::ONE,
-        view: None,
-        blocks: HashMap::new(),
-        groups: Vec::new(),
-        lights: Vec::new(),
-        range: None,
     };
     let text = source.text();
     reader.items(&mut Words::new(source, &text), false)?;
-    reader.flush(Batches::new(String::new()));
-    reader.finish();
-    Ok(reader.model)
+    let Reader { mut drawing, moves, everywhere, .. } = reader;
+    drawing.end(Batches::default());
+    let mut model = drawing.model;
+    light_from_everywhere(&mut model, everywhere);
+    moves.apply(&mut model);
+    if flavour == Flavour::Nff {
+        weight_lights(&mut model);
+    }
+    Ok(model)
 }
 
-/// A view, without what may move it.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    view: View,
-    size: [u32; 2],
-    fov: f64,
+fn weight_lights(model: &mut Model) {
+    let count = model.lamps.len() as f64;
+    for lamp in &mut model.lamps {
+        if let LampKind::Classical { color, .. } = &mut lamp.kind {
+            *color = color.map(|c| c * count.sqrt() / (2.0 * count));
+        }
+    }
 }
 
 struct Reader<'a> {
-    main: &'a Source,
     flavour: Flavour,
-    model: Model,
-    fills: Fills,
-    images: Images,
-    meshes: KnownMeshes,
-    /// Shapes of the current file.
-    batches: Batches,
-    /// The space of the current group.
-    space: Option<usize>,
+    drawing: Drawing<'a>,
+    moves: Moves,
     depth: usize,
     /// The level of detail.
     level: i64,
@@ -101,15 +87,6 @@ struct Reader<'a> {
     included: (usize, usize),
     /// The light that is everywhere.
     everywhere: DVec3,
-    view: Option<Seen>,
-    /// Key frames, by names.
-    blocks: HashMap<String, Block>,
-    /// Spaces that blocks of these names move.
-    groups: Vec<(usize, String)>,
-    /// Lights that blocks of these names move.
-    lights: Vec<(usize, String)>,
-    /// The first and the last time of the animation, and its frames.
-    range: Option<(f64, f64, usize)>,
 }
 
 impl Reader<'_> {
@@ -129,15 +106,15 @@ impl Reader<'_> {
         match word {
             "v" => self.view(words),
             "b" => {
-                self.model.background = Some(words.vector()?.max(DVec3::ZERO).to_array());
+                self.drawing.model.background = Some(words.vector()?.max(DVec3::ZERO).to_array());
                 Ok(())
             }
             "l" => self.light(words, None),
-            "f" => self.fills.plain(words),
-            "s" => self.sphere(words),
-            "c" => self.cone(words),
-            "p" => self.polygon(words, false),
-            "pp" => self.polygon(words, true),
+            "f" => self.drawing.fills.plain(words),
+            "s" => self.drawing.sphere(words),
+            "c" => self.drawing.cone(words),
+            "p" => self.drawing.polygon(words, false),
+            "pp" => self.drawing.polygon(words, true),
             _ if self.flavour == Flavour::Aff => self.item_of_aff(word, words),
             _ => words.bad(format!("`{}` is not an item of NFF", shortened(word))),
         }
@@ -153,11 +130,11 @@ impl Reader<'_> {
                 self.everywhere = words.vector()?.max(DVec3::ZERO);
                 Ok(())
             }
-            "fm" => self.fills.colors(words, &mut self.model),
-            "tt" => self.triangle(words, false),
-            "ttp" => self.triangle(words, true),
-            "tpa" => self.changing(words),
-            "m" => self.mesh(words),
+            "fm" => self.drawing.fills.colors(words, &mut self.drawing.model),
+            "tt" => self.drawing.triangle(words, false),
+            "ttp" => self.drawing.triangle(words, true),
+            "tpa" => self.drawing.changing(words),
+            "m" => self.drawing.mesh(words),
             "d" => {
                 self.level = whole(words)?;
                 Ok(())
@@ -167,13 +144,13 @@ impl Reader<'_> {
             "xs" => self.still_group(words),
             "k" => {
                 let name = words.name("the name of key frames")?;
-                let block = Block::read(words, &mut self.model.notes)?;
-                self.blocks.insert(name.to_owned(), block);
+                let block = Block::read(words, &mut self.drawing.model.notes)?;
+                self.moves.blocks.insert(name.to_owned(), block);
                 Ok(())
             }
             "a" => {
                 let (start, end) = (words.number()?, words.number()?);
-                self.range = Some((start, end, words.count(1, MOST)?));
+                self.moves.range = Some((start, end, words.count(1, MOST)?));
                 Ok(())
             }
             _ => words.bad(format!("`{}` is not an item of AFF", shortened(word))),
@@ -197,7 +174,7 @@ impl Reader<'_> {
         if !(angle > 0.0 && angle < 180.0) || position == target || up == DVec3::ZERO {
             return words.bad("this view sees nothing");
         }
-        self.view = Some(Seen { view: View { position, target, up }, size, fov });
+        self.moves.view = Some(Seen { view: View { position, target, up }, size, fov });
         Ok(())
     }
 
@@ -207,10 +184,10 @@ impl Reader<'_> {
         let color = if words.is_number() { words.vector()? } else { DVec3::ONE };
         let kind = LampKind::Classical { color: color.max(DVec3::ZERO).to_array(), position };
         if let Some(name) = name {
-            self.lights.push((self.model.lamps.len(), name.to_owned()));
+            self.moves.lights.push((self.drawing.model.lamps.len(), name.to_owned()));
         }
         let name = name.unwrap_or("light").to_owned();
-        self.model.lamps.push(Lamp { name, space: self.space, kind });
+        self.drawing.model.lamps.push(Lamp { name, space: self.drawing.space, kind });
         Ok(())
     }
 
@@ -235,20 +212,20 @@ impl Reader<'_> {
                 MOST_INCLUDED >> 30
             ));
         }
-        let outer = std::mem::replace(&mut self.batches, Batches::new(source.stem()));
+        let outer = self.drawing.begin(source.stem());
         let text = source.text();
         self.depth += 1;
         self.items(&mut Words::new(&source, &text), false)?;
         self.depth -= 1;
-        self.flush(outer);
+        self.drawing.end(outer);
         Ok(())
     }
 
     /// A group that key frames of its name move.
     fn group(&mut self, words: &mut Words<'_>) -> Result<(), ImportError> {
         let name = words.name("the name of a group")?;
-        self.groups.push((self.model.spaces.len(), name.to_owned()));
-        let space = Space::still(name.to_owned(), self.space, Pose::default());
+        self.moves.groups.push((self.drawing.model.spaces.len(), name.to_owned()));
+        let space = Space::still(name.to_owned(), self.drawing.space, Pose::default());
         self.inside(words, Some(space))
     }
 
@@ -257,7 +234,7 @@ impl Reader<'_> {
         let (scale, axis, angle) = (words.vector()?, words.vector()?, words.number()?);
         let pose = Pose { pivot: words.vector()?, turn: about(axis, angle), scale };
         let name = "group".to_owned();
-        let space = (pose != Pose::default()).then(|| Space::still(name, self.space, pose));
+        let space = (pose != Pose::default()).then(|| Space::still(name, self.drawing.space, pose));
         self.inside(words, space)
     }
 
@@ -267,15 +244,15 @@ impl Reader<'_> {
         if self.depth >= DEEPEST {
             return words.bad(format!("files or groups are nested more than {DEEPEST} deep"));
         }
-        let outer = self.space;
+        let outer = self.drawing.space;
         if let Some(space) = space {
-            self.space = Some(self.model.spaces.len());
-            self.model.spaces.push(space);
+            self.drawing.space = Some(self.drawing.model.spaces.len());
+            self.drawing.model.spaces.push(space);
         }
         self.depth += 1;
         self.items(words, true)?;
         self.depth -= 1;
-        self.space = outer;
+        self.drawing.space = outer;
         Ok(())
     }
 }

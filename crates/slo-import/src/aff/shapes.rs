@@ -4,10 +4,12 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-use super::Reader;
+use super::fills::Fills;
 use crate::corners::{Corner, Corners};
 use crate::error::ImportError;
-use crate::model::{Mesh, Object, Shape, Times};
+use crate::files::Source;
+use crate::images::Images;
+use crate::model::{KnownMeshes, Mesh, Model, Object, Shape, Times};
 use crate::solids::add_side;
 use crate::words::Words;
 
@@ -46,7 +48,7 @@ struct Moving {
 }
 
 /// What a file draws.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Batches {
     name: String,
     all: Vec<(Kind, Batch)>,
@@ -58,7 +60,7 @@ pub(super) struct Batches {
 
 impl Batches {
     /// Nothing yet of a file with this name.
-    pub(super) fn new(name: String) -> Self {
+    fn new(name: String) -> Self {
         let (all, places) = (Vec::new(), HashMap::new());
         Self { name, all, places, cones: Vec::new(), moving: Vec::new() }
     }
@@ -98,7 +100,38 @@ impl Batch {
     }
 }
 
-impl Reader<'_> {
+/// The model, with what is being added to it.
+pub(super) struct Drawing<'a> {
+    /// The file that is imported.
+    main: &'a Source,
+    pub(super) model: Model,
+    pub(super) fills: Fills,
+    /// The space of the current group.
+    pub(super) space: Option<usize>,
+    images: Images,
+    meshes: KnownMeshes,
+    /// Shapes of the current file.
+    batches: Batches,
+}
+
+impl<'a> Drawing<'a> {
+    pub(super) fn new(main: &'a Source, model: Model) -> Self {
+        Self {
+            main,
+            model,
+            fills: Fills::default(),
+            space: None,
+            images: Images::default(),
+            meshes: KnownMeshes::default(),
+            batches: Batches::new(main.stem()),
+        }
+    }
+
+    /// Goes on with the shapes of a file that is read in place.
+    pub(super) fn begin(&mut self, name: String) -> Batches {
+        std::mem::replace(&mut self.batches, Batches::new(name))
+    }
+
     fn kind(&mut self, image: Option<usize>, is_smooth: bool) -> Kind {
         let material = self.fills.material(image, &mut self.model);
         Kind { space: self.space, material, is_smooth }
@@ -268,8 +301,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Makes meshes of what the current file drew, and goes on with another file.
-    pub(super) fn flush(&mut self, next: Batches) {
+    /// Makes meshes of what the current file drew, and goes on with the file around it.
+    pub(super) fn end(&mut self, next: Batches) {
         let Batches { name, all, cones, moving, .. } = std::mem::replace(&mut self.batches, next);
         let meshes = all.into_iter().filter(|(_, batch)| !batch.corners.is_empty()).map(
             |(kind, Batch { corners, positions, normals, uvs })| {

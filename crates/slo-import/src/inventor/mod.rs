@@ -9,6 +9,7 @@ mod classes;
 mod looks;
 mod nurbs;
 mod outline;
+mod scene;
 mod shapes;
 mod solids;
 mod state;

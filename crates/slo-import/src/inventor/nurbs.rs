@@ -4,9 +4,10 @@
 
 use glam::DVec3;
 
+use super::scene::{Scene, name_of};
 use super::state::State;
 use super::tree::Node;
-use super::walk::{Walker, name_of};
+
 use crate::model::Mesh;
 
 /// Pieces of a side between two knots.
@@ -22,19 +23,19 @@ const MOST_VERTICES: usize = 4_000_000;
 const STEP: f64 = 1e-4;
 
 /// Adds a surface. Returns whether the node is one.
-pub(super) fn add(walker: &mut Walker, node: &Node, state: &State) -> bool {
+pub(super) fn add(scene: &mut Scene, node: &Node, state: &State) -> bool {
     if !matches!(node.class.as_str(), "NurbsSurface" | "IndexedNurbsSurface") {
         return false;
     }
     let Some(surface) = Surface::of(node, state) else {
-        walker.model.notes.leave_out("a damaged NURBS surface");
+        scene.model.notes.leave_out("a damaged NURBS surface");
         return true;
     };
-    walker.model.notes.leave_out("that a NURBS surface is round: it became triangles");
+    scene.model.notes.leave_out("that a NURBS surface is round: it became triangles");
     let name = node.name.as_deref().and_then(name_of).or_else(|| state.name.clone());
     let mesh = surface.mesh(name.unwrap_or_else(|| "surface".into()), state);
-    let material = walker.looks.material(&[0], state, &mut walker.model);
-    walker.mesh(mesh, material, state);
+    let material = scene.looks.material(&[0], state, &mut scene.model);
+    scene.mesh(mesh, material, state);
     true
 }
 

@@ -6,19 +6,20 @@ use std::rc::Rc;
 use glam::{DVec2, DVec3};
 
 use super::outline::{Bound, Outline, outlines};
+use super::scene::{Scene, name_of};
 use super::state::{Binding, Coordinates, State};
 use super::tree::Node;
-use super::walk::{Walker, name_of};
+
 use crate::corners::Corners;
 
 /// Adds a shape with faces. Returns whether the node is one.
-pub(super) fn add(walker: &mut Walker, node: &Node, state: &State) -> bool {
+pub(super) fn add(scene: &mut Scene, node: &Node, state: &State) -> bool {
     let own = node.node("vertexProperty");
     let state = &own.map_or_else(|| state.clone(), |own| with_own(own, state));
     let Some(mut faces) = outlines(node, state.points.len()) else { return false };
     let count = faces.len();
     faces.retain(|face| face.spots.iter().all(|spot| spot.point < state.points.len()));
-    walker.model.notes.leave_out_many("a face of points that do not exist", count - faces.len());
+    scene.model.notes.leave_out_many("a face of points that do not exist", count - faces.len());
     if state.is_clockwise {
         faces.iter_mut().for_each(|face| face.spots.reverse());
     }
@@ -34,11 +35,11 @@ pub(super) fn add(walker: &mut Walker, node: &Node, state: &State) -> bool {
         let mut numbers: Vec<usize> =
             face.spots.iter().map(|spot| colors.number(face, spot).unwrap_or(0)).collect();
         if numbers.iter().any(|&number| number != numbers[0]) {
-            walker.model.notes.leave_out("colours of vertices: a face has their mean");
+            scene.model.notes.leave_out("colours of vertices: a face has their mean");
         } else {
             numbers.truncate(1);
         }
-        let material = walker.looks.material(&numbers, state, &mut walker.model);
+        let material = scene.looks.material(&numbers, state, &mut scene.model);
         let place = *places.entry(material).or_insert_with(|| {
             meshes.push((material, Corners::default()));
             meshes.len() - 1
@@ -57,7 +58,7 @@ pub(super) fn add(walker: &mut Walker, node: &Node, state: &State) -> bool {
     let points: Vec<[f32; 3]> = state.points.iter().map(|p| p.as_vec3().to_array()).collect();
     let uvs = uvs.map(|(uvs, _)| uvs).unwrap_or_default();
     for (material, corners) in meshes {
-        walker.mesh(corners.mesh(name.clone(), &points, &normals, &uvs), material, state);
+        scene.mesh(corners.mesh(name.clone(), &points, &normals, &uvs), material, state);
     }
     true
 }

@@ -3,14 +3,15 @@
 
 use glam::{DVec2, DVec3};
 
+use super::scene::{Scene, name_of};
 use super::state::{Binding, State};
 use super::tree::Node;
-use super::walk::{Walker, name_of};
+
 use crate::model::{Mesh, Shape};
 use crate::solids::SIDES;
 
 /// Adds a solid. Returns whether the node is one.
-pub(super) fn add(walker: &mut Walker, node: &Node, state: &State) -> bool {
+pub(super) fn add(scene: &mut Scene, node: &Node, state: &State) -> bool {
     let size = |name: &str, usual: f64| node.number(name, usual).abs();
     let (shape, parts) = match node.class.as_str() {
         "Sphere" => {
@@ -46,7 +47,7 @@ pub(super) fn add(walker: &mut Walker, node: &Node, state: &State) -> bool {
     let name = node.name.as_deref().and_then(name_of).or_else(|| state.name.clone());
     let name = name.unwrap_or_else(|| node.class.to_lowercase());
     if !has_size(&shape) {
-        walker.model.notes.leave_out("a solid without a size");
+        scene.model.notes.leave_out("a solid without a size");
         return true;
     }
     let shown = node.words("parts");
@@ -54,7 +55,7 @@ pub(super) fn add(walker: &mut Walker, node: &Node, state: &State) -> bool {
     let has_parts = matches!(state.material_binding, Binding::Part | Binding::PartIndexed)
         && state.materials.diffuse.len() > 1;
     let is_plain = has_all && !has_parts && state.texture.is_none();
-    if is_plain && walker.solid(name.clone(), shape, state) {
+    if is_plain && scene.solid(name.clone(), shape, state) {
         return true;
     }
     for (number, (part, mut mesh)) in parts.into_iter().enumerate() {
@@ -69,8 +70,8 @@ pub(super) fn add(walker: &mut Walker, node: &Node, state: &State) -> bool {
         mesh.uvs =
             if state.texture.is_some() { mesh.uvs.iter().map(place).collect() } else { Vec::new() };
         let look = if has_parts { number } else { 0 };
-        let material = walker.looks.material(&[look], state, &mut walker.model);
-        walker.mesh(mesh, material, state);
+        let material = scene.looks.material(&[look], state, &mut scene.model);
+        scene.mesh(mesh, material, state);
     }
     true
 }

@@ -5,7 +5,6 @@ use glam::{DQuat, DVec3};
 use super::ROOT;
 use super::state::State;
 use super::tree::Node;
-use super::walk::Walker;
 use crate::model::{Camera, Lamp, LampKind, Model, Pose, Space, View};
 use crate::view::SIZE;
 
@@ -17,7 +16,7 @@ const NARROW: f64 = 0.05;
 
 /// A light in the scene.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Light {
+struct Light {
     color: DVec3,
     kind: Kind,
 }
@@ -31,10 +30,17 @@ enum Kind {
     Spot(DVec3, DVec3, f64, f64),
 }
 
-impl Walker {
+/// Lights, and the first camera.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    lights: Vec<Light>,
+    camera: Option<Camera>,
+}
+
+impl Seen {
     /// Notes a camera or a light. Returns whether the node is one.
-    pub(super) fn view(&mut self, node: &Node, state: &State) -> bool {
-        let matrix = self.model.matrix(Some(ROOT), 0.0) * state.matrix;
+    pub(super) fn add(&mut self, node: &Node, state: &State, model: &mut Model) -> bool {
+        let matrix = model.matrix(Some(ROOT), 0.0) * state.matrix;
         let point = |name, usual| matrix.transform_point3(node.vector(name, usual));
         let direction = || {
             let direction = node.vector("direction", DVec3::NEG_Z);
@@ -50,7 +56,7 @@ impl Walker {
                 Kind::Spot(point("location", DVec3::Z), direction(), angle, drop)
             }
             "PerspectiveCamera" | "OrthographicCamera" => {
-                self.see(node, state);
+                self.see(node, state, model);
                 return true;
             }
             _ => return false,
@@ -62,12 +68,12 @@ impl Walker {
         true
     }
 
-    fn see(&mut self, node: &Node, state: &State) {
+    fn see(&mut self, node: &Node, state: &State, model: &mut Model) {
         if self.camera.is_some() {
-            self.model.notes.leave_out("a further camera");
+            model.notes.leave_out("a further camera");
             return;
         }
-        let matrix = self.model.matrix(Some(ROOT), 0.0) * state.matrix;
+        let matrix = model.matrix(Some(ROOT), 0.0) * state.matrix;
         let turn = node.turn("orientation");
         let mut position = matrix.transform_point3(node.vector("position", DVec3::Z));
         let ahead = matrix.transform_vector3(turn * DVec3::NEG_Z).normalize_or(DVec3::Y);
@@ -75,7 +81,7 @@ impl Walker {
         let mut distance = node.number("focalDistance", 5.0).max(1e-6);
         let mut fov = libm::tan(node.number("heightAngle", std::f64::consts::FRAC_PI_4) / 2.0);
         if node.class == "OrthographicCamera" {
-            self.model.notes.leave_out("an orthographic camera, which became a distant one");
+            model.notes.leave_out("an orthographic camera, which became a distant one");
             let away = node.number("height", 2.0).abs() / 2.0 / NARROW;
             position += ahead * (distance - away);
             (fov, distance) = (NARROW, away);
@@ -89,9 +95,9 @@ impl Walker {
         self.camera = can_see.then(|| Camera { size, fov, views: vec![view] });
     }
 
-    /// The model, with lights and a camera in front of everything if the file has none.
-    pub(super) fn finish(self) -> Model {
-        let Self { mut model, lights, camera, .. } = self;
+    /// Gives the model its lights, and a camera in front of everything if the file has none.
+    pub(super) fn finish(self, model: &mut Model) {
+        let Self { lights, camera } = self;
         let [least, most] = model.bounds().unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
         let (middle, radius) = ((least + most) / 2.0, ((most - least).length() / 2.0).max(1e-6));
         for Light { color, kind } in lights {
@@ -122,7 +128,6 @@ impl Walker {
             let view = View { position, target: middle, up: DVec3::Z };
             Some(Camera { size: SIZE, fov: libm::tan(half), views: vec![view] })
         });
-        model
     }
 }
 

@@ -1,19 +1,18 @@
 //! The way through the nodes of a file, from left to right, with the state that they set.
 
-use std::collections::HashMap;
 use std::rc::Rc;
 
 use glam::{DMat4, DVec3};
 
-use super::looks::Looks;
+use super::scene::{Scene, name_of};
 use super::state::{State, Texture, matrix};
 use super::tree::Node;
-use super::view::Light;
-use super::{DEEPEST, ROOT, nodes, nurbs, shapes, solids};
+use super::view::Seen;
+use super::{DEEPEST, nodes, nurbs, shapes, solids};
 use crate::error::ImportError;
 use crate::files::Source;
 use crate::images::{Images, png};
-use crate::model::{Camera, KnownMeshes, Mesh, Model, Object, Pose, Shape, Space};
+use crate::model::Model;
 
 /// Most nodes, each as often as it is reached.
 const MOST_NODES: usize = 2_000_000;
@@ -47,34 +46,24 @@ const SEPARATORS: &[&str] =
     &["Separator", "Selection", "Annotation", "WWWAnchor", "LocateHighlight"];
 
 pub(super) struct Walker {
-    pub(super) model: Model,
-    pub(super) looks: Looks,
-    meshes: KnownMeshes,
+    scene: Scene,
+    seen: Seen,
     images: Images,
-    /// Spaces by their matrices.
-    spaces: HashMap<[u64; 16], Option<usize>>,
-    pub(super) lights: Vec<Light>,
-    /// The first camera, with whether it is there.
-    pub(super) camera: Option<Camera>,
     visited: usize,
-    corners: usize,
     depth: usize,
 }
 
 impl Walker {
     pub(super) fn new(model: Model) -> Self {
-        Self {
-            model,
-            looks: Looks::default(),
-            meshes: KnownMeshes::default(),
-            images: Images::default(),
-            spaces: HashMap::new(),
-            lights: Vec::new(),
-            camera: None,
-            visited: 0,
-            corners: 0,
-            depth: 0,
-        }
+        let (scene, seen, images) = (Scene::new(model), Seen::default(), Images::default());
+        Self { scene, seen, images, visited: 0, depth: 0 }
+    }
+
+    /// The model, with what is left to add.
+    pub(super) fn finish(self) -> Model {
+        let mut model = self.scene.model;
+        self.seen.finish(&mut model);
+        model
     }
 
     /// Visits nodes one after the other.
@@ -90,7 +79,7 @@ impl Walker {
         }
         for node in nodes {
             self.visited += 1;
-            if self.visited > MOST_NODES || self.corners > MOST_CORNERS {
+            if self.visited > MOST_NODES || self.scene.corners > MOST_CORNERS {
                 let message =
                     format!("it has more than {MOST_NODES} nodes or {MOST_CORNERS} corners");
                 return Err(source.bad(message));
@@ -157,10 +146,10 @@ impl Walker {
             "File" | "WWWInline" => return self.file(node.word("name"), state, source),
             "Texture2" => state.texture = self.texture(node, source),
             _ if state.set(node) => {}
-            _ if self.view(node, state) => {}
-            _ if shapes::add(self, node, state)
-                || solids::add(self, node, state)
-                || nurbs::add(self, node, state) => {}
+            _ if self.seen.add(node, state, &mut self.scene.model) => {}
+            _ if shapes::add(&mut self.scene, node, state)
+                || solids::add(&mut self.scene, node, state)
+                || nurbs::add(&mut self.scene, node, state) => {}
             class if SILENT.contains(&class) => {}
             class => {
                 self.unknown(class, node, state);
@@ -177,9 +166,9 @@ impl Walker {
             "Rotor" | "Pendulum" | "Shuttle" => {
                 let place = node.vector("translation", DVec3::ZERO);
                 state.matrix *= DMat4::from_rotation_translation(node.turn("rotation"), place);
-                self.model.notes.leave_out(format!("that a `{class}` moves"));
+                self.scene.model.notes.leave_out(format!("that a `{class}` moves"));
             }
-            _ => self.model.notes.leave_out(format!("the node `{class}`")),
+            _ => self.scene.model.notes.leave_out(format!("the node `{class}`")),
         }
     }
 
@@ -187,12 +176,12 @@ impl Walker {
     fn file(&mut self, name: &str, state: &mut State, source: &Source) -> Result<(), ImportError> {
         let Ok(file) = source.beside(name) else {
             let name: String = name.chars().take(60).collect();
-            self.model.notes.leave_out(format!("the file `{name}`, which can't be read"));
+            self.scene.model.notes.leave_out(format!("the file `{name}`, which can't be read"));
             return Ok(());
         };
         // Each file that is read costs at least its bytes.
         self.visited += file.bytes.len() / 1000;
-        let nodes = nodes(&file, &mut self.model.notes)?;
+        let nodes = nodes(&file, &mut self.scene.model.notes)?;
         let outer = state.name.replace(file.stem());
         self.all(&nodes, state, &file)?;
         state.name = outer;
@@ -202,7 +191,7 @@ impl Walker {
     fn texture(&mut self, node: &Node, source: &Source) -> Option<Texture> {
         let (name, numbers) = (node.word("filename"), node.numbers("image").unwrap_or(&[]));
         let image = if !name.is_empty() {
-            self.images.find(source, name, &["", "textures/"], &mut self.model)?
+            self.images.find(source, name, &["", "textures/"], &mut self.scene.model)?
         } else {
             let [width, height, components, pixels @ ..] = numbers else { return None };
             if *width < 1.0 || *height < 1.0 {
@@ -210,10 +199,10 @@ impl Walker {
             }
             let image = inline([*width, *height], *components, pixels);
             let Some(image) = image.and_then(|image| png("texture", &image)) else {
-                self.model.notes.leave_out("a damaged image");
+                self.scene.model.notes.leave_out("a damaged image");
                 return None;
             };
-            let images = &mut self.model.images;
+            let images = &mut self.scene.model.images;
             let known = images.iter().position(|known| known.bytes == image.bytes);
             known.unwrap_or_else(|| {
                 images.push(image);
@@ -222,70 +211,13 @@ impl Walker {
         };
         let clamps = node.word("wrapS") == "CLAMP";
         if clamps != (node.word("wrapT") == "CLAMP") {
-            self.model.notes.leave_out("that an image repeats in one direction only");
+            self.scene.model.notes.leave_out("that an image repeats in one direction only");
         }
         if node.word("model") == "BLEND" {
-            self.model.notes.leave_out("that an image blends two colours");
+            self.scene.model.notes.leave_out("that an image blends two colours");
         }
         Some(Texture { image, clamps, replaces: node.word("model") == "DECAL" })
     }
-
-    /// Adds a mesh in the space of the state.
-    pub(super) fn mesh(&mut self, mesh: Mesh, material: usize, state: &State) {
-        self.corners += mesh.positions.len() + 3 * mesh.triangles();
-        let (mesh, space) = match self.space(state.matrix) {
-            Some(space) => (mesh, space),
-            None => (mesh.transformed(state.matrix), ROOT),
-        };
-        let name = mesh.name.clone();
-        let mesh = self.meshes.number(mesh, &mut self.model.meshes);
-        self.object(name, space, material, Shape::Mesh(mesh), state);
-    }
-
-    /// Adds a solid, unless it is too much skewed to be one.
-    pub(super) fn solid(&mut self, name: String, shape: Shape, state: &State) -> bool {
-        let Some(space) = self.space(state.matrix) else { return false };
-        let material = self.looks.material(&[0], state, &mut self.model);
-        self.object(name, space, material, shape, state);
-        true
-    }
-
-    fn object(&mut self, name: String, space: usize, material: usize, shape: Shape, state: &State) {
-        if state.is_outlined {
-            let note = "that something is drawn as lines or points: it is hidden";
-            self.model.notes.leave_out(note);
-        }
-        let is_hidden = state.is_hidden || state.is_outlined;
-        self.model.objects.push(Object { name, space: Some(space), material, shape, is_hidden });
-    }
-
-    /// The space of a matrix; `None` if key frames can't say it.
-    fn space(&mut self, matrix: DMat4) -> Option<usize> {
-        if matrix == DMat4::IDENTITY {
-            return Some(ROOT);
-        }
-        let key = matrix.to_cols_array().map(f64::to_bits);
-        *self.spaces.entry(key).or_insert_with(|| {
-            let pose = pose(matrix)?;
-            let spaces = &mut self.model.spaces;
-            spaces.push(Space::still("place".into(), Some(ROOT), pose));
-            Some(spaces.len() - 1)
-        })
-    }
-}
-
-/// A matrix as a pose, if it is one.
-fn pose(matrix: DMat4) -> Option<Pose> {
-    let (scale, turn, pivot) = matrix.to_scale_rotation_translation();
-    let pose = Pose { pivot, turn: turn.normalize(), scale };
-    let size = matrix.to_cols_array().into_iter().fold(0.0, |most: f64, n| most.max(n.abs()));
-    (turn.is_finite() && pose.matrix().abs_diff_eq(matrix, 1e-7 * size)).then_some(pose)
-}
-
-/// The part of a name that a person chose; programs write names such as `+3` and `leg+12`.
-pub(super) fn name_of(name: &str) -> Option<String> {
-    let name = name.split('+').next().unwrap_or_default();
-    (!name.is_empty()).then(|| name.to_owned())
 }
 
 /// Where the copies of an array are.

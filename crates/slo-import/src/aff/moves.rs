@@ -5,9 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::blocks::{Block, Range};
-use super::fills::light_from_everywhere;
-use super::{Flavour, Reader};
-use crate::model::{Camera, Key, LampKind, Shape, Times};
+use crate::model::{Camera, Key, LampKind, Model, Shape, Times, View};
 
 /// Frames a second of files that do not say.
 const FPS: f64 = 25.0;
@@ -15,39 +13,52 @@ const FPS: f64 = 25.0;
 /// Most frames of files that do not say.
 const MOST_FRAMES: f64 = 5000.0;
 
-impl Reader<'_> {
-    /// Moves groups, lights and the camera, and weights the lights.
-    pub(super) fn finish(&mut self) {
-        light_from_everywhere(&mut self.model, self.everywhere);
-        let range = self.range();
-        self.place_lights(&range);
-        self.move_groups(&range);
-        self.look(&range);
+/// A view, without what may move it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    pub(super) view: View,
+    pub(super) size: [u32; 2],
+    pub(super) fov: f64,
+}
+
+/// What moves.
+#[derive(Debug, Default)]
+pub(super) struct Moves {
+    pub(super) view: Option<Seen>,
+    /// Key frames, by names.
+    pub(super) blocks: HashMap<String, Block>,
+    /// Spaces that blocks of these names move.
+    pub(super) groups: Vec<(usize, String)>,
+    /// Lights that blocks of these names move.
+    pub(super) lights: Vec<(usize, String)>,
+    /// The first and the last time of the animation, and its frames.
+    pub(super) range: Option<(f64, f64, usize)>,
+}
+
+impl Moves {
+    /// Moves groups, lights and the camera.
+    pub(super) fn apply(&self, model: &mut Model) {
+        let range = self.range(model);
+        self.place_lights(&range, model);
+        self.move_groups(&range, model);
+        self.look(&range, model);
         if range.frames > 1 {
-            self.model.fps = Some(range.fps);
-            self.model.duration = range.frames as f64 / range.fps;
+            model.fps = Some(range.fps);
+            model.duration = range.frames as f64 / range.fps;
         }
-        for object in &mut self.model.objects {
+        for object in &mut model.objects {
             if let Shape::Changing { times: Times::At(times), .. } = &mut object.shape {
                 times.iter_mut().for_each(|time| *time -= range.start);
             }
         }
         if range.start != 0.0 {
             let note = format!("when it starts: at 0 s, which is {} s in the file", range.start);
-            self.model.notes.made_up.push(note);
-        }
-        if self.flavour == Flavour::Nff {
-            let count = self.model.lamps.len() as f64;
-            for lamp in &mut self.model.lamps {
-                if let LampKind::Classical { color, .. } = &mut lamp.kind {
-                    *color = color.map(|c| c * count.sqrt() / (2.0 * count));
-                }
-            }
+            model.notes.made_up.push(note);
         }
     }
 
     /// The frames. Without a word of the file, they are those in which something moves.
-    fn range(&mut self) -> Range {
+    fn range(&self, model: &mut Model) -> Range {
         match self.range {
             Some((start, end, frames)) if frames > 1 && end > start => {
                 return Range { start, fps: (frames - 1) as f64 / (end - start), frames };
@@ -57,7 +68,7 @@ impl Reader<'_> {
         }
         let names = self.groups.iter().chain(&self.lights).map(|(_, name)| name.as_str());
         let blocks = names.chain(["camera"]).filter_map(|name| self.blocks.get(name));
-        let shapes = self.model.objects.iter().filter_map(|object| match &object.shape {
+        let shapes = model.objects.iter().filter_map(|object| match &object.shape {
             Shape::Changing { times: Times::At(times), .. } => Some(times),
             _ => None,
         });
@@ -69,50 +80,50 @@ impl Reader<'_> {
         let Some([start, end]) = ends.filter(|[start, end]| start < end) else {
             return Range { start: 0.0, fps: FPS, frames: 1 };
         };
-        self.model.notes.made_up.push(format!("its frames: {FPS} a second while something moves"));
+        model.notes.made_up.push(format!("its frames: {FPS} a second while something moves"));
         let frames = ((end - start) * FPS).ceil().min(MOST_FRAMES) as usize + 1;
         Range { start, fps: FPS, frames }
     }
 
     /// Lights cannot move.
-    fn place_lights(&mut self, range: &Range) {
+    fn place_lights(&self, range: &Range, model: &mut Model) {
         for (light, name) in &self.lights {
             let Some(block) = self.blocks.get(name) else { continue };
             if block.moves_lights() {
-                self.model.notes.leave_out("that a light moves");
+                model.notes.leave_out("that a light moves");
             }
-            if let LampKind::Classical { position, .. } = &mut self.model.lamps[*light].kind {
+            if let LampKind::Classical { position, .. } = &mut model.lamps[*light].kind {
                 *position += block.place(range.start);
             }
         }
     }
 
-    fn move_groups(&mut self, range: &Range) {
+    fn move_groups(&self, range: &Range, model: &mut Model) {
         let mut known: HashMap<&str, Vec<Key>> = HashMap::new();
-        let mut never = vec![false; self.model.spaces.len()];
+        let mut never = vec![false; model.spaces.len()];
         let mut is_told = false;
         for (space, name) in &self.groups {
             let Some(block) = self.blocks.get(name) else { continue };
             let keys = known.entry(name).or_insert_with(|| block.keys(range));
-            self.model.spaces[*space].keys.clone_from(keys);
+            model.spaces[*space].keys.clone_from(keys);
             never[*space] = block.is_never_seen(range);
             is_told |= !never[*space] && block.comes_and_goes(range);
         }
-        self.model.drop_spaces(|space| never[space]);
+        model.drop_spaces(|space| never[space]);
         if is_told {
             let note = "how what comes and goes is hidden: it is a millionth of its size";
-            self.model.notes.made_up.push(note.into());
+            model.notes.made_up.push(note.into());
         }
-        for lamp in &mut self.model.lamps {
+        for lamp in &mut model.lamps {
             let Some(space) = lamp.space.take() else { continue };
             let LampKind::Classical { position, .. } = &mut lamp.kind else { continue };
             let place = *position;
             let mut next = Some(space);
             while let Some(space) = next {
-                let space = &self.model.spaces[space];
+                let space = &model.spaces[space];
                 *position = space.keys[0].pose.matrix().transform_point3(*position);
                 if space.keys.len() > 1 {
-                    self.model.notes.leave_out("that a light moves");
+                    model.notes.leave_out("that a light moves");
                 }
                 next = space.parent;
             }
@@ -123,7 +134,7 @@ impl Reader<'_> {
     }
 
     /// The camera. A block of its name says where it is, instead of the view.
-    fn look(&mut self, range: &Range) {
+    fn look(&self, range: &Range, model: &mut Model) {
         let Some(seen) = self.view else { return };
         let mut views = vec![seen.view];
         if let Some(block) = self.blocks.get("camera") {
@@ -137,6 +148,6 @@ impl Reader<'_> {
             });
             views.truncate(if is_still { 1 } else { views.len() });
         }
-        self.model.camera = Some(Camera { size: seen.size, fov: seen.fov, views });
+        model.camera = Some(Camera { size: seen.size, fov: seen.fov, views });
     }
 }
