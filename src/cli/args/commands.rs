@@ -195,7 +195,7 @@ pub(crate) struct RelightArgs {
 /// `import`
 #[derive(Debug, clap::Args)]
 pub(crate) struct ImportArgs {
-    /// A .gltf, .glb, .obj, .ply or .nff file
+    /// A .gltf, .glb, .obj, .ply, .aff, .nff or .iv file
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
 
