@@ -31,6 +31,8 @@ mod signals;
 mod tools;
 #[cfg(unix)]
 mod total_time;
+#[cfg(unix)]
+mod view;
 
 use std::fs;
 use std::path::Path;

@@ -8,7 +8,7 @@ use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
     Args, BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs,
-    SettingArgs, SheetArgs, VerifyArgs,
+    SettingArgs, SheetArgs, VerifyArgs, ViewArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
@@ -47,6 +47,8 @@ pub(crate) enum Task {
     Import(ImportArgs),
     /// Write the light on objects into images. The job names their scene.
     Bake(BakeArgs, Box<Job>),
+    /// Show a scene in the browser. The job names it.
+    View(ViewArgs, Box<Job>),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -60,6 +62,7 @@ impl From<Args> for Options {
             Some(Command::Relight(relight)) => relight.quiet,
             Some(Command::Import(import)) => import.quiet,
             Some(Command::Bake(bake)) => bake.quiet,
+            Some(Command::View(view)) => view.quiet,
             _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
@@ -111,6 +114,14 @@ fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
                 args.progress = bake.progress;
                 args.frame = bake.frame.map(|n| FrameChoice::These(Frames::single(n)));
                 Task::Bake(bake, Box::new(job(args, terminal)?))
+            }
+            Command::View(view) => {
+                args.scene = view.scene.clone();
+                args.indir = view.indir.clone();
+                args.allow_outside = view.allow_outside;
+                args.settings = view.settings;
+                args.threads = view.threads;
+                Task::View(view, Box::new(job(args, terminal)?))
             }
         });
     }
