@@ -32,6 +32,8 @@ mod signals;
 mod tools;
 #[cfg(unix)]
 mod total_time;
+#[cfg(unix)]
+mod view;
 mod why;
 
 use std::fs;
