@@ -1,4 +1,7 @@
 #!/usr/bin/env python3
+# /// script
+# dependencies = ["numpy", "opencv-python-headless"]
+# ///
 """Takes the flicker out of denoised frames: averages each with its neighbours, along the motion in the picture.
 
     python3 scripts/steady.py denoised/film_ steady/film_
@@ -6,7 +9,7 @@
 
 Frames are the pictures named by the first prefix, five digits and .png, 8 or 16 bits. A denoiser guesses anew in each
 frame; the mean of two frames before, two after and the frame itself flickers less and is sharper than one of them. A
-neighbour does not count where it shows something else. It needs numpy and OpenCV (pip install opencv-python-headless).
+neighbour does not count where it shows something else.
 """
 
 import argparse

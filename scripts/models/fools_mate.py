@@ -8,13 +8,13 @@ import math
 import random
 
 from chess_scenes import BOARD, NAMES, centre, vector, write
-from mesh import add, dot, length, mul, number, smoothstep, sub, unit
+from mesh import add, dot, mul, number, smoothstep, sub, unit
 
 FPS = 25
 FRAMES = 800
 
 
-# ---- The moves: when each piece leaves its square, how long it takes and how high it is lifted ----
+# ---- The moves ----
 
 class Move:
     """A piece that an unseen hand lifts, carries and sets down."""
@@ -22,6 +22,7 @@ class Move:
     def __init__(self, piece, start, end, begin, seconds, height, lean, foot):
         self.piece, self.begin, self.seconds = piece, begin, seconds
         self.a, self.b = square(start) + (0.0,), square(end) + (0.0,)
+        # Of the way; degrees that it leans at most; radius of its foot
         self.height, self.lean, self.foot = height, math.radians(lean), foot
         self.way = unit(sub(self.b, self.a))
 
@@ -51,8 +52,8 @@ class Move:
         return key_frames(self.begin, end, .08, self.place, self.angle, lean_axis(self.way))
 
 
-def square(name, flipped=False):
-    return centre("abcdefgh".index(name[0]), int(name[1]) - 1, flipped)
+def square(name):
+    return centre("abcdefgh".index(name[0]), int(name[1]) - 1)
 
 
 def lean_axis(way):
@@ -60,6 +61,7 @@ def lean_axis(way):
     return (-way[1], way[0], 0.0)
 
 
+# Seconds at which a piece leaves its square and that it takes, centimetres that it is lifted
 F3 = Move("white_pawn_f2", "f2", "f3", 5.9, 1.3, 1.5, 9.0, 1.45)
 E5 = Move("black_pawn_e7", "e7", "e5", 10.3, 1.5, 2.2, 11.0, 1.45)
 G4 = Move("white_pawn_g2", "g2", "g4", 14.7, 1.45, 2.2, 11.0, 1.45)
@@ -100,17 +102,16 @@ SHUDDER, FALL = 23.9, 25.2
 def fall():
     """(time, angle) every 4 ms: a rod that tips over its rim, strikes the board and bounces."""
     rows, t, angle, speed = [], FALL, math.radians(.8), math.radians(3.0)
+    # Of a rod of 9.5 cm; somewhat slower, for the eye
+    pull = 1.5 * 981.0 / 9.5 * .62
     while t < FALL + 2.5:
         rows.append((t, angle))
-        # Beyond the rim its weight pulls; before it (the rim is 2 cm from the axis) it would fall back
-        pull = 1.5 * 981.0 / 9.5 * .62
         speed += .004 * pull * math.sin(max(angle, math.radians(1.2)))
         angle += .004 * speed
         if angle > LYING:
             angle, speed = LYING, -.24 * speed
             if abs(speed) < .25:
                 speed = 0.0
-                pull = 0.0
         t += .004
     return rows
 
@@ -170,10 +171,8 @@ def king():
     text += king_turn((0, 0, 1), RIM / (APEX - RIM), "group king_rolls", "pivot %s " % vector(*apex))
     text += "group king_falls {\n    parent king_rolls\n"
     text += key_frames(SHUDDER, landing(), .05, king_place, king_angle, lean_axis(DOWN))
-    # Two small bounces, each between key frames of their own
-    text = text.rstrip() + "\n" + key_frames(landing() + .04, landing() + .6, .04, king_place, king_angle,
-                                             lean_axis(DOWN))
-    text += "}\n"
+    # It bounces
+    text += key_frames(landing() + .04, landing() + .6, .04, king_place, king_angle, lean_axis(DOWN)) + "}\n"
     return text + king_turn((0, 0, 1), 1.0, "copy white_king_e1", "",
                             "\n    of king parent king_falls material boxwood")
 
@@ -211,7 +210,7 @@ def hermite(column, t):
 
     def speed(i):
         if i in (0, len(PATH) - 1):
-            return mul3(value(i), 0.0)
+            return tuple(0.0 for _ in value(i))
         before, after = times[i] - times[i - 1], times[i + 1] - times[i]
         u = [(b - a) / before for a, b in zip(value(i - 1), value(i))]
         v = [(b - a) / after for a, b in zip(value(i), value(i + 1))]
@@ -223,10 +222,6 @@ def hermite(column, t):
          (x ** 3 - x ** 2) * span)
     return tuple(h[0] * a + h[1] * u + h[2] * b + h[3] * v
                  for a, u, b, v in zip(value(k), speed(k), value(k + 1), speed(k + 1)))
-
-
-def mul3(a, s):
-    return tuple(x * s for x in a)
 
 
 def above(move, z):
