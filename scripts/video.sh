@@ -29,7 +29,8 @@ has programs for others. Or ask another program to read the pictures: they are p
 set -- "$1" "$2" "${3:-25}" "$1"[0-9][0-9][0-9][0-9][0-9].png
 [ -e "$4" ] || fail "there are no pictures \`$1NNNNN.png\`"
 
-# ffmpeg 5 knows no [0-9] in the names of pictures. H.264 needs even sides. Players expect yuv420p and the file's index at its start.
+# ffmpeg 5 knows no [0-9] in the names of pictures. H.264 needs even sides. Players expect yuv420p
+# and the file's index at its start.
 exec ffmpeg -y -framerate "$3" -pattern_type glob -i "$1?????.png" \
     -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' -c:v libx264 -crf 16 -pix_fmt yuv420p \
     -movflags +faststart "$2"
