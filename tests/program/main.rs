@@ -32,6 +32,9 @@ mod signals;
 mod tools;
 #[cfg(unix)]
 mod total_time;
+#[cfg(unix)]
+mod view;
+mod watch;
 mod why;
 
 use std::fs;

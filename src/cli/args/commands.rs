@@ -1,13 +1,14 @@
 //! Commands besides rendering.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::settings::LookArgs;
+use super::settings::{LookArgs, SettingArgs};
 use crate::cli::values::{
-    FormatName, Gain, IntegratorName, PixelAt, ProgressForm, SizeChoice, Threads, count, frame,
-    gain, limit, noise, photons, pixel_at, samples, seed, size, threads,
+    FormatName, Gain, IntegratorName, PixelAt, ProgressForm, SizeChoice, Threads, address, count,
+    frame, gain, limit, noise, photons, pixel_at, samples, seed, size, threads,
 };
 
 /// What else the program does.
@@ -31,6 +32,8 @@ pub(crate) enum Command {
     Bake(BakeArgs),
     /// Explain a pixel: its light by lamp, by way and by object, and where its noise comes from
     Why(WhyArgs),
+    /// Show a scene in the browser: look at it from anywhere while it renders
+    View(ViewArgs),
 }
 
 /// `merge`
@@ -356,6 +359,49 @@ pub(crate) struct WhyArgs {
     /// Number of threads, or auto for all [default: all]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<Threads>,
+
+    /// Print help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
+}
+
+/// `view`
+#[derive(Debug, clap::Args)]
+pub(crate) struct ViewArgs {
+    /// Scene file [default: the built-in scene]
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: Option<PathBuf>,
+
+    /// Address and port, such as 127.0.0.1:8000 or 0.0.0.0:8000 [default: this machine, any port]
+    ///
+    /// Whoever has the printed address can change the scene file. Only use addresses of
+    /// networks that you trust: the connection is not encrypted.
+    #[arg(long, value_name = "ADDRESS", value_parser = address, verbatim_doc_comment)]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) listen: Option<SocketAddr>,
+
+    /// The first frame to be shown [default: 0]
+    #[arg(short, long, value_name = "N", allow_hyphen_values = true, value_parser = frame)]
+    pub(crate) frame: Option<i64>,
+
+    /// Folder that holds the scene file (short: -id)
+    #[arg(long, value_name = "DIR", requires = "scene")]
+    pub(crate) indir: Option<PathBuf>,
+
+    /// Let paths in the scene lead anywhere
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
+
+    #[command(flatten)]
+    pub(crate) settings: SettingArgs,
+
+    /// Number of threads [default: all processors]
+    #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
+    pub(crate) threads: Option<Threads>,
+
+    /// Print nothing but the address, warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 
     /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]

@@ -8,7 +8,7 @@ use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
     Args, BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs,
-    SettingArgs, SheetArgs, VerifyArgs, WhyArgs,
+    SettingArgs, SheetArgs, VerifyArgs, ViewArgs, WhyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
@@ -49,6 +49,8 @@ pub(crate) enum Task {
     Bake(BakeArgs, Box<Job>),
     /// Explain a pixel. The job names its scene.
     Why(WhyArgs, Box<Job>),
+    /// Show a scene in the browser. The job names it.
+    View(ViewArgs, Box<Job>),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -62,6 +64,7 @@ impl From<Args> for Options {
             Some(Command::Relight(relight)) => relight.quiet,
             Some(Command::Import(import)) => import.quiet,
             Some(Command::Bake(bake)) => bake.quiet,
+            Some(Command::View(view)) => view.quiet,
             _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
@@ -124,6 +127,14 @@ fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
                 args.threads = why.threads;
                 Task::Why(why, Box::new(job(args, terminal)?))
             }
+            Command::View(view) => {
+                args.scene = view.scene.clone();
+                args.indir = view.indir.clone();
+                args.allow_outside = view.allow_outside;
+                args.settings = view.settings;
+                args.threads = view.threads;
+                Task::View(view, Box::new(job(args, terminal)?))
+            }
         });
     }
     match args.recipe.clone() {
@@ -169,6 +180,7 @@ fn job(args: Args, terminal: Terminal) -> Result<Job, Problem> {
         guide_file: args.guide_file,
         display_server: args.display_server,
         dry_run: args.dry_run,
+        watch: args.watch,
         progress: args.progress,
         overrides: Overrides {
             prefix: args.prefix,

@@ -1,5 +1,6 @@
 //! Values of options: what can be typed for each, and what it stands for.
 
+mod address;
 mod bytes;
 mod frame_path;
 mod frames;
@@ -16,6 +17,7 @@ mod server;
 mod threads;
 mod time;
 
+pub(crate) use address::address;
 pub(crate) use bytes::bytes;
 pub(crate) use frame_path::FramePath;
 pub(crate) use frames::{FrameChoice, Frames, frame, frames, named, shown};
