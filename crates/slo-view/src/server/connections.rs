@@ -15,7 +15,7 @@ use super::guard::Guard;
 use crate::studio::Link;
 
 /// Most connections at once.
-const CONNECTIONS: usize = 64;
+const CONNECTIONS: usize = 256;
 /// How long a connection may stay without the head of a request. Browsers open some in advance, and lose
 /// requests on those that are closed at the wrong moment.
 const HEAD: Duration = Duration::from_secs(60);
