@@ -11,6 +11,7 @@ mod cwbvh;
 pub(crate) mod interface;
 mod kdtree;
 pub(crate) mod shared;
+pub mod study;
 #[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]
@@ -21,6 +22,7 @@ use std::borrow::Cow;
 pub use self::bending::{Bending, Moment};
 pub use self::interface::{BuildOptions, Sections};
 use self::interface::{Geometry, SpatialIndex};
+use self::study::Rendered;
 use crate::math::Bounds;
 use crate::primitives::{Curved, Primitives, Triangle};
 use crate::rays::{Coherence, Hits, LANES, Rays};
@@ -28,7 +30,7 @@ use crate::rays::{Coherence, Hits, LANES, Rays};
 /// Makes of the list of structures what differs from one to the other: their names, the one that
 /// was built, and the working memory of each.
 macro_rules! structures {
-    ($($(#[$attribute:meta])* $name:ident, $text:literal: $folder:ident::$type:ident;)*) => {
+    ($($(#[$attribute:meta])* $name:ident, $text:literal: $memory:ident, $type:ty;)*) => {
         /// Which structure is built.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
         #[non_exhaustive]
@@ -44,7 +46,7 @@ macro_rules! structures {
         /// The structure that was built.
         #[derive(Debug)]
         enum Built {
-            $($name($folder::$type),)*
+            $($name($type),)*
         }
 
         impl Built {
@@ -72,7 +74,7 @@ macro_rules! structures {
         /// structure may use it next.
         #[derive(Debug, Default)]
         pub struct Scratch {
-            $($folder: <$folder::$type as SpatialIndex>::Scratch,)*
+            $($memory: <$type as SpatialIndex>::Scratch,)*
             of_piece: bending::OfPiece,
         }
 
@@ -86,7 +88,7 @@ macro_rules! structures {
             ($built:expr, $all:expr, $index:ident, $scratch:ident => $answer:expr) => {
                 match $built {
                     $(Built::$name($index) => {
-                        let $scratch = &mut $all.$folder;
+                        let $scratch = &mut $all.$memory;
                         $answer
                     })*
                 }
@@ -97,16 +99,20 @@ macro_rules! structures {
 
 structures! {
     /// A kd-tree, built by the surface area heuristic. It takes the least memory on closed meshes.
-    KdTree, "KDTREE": kdtree::KdTree;
+    KdTree, "KDTREE": kdtree, kdtree::KdTree;
     /// A bounding volume hierarchy of eight children to a node: the fastest.
     #[default]
-    Bvh, "BVH": bvh::Bvh;
+    Bvh, "BVH": bvh, bvh::Bvh;
     /// The compressed wide hierarchy of the obvhs library, to be measured against. Its tests of
     /// boxes are not conservative: of 100 000 rays a few that run along faces of boxes miss their
     /// hit.
-    Cwbvh, "CWBVH": cwbvh::Cwbvh;
+    Cwbvh, "CWBVH": cwbvh, cwbvh::Cwbvh;
     /// No structure: each ray is tested against every primitive. The reference of the others.
-    None, "NONE": brute::Brute;
+    None, "NONE": brute, brute::Brute;
+    /// A uniform grid, [to study](study).
+    Grid, "GRID": grid, Rendered<study::Grid>;
+    /// An octree, [to study](study).
+    Octree, "OCTREE": octree, Rendered<study::Octree>;
 }
 
 impl Accelerator {

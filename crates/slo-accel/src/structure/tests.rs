@@ -12,7 +12,7 @@ fn accelerators_are_found_by_the_names_that_they_show() {
         assert_eq!(accelerator.to_string(), name);
         assert_eq!(Accelerator::by_name(&name.to_lowercase()), Ok(accelerator));
     }
-    assert!(Accelerator::by_name("OCTREE").is_err());
+    assert!(Accelerator::by_name("QUADTREE").is_err());
 }
 
 /// Triangles and curved surfaces, some of them twice, some without area.

@@ -1,0 +1,131 @@
+//! Published counts, and what holds for every structure to study. Hits are compared with brute force
+//! by the tests of all structures.
+
+mod published;
+mod scenes;
+
+use super::*;
+use crate::structure::testing::Random;
+use crate::structure::{Accelerator, BuildOptions, Structure};
+use crate::{Coherence, Hits, Isa, Primitives, Scratch};
+
+/// Settings that change how each structure is built or traversed.
+fn ways() -> Vec<Parameters> {
+    let usual = Parameters::default();
+    vec![
+        Parameters { mailbox: true, ..usual },
+        Parameters { density: Some(0.3), depth: Some(3), ..usual },
+        Parameters { density: Some(20.0), leaf: Some(5), mailbox: true, ..usual },
+        Parameters { shortest: Some(4.0), depth: Some(0), ..usual },
+        Parameters { cells: Some([1, 70, 3]), depth: Some(8), ..usual },
+    ]
+}
+
+#[test]
+fn parameters_change_no_hit() {
+    let mut random = Random::new(11);
+    let (mut triangles, curved) = (random.triangles(300, 0.3), random.curved(20, 0.2));
+    triangles.extend_from_within(..20);
+    let mut primitives = Primitives { triangles, curved };
+    let rays = random.rays(3000, 1.0);
+    let mut scratch = Scratch::default();
+    for round in 0..2 {
+        if round == 1 {
+            // A flat scene, along whose planes some rays run.
+            primitives.curved.clear();
+            primitives.triangles.iter_mut().flatten().for_each(|p| p.z = 0.25);
+        }
+        let mut ask = |accelerator, parameters| {
+            let options = BuildOptions::new(Isa::best()).with_parameters(parameters);
+            let structure = Structure::build(accelerator, primitives.clone(), options);
+            let (mut hits, mut blocked) = (Hits::default(), vec![]);
+            structure.intersect(&rays, Coherence::Incoherent, &mut hits, &mut scratch);
+            structure.occluded(&rays, Coherence::Incoherent, &mut blocked, &mut scratch);
+            let bits = |of: &[f32]| of.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            (bits(&hits.t), bits(&hits.u), bits(&hits.v), hits.primitive, blocked)
+        };
+        let expected = ask(Accelerator::None, Parameters::default());
+        assert!(expected.3.iter().filter(|&&id| id != crate::NO_HIT).count() > 500);
+        for &(name, _) in Kind::NAMES {
+            let accelerator = Accelerator::by_name(name).expect("the renderer knows it too");
+            for parameters in ways() {
+                assert!(ask(accelerator, parameters) == expected, "{name}, {parameters:?}");
+            }
+        }
+    }
+}
+
+/// Scenes that are very large, very small, far away or of very different sizes.
+#[test]
+fn extreme_scenes_are_hit_as_brute_force_hits_them() {
+    for (seed, (scale, offset)) in
+        (20..).zip([(1e-20f32, 0.0f32), (1e-6, 1.0), (1e15, 0.0), (1e30, 0.0), (1.0, 1e5)])
+    {
+        let mut random = Random::new(seed);
+        let mut primitives: Primitives = random.triangles(200, 0.5).into();
+        let to = |p: glam::Vec3| p * scale + glam::Vec3::splat(offset);
+        primitives.triangles.iter_mut().flatten().for_each(|p| *p = to(*p));
+        let mut rays = random.rays(1000, 1.0);
+        for i in 0..rays.len() {
+            for axis in 0..3 {
+                rays.origin[axis][i] = rays.origin[axis][i] * scale + offset;
+                if i % 2 == 0 && scale > 1e-10 {
+                    rays.direction[axis][i] *= scale;
+                }
+            }
+        }
+        let mut scratch = Scratch::default();
+        let mut ask = |accelerator| {
+            let structure = Structure::build(accelerator, primitives.clone(), Isa::best());
+            let (mut hits, mut blocked) = (Hits::default(), vec![]);
+            structure.intersect(&rays, Coherence::Incoherent, &mut hits, &mut scratch);
+            structure.occluded(&rays, Coherence::Incoherent, &mut blocked, &mut scratch);
+            (hits.t, hits.primitive, blocked)
+        };
+        let expected = ask(Accelerator::None);
+        for &(name, _) in Kind::NAMES {
+            let accelerator = Accelerator::by_name(name).expect("the renderer knows it too");
+            assert!(ask(accelerator) == expected, "{name}, scale {scale}, offset {offset}");
+        }
+    }
+}
+
+#[test]
+fn objects_without_a_box_are_never_met_and_statistics_add_up() {
+    let mut random = Random::new(12);
+    let mut boxes: Vec<Bounds> =
+        random.triangles(500, 0.1).into_iter().map(Bounds::of_points).collect();
+    boxes[7] = Bounds::EMPTY;
+    boxes[8].max.x = f32::INFINITY;
+    boxes[9].min.y = f32::NAN;
+    for &(name, kind) in Kind::NAMES {
+        let nothing = Any::new(kind, &[], &Parameters::default()).statistics();
+        assert_eq!((nothing.references, nothing.sah), (0, 0.0), "{name}");
+        let study = Any::new(kind, &boxes, &Parameters::default());
+        let of = study.statistics();
+        assert_eq!(of.objects, 500, "{name}");
+        assert!(of.references >= 497 && of.bytes_of_building >= of.bytes, "{name}: {of:?}");
+        assert_eq!(of.leaf_sizes.iter().sum::<u64>(), of.leaves, "{name}");
+        assert_eq!(of.leaf_sizes[0], of.empty_leaves, "{name}");
+        assert!(of.mean_depth <= f64::from(of.deepest) && of.sah > 0.0, "{name}: {of:?}");
+        let ray =
+            Ray { origin: -glam::Vec3::ONE, direction: glam::Vec3::ONE, t_max: f32::INFINITY };
+        let (mut counts, mut met) = (Counts::default(), vec![]);
+        let mut memory = Memory::default();
+        let end = study.walk(&ray, &mut memory, &mut counts, |object, t| {
+            met.push(object);
+            t
+        });
+        assert_eq!(end, f32::INFINITY);
+        assert_eq!(counts.tests, met.len() as u64, "{name}");
+        assert!(counts.leaves <= counts.steps && counts.empty_leaves <= counts.leaves, "{name}");
+        assert!(!met.iter().any(|object| (7..10).contains(object)), "{name}");
+        // A negative answer ends the walk.
+        let mut calls = 0;
+        study.walk(&ray, &mut memory, &mut (), |_, _| {
+            calls += 1;
+            -1.0
+        });
+        assert_eq!(calls, 1, "{name}");
+    }
+}
