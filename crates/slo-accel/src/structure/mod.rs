@@ -113,6 +113,16 @@ structures! {
     Grid, "GRID": grid, Rendered<study::Grid>;
     /// An octree, [to study](study).
     Octree, "OCTREE": octree, Rendered<study::Octree>;
+    /// A binary hierarchy of halves, [to study](study).
+    Median, "MEDIAN": median, Rendered<study::MedianTree>;
+    /// An R-tree, packed by sort-tile-recursive, [to study](study).
+    RTree, "RTREE": rtree, Rendered<study::RTree>;
+    /// A binary hierarchy, built by the surface area heuristic, [to study](study).
+    Binary, "BINARY": binary, Rendered<study::BinaryTree>;
+    /// A kd-tree with four ways to traverse it, [to study](study).
+    Kd, "KD": kd, Rendered<study::Kd>;
+    /// The boxes of all primitives, one after the other, [to study](study).
+    Boxes, "BOXES": boxes, Rendered<study::Boxes>;
 }
 
 impl Accelerator {

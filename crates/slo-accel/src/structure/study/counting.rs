@@ -27,6 +27,10 @@ pub trait Counting {
     /// An object was not tested since the same ray has met it before.
     #[inline(always)]
     fn mailbox_hit(&mut self) {}
+
+    /// The traversal started again.
+    #[inline(always)]
+    fn restart(&mut self) {}
 }
 
 impl Counting for () {}
@@ -46,16 +50,19 @@ pub struct Counts {
     pub empty_leaves: u64,
     /// Tests that mailboxes saved.
     pub mailbox_hits: u64,
+    /// Restarts.
+    pub restarts: u64,
 }
 
 impl Counts {
     /// Names of the counters, in the order of [`numbers`](Self::numbers).
-    pub const NAMES: [&'static str; 6] =
-        ["steps", "boxes", "tests", "leaves", "empty_leaves", "mailbox_hits"];
+    pub const NAMES: [&'static str; 7] =
+        ["steps", "boxes", "tests", "leaves", "empty_leaves", "mailbox_hits", "restarts"];
 
     /// The counters, in the order of [`NAMES`](Self::NAMES).
-    pub fn numbers(&self) -> [u64; 6] {
-        [self.steps, self.boxes, self.tests, self.leaves, self.empty_leaves, self.mailbox_hits]
+    pub fn numbers(&self) -> [u64; 7] {
+        let Self { steps, boxes, tests, leaves, empty_leaves, mailbox_hits, restarts } = *self;
+        [steps, boxes, tests, leaves, empty_leaves, mailbox_hits, restarts]
     }
 
     /// The larger of both, for each counter.
@@ -68,6 +75,7 @@ impl Counts {
             leaves: self.leaves.max(other.leaves),
             empty_leaves: self.empty_leaves.max(other.empty_leaves),
             mailbox_hits: self.mailbox_hits.max(other.mailbox_hits),
+            restarts: self.restarts.max(other.restarts),
         }
     }
 }
@@ -80,6 +88,7 @@ impl AddAssign for Counts {
         self.leaves += other.leaves;
         self.empty_leaves += other.empty_leaves;
         self.mailbox_hits += other.mailbox_hits;
+        self.restarts += other.restarts;
     }
 }
 
@@ -103,6 +112,10 @@ impl Counting for Counts {
 
     fn mailbox_hit(&mut self) {
         self.mailbox_hits += 1;
+    }
+
+    fn restart(&mut self) {
+        self.restarts += 1;
     }
 }
 

@@ -35,24 +35,33 @@
 //! assert!(counts.tests < 10);
 //! ```
 
+mod binary;
+mod boxes;
 mod counting;
 mod grid;
+mod hierarchy;
+mod kd;
+mod median;
 mod memory;
 mod octree;
 mod parameters;
 mod ray;
 mod rendered;
+mod rtree;
 mod statistics;
 #[cfg(test)]
 mod tests;
 
 use std::fmt::Debug;
 
+pub use self::boxes::Boxes;
 pub use self::counting::{Counting, Counts, Totals};
 pub use self::grid::Grid;
+pub use self::hierarchy::{Builder, Hierarchy};
+pub use self::kd::Kd;
 pub use self::memory::Memory;
 pub use self::octree::Octree;
-pub use self::parameters::Parameters;
+pub use self::parameters::{Parameters, Traversal};
 pub use self::ray::Ray;
 pub(crate) use self::rendered::Rendered;
 pub use self::statistics::{COST_OF_STEP, COST_OF_TEST, Statistics};
@@ -88,6 +97,15 @@ pub trait Study: Debug + Sized + Send + Sync {
     /// Bytes held, without the objects.
     fn bytes(&self) -> usize;
 }
+
+/// A binary hierarchy of halves.
+pub type MedianTree = Hierarchy<median::Median>;
+
+/// An R-tree.
+pub type RTree = Hierarchy<rtree::SortTile>;
+
+/// A binary hierarchy, built by the surface area heuristic.
+pub type BinaryTree = Hierarchy<binary::Binned>;
 
 /// Makes of the list of structures their kinds, and one type for all.
 macro_rules! studies {
@@ -147,4 +165,14 @@ studies! {
     Grid, "GRID";
     /// An octree.
     Octree, "OCTREE";
+    /// A binary hierarchy: objects are halved along the longest axis.
+    MedianTree, "MEDIAN";
+    /// An R-tree, packed by sort-tile-recursive.
+    RTree, "RTREE";
+    /// A binary hierarchy, built by the surface area heuristic.
+    BinaryTree, "BINARY";
+    /// A kd-tree, built by the surface area heuristic, with four ways to traverse it.
+    Kd, "KD";
+    /// The boxes of all objects, one after the other.
+    Boxes, "BOXES";
 }

@@ -17,4 +17,25 @@ pub struct Parameters {
     pub depth: Option<u32>,
     /// Trees: nodes with as many objects, or fewer, are leaves.
     pub leaf: Option<u32>,
+    /// `RTREE`: children of a node.
+    pub capacity: Option<u32>,
+    /// `KD`: what a ray does to reach the nodes that it has put off.
+    pub traversal: Traversal,
+    /// `KD`: entries of a short stack.
+    pub stack: Option<u32>,
+}
+
+/// How a ray reaches the nodes of a kd-tree that it has put off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Traversal {
+    /// They wait on a stack.
+    #[default]
+    Stack,
+    /// It starts again at the root.
+    Restart,
+    /// It starts again at the deepest node that holds all that is left.
+    PushDown,
+    /// They wait on a stack of few entries, 4 if not given; as `PushDown` if it has lost some.
+    ShortStack,
 }

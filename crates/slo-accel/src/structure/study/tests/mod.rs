@@ -17,7 +17,11 @@ fn ways() -> Vec<Parameters> {
         Parameters { density: Some(0.3), depth: Some(3), ..usual },
         Parameters { density: Some(20.0), leaf: Some(5), mailbox: true, ..usual },
         Parameters { shortest: Some(4.0), depth: Some(0), ..usual },
-        Parameters { cells: Some([1, 70, 3]), depth: Some(8), ..usual },
+        Parameters { cells: Some([1, 70, 3]), depth: Some(8), capacity: Some(2), ..usual },
+        Parameters { traversal: Traversal::Restart, capacity: Some(100), ..usual },
+        Parameters { traversal: Traversal::PushDown, mailbox: true, ..usual },
+        Parameters { traversal: Traversal::ShortStack, leaf: Some(2), ..usual },
+        Parameters { traversal: Traversal::ShortStack, stack: Some(1), ..usual },
     ]
 }
 
@@ -128,4 +132,95 @@ fn objects_without_a_box_are_never_met_and_statistics_add_up() {
         });
         assert_eq!(calls, 1, "{name}");
     }
+}
+
+/// Restarts bring a ray to the same leaves, in the same order, as a stack does.
+#[test]
+fn all_ways_through_a_kd_tree_visit_the_same_leaves() {
+    let mut random = Random::new(13);
+    let boxes: Vec<Bounds> =
+        random.triangles(2000, 0.2).into_iter().map(Bounds::of_points).collect();
+    let rays = random.rays(500, 1.0);
+    let mut memory = Memory::default();
+    let mut walk = |traversal| {
+        let parameters = Parameters { traversal, ..Parameters::default() };
+        let tree = Kd::build(&boxes, &parameters);
+        let (mut met, mut totals) = (vec![], Totals::default());
+        for i in 0..rays.len() {
+            let (origin, direction) = (rays.origin(i), rays.direction(i));
+            let ray = Ray { origin, direction, t_max: rays.t_max[i] };
+            let mut counts = Counts::default();
+            let end = tree.walk(&ray, &mut memory, &mut counts, |object, t_max| {
+                met.push(object);
+                // The end comes nearer now and then, as it does when objects are hit.
+                if object % 97 == 0 { t_max.min(2.0) * 0.75 } else { t_max }
+            });
+            totals.add(counts, end < rays.t_max[i]);
+        }
+        (met, totals)
+    };
+    let (expected, with_stack) = walk(Traversal::Stack);
+    assert!(expected.len() > 10_000 && with_stack.sum.restarts == 0);
+    let [again, down, short] = [Traversal::Restart, Traversal::PushDown, Traversal::ShortStack]
+        .map(|traversal| {
+            let (met, totals) = walk(traversal);
+            assert_eq!(met, expected, "{traversal:?}");
+            assert_eq!(
+                [totals.hits, totals.sum.leaves, totals.sum.empty_leaves],
+                [with_stack.hits, with_stack.sum.leaves, with_stack.sum.empty_leaves]
+            );
+            totals.sum
+        });
+    assert!(again.steps > down.steps && down.steps > short.steps);
+    assert!(short.steps > with_stack.sum.steps && short.restarts > 0);
+    assert!(short.restarts < down.restarts / 3, "{} {}", short.restarts, down.restarts);
+    assert!(down.restarts <= again.restarts);
+}
+
+#[test]
+fn mailboxes_save_tests_and_nothing_else() {
+    let mut random = Random::new(14);
+    let boxes: Vec<Bounds> =
+        random.triangles(1000, 0.4).into_iter().map(Bounds::of_points).collect();
+    let rays = random.rays(300, 1.0);
+    for kind in [Kind::Grid, Kind::Octree, Kind::Kd] {
+        let count = |mailbox| {
+            let parameters = Parameters { mailbox, ..Parameters::default() };
+            let study = Any::new(kind, &boxes, &parameters);
+            let (mut counts, mut memory) = (Counts::default(), Memory::default());
+            for i in 0..rays.len() {
+                let (origin, direction) = (rays.origin(i), rays.direction(i));
+                let ray = Ray { origin, direction, t_max: rays.t_max[i] };
+                study.walk(&ray, &mut memory, &mut counts, |_, t| t);
+            }
+            counts
+        };
+        let (without, with) = (count(false), count(true));
+        assert!(without.mailbox_hits == 0 && with.mailbox_hits > 0, "{kind:?}");
+        assert_eq!(without.tests, with.tests + with.mailbox_hits, "{kind:?}");
+        assert_eq!((without.steps, without.leaves), (with.steps, with.leaves), "{kind:?}");
+    }
+}
+
+/// What each builder is known by.
+#[test]
+fn hierarchies_are_as_their_papers_say() {
+    let mut random = Random::new(15);
+    let triangles = random.triangles(1000, 0.05);
+    let boxes: Vec<Bounds> = triangles.into_iter().map(Bounds::of_points).collect();
+    let of = |kind, parameters| Any::new(kind, &boxes, &parameters).statistics();
+    let usual = Parameters::default();
+    let median = of(Kind::MedianTree, Parameters { leaf: Some(1), ..usual });
+    assert_eq!((median.leaves, median.interior, median.deepest), (1000, 999, 10));
+    let rtree = of(Kind::RTree, Parameters { capacity: Some(10), ..usual });
+    // ceil(1000 / 10) leaves, packed to the last: 5 slabs and 5 runs do not divide 100 evenly.
+    assert!((100..=125).contains(&rtree.leaves), "{}", rtree.leaves);
+    assert_eq!((rtree.deepest, rtree.largest_leaf), (2, 10));
+    let binary = of(Kind::BinaryTree, usual);
+    assert_eq!(binary.references, 1000);
+    assert!(binary.sah < 0.8 * median.sah && binary.sah < 0.8 * rtree.sah);
+    let kd = of(Kind::Kd, usual);
+    assert!(kd.references > 1000 && kd.sah < median.sah);
+    // 1000 boxes, each a step of the list.
+    assert_eq!(of(Kind::Boxes, usual).leaves, 1000);
 }
