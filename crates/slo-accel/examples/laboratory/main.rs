@@ -7,7 +7,7 @@
 //! Every sphere, cone and polygon of the file is one object. For each structure the same rays are traced, as Haines
 //! prescribes: 513 x 513 from the eye, one to each light in front of a hit, and all reflected and refracted ones to depth
 //! 5. Prints JSON: numbers of rays by kind, what structures consist of, and sums and maxima of what was counted, by kind
-//! of ray. `scripts/reproduce/structures.py` compares them with published ones.
+//! of ray. Times are those of the processor, of all threads together. `scripts/reproduce/structures.py` compares them with published ones.
 
 mod nff;
 mod objects;
@@ -16,23 +16,22 @@ mod rays;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Instant;
 
 use clap::Parser;
 use rayon::prelude::*;
 use slo_accel::glam::DVec3;
 use slo_accel::math::Bounds;
-use slo_accel::study::{Any, Counts, Kind, Parameters, Totals};
+use slo_accel::study::{Any, Counts, Kind, Parameters, Statistics, Totals, Traversal};
 
 use crate::nff::{Scene, View};
-use crate::rays::{Counted, Plan, Tracer};
+use crate::rays::{Counted, Plan, Structure, Tracer};
 
 #[derive(Parser)]
 #[command(about = "Counts what structures cost in an NFF scene.")]
 struct Arguments {
     /// The scene.
     file: PathBuf,
-    /// Structures, such as GRID:cells=46x46x3,mailbox=1 or OCTREE:depth=6
+    /// Structures, such as GRID:cells=46x46x3,mailbox=1, OCTREE:depth=6 or NAIVE
     #[arg(required = true)]
     structures: Vec<String>,
     /// Rays in a row, and rows.
@@ -44,10 +43,13 @@ struct Arguments {
     /// Rays on the way from the eye to the last hit.
     #[arg(long, default_value_t = 5)]
     depth: u32,
+    /// Rays to lights go on to the nearest hit, and do not end at the first.
+    #[arg(long)]
+    nearest_shadows: bool,
     /// Frames of an orbit of the eye about the point that it looks at.
     #[arg(long, default_value_t = 1)]
     orbit: u32,
-    /// Threads; one is best for times.
+    /// Threads.
     #[arg(long, default_value_t = 1)]
     threads: usize,
 }
@@ -69,15 +71,19 @@ fn run(arguments: &Arguments) -> Result<String, String> {
     let text = std::fs::read_to_string(&arguments.file)
         .map_err(|error| format!("{}: {error}", arguments.file.display()))?;
     let scene = nff::read(&text)?;
-    let plan =
-        Plan { size: arguments.size.max(2), every: arguments.every.max(1), depth: arguments.depth };
+    let plan = Plan {
+        size: arguments.size.max(2),
+        every: arguments.every.max(1),
+        depth: arguments.depth,
+        nearest_shadows: arguments.nearest_shadows,
+    };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads);
     let pool = pool.build().map_err(|error| error.to_string())?;
     let found = arguments.structures.iter().map(|name| {
-        let (kind, parameters) = structure(name)?;
+        let structure = structure(name)?;
         Ok(format!(
             "    {{\"name\": \"{name}\", {}}}",
-            measure(&scene, kind, &parameters, plan, arguments.orbit, &pool)
+            measure(&scene, structure, plan, arguments.orbit, &pool)
         ))
     });
     let found = found.collect::<Result<Vec<_>, String>>()?.join(",\n");
@@ -85,9 +91,12 @@ fn run(arguments: &Arguments) -> Result<String, String> {
     Ok(format!("{{\"objects\": {objects}, \"lights\": {lights}, \"structures\": [\n{found}\n]}}"))
 }
 
-/// Reads a structure and its parameters.
-fn structure(text: &str) -> Result<(Kind, Parameters), String> {
+/// Reads a structure and its parameters; nothing for `NAIVE`.
+fn structure(text: &str) -> Result<Option<(Kind, Parameters)>, String> {
     let (name, rest) = text.split_once(':').unwrap_or((text, ""));
+    if name == "NAIVE" {
+        return Ok(None);
+    }
     let known = Kind::NAMES.iter().find(|(known, _)| *known == name);
     let &(_, kind) = known.ok_or_else(|| {
         let names: Vec<&str> = Kind::NAMES.iter().map(|(name, _)| *name).collect();
@@ -109,17 +118,27 @@ fn structure(text: &str) -> Result<(Kind, Parameters), String> {
             "mailbox" => parameters.mailbox = whole()? != 0,
             "depth" => parameters.depth = Some(whole()?),
             "leaf" => parameters.leaf = Some(whole()?),
+            "capacity" => parameters.capacity = Some(whole()?),
+            "stack" => parameters.stack = Some(whole()?),
+            "traversal" => {
+                parameters.traversal = match value {
+                    "stack" => Traversal::Stack,
+                    "restart" => Traversal::Restart,
+                    "push-down" => Traversal::PushDown,
+                    "short-stack" => Traversal::ShortStack,
+                    _ => return Err(bad()),
+                }
+            }
             _ => return Err(format!("`{key}` is no parameter")),
         }
     }
-    Ok((kind, parameters))
+    Ok(Some((kind, parameters)))
 }
 
 /// Builds a structure and traces the rays. Returns members of a JSON object.
 fn measure(
     scene: &Scene,
-    kind: Kind,
-    parameters: &Parameters,
+    structure: Option<(Kind, Parameters)>,
     plan: Plan,
     orbit: u32,
     pool: &rayon::ThreadPool,
@@ -127,12 +146,15 @@ fn measure(
     let boxes: Vec<Bounds> = scene.objects.iter().map(|object| object.shape.bounds()).collect();
     let all = boxes.iter().copied().reduce(Bounds::union);
     let diagonal = all.map_or(0.0, |all| all.size().as_dvec3().length());
-    let begin = Instant::now();
-    let structure = Any::new(kind, &boxes, parameters);
-    let build = begin.elapsed().as_secs_f64();
+    let begin = seconds_worked();
+    let structure = match structure {
+        Some((kind, parameters)) => Structure::Study(Any::new(kind, &boxes, &parameters)),
+        None => Structure::Naive(boxes.len() as u32),
+    };
+    let build = seconds_worked() - begin;
 
     let tracer = Tracer::new(scene, &structure, plan, diagonal);
-    let begin = Instant::now();
+    let begin = seconds_worked();
     let mut counted = Counted::default();
     for frame in 0..orbit.max(1) {
         let view =
@@ -141,9 +163,12 @@ fn measure(
             .install(|| tracer.rows().into_par_iter().map(|row| tracer.row(&view, row)).collect());
         rows.into_iter().for_each(|row| counted.add(row));
     }
-    let trace = begin.elapsed().as_secs_f64();
+    let trace = seconds_worked() - begin;
 
-    let of = structure.statistics();
+    let of = match &structure {
+        Structure::Study(study) => study.statistics(),
+        Structure::Naive(_) => Statistics::default(),
+    };
     let cells = of.cells.map_or("null".into(), |[x, y, z]| format!("[{x}, {y}, {z}]"));
     let mut json = format!(
         "\"build_s\": {build:.6}, \"trace_s\": {trace:.6}, \"cells\": {cells}, \"interior\": {}, \"leaves\": {}, \
@@ -187,4 +212,19 @@ fn turned(view: &View, angle: f64) -> View {
     let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
     let along: DVec3 = axis * axis.dot(from);
     View { eye: view.target + along + (from - along) * cosine + axis.cross(from) * sine, ..*view }
+}
+
+/// Seconds that processors have worked for this program.
+#[cfg(target_os = "linux")]
+fn seconds_worked() -> f64 {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
+}
+
+/// Seconds since the first call: other systems have other clocks.
+#[cfg(not(target_os = "linux"))]
+fn seconds_worked() -> f64 {
+    static START: std::sync::LazyLock<std::time::Instant> =
+        std::sync::LazyLock::new(std::time::Instant::now);
+    START.elapsed().as_secs_f64()
 }

@@ -2,7 +2,7 @@
 //! hit, and all reflected and refracted rays up to a depth. Whatever the structure, they are the same rays.
 
 use slo_accel::glam::{DVec3, Vec3};
-use slo_accel::study::{Any, Counts, Memory, Totals};
+use slo_accel::study::{Any, Counting, Counts, Memory, Totals};
 
 use crate::nff::{Scene, View};
 use crate::objects::Ray;
@@ -16,6 +16,8 @@ pub(crate) struct Plan {
     pub(crate) every: u32,
     /// Greatest number of rays on the way from the eye to the last hit.
     pub(crate) depth: u32,
+    /// Whether rays to lights look for the nearest hit, not for any.
+    pub(crate) nearest_shadows: bool,
 }
 
 /// What was counted, by kind of ray.
@@ -34,10 +36,44 @@ impl Counted {
     }
 }
 
+/// A structure, or none.
+pub(crate) enum Structure {
+    /// Tests all of so many objects, in their order.
+    Naive(u32),
+    Study(Any),
+}
+
+impl Structure {
+    /// See [`Any::walk`].
+    fn walk<V: FnMut(u32, f32) -> f32>(
+        &self,
+        ray: &slo_accel::study::Ray,
+        memory: &mut Memory,
+        counts: &mut Counts,
+        mut visit: V,
+    ) {
+        match self {
+            Self::Naive(objects) => {
+                let mut t_max = ray.t_max;
+                for object in 0..*objects {
+                    counts.test();
+                    t_max = visit(object, t_max);
+                    if t_max < 0.0 {
+                        return;
+                    }
+                }
+            }
+            Self::Study(study) => {
+                study.walk(ray, memory, counts, visit);
+            }
+        }
+    }
+}
+
 /// A scene with a structure over its objects.
 pub(crate) struct Tracer<'a> {
     scene: &'a Scene,
-    structure: &'a Any,
+    structure: &'a Structure,
     plan: Plan,
     /// Hits nearer than that, in units of the scene, are the point that a ray leaves.
     least: f64,
@@ -50,7 +86,12 @@ struct Hit {
 }
 
 impl<'a> Tracer<'a> {
-    pub(crate) fn new(scene: &'a Scene, structure: &'a Any, plan: Plan, diagonal: f64) -> Self {
+    pub(crate) fn new(
+        scene: &'a Scene,
+        structure: &'a Structure,
+        plan: Plan,
+        diagonal: f64,
+    ) -> Self {
         Self { scene, structure, plan, least: 1e-6 * diagonal }
     }
 
@@ -166,12 +207,13 @@ impl<'a> Tracer<'a> {
         let (mut counts, mut blocked) = (Counts::default(), false);
         self.structure.walk(&single(ray, distance as f32), memory, &mut counts, |object, t_max| {
             let object = object as usize;
-            let hit = self.scene.objects[object].shape.hit(ray, self.least, distance);
-            if hit.is_some() && Some(object) != from {
-                blocked = true;
-                return -1.0;
+            match self.scene.objects[object].shape.hit(ray, self.least, distance) {
+                Some(t) if Some(object) != from => {
+                    blocked = true;
+                    if self.plan.nearest_shadows { t_max.min(t as f32) } else { -1.0 }
+                }
+                _ => t_max,
             }
-            t_max
         });
         (blocked, counts)
     }
