@@ -1,5 +1,8 @@
 //! The rays of the Standard Procedural Databases: a regular grid of rays from the eye, a ray to each light in front of a
 //! hit, and all reflected and refracted rays up to a depth. Whatever the structure, they are the same rays.
+//!
+//! Two rules are not written down anywhere; these give the published numbers of rays: what transmits light reflects too,
+//! and a surface that is seen from behind asks only for lights in front of it.
 
 use slo_accel::glam::{DVec3, Vec3};
 use slo_accel::study::{Any, Counting, Counts, Memory, Totals};
@@ -132,18 +135,15 @@ impl<'a> Tracer<'a> {
         let point = ray.origin + ray.direction * t;
         let [flat, shaded] = self.scene.objects[object].shape.normals(point);
         let enters = flat.dot(ray.direction) < 0.0;
-        // The side that the ray comes from.
-        let facing = |normal: DVec3| if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-        let (flat, shaded) = (facing(flat), facing(shaded));
         // A ray that leaves a convex surface outward can't hit it again.
-        let outward = enters.then_some(object);
+        let after = |direction: DVec3| (flat.dot(direction) > 0.0).then_some(object);
         for light in &self.scene.lights {
             let toward = *light - point;
+            // Surfaces are lit from outside only, whichever side the ray comes from.
             if shaded.dot(toward) > 0.0 {
                 let distance = toward.length();
                 let ray = Ray { origin: point, direction: toward / distance };
-                let from = if flat.dot(toward) > 0.0 { outward } else { None };
-                let (blocked, counts) = self.any(&ray, from, distance, memory);
+                let (blocked, counts) = self.any(&ray, after(toward), distance, memory);
                 counted.shadow.add(counts, blocked);
             }
         }
@@ -151,26 +151,25 @@ impl<'a> Tracer<'a> {
             return;
         }
         let fill = self.scene.objects[object].fill;
-        let cosine = -shaded.dot(ray.direction);
-        if fill.reflects {
-            let direction = ray.direction + shaded * (2.0 * cosine);
-            let from = if flat.dot(direction) > 0.0 { outward } else { None };
-            self.trace(Ray { origin: point, direction }, from, depth + 1, counted, memory);
+        // The normal on the side that the ray comes from.
+        let normal = if shaded.dot(ray.direction) > 0.0 { -shaded } else { shaded };
+        let cosine = -normal.dot(ray.direction);
+        if fill.reflects || fill.transmits {
+            let direction = ray.direction + normal * (2.0 * cosine);
+            let reflected = Ray { origin: point, direction };
+            self.trace(reflected, after(direction), depth + 1, counted, memory);
         }
         if fill.transmits {
-            let ratio = if fill.ior <= 0.0 {
-                1.0
-            } else if enters {
-                1.0 / fill.ior
-            } else {
-                fill.ior
+            let ratio = match fill.ior {
+                ior if ior <= 0.0 => 1.0,
+                ior if enters => 1.0 / ior,
+                ior => ior,
             };
             let rest = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
             if rest >= 0.0 {
-                let direction = ray.direction * ratio + shaded * (ratio * cosine - rest.sqrt());
-                // Out of a convex object for good, or into it.
-                let from = (!enters).then_some(object);
-                self.trace(Ray { origin: point, direction }, from, depth + 1, counted, memory);
+                let direction = ray.direction * ratio + normal * (ratio * cosine - rest.sqrt());
+                let bent = Ray { origin: point, direction };
+                self.trace(bent, after(direction), depth + 1, counted, memory);
             }
         }
     }
