@@ -181,7 +181,7 @@ def convergence(lab):
     found, rows = {}, []
     for effect, name in EFFECTS.items():
         text = lambda generator: lab.scene(name, f"generatorType {generator} softShadowSamples 1")  # noqa: B023, E731
-        reference = lab.render(text("QUASI"), *size, "--samples", 2048, "--seed", 9)[0]
+        reference = lab.render(text("QUASI"), *size, "--samples", 1024 if lab.quick else 2048, "--seed", 9)[0]
         for generator in ("PSEUDO", "ZERO_TWO", "QUASI"):
             found[effect, generator] = {
                 n: mse(lab.render(text(generator), *size, "--samples", n)[0], reference) for n in counts

@@ -10,11 +10,11 @@ import spd  # noqa: E402
 
 
 def spheric_cube():
-    """3375 spheres that form a cube: 15 to each side, so that neighbours nearly touch."""
-    scene = spd.Scene((2.4, 3.1, 2.2), (0.5, 0.5, 0.5), angle=32, lights=[(4, 3, 5), (-1, 5, 3)])
+    """3375 spheres that form a cube, 15 to each side, with gaps as wide as a sphere's radius."""
+    scene = spd.Scene((2.4, 3.1, 2.2), (0.5, 0.5, 0.5), angle=18, lights=[(4, 3, 5), (-1, 5, 3)])
     scene.fill((0.9, 0.5, 0.3), 0.8)
     for cell in ((x, y, z) for x in range(15) for y in range(15) for z in range(15)):
-        scene.sphere([(c + 0.5) / 15 for c in cell], 0.45 / 15)
+        scene.sphere([(c + 0.5) / 15 for c in cell], 0.33 / 15)
     return scene
 
 
