@@ -177,7 +177,7 @@ def draw(found, folder):
             axis.bar(number - 0.2, tests / rays, 0.4, color="#0072b2", label="object tests" if not number else None)
             axis.bar(number + 0.2, boxes / rays, 0.4, color="#d55e00", label="box tests" if not number else None)
         axis.set_xticks(range(len(structures)), labels=[s.lower() for s in structures], fontsize=8)
-        axis.set(title=name, ylabel="per ray")
+        axis.set(title=name, ylabel="per ray", ylim=(0, 1.3 * axis.get_ylim()[1]))
         axis.legend(frameon=False, fontsize=8)
     figure.savefig(folder / "hierarchies.png", dpi=110)
 
