@@ -208,7 +208,8 @@ def adaptive(lab):
         "generatorType ZERO_TWO lightSamplingType SAMPLE_ALL_AT_TIME imageSamples 16 imageMinSamples 4 dofSamples 6 "
         "softShadowSamples 3 diffuseReflectionSamples 3 diffuseRefractionSamples 3 imageContrastLimit"
     )
-    found = {limit: lab.render(lab.scene("thesis2011", f"{settings} {limit}")) for limit in ADAPTIVE}
+    size = ["--size", "160x120"] if lab.quick else []
+    found = {limit: lab.render(lab.scene("thesis2011", f"{settings} {limit}"), *size) for limit in ADAPTIVE}
     whole, longest = found[0]
     rows = []
     for limit, (error, seconds) in ADAPTIVE.items():

@@ -57,7 +57,7 @@ class Lab:
             return kept["picture"].astype(float), json.loads(str(kept["run"]))
         scene = self.folder / "scenes" / f"{name}.txt"
         scene.write_text(text, encoding="utf-8")
-        command = [self.options.program, "-q", "--overwrite", "-s", str(scene), "--allow-outside", "--format", kind]
+        command = [self.options.program, "-q", "--overwrite", "--checkpoint", "0", "-s", str(scene), "--allow-outside", "--format", kind]
         command += ["--threads", str(self.options.threads), "-od", str(self.folder), "--prefix", f"{name}_"]
         command += map(str, arguments)
         environment = {**os.environ, **({"SLO_RT_ISA": isa} if isa else {})}
