@@ -31,6 +31,7 @@ from pathlib import Path
 
 try:
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
 except ModuleNotFoundError as error:
     sys.exit(f"structures.py: {error}; start it by `uv run`, or `pip install numpy matplotlib`")
 
@@ -353,6 +354,11 @@ def draw(results, folder):
             axis.plot(ends, ends, color="#8a8a8a", linewidth=1)
             axis.scatter(published, [p * f for p, f in zip(published, factors)], s=14, color="#0072b2")
             axis.set(xscale="log", yscale="log", xlabel="published", title=title)
+            if ends[1] < 20 * ends[0]:
+                for side in (axis.xaxis, axis.yaxis):
+                    side.set_ticks([5, 10, 20, 40], labels=["5", "10", "20", "40"])
+                    side.set_minor_formatter(NullFormatter())
+            axis.set(xlim=ends, ylim=ends)
         figure.savefig(folder / "structures_published.png", dpi=110)
     if f := results.get("sizes"):
         figure = Figure(figsize=(3.2 * len(f["scenes"]), 3.0), layout="constrained")
