@@ -77,14 +77,25 @@ fn without_dots(path: &Path) -> PathBuf {
 }
 
 fn read_text(path: &Path) -> Result<Vec<u8>, Problem> {
+    text(path).map_err(|error| match error.kind() {
+        io::ErrorKind::FileTooLarge => {
+            let message =
+                format!("`{}` is not a scene file: it is longer than 256 MiB", path.display());
+            Problem::new(Exit::BadInput, message)
+        }
+        _ => unreadable(path, &error),
+    })
+}
+
+/// Reads the text of a scene.
+///
+/// # Errors
+/// `FileTooLarge` for what can't be a scene, and any other I/O error.
+pub(crate) fn text(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open(path)
-        .and_then(|file| file.take(LONGEST_TEXT + 1).read_to_end(&mut bytes))
-        .map_err(|error| unreadable(path, &error))?;
+    open(path)?.take(LONGEST_TEXT + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > LONGEST_TEXT {
-        let message =
-            format!("`{}` is not a scene file: it is longer than 256 MiB", path.display());
-        return Err(Problem::new(Exit::BadInput, message));
+        return Err(io::ErrorKind::FileTooLarge.into());
     }
     Ok(bytes)
 }
