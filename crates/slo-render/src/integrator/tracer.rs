@@ -36,6 +36,7 @@ impl Tracer {
         let copies = if beside.features { 2 } else { 1 };
         let groups = if frame.is_physical { beside.light_groups } else { 0 };
         machine.begin(&frame.sampler, work, copies * (groups + 1));
+        machine.count(frame, work);
         let feature_slots = if beside.features { work.len() } else { 0 };
         let stride = if groups > 0 { copies * work.len() } else { 0 };
         let (places, ids) = (beside.places, beside.ids);

@@ -2,6 +2,7 @@
 
 mod analytic;
 mod any_split;
+mod counting;
 mod determinism;
 mod estimators;
 mod guiding;
