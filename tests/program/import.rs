@@ -15,7 +15,7 @@ fn an_imported_scene_renders() {
     folder.write("balls.nff", SPHERES);
     let run = folder.run("import balls.nff");
     assert_eq!((run.exit, &*run.printed), (0, "balls/balls.txt\n"));
-    assert!(run.said.contains("imported 1 sphere or cylinder, 1 material, 1 lamp"), "{}", run.said);
+    assert!(run.said.contains("imported 1 other shape, 1 material, 1 lamp"), "{}", run.said);
     let run = folder.run("-s balls/balls.txt --samples 1 -q");
     assert_eq!((run.exit, &*run.printed, &*run.said), (0, "frame_00000.png\n", ""));
 }
@@ -37,11 +37,14 @@ fn files_that_exist_stay() {
 fn what_can_not_be_imported_leaves_nothing() {
     let folder = Folder::new();
     folder.write("bad.nff", "s 0 0 0 x");
+    folder.write("good.nff", SPHERES);
     for (typed, exit, said) in [
         ("import gone.gltf", 66, "can't read `gone.gltf`"),
         ("import bad.nff", 65, "`bad.nff`, line 1: expected a number instead of `x`"),
         ("import bad.nff -o \"\"", 65, "line 1"),
         ("import", 2, "FILE"),
+        ("import a.nff b.nff", 2, "tip: import one file at a time"),
+        ("import good.nff -o bad.nff", 73, "can't create `bad.nff/good.txt`"),
     ] {
         let run = folder.run(typed);
         assert_eq!(run.exit, exit, "{typed}: {}", run.said);

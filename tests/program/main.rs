@@ -7,6 +7,7 @@ mod budget;
 mod bytes;
 mod cache;
 mod counts;
+mod display;
 mod documentation;
 mod exit_codes;
 #[cfg(unix)]
@@ -32,6 +33,7 @@ mod signals;
 mod tools;
 #[cfg(unix)]
 mod total_time;
+mod why;
 
 use std::fs;
 use std::path::Path;

@@ -12,14 +12,21 @@ const MOST_BYTES: u64 = 4 << 30;
 /// The file that is imported.
 pub(crate) struct Source {
     path: PathBuf,
-    allow_outside: bool,
+    /// The folder that files must not leave; `None` if they may.
+    folder: Option<PathBuf>,
     pub(crate) bytes: Vec<u8>,
 }
 
 impl Source {
+    /// Opens the file that is imported.
     pub(crate) fn open(path: &Path, allow_outside: bool) -> Result<Self, ImportError> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Self::read(path, (!allow_outside).then_some(folder))
+    }
+
+    fn read(path: &Path, folder: Option<PathBuf>) -> Result<Self, ImportError> {
         let bytes = read(path).map_err(|error| ImportError::Read { path: path.into(), error })?;
-        Ok(Self { path: path.into(), allow_outside, bytes })
+        Ok(Self { path: path.into(), folder, bytes })
     }
 
     /// Name of the file.
@@ -54,15 +61,15 @@ impl Source {
 
     /// Opens a file that this one names.
     pub(crate) fn beside(&self, name: &str) -> Result<Self, ImportError> {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
         // Backslashes are common in files that were written on Windows.
-        let path = folder.join(name.replace('\\', "/"));
-        if !self.allow_outside && !is_below(folder, &path) {
+        let name = name.replace('\\', "/");
+        let path = self.path.parent().unwrap_or(Path::new("")).join(&name);
+        if self.folder.as_ref().is_some_and(|folder| !is_below(folder, &path)) {
             let message =
-                format!("`{name}` lies outside of its folder; `--allow-outside` reads it");
+                format!("`{name}` lies outside of the folder; `--allow-outside` reads it");
             return Err(self.bad(message));
         }
-        Self::open(&path, self.allow_outside)
+        Self::read(&path, self.folder.clone())
     }
 }
 

@@ -10,21 +10,28 @@
 //! | glTF 2.0 (`.gltf`, `.glb`) | hierarchy, meshes, materials with the extensions of the Khronos group, images, lights, the first camera, animation of nodes, skins and morph targets |
 //! | Wavefront (`.obj` with `.mtl`) | meshes by material, colours, images |
 //! | PLY | one mesh |
+//! | AFF | hierarchy, meshes, polygons, solids, fills with images, lights, splines, triangles whose corners move, the path of the camera |
+//! | Open Inventor (`.iv`), text and binary | nodes with their state, shapes with faces, solids, materials, images, lights, the first camera |
 //! | NFF | view, lights, fills, polygons, spheres, cylinders |
 
+mod aff;
 mod corners;
 mod error;
 mod files;
 mod gltf;
+mod images;
+mod inventor;
 mod model;
 mod names;
-mod nff;
 mod obj;
 mod ply;
+mod solids;
 mod straighten;
 #[cfg(test)]
 mod tests;
+mod thin;
 mod view;
+mod words;
 mod write;
 
 use std::path::Path;
@@ -45,7 +52,7 @@ pub struct Imported {
     pub text: String,
     /// Meshes and images: paths in that folder, with `/`, and contents.
     pub files: Vec<(String, Vec<u8>)>,
-    /// Number of triangles, and of spheres and cylinders.
+    /// Number of triangles, and of other shapes.
     pub shapes: (usize, usize),
     /// Number of materials.
     pub materials: usize,
@@ -95,15 +102,25 @@ pub fn import(path: &Path, allow_outside: bool) -> Result<Imported, ImportError>
 
 fn read(source: &Source) -> Result<Model, ImportError> {
     let (bytes, ending) = (&source.bytes, source.ending());
+    if bytes.is_empty() {
+        return Err(source.bad("the file is empty"));
+    }
     if bytes.starts_with(b"glTF") || ending == "gltf" || ending == "glb" {
         return gltf::read(source);
     }
     if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
         return ply::read(source);
     }
+    if inventor::is_known(bytes) || ending == "iv" {
+        return inventor::read(source);
+    }
     match ending.as_str() {
         "obj" => obj::read(source),
-        "nff" => nff::read(source),
-        _ => Err(source.bad("its format is not known: glTF, OBJ, PLY and NFF are")),
+        "nff" => aff::read(source, aff::Flavour::Nff),
+        "aff" => aff::read(source, aff::Flavour::Aff),
+        _ => {
+            Err(source
+                .bad("its format is not known: glTF, OBJ, PLY, AFF, NFF and Open Inventor are"))
+        }
     }
 }

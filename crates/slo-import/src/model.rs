@@ -1,8 +1,12 @@
 //! What files of other programs say, in the words of slo-rt.
 
+mod mesh;
+
 use std::collections::BTreeMap;
 
 use glam::{DMat4, DQuat, DVec3};
+
+pub(crate) use mesh::{KnownMeshes, Mesh};
 
 /// Everything that a file says. Lengths are in metres; +z is up.
 #[derive(Debug, Default)]
@@ -18,8 +22,12 @@ pub(crate) struct Model {
     pub(crate) objects: Vec<Object>,
     /// Whether materials and lights are those of the thesis instead of physical ones.
     pub(crate) is_classical: bool,
+    /// Whether light passes through what is transparent, if it is classical.
+    pub(crate) has_clear_shadows: bool,
     /// Seconds that the animation takes; 0 for a still.
     pub(crate) duration: f64,
+    /// Frames a second; `None` if the file does not say.
+    pub(crate) fps: Option<f64>,
     pub(crate) notes: Notes,
 }
 
@@ -32,7 +40,13 @@ pub(crate) struct Notes {
 
 impl Notes {
     pub(crate) fn leave_out(&mut self, what: impl Into<String>) {
-        *self.left_out.entry(what.into()).or_default() += 1;
+        self.leave_out_many(what, 1);
+    }
+
+    pub(crate) fn leave_out_many(&mut self, what: impl Into<String>, count: usize) {
+        if count > 0 {
+            *self.left_out.entry(what.into()).or_default() += count;
+        }
     }
 }
 
@@ -54,11 +68,6 @@ impl Pose {
     pub(crate) fn matrix(&self) -> DMat4 {
         DMat4::from_scale_rotation_translation(self.scale, self.turn, self.pivot)
     }
-
-    /// Whether key frames can say it.
-    pub(crate) fn can_be_said(&self) -> bool {
-        self.scale.min_element() > 0.0
-    }
 }
 
 /// A time and a pose.
@@ -78,12 +87,16 @@ pub(crate) struct Space {
 }
 
 impl Space {
+    /// A space that does not move.
+    pub(crate) fn still(name: String, parent: Option<usize>, pose: Pose) -> Self {
+        Self { name, parent, keys: vec![Key { time: 0.0, pose }] }
+    }
+
     /// The space of a file in which y is up.
     pub(crate) fn y_up(name: String) -> Self {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let turn = DQuat::from_xyzw(half, 0.0, 0.0, half);
-        let key = Key { time: 0.0, pose: Pose { turn, ..Pose::default() } };
-        Self { name, parent: None, keys: vec![key] }
+        Self::still(name, None, Pose { turn, ..Pose::default() })
     }
 }
 
@@ -94,17 +107,18 @@ pub(crate) struct Object {
     pub(crate) space: Option<usize>,
     pub(crate) material: usize,
     pub(crate) shape: Shape,
+    /// Whether it is there, but not seen.
+    pub(crate) is_hidden: bool,
 }
 
 #[derive(Debug)]
 pub(crate) enum Shape {
     Mesh(usize),
-    /// Meshes with the same faces: the first of this number at time 0, and the next ones at so many a
-    /// second.
+    /// Meshes with the same faces: this one and those that follow.
     Changing {
         first: usize,
         count: usize,
-        fps: f64,
+        times: Times,
     },
     Sphere {
         center: DVec3,
@@ -115,18 +129,25 @@ pub(crate) enum Shape {
         top: DVec3,
         radius: f64,
     },
+    /// A closed one.
+    Cone {
+        base: DVec3,
+        apex: DVec3,
+        radius: f64,
+    },
+    /// A box around the origin, with half of its sides.
+    Box {
+        half: DVec3,
+    },
 }
 
-/// Triangles. Normals and texture coordinates belong to vertices, and are empty if there are none.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Mesh {
-    pub(crate) name: String,
-    pub(crate) positions: Vec<[f32; 3]>,
-    pub(crate) normals: Vec<[f32; 3]>,
-    pub(crate) uvs: Vec<[f32; 2]>,
-    pub(crate) faces: Vec<[u32; 3]>,
-    /// Faces with more corners, which slo-rt itself divides.
-    pub(crate) polygons: Vec<Vec<u32>>,
+/// When a mesh has its shapes.
+#[derive(Clone, Debug)]
+pub(crate) enum Times {
+    /// The first at time 0, and so many a second.
+    Even(f64),
+    /// At these rising times.
+    At(Vec<f64>),
 }
 
 /// An image file, as it was.
@@ -149,8 +170,23 @@ pub(crate) struct ImageUse {
     pub(crate) turn_deg: f64,
 }
 
+impl ImageUse {
+    /// An image that repeats.
+    pub(crate) fn of(image: usize) -> Self {
+        Self {
+            image,
+            channel: None,
+            wrap: "REPEAT",
+            nearest: false,
+            scale: [1.0; 2],
+            offset: [0.0; 2],
+            turn_deg: 0.0,
+        }
+    }
+}
+
 /// Inputs of a material, under the names of the scene language.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Material {
     pub(crate) name: String,
     pub(crate) colors: Vec<(&'static str, [f64; 3])>,
@@ -220,16 +256,25 @@ impl Model {
         false
     }
 
+    /// Drops what hangs in these spaces, or in spaces that hang in them.
+    pub(crate) fn drop_spaces(&mut self, is_gone: impl Fn(usize) -> bool) {
+        let mut gone = vec![false; self.spaces.len()];
+        for (number, space) in self.spaces.iter().enumerate() {
+            gone[number] = is_gone(number) || space.parent.is_some_and(|parent| gone[parent]);
+        }
+        let stays = |space: Option<usize>| space.is_none_or(|space| !gone[space]);
+        self.objects.retain(|object| stays(object.space));
+        self.lamps.retain(|lamp| stays(lamp.space));
+    }
+
     /// Drops meshes without an area, which slo-rt refuses.
     pub(crate) fn drop_hollow(&mut self) {
         let Self { objects, meshes, notes, .. } = self;
         objects.retain(|object| {
-            let has_area = match object.shape {
-                Shape::Mesh(mesh) => meshes[mesh].has_area(),
-                _ => true,
-            };
+            let Shape::Mesh(mesh) = object.shape else { return true };
+            let (has_area, triangles) = (meshes[mesh].has_area(), meshes[mesh].triangles());
             if !has_area {
-                notes.leave_out("a mesh without an area");
+                notes.leave_out_many("a triangle without an area", triangles);
             }
             has_area
         });
@@ -270,6 +315,16 @@ impl Model {
                     add_ball(*base, *radius);
                     add_ball(*top, *radius);
                 }
+                Shape::Cone { base, apex, radius } => {
+                    add_ball(*base, *radius);
+                    add_ball(*apex, 0.0);
+                }
+                Shape::Box { half } => {
+                    for corner in 0..8 {
+                        let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                        add_ball(*half * DVec3::new(sign(0), sign(1), sign(2)), 0.0);
+                    }
+                }
             }
         }
         bounds
@@ -304,60 +359,5 @@ pub(crate) fn pose_at(keys: &[Key], time: f64) -> Pose {
         pivot: a.pose.pivot.lerp(b.pose.pivot, t),
         turn: a.pose.turn.slerp(b.pose.turn, t),
         scale: a.pose.scale.lerp(b.pose.scale, t),
-    }
-}
-
-impl Mesh {
-    /// Whether any face may have an area.
-    fn has_area(&self) -> bool {
-        let corner = |i: u32| glam::Vec3::from(self.positions[i as usize]);
-        let has_area = |&[a, b, c]: &[u32; 3]| {
-            let (x, y) = (corner(b) - corner(a), corner(c) - corner(a));
-            x.cross(y) != glam::Vec3::ZERO
-        };
-        !self.polygons.is_empty() || self.faces.iter().any(has_area)
-    }
-
-    /// Number of triangles.
-    pub(crate) fn triangles(&self) -> usize {
-        self.faces.len() + self.polygons.iter().map(|polygon| polygon.len() - 2).sum::<usize>()
-    }
-
-    fn each_point(&self, mut of: impl FnMut(DVec3)) {
-        for &[x, y, z] in &self.positions {
-            of(DVec3::new(x.into(), y.into(), z.into()));
-        }
-    }
-
-    /// The mesh as a matrix places it. Faces turn round where it mirrors.
-    pub(crate) fn transformed(&self, matrix: DMat4) -> Self {
-        let place = |p: &[f32; 3]| {
-            matrix.transform_point3(DVec3::from(p.map(f64::from))).as_vec3().to_array()
-        };
-        // The cofactors: the inverse transpose times the determinant, which also serves flat matrices.
-        let (x, y, z) =
-            (matrix.x_axis.truncate(), matrix.y_axis.truncate(), matrix.z_axis.truncate());
-        let (a, b, c) = (y.cross(z), z.cross(x), x.cross(y));
-        let sign = if a.dot(x) < 0.0 { -1.0 } else { 1.0 };
-        let bend = |n: &[f32; 3]| {
-            let [nx, ny, nz] = n.map(f64::from);
-            ((a * nx + b * ny + c * nz) * sign).normalize_or_zero().as_vec3().to_array()
-        };
-        let face = |&[i, j, k]: &[u32; 3]| if sign < 0.0 { [i, k, j] } else { [i, j, k] };
-        let turn = |polygon: &Vec<u32>| {
-            let mut polygon = polygon.clone();
-            if sign < 0.0 {
-                polygon.reverse();
-            }
-            polygon
-        };
-        Self {
-            name: self.name.clone(),
-            positions: self.positions.iter().map(place).collect(),
-            normals: self.normals.iter().map(bend).collect(),
-            uvs: self.uvs.clone(),
-            faces: self.faces.iter().map(face).collect(),
-            polygons: self.polygons.iter().map(turn).collect(),
-        }
     }
 }

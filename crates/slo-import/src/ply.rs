@@ -23,6 +23,12 @@ pub(crate) fn read(source: &Source) -> Result<Model, ImportError> {
     model.meshes.push(corners.mesh(source.stem(), &positions, &mesh.normals, &mesh.uvs));
     model.materials.push(Material { name: "plain".into(), ..Material::default() });
     let name = source.stem();
-    model.objects.push(Object { name, space: None, material: 0, shape: Shape::Mesh(0) });
+    model.objects.push(Object {
+        name,
+        space: None,
+        material: 0,
+        shape: Shape::Mesh(0),
+        is_hidden: false,
+    });
     Ok(model)
 }

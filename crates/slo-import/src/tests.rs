@@ -1,5 +1,8 @@
 //! Whole files: what their scenes say, and that slo-rt reads them.
 
+mod aff;
+mod inventor;
+
 use std::fs;
 use std::path::Path;
 
@@ -212,14 +215,64 @@ fn gltf_materials_lights_and_cameras() {
 #[test]
 fn what_is_mirrored_is_turned_round() {
     let nodes = json!({ "nodes": [{ "mesh": 0, "scale": [-1, 1, 1], "translation": [5, 0, 0] }] });
-    let (_, scene) = scene_of(&[("a.gltf", &gltf(&nodes))]);
+    let (imported, scene) = scene_of(&[("a.gltf", &gltf(&nodes))]);
     let Shape::Mesh(mesh) = &scene.objects[0].shape else { panic!() };
     let mesh = &mesh.mesh;
     let corners = mesh.faces[0].map(|corner| mesh.positions[corner as usize]);
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
-    // The triangle faces +z of the file, mirrored or not, and -y of the scene.
-    assert!((normal - DVec3::NEG_Y).length() < 1e-6, "{normal}");
-    assert!(mesh.positions.iter().any(|p| (p.x - 4.0).abs() < 1e-6));
+    // The triangle faces +z of the file, mirrored or not.
+    assert!((normal - DVec3::Z).length() < 1e-6, "{normal}");
+    assert!(mesh.positions.contains(&DVec3::NEG_X));
+    says(&imported, "key { pivot { 5 0 0 } } }");
+}
+
+#[test]
+fn images_may_use_a_second_set_of_texture_coordinates() {
+    let image = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==";
+    let texture = |set: u32| json!({ "index": 0, "texCoord": set });
+    let mesh = json!([{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 4, "TEXCOORD_1": 5 }, "material": 0 }] }]);
+    let mut accessors =
+        serde_json::from_str::<Value>(&gltf(&json!({}))).unwrap()["accessors"].clone();
+    for offset in [0, 12] {
+        let pairs = json!({ "bufferView": 0, "byteOffset": offset, "componentType": 5126, "count": 3, "type": "VEC2" });
+        accessors.as_array_mut().unwrap().push(pairs);
+    }
+    let parts = |normal: u32| {
+        json!({
+            "images": [{ "uri": image }], "textures": [{ "source": 0 }], "meshes": mesh, "accessors": accessors,
+            "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": texture(1) }, "normalTexture": texture(normal) }],
+        })
+    };
+    let (imported, scene) = scene_of(&[("a.gltf", &gltf(&parts(1)))]);
+    assert!(imported.left_out.is_empty(), "{:?}", imported.left_out);
+    let Shape::Mesh(mesh) = &scene.objects[0].shape else { panic!() };
+    // The second set begins at the second vertex.
+    assert!(mesh.mesh.uvs.contains(&[1.0, 1.0]), "{:?}", mesh.mesh.uvs);
+    let (imported, _) = scene_of(&[("a.gltf", &gltf(&parts(0)))]);
+    assert_eq!(
+        imported.left_out,
+        ["an image that uses other texture coordinates than the rest of its material"]
+    );
+}
+
+#[test]
+fn a_colour_that_all_vertices_have_is_one_of_the_material() {
+    let primitive = json!({ "attributes": { "POSITION": 0, "COLOR_0": 4 } });
+    let parts = |offset: u32, stride: u32| {
+        let mut views = serde_json::from_str::<Value>(&gltf(&json!({}))).unwrap();
+        let views = views["bufferViews"].as_array_mut().unwrap();
+        views.push(json!({ "buffer": 0, "byteOffset": offset, "byteLength": 36 - offset, "byteStride": stride }));
+        let mut file = serde_json::from_str::<Value>(&gltf(&json!({}))).unwrap();
+        let accessors = file["accessors"].as_array_mut().unwrap();
+        accessors.push(json!({ "bufferView": 2, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC3" }));
+        json!({ "bufferViews": views, "accessors": accessors, "meshes": [{ "primitives": [primitive] }] })
+    };
+    // The bytes of the vertices 0, 0 and of 1, as normalised colours.
+    let (imported, _) = scene_of(&[("a.gltf", &gltf(&parts(0, 4)))]);
+    says(&imported, "base_color { 0 0 0 }");
+    assert!(imported.left_out.is_empty(), "{:?}", imported.left_out);
+    let (imported, _) = scene_of(&[("a.gltf", &gltf(&parts(4, 8)))]);
+    assert_eq!(imported.left_out, ["colours of vertices"]);
 }
 
 #[test]
@@ -273,7 +326,15 @@ fn damaged_gltf_is_an_error() {
     for cut in (0..whole.len()).step_by(41) {
         refused("a.gltf", &whole[..cut]);
     }
-    assert!(refused("a.glb", "glTF\u{2}\0\0\0").contains("it is not glTF"));
+    for (bytes, expected) in [
+        (&b""[..], "`a.glb`: the file is empty"),
+        (b"glTF\x02\0\0\0", "`a.glb`: it ends early: after 8 bytes"),
+        (b"glTF\x02\0\0\0\x20\0\0\0\x08\0\0\0", "`a.glb`: it ends early: after 16 of 32 bytes"),
+        (b"glTF\x01\0\0\0", "`a.glb`: its version is 1; version 2 is read"),
+        (b"PK\x03\x04", "`a.glb`: it does not begin with `glTF`, as binary glTF files do"),
+    ] {
+        assert_eq!(refused("a.glb", bytes), expected);
+    }
     assert!(!Path::new("gone.bin").exists());
 }
 

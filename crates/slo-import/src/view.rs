@@ -53,7 +53,10 @@ pub(crate) fn counts(model: &Model) -> (usize, usize) {
         match &object.shape {
             Shape::Mesh(mesh) => triangles += model.meshes[*mesh].triangles(),
             Shape::Changing { first, .. } => triangles += model.meshes[*first].triangles(),
-            Shape::Sphere { .. } | Shape::Cylinder { .. } => others += 1,
+            Shape::Sphere { .. }
+            | Shape::Cylinder { .. }
+            | Shape::Cone { .. }
+            | Shape::Box { .. } => others += 1,
         }
     }
     (triangles, others)

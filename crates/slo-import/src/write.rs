@@ -39,7 +39,10 @@ fn meshes(model: &Model, files: &mut Vec<(String, Vec<u8>)>) -> Vec<String> {
         let (first, count) = match object.shape {
             Shape::Mesh(mesh) => (mesh, 1),
             Shape::Changing { first, count, .. } => (first, count),
-            Shape::Sphere { .. } | Shape::Cylinder { .. } => {
+            Shape::Sphere { .. }
+            | Shape::Cylinder { .. }
+            | Shape::Cone { .. }
+            | Shape::Box { .. } => {
                 paths.push(String::new());
                 continue;
             }
@@ -49,13 +52,18 @@ fn meshes(model: &Model, files: &mut Vec<(String, Vec<u8>)>) -> Vec<String> {
             let number = if count > 1 { "_####" } else { "" };
             let path = format!("meshes/{name}{number}.ply");
             for (i, mesh) in model.meshes[first..first + count].iter().enumerate() {
-                files.push((path.replace("####", &format!("{i:04}")), ply::bytes(mesh)));
+                files.push((shape_path(&path, i), ply::bytes(mesh)));
             }
             path
         });
         paths.push(path.clone());
     }
     paths
+}
+
+/// The path of a shape.
+fn shape_path(path: &str, number: usize) -> String {
+    path.replace("####", &format!("{number:04}"))
 }
 
 fn images(model: &Model, files: &mut Vec<(String, Vec<u8>)>) -> Vec<String> {

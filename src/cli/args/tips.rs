@@ -36,7 +36,7 @@ pub(crate) fn with_tip(error: Error, args: &[OsString], mut command: Command) ->
         ErrorKind::InvalidSubcommand | ErrorKind::ArgumentConflict => {
             match text(&error, ContextKind::InvalidSubcommand) {
                 Some(word) if command.find_subcommand(&word).is_none() => {
-                    let tip = tip_of_word(&word, args);
+                    let tip = tip_of_word(&word, args, command);
                     unknown(command, &word, tip)
                 }
                 _ => error,
@@ -44,7 +44,7 @@ pub(crate) fn with_tip(error: Error, args: &[OsString], mut command: Command) ->
         }
         ErrorKind::UnknownArgument => match text(&error, ContextKind::InvalidArg) {
             Some(word) if !word.starts_with('-') => {
-                let tip = tip_of_word(&word, args);
+                let tip = tip_of_word(&word, args, command);
                 unknown(command, &word, tip)
             }
             Some(word) => of_option(error, &word, args, command),
@@ -81,13 +81,17 @@ fn set_tip(error: &mut Error, tip: Option<String>) {
 }
 
 /// Makes the tip for a word without an option. The word is a value that should have been joined,
-/// or most likely a scene.
-fn tip_of_word(word: &str, args: &[OsString]) -> Option<String> {
+/// or most likely a scene, if the command takes one.
+fn tip_of_word(word: &str, args: &[OsString], command: &Command) -> Option<String> {
     let at = args.iter().position(|arg| arg == word)?;
     if args[at - at.min(1)] == "--share" {
         return Some(format!("join the value of '--share' with `=`: '--share={word}'"));
     }
-    Some(format!("name a scene file with an option: '--scene {word}'"))
+    if command.get_name() == "import" {
+        return Some("import one file at a time".into());
+    }
+    let has_scene = command.get_arguments().any(|arg| is_named(arg, "--scene"));
+    has_scene.then(|| format!("name a scene file with an option: '--scene {word}'"))
 }
 
 /// Adds the tip to the error for an unknown option.
@@ -169,6 +173,12 @@ mod tests {
         for typed in ["table.txt", "-f 3 table.txt", "table.txt -q", "--info -q table.txt"] {
             check(typed, "name a scene file with an option: '--scene table.txt'");
         }
+    }
+
+    #[test]
+    fn commands_without_a_scene_get_no_tip_of_one() {
+        check("import a.obj b.obj", "import one file at a time");
+        assert!(!told("sheet -o a.png b.png --bad x").contains("--scene"));
     }
 
     #[test]

@@ -57,12 +57,18 @@ fn paths<'a>(folder: &Path, imported: &'a Imported) -> Vec<(PathBuf, &'a [u8])> 
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
+    let mut is_made = false;
     let make = || -> io::Result<()> {
         path.parent().map_or(Ok(()), fs::create_dir_all)?;
-        write_atomically(path, |file| file.write_all(bytes))
+        write_atomically(path, |file| {
+            is_made = true;
+            file.write_all(bytes)
+        })
     };
     make().map_err(|error| {
-        Problem::new(Exit::CantWrite, format!("can't write `{}`: {error}", path.display()))
+        let (exit, what) =
+            if is_made { (Exit::CantWrite, "write") } else { (Exit::CantCreate, "create") };
+        Problem::new(exit, format!("can't {what} `{}`: {error}", path.display()))
     })
 }
 
@@ -71,7 +77,7 @@ fn tell(imported: &Imported, terminal: Terminal) {
     let mut parts = Vec::new();
     for (count, one, many) in [
         (triangles, "triangle", "triangles"),
-        (others, "sphere or cylinder", "spheres and cylinders"),
+        (others, "other shape", "other shapes"),
         (materials, "material", "materials"),
         (lamps, "lamp", "lamps"),
     ] {

@@ -11,3 +11,4 @@ pub(crate) mod relight;
 pub(crate) mod render;
 pub(crate) mod sheet;
 pub(crate) mod verify;
+pub(crate) mod why;

@@ -48,6 +48,8 @@ pub(crate) struct Job {
     pub(crate) maps: Maps,
     /// File that keeps the field which guides rays.
     pub(crate) guide_file: Option<FramePath>,
+    /// Host and port of the viewer that shows pictures while they are rendered.
+    pub(crate) display_server: Option<String>,
     /// How long a frame may take; `None`: as long as its samples take.
     pub(crate) time: Option<Duration>,
     /// How long all frames together may take.

@@ -8,7 +8,7 @@ use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
     Args, BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs,
-    SettingArgs, SheetArgs, VerifyArgs,
+    SettingArgs, SheetArgs, VerifyArgs, WhyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
@@ -47,6 +47,8 @@ pub(crate) enum Task {
     Import(ImportArgs),
     /// Write the light on objects into images. The job names their scene.
     Bake(BakeArgs, Box<Job>),
+    /// Explain a pixel. The job names its scene.
+    Why(WhyArgs, Box<Job>),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -112,6 +114,16 @@ fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
                 args.frame = bake.frame.map(|n| FrameChoice::These(Frames::single(n)));
                 Task::Bake(bake, Box::new(job(args, terminal)?))
             }
+            Command::Why(why) => {
+                let &WhyArgs { size, integrator, photons, seed, .. } = &why;
+                args.settings =
+                    SettingArgs { size, integrator, photons, seed, ..SettingArgs::default() };
+                args.scene = why.scene.clone();
+                args.indir = why.indir.clone();
+                args.allow_outside = why.allow_outside;
+                args.threads = why.threads;
+                Task::Why(why, Box::new(job(args, terminal)?))
+            }
         });
     }
     match args.recipe.clone() {
@@ -160,6 +172,7 @@ fn job(args: Args, terminal: Terminal) -> Result<Job, Problem> {
         steps: args.steps,
         maps,
         guide_file: args.guide_file,
+        display_server: args.display_server,
         dry_run: args.dry_run,
         progress: args.progress,
         overrides: Overrides {

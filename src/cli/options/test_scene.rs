@@ -44,6 +44,7 @@ pub(crate) fn job() -> Job {
         keep_state: false,
         maps: Maps::default(),
         guide_file: None,
+        display_server: None,
         time: None,
         total_time: None,
         steps: None,

@@ -12,6 +12,7 @@ mod part;
 mod picture;
 mod progress;
 mod quality;
+mod server;
 mod threads;
 mod time;
 
@@ -26,8 +27,9 @@ pub(crate) use names::{
 pub(crate) use numbers::count;
 pub(crate) use order::Order;
 pub(crate) use part::{PartBy, part};
-pub(crate) use picture::{Region, SizeChoice, region, size};
+pub(crate) use picture::{PixelAt, Region, SizeChoice, pixel_at, region, size};
 pub(crate) use progress::ProgressForm;
 pub(crate) use quality::{exposure, limit, noise, photons, samples, seed, steps};
+pub(crate) use server::server;
 pub(crate) use threads::{Threads, threads};
 pub(crate) use time::{LONGEST_LEASE, SHORTEST_LEASE, interval, lease, time};

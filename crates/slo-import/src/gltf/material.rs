@@ -12,13 +12,14 @@ use crate::error::ImportError;
 use crate::files::Source;
 use crate::model::{Image, ImageUse, Material, Model, Notes};
 
-/// Reads all images and materials. The last material is that of primitives without one.
+/// Reads all images and materials. The last material is that of primitives without one. Returns for each
+/// material which set of texture coordinates its images use.
 pub(super) fn read(
     source: &Source,
     document: &Document,
     bytes: &[Vec<u8>],
     model: &mut Model,
-) -> Result<(), ImportError> {
+) -> Result<Vec<u32>, ImportError> {
     let buffers = Buffers { source, bytes };
     // Images of kinds that can't be read have no place in the model.
     let mut places = Vec::new();
@@ -40,15 +41,17 @@ pub(super) fn read(
         places.push(Some(model.images.len()));
         model.images.push(Image { name: format!("{stem}.{ending}"), bytes });
     }
+    let mut sets = Vec::new();
     for material in document.materials() {
-        let mut reader =
-            Reader { images: &places, notes: &mut model.notes, to: Material::default() };
+        let (notes, to) = (&mut model.notes, Material::default());
+        let mut reader = Reader { images: &places, notes, to, set: None };
         reader.read(&material);
+        sets.push(reader.set.unwrap_or(0));
         model.materials.push(reader.to);
     }
     let plain = Material { name: "plain".into(), ..Material::default() };
     model.materials.push(plain);
-    Ok(())
+    Ok(sets)
 }
 
 /// The ending of an image's file, by its first bytes.
@@ -64,6 +67,8 @@ struct Reader<'a> {
     images: &'a [Option<usize>],
     notes: &'a mut Notes,
     to: Material,
+    /// The set of texture coordinates that its images use.
+    set: Option<u32>,
 }
 
 impl Reader<'_> {
@@ -114,13 +119,14 @@ impl Reader<'_> {
     ) -> bool {
         let coordinates =
             transform.as_ref().and_then(TextureTransform::tex_coord).unwrap_or(coordinates);
-        if coordinates != 0 {
-            self.notes.leave_out("an image that uses a second set of texture coordinates");
-            return false;
-        }
         let Some(Some(image)) = self.images.get(texture.source().index()).copied() else {
             return false;
         };
+        if *self.set.get_or_insert(coordinates) != coordinates {
+            let note = "an image that uses other texture coordinates than the rest of its material";
+            self.notes.leave_out(note);
+            return false;
+        }
         let sampler = texture.sampler();
         let (s, t) = (sampler.wrap_s(), sampler.wrap_t());
         if s != t {

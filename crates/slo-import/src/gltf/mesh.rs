@@ -13,6 +13,8 @@ pub(super) struct Part {
     pub(super) mesh: Mesh,
     /// Index of the material; `None` without one.
     pub(super) material: Option<usize>,
+    /// The colour that all vertices multiply the material by, if it is not white.
+    pub(super) tint: Option<[f32; 3]>,
     /// For each morph target, what it adds to positions and normals.
     targets: Vec<[Vec<[f32; 3]>; 2]>,
     /// For each vertex, joints and their weights.
@@ -23,11 +25,12 @@ pub(super) struct Part {
 pub(super) fn parts(
     buffers: Buffers<'_>,
     mesh: &GltfMesh<'_>,
+    sets: &[u32],
     notes: &mut Notes,
 ) -> Result<Vec<Part>, ImportError> {
     let mut parts = Vec::new();
     for primitive in mesh.primitives() {
-        if let Some(part) = part(buffers, mesh, &primitive, notes)? {
+        if let Some(part) = part(buffers, mesh, &primitive, sets, notes)? {
             parts.push(part);
         }
     }
@@ -38,6 +41,7 @@ fn part(
     buffers: Buffers<'_>,
     mesh: &GltfMesh<'_>,
     primitive: &Primitive<'_>,
+    sets: &[u32],
     notes: &mut Notes,
 ) -> Result<Option<Part>, ImportError> {
     let name = mesh.name().unwrap_or("mesh").to_owned();
@@ -59,13 +63,15 @@ fn part(
         Some(normals) => buffers.read(&normals)?,
         None => Vec::new(),
     };
-    let uvs: Vec<[f32; 2]> = match of_vertices(Semantic::TexCoords(0)) {
+    let set = primitive.material().index().and_then(|m| sets.get(m)).copied().unwrap_or(0);
+    let uvs: Vec<[f32; 2]> = match of_vertices(Semantic::TexCoords(set)) {
         Some(uvs) => buffers.read(&uvs)?,
         None => Vec::new(),
     };
-    if primitive.get(&Semantic::Colors(0)).is_some() {
-        notes.leave_out("colours of vertices");
-    }
+    let tint = match primitive.get(&Semantic::Colors(0)) {
+        Some(colors) => tint(buffers, &colors, notes)?,
+        None => None,
+    };
     let corners: Vec<u32> = match primitive.indices() {
         Some(indices) => buffers.read_whole::<1>(&indices)?.into_iter().map(|[i]| i).collect(),
         None => (0..positions.len() as u32).collect(),
@@ -94,7 +100,26 @@ fn part(
     // In the file v points down.
     let uvs = uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect();
     let mesh = Mesh { name, positions, normals, uvs, faces, polygons: Vec::new() };
-    Ok(Some(Part { mesh, material: primitive.material().index(), targets, joints }))
+    Ok(Some(Part { mesh, material: primitive.material().index(), tint, targets, joints }))
+}
+
+/// The colour of all vertices. Colours that differ are noted; white is none.
+fn tint(
+    buffers: Buffers<'_>,
+    colors: &gltf::Accessor<'_>,
+    notes: &mut Notes,
+) -> Result<Option<[f32; 3]>, ImportError> {
+    let colors: Vec<[f32; 4]> = if colors.dimensions().multiplicity() == 3 {
+        buffers.read::<3>(colors)?.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect()
+    } else {
+        buffers.read(colors)?
+    };
+    let Some(&first @ [r, g, b, alpha]) = colors.first() else { return Ok(None) };
+    if alpha != 1.0 || colors.iter().any(|color| *color != first) {
+        notes.leave_out("colours of vertices");
+        return Ok(None);
+    }
+    Ok(Some([r, g, b]).filter(|color| *color != [1.0; 3]))
 }
 
 fn faces(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {

@@ -35,6 +35,7 @@ const UNDERSTOOD: &[&str] = &[
 
 /// Reads a file.
 pub(crate) fn read(source: &Source) -> Result<Model, ImportError> {
+    check_container(source)?;
     // The crate refuses files that require extensions which it does not know; what it does not check
     // without that, `checked` does.
     let file = Gltf::from_slice_without_validation(&source.bytes)
@@ -49,12 +50,35 @@ pub(crate) fn read(source: &Source) -> Result<Model, ImportError> {
     let mut model = Model::default();
     let blob = file.blob.as_deref();
     let buffers = buffers::load(source, &file.document, blob)?;
-    material::read(source, &file.document, &buffers, &mut model)?;
-    nodes::read(source, &file.document, &buffers, &mut model)?;
+    let sets = material::read(source, &file.document, &buffers, &mut model)?;
+    nodes::read(source, &file.document, &buffers, &sets, &mut model)?;
     for name in file.extensions_used().filter(|name| !UNDERSTOOD.contains(name)) {
         model.notes.leave_out(format!("the extension {name}"));
     }
     Ok(model)
+}
+
+/// Checks the beginning of a binary file, and that it is whole.
+fn check_container(source: &Source) -> Result<(), ImportError> {
+    let bytes = &source.bytes;
+    if !bytes.starts_with(b"glTF") {
+        let is_text = source.ending() != "glb" || bytes.first() == Some(&b'{');
+        let message = "it does not begin with `glTF`, as binary glTF files do";
+        return if is_text { Ok(()) } else { Err(source.bad(message)) };
+    }
+    let word = |at: usize| {
+        bytes.get(at..at + 4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+    };
+    match (word(4), word(8)) {
+        (Some(version), _) if version != 2 => {
+            Err(source.bad(format!("its version is {version}; version 2 is read")))
+        }
+        (_, Some(length)) if length as usize <= bytes.len() && length >= 20 => Ok(()),
+        (_, Some(length)) => {
+            Err(source.bad(format!("it ends early: after {} of {length} bytes", bytes.len())))
+        }
+        _ => Err(source.bad(format!("it ends early: after {} bytes", bytes.len()))),
+    }
 }
 
 /// Checks all references between the parts of a file.

@@ -1,5 +1,7 @@
 //! The hierarchy: what hangs in what, and where.
 
+use std::collections::HashMap;
+
 use glam::{DMat4, DQuat, DVec3};
 use gltf::camera::Projection;
 use gltf::khr_lights_punctual::Kind;
@@ -11,7 +13,7 @@ use super::animation::{Animation, STEPS};
 use super::mesh::{Part, parts};
 use crate::error::ImportError;
 use crate::files::Source;
-use crate::model::{Camera, Lamp, LampKind, Model, Object, Pose, Shape, Space, View};
+use crate::model::{Camera, Lamp, LampKind, Model, Object, Pose, Shape, Space, Times, View};
 use crate::view::SIZE;
 
 /// Lumens of a watt, as Blender converts them.
@@ -28,6 +30,7 @@ pub(super) fn read(
     source: &Source,
     document: &Document,
     bytes: &[Vec<u8>],
+    sets: &[u32],
     model: &mut Model,
 ) -> Result<(), ImportError> {
     let buffers = Buffers { source, bytes };
@@ -36,12 +39,14 @@ pub(super) fn read(
     let count = document.nodes().count();
     let mut meshes = Vec::new();
     for mesh in document.meshes() {
-        let parts = parts(buffers, &mesh, &mut model.notes)?;
+        let parts = parts(buffers, &mesh, sets, &mut model.notes)?;
         meshes.push(parts.into_iter().map(|part| (part, None)).collect());
     }
     let tree =
         Tree { parents: vec![None; count], is_reached: vec![false; count], ..Tree::default() };
-    let mut reader = Reader { buffers, animation, model, meshes, tree, shape_vertices: 0 };
+    let (plain, tints) = (model.materials.len() - 1, HashMap::new());
+    let mut reader =
+        Reader { buffers, animation, model, meshes, tree, plain, tints, shape_vertices: 0 };
     reader.root(source);
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let roots: Vec<Node<'_>> = match scene {
@@ -66,7 +71,7 @@ struct Tree {
     parents: Vec<Option<usize>>,
     is_reached: Vec<bool>,
     /// The space of each node that was entered.
-    spaces: std::collections::HashMap<usize, usize>,
+    spaces: HashMap<usize, usize>,
 }
 
 struct Reader<'a> {
@@ -76,6 +81,10 @@ struct Reader<'a> {
     /// The parts of all meshes, and the meshes of the model that they became.
     meshes: Vec<Vec<(Part, Option<usize>)>>,
     tree: Tree,
+    /// The material of primitives without one.
+    plain: usize,
+    /// Materials by the materials and the colours that made them.
+    tints: HashMap<(usize, [u32; 3]), usize>,
     shape_vertices: usize,
 }
 
@@ -161,8 +170,11 @@ impl Reader<'_> {
         let bones = self.bones_of(node)?;
         for number in 0..self.meshes[mesh].len() {
             let (part, _) = &self.meshes[mesh][number];
-            let plain = self.model.materials.len() - 1;
-            let material = part.material.unwrap_or(plain);
+            let material = part.material.unwrap_or(self.plain);
+            let material = match part.tint {
+                Some(tint) => tinted(&mut self.tints, material, tint, self.model),
+                None => material,
+            };
             let changes = part.can_change() && self.is_changed(node, part, &bones);
             let has_shape = part.can_change()
                 && (self.weights(node, 0.0).iter().any(|w| *w != 0.0) || part.has_bones());
@@ -177,7 +189,13 @@ impl Reader<'_> {
             } else {
                 Shape::Mesh(self.resting(mesh, number))
             };
-            self.model.objects.push(Object { name, space: Some(space), material, shape });
+            self.model.objects.push(Object {
+                name,
+                space: Some(space),
+                material,
+                shape,
+                is_hidden: false,
+            });
         }
         Ok(())
     }
@@ -265,7 +283,7 @@ impl Reader<'_> {
             let shaped = self.shaped(node, place, bones, step as f64 / STEPS);
             self.model.meshes.push(shaped);
         }
-        Shape::Changing { first, count: steps + 1, fps: STEPS }
+        Shape::Changing { first, count: steps + 1, times: Times::Even(STEPS) }
     }
 
     /// The first camera that is shown.
@@ -307,6 +325,29 @@ impl Reader<'_> {
             self.model.camera = Some(Camera { size, fov, views });
         }
     }
+}
+
+/// A material whose colour is multiplied by another.
+fn tinted(
+    known: &mut HashMap<(usize, [u32; 3]), usize>,
+    material: usize,
+    tint: [f32; 3],
+    model: &mut Model,
+) -> usize {
+    *known.entry((material, tint.map(f32::to_bits))).or_insert_with(|| {
+        let mut tinted = model.materials[material].clone();
+        let colors = &mut tinted.colors;
+        let base = colors.iter().position(|(input, _)| *input == "base_color");
+        let base = base.unwrap_or_else(|| {
+            colors.push(("base_color", [1.0; 3]));
+            colors.len() - 1
+        });
+        for (channel, tint) in colors[base].1.iter_mut().zip(tint) {
+            *channel *= f64::from(tint.clamp(0.0, 1.0));
+        }
+        model.materials.push(tinted);
+        model.materials.len() - 1
+    })
 }
 
 /// A pose, and whether it says the same as the transform.

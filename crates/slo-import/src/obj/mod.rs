@@ -161,7 +161,13 @@ impl<'a> Reader<'a> {
             let name = format!("{object}_{}", model.materials[material].name);
             model.meshes.push(corners.mesh(name, &positions, &normals, &uvs));
             let shape = Shape::Mesh(model.meshes.len() - 1);
-            model.objects.push(Object { name: object, space: Some(0), material, shape });
+            model.objects.push(Object {
+                name: object,
+                space: Some(0),
+                material,
+                shape,
+                is_hidden: false,
+            });
         }
         Ok(model)
     }

@@ -2,13 +2,17 @@
 
 use std::fmt::Write;
 
-use super::Paths;
+use glam::DVec3;
+
 use super::numbers::{number, rounded, significant, triple, vector};
 use super::spaces::Spaces;
-use crate::model::{Camera, ImageUse, Lamp, LampKind, Material, Model, Notes, Object, Shape, View};
+use super::{Paths, shape_path};
+use crate::model::{
+    Camera, ImageUse, Lamp, LampKind, Material, Model, Notes, Object, Shape, Times, View,
+};
 use crate::names::Names;
 
-/// Frames a second of what was made up.
+/// Frames a second of files that do not say.
 const FPS: f64 = 25.0;
 
 /// Writes the text.
@@ -17,7 +21,7 @@ pub(super) fn text(model: &Model, source: &str, paths: &Paths) -> String {
     notes(&model.notes, &mut text);
     settings(model, &mut text);
     if let Some(camera) = &model.camera {
-        text += &camera_text(camera, model.duration);
+        text += &camera_text(camera, model);
     }
     if let Some(color) = model.background.filter(|_| !model.is_classical) {
         writeln!(text, "environment sky {{ radiance {} }}", triple(color)).ok();
@@ -68,17 +72,27 @@ fn settings(model: &Model, text: &mut String) {
     if model.is_classical {
         let sky =
             model.background.map(|c| format!("  background {}", triple(c))).unwrap_or_default();
-        writeln!(text, "settings imported {{ imageSamples 64  noise .02  recursion 5{sky} }}").ok();
+        let is_clear = |m: &Material| m.numbers.iter().any(|(input, _)| *input == "refraction");
+        let has_clear = model.has_clear_shadows && model.materials.iter().any(is_clear);
+        let shadow = if has_clear { "  shadow TRANSPARENT" } else { "" };
+        writeln!(
+            text,
+            "settings imported {{ imageSamples 64  noise .02  recursion 5{shadow}{sky} }}"
+        )
+        .ok();
     } else {
         writeln!(text, "settings imported {{ integrator PATH  imageSamples 256  noise .02 }}").ok();
     }
 }
 
-fn camera_text(camera: &Camera, duration: f64) -> String {
+fn camera_text(camera: &Camera, model: &Model) -> String {
     let [width, height] = camera.size;
+    let (fps, duration) = (model.fps.unwrap_or(FPS), model.duration);
+    // The colours of the thesis are values of pixels.
+    let encoding = if model.is_classical { "" } else { "  encoding SRGB" };
     let mut text = format!(
-        "\nCamera camera {{\n    fps {}\n    Film film {{ width {width}  height {height}  encoding SRGB }}\n",
-        number(FPS)
+        "\nCamera camera {{\n    fps {}\n    Film film {{ width {width}  height {height}{encoding} }}\n",
+        number(fps)
     );
     let still = |view: &View| {
         format!("addPosition {}  addTarget {}", vector(view.position), vector(view.target))
@@ -86,7 +100,7 @@ fn camera_text(camera: &Camera, duration: f64) -> String {
     let fov = number(rounded(camera.fov));
     match camera.views.as_slice() {
         [view] => {
-            let end = number(duration.max(1.0 / FPS));
+            let end = number(duration.max(1.0 / fps));
             writeln!(
                 text,
                 "    CamSegment all {{ videoStart 0  videoEnd {end}  {}  skyStart {}  fovStart {fov} }}",
@@ -168,16 +182,36 @@ fn material_text(material: &Material, name: &str, model: &Model, textures: &[Tex
     for (input, value) in &material.numbers {
         inputs.push(format!("{input} {}", number(rounded(*value))));
     }
+    if model.is_classical {
+        return classical_text(material, name, &inputs, textures);
+    }
     for (input, image_use) in &material.images {
         inputs.push(format!("{input}_texture {}", use_text(image_use, textures)));
     }
-    let inputs = inputs.join("  ");
-    if model.is_classical {
-        return format!(
-            "phong_info {name} {{ {inputs} }}\nmaterial_phong {name} {{ phong_info {name} }}\n"
-        );
+    format!("material_principled {name} {{ {} }}\n", inputs.join("  "))
+}
+
+/// A material of the thesis, which has one image at most.
+fn classical_text(
+    material: &Material,
+    name: &str,
+    inputs: &[String],
+    textures: &[Texture],
+) -> String {
+    let info = format!("phong_info {name} {{ {} }}\n", inputs.join("  "));
+    let image = material.images.first().map(|(_, image)| image);
+    let texture = image.and_then(|image| Some((image, textures.iter().find(|t| t.serves(image))?)));
+    let Some((image, texture)) = texture else {
+        return info + &format!("material_phong {name} {{ phong_info {name} }}\n");
+    };
+    let mut more = String::new();
+    for (word, scale) in [("scale_U", image.scale[0]), ("scale_V", image.scale[1])] {
+        if scale != 1.0 {
+            more += &format!("  {word} {}", number(rounded(scale)));
+        }
     }
-    format!("material_principled {name} {{ {inputs} }}\n")
+    let texture = &texture.name;
+    info + &format!("material_texture {name} {{ phong_info {name}  texture {texture}{more} }}\n")
 }
 
 fn use_text(image_use: &ImageUse, textures: &[Texture]) -> String {
@@ -244,19 +278,31 @@ impl ObjectWriter<'_> {
     /// `path` is that of its mesh.
     fn text(&self, object: &Object, name: &str, path: &str) -> String {
         let Self { model, materials, spaces } = self;
-        let end =
-            format!("  material {}{} }}\n", materials[object.material], spaces.place(object.space));
+        let hidden = if object.is_hidden { "  hidden 1" } else { "" };
+        let end = format!(
+            "  material {}{hidden}{} }}\n",
+            materials[object.material],
+            spaces.place(object.space)
+        );
         let smooth = |mesh: usize| {
             if model.meshes[mesh].normals.is_empty() { "" } else { "  smooth_normals 1" }
         };
         match &object.shape {
             Shape::Mesh(mesh) => format!("mesh {name} {{ filename {path}{}{end}", smooth(*mesh)),
-            Shape::Changing { first, count, fps } => format!(
+            Shape::Changing { first, count, times: Times::Even(fps) } => format!(
                 "mesh {name} {{ shapes {{ filename {path}  first 0  last {}  fps {} }}{}{end}",
                 count - 1,
                 number(*fps),
                 smooth(*first)
             ),
+            Shape::Changing { first, times: Times::At(times), .. } => {
+                let shapes = times.iter().enumerate().map(|(i, time)| {
+                    let path = shape_path(path, i);
+                    format!("\n    addShape {{ time {}  filename {path} }}", number(rounded(*time)))
+                });
+                let shapes: String = shapes.collect();
+                format!("mesh {name} {{{}{shapes}\n{end}", smooth(*first))
+            }
             Shape::Sphere { center, radius } => {
                 format!(
                     "sphere {name} {{ center {}  radius {}{end}",
@@ -268,6 +314,23 @@ impl ObjectWriter<'_> {
                 "cylinder {name} {{ base {}  top {}  radius {}{end}",
                 vector(*base),
                 vector(*top),
+                number(*radius)
+            ),
+            Shape::Box { half } => {
+                let DVec3 { x, y, z } = *half;
+                let [a, b, c] = [[-x, -y], [x, -y], [x, y]].map(|[x, y]| DVec3::new(x, y, -z));
+                format!(
+                    "box {name} {{ vertex0 {}  vertex1 {}  vertex2 {}  height {}{end}",
+                    vector(a),
+                    vector(b),
+                    vector(c),
+                    number(rounded(2.0 * z))
+                )
+            }
+            Shape::Cone { base, apex, radius } => format!(
+                "cone {name} {{ base {}  apex {}  radius {}{end}",
+                vector(*base),
+                vector(*apex),
                 number(*radius)
             ),
         }

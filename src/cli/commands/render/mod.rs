@@ -24,6 +24,7 @@ use crate::cli::base::{Problem, Terminal};
 use crate::cli::claims::Left;
 use crate::cli::files::load;
 use crate::cli::options::Job;
+use crate::cli::system::display::Display;
 use crate::cli::system::interrupt::Guard;
 use crate::cli::system::threads;
 use frame::Studio;
@@ -60,7 +61,7 @@ fn render(
     if job.dry_run {
         return dry_run::tell(steps, terminal);
     }
-    let studio = Studio { job, scene, target, terminal };
+    let studio = Studio { job, scene, target, terminal, display: None };
     let (frames, to_render) = (steps.len(), to_render(&steps));
     if let Some(first) = steps.iter().find(|step| step.is_to_render()) {
         let needs = studio.needs(first.frame, to_render);
@@ -75,6 +76,9 @@ fn render(
         steps.iter().map(|step| run.studio.target.plain_path(step.frame)).collect();
     let left = Left::look(&job.outdir, claimed.iter().map(|path| &**path));
     Guard::begin_work();
+    if let Some(address) = job.display_server.as_ref().filter(|_| to_render > 0) {
+        run.studio.display = Display::connect(address, terminal);
+    }
     let start = Instant::now();
     let result = match (job.share, job.total_time) {
         (Some(lease), _) => run.share(steps, lease),
