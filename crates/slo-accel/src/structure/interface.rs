@@ -7,7 +7,7 @@ use crate::isa::Isa;
 use crate::math::Bounds;
 use crate::primitives::{Curved, Primitives, Triangle};
 use crate::rays::{Coherence, Hits, Rays};
-use crate::structure::study::Parameters;
+use crate::structure::study::{Counts, Parameters, Statistics};
 
 /// How a structure is built. No option changes a hit.
 ///
@@ -112,6 +112,30 @@ pub(crate) trait SpatialIndex: Debug + Sized + Send + Sync {
 
     /// Bytes held beyond the geometry.
     fn overhead(&self) -> usize;
+
+    /// What the structure is made of, if it can tell.
+    fn statistics(&self) -> Option<Statistics> {
+        None
+    }
+
+    /// Whether [`count`](Self::count) counts.
+    fn can_count(&self) -> bool {
+        false
+    }
+
+    /// Traces one ray of a batch by itself, to its first hit or to any if that is enough, and adds what
+    /// it takes. Returns the t of the hit; infinite if there is none.
+    fn count(
+        &self,
+        rays: &Rays,
+        i: usize,
+        any: bool,
+        scratch: &mut Self::Scratch,
+        counts: &mut Counts,
+    ) -> f32 {
+        let _ = (rays, i, any, scratch, counts);
+        f32::INFINITY
+    }
 
     /// Writes the first hit of each ray to `hits`, which are as many as the rays and all of
     /// nothing. Returns how alike the rays turned out to be, or `coherence` if the structure cannot

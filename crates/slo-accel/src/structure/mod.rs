@@ -253,6 +253,33 @@ impl Structure {
         ask!(&self.built, index => index.geometry().all_bounds())
     }
 
+    /// What the structure is made of; `None` for `KDTREE`, `CWBVH` and `NONE`.
+    pub fn statistics(&self) -> Option<study::Statistics> {
+        ask!(&self.built, index => index.statistics())
+    }
+
+    /// Whether [`count`](Self::count) counts; all structures do but `CWBVH`.
+    pub fn can_count(&self) -> bool {
+        ask!(&self.built, index => index.can_count())
+    }
+
+    /// Traces one ray of a batch by itself, in plain Rust, and adds what it takes to `counts`: to the first
+    /// hit, or to any hit if `any` is enough. Returns the t of the hit; infinite if there is none.
+    ///
+    /// Counts are the same on all machines. [`intersect`](Self::intersect) and
+    /// [`occluded`](Self::occluded) find the same hits, but the kernels of `BVH` and `KDTREE` answer many
+    /// rays together and visit other nodes.
+    pub fn count(
+        &self,
+        rays: &Rays,
+        i: usize,
+        any: bool,
+        scratch: &mut Scratch,
+        counts: &mut study::Counts,
+    ) -> f32 {
+        ask!(&self.built, scratch, index, memory => index.count(rays, i, any, memory, counts))
+    }
+
     /// Boxes about all primitives that can be hit, at most `count`, or 8 if that is less.
     pub(crate) fn parts(&self, count: usize) -> Vec<Bounds> {
         let mut parts = ask!(&self.built, index => index.parts(count));

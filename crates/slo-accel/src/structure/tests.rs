@@ -75,6 +75,44 @@ fn all_structures_give_the_hits_of_brute_force() {
     }
 }
 
+/// Rays that are counted find what the others find, whatever they visit.
+#[test]
+fn counted_rays_find_the_hits_of_brute_force() {
+    let mut random = Random::new(7);
+    let primitives = primitives(&mut random);
+    let rays = random.rays(1500, 1.0);
+    let mut scratch = Scratch::default();
+    let oracle = Structure::build(Accelerator::None, primitives.clone(), Isa::Portable);
+    let expected = ask(&oracle, &rays, Coherence::Incoherent, &mut scratch);
+    for &(name, accelerator) in Accelerator::NAMES {
+        let mut sums = vec![];
+        for isa in Isa::available() {
+            let structure = Structure::build(accelerator, primitives.clone(), isa);
+            assert_eq!(structure.can_count(), accelerator != Accelerator::Cwbvh);
+            if !structure.can_count() {
+                continue;
+            }
+            let mut sum = [study::Counts::default(); 2];
+            for (i, ([t, ..], blocked)) in expected.iter().enumerate() {
+                let found = structure.count(&rays, i, false, &mut scratch, &mut sum[0]);
+                assert_eq!(found.to_bits(), *t, "{name}, {isa}, ray {i}");
+                let any = structure.count(&rays, i, true, &mut scratch, &mut sum[1]);
+                assert_eq!(any < f32::INFINITY, *blocked, "{name}, {isa}, ray {i}");
+            }
+            assert!(sum[0].tests > sum[1].tests && sum[1].tests > 0, "{name}: {sum:?}");
+            let of_all = 1500 * primitives.len() as u64;
+            let saves = accelerator != Accelerator::None;
+            assert_eq!(saves, sum[0].tests < of_all / 10, "{name}: {sum:?}");
+            sums.push(sum);
+        }
+        assert!(sums.iter().all(|sum| *sum == sums[0]), "{name}: the same on every machine");
+        let structure = Structure::build(accelerator, primitives.clone(), Isa::Portable);
+        if let Some(of) = structure.statistics() {
+            assert!(of.references >= 750 && of.sah > 1.0 && of.bytes > 0, "{name}: {of:?}");
+        }
+    }
+}
+
 #[test]
 fn nothing_is_hit_where_nothing_is() {
     let rays = Random::new(4).rays(100, 1.0);

@@ -12,10 +12,12 @@ use std::marker::PhantomData;
 use super::Study;
 use super::counting::Counting;
 use super::memory::{Memory, Tests, Visit};
+use super::overlap::{Part, end_point_overlap};
 use super::parameters::Parameters;
 use super::ray::{Cell, Line, Ray, solid};
 use super::statistics::{Meter, Statistics};
 use crate::math::Bounds;
+use crate::primitives::Triangle;
 
 /// How a hierarchy is built.
 pub trait Builder: Debug + Send + Sync {
@@ -144,12 +146,44 @@ impl<B: Builder> Study for Hierarchy<B> {
         statistics.finish(area, self.bytes(), self.bytes_of_building)
     }
 
+    fn end_point_overlap(&self, surfaces: &[(u32, Triangle)]) -> Option<f64> {
+        let mut places = vec![0; self.objects];
+        for (place, &object) in (0..).zip(&self.references) {
+            places[object as usize] = place;
+        }
+        let placed = |&(object, triangle): &(u32, Triangle)| (places[object as usize], triangle);
+        let surfaces: Vec<_> = surfaces.iter().map(placed).collect();
+        Some(end_point_overlap(&self.parts(), &surfaces))
+    }
+
     fn bytes(&self) -> usize {
         size_of_val(&*self.nodes) + size_of_val(&*self.references)
     }
 }
 
 impl<B> Hierarchy<B> {
+    /// The nodes, with the references below each.
+    fn parts(&self) -> Vec<Part> {
+        let part = |node: &Node| Part {
+            cell: Cell::of(&node.bounds),
+            start: node.start,
+            count: node.count,
+            is_leaf: node.is_leaf,
+            first: node.start,
+            end: node.start + node.count,
+        };
+        let mut parts: Vec<Part> = self.nodes.iter().map(part).collect();
+        // Children follow their parents, and builders list leaves from left to right.
+        for number in (0..parts.len()).rev().filter(|&number| !self.nodes[number].is_leaf) {
+            let Part { start, count, .. } = parts[number];
+            let children = &parts[start as usize..(start + count) as usize];
+            let first = children.iter().map(|child| child.first).min().unwrap_or_default();
+            let end = children.iter().map(|child| child.end).max().unwrap_or_default();
+            (parts[number].first, parts[number].end) = (first, end);
+        }
+        parts
+    }
+
     fn follow<C: Counting, V: FnMut(u32, f32) -> f32>(
         &self,
         line: &Line,

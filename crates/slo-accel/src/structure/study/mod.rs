@@ -44,6 +44,7 @@ mod kd;
 mod median;
 mod memory;
 mod octree;
+mod overlap;
 mod parameters;
 mod ray;
 mod rendered;
@@ -66,6 +67,7 @@ pub use self::ray::Ray;
 pub(crate) use self::rendered::Rendered;
 pub use self::statistics::{COST_OF_STEP, COST_OF_TEST, Statistics};
 use crate::math::Bounds;
+use crate::primitives::Triangle;
 
 /// Part of its size by which the box of all objects is grown on each side before space is divided.
 pub const MARGIN: f64 = 1.0 / 8192.0;
@@ -93,6 +95,18 @@ pub trait Study: Debug + Sized + Send + Sync {
 
     /// What the structure is made of.
     fn statistics(&self) -> Statistics;
+
+    /// End-point overlap, for hierarchies of boxes: over all nodes, the sum of [`COST_OF_STEP`], or of
+    /// [`COST_OF_TEST`] for each object of a leaf, times the share of all surface that lies in the node's
+    /// box but does not belong to it. `surfaces` are triangles, each with the object that it belongs to.
+    /// Source: Aila, Karras, Laine, *On Quality Metrics of Bounding Volume Hierarchies*, HPG 2013.
+    ///
+    /// # Panics
+    /// If there is no such object.
+    fn end_point_overlap(&self, surfaces: &[(u32, Triangle)]) -> Option<f64> {
+        let _ = surfaces;
+        None
+    }
 
     /// Bytes held, without the objects.
     fn bytes(&self) -> usize;
@@ -147,6 +161,13 @@ macro_rules! studies {
             ) -> f32 {
                 match self {
                     $(Self::$name(study) => study.walk(ray, memory, counting, visit),)*
+                }
+            }
+
+            /// See [`Study::end_point_overlap`].
+            pub fn end_point_overlap(&self, surfaces: &[(u32, Triangle)]) -> Option<f64> {
+                match self {
+                    $(Self::$name(study) => study.end_point_overlap(surfaces),)*
                 }
             }
 

@@ -175,11 +175,11 @@ fn child(interior: u32, number: usize) -> usize {
 /// The box of a child.
 fn part(cell: &Cell, planes: [f64; 3], number: usize) -> Cell {
     let mut part = *cell;
-    for axis in 0..3 {
+    for (axis, plane) in planes.into_iter().enumerate() {
         if number >> axis & 1 == 1 {
-            part.min[axis] = planes[axis];
+            part.min[axis] = plane;
         } else {
-            part.max[axis] = planes[axis];
+            part.max[axis] = plane;
         }
     }
     part

@@ -22,6 +22,15 @@ pub struct Ray {
     pub t_max: f32,
 }
 
+impl Ray {
+    /// Whether the ray may hit anything within a box.
+    pub fn enters(&self, bounds: &Bounds) -> bool {
+        let cell = Cell::of(bounds);
+        let [near, far] = Line::new(self, &cell).span(&cell, self.t_max);
+        near <= far
+    }
+}
+
 /// A ray prepared for a structure.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {

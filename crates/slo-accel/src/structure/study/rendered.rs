@@ -1,9 +1,9 @@
 //! Structures to study, over primitives: what the renderer may choose.
 
-use super::Study;
-use super::counting::Counting;
+use super::counting::{Counting, Counts};
 use super::memory::Memory;
 use super::ray::Ray;
+use super::{Statistics, Study};
 use crate::isa::Isa;
 use crate::math::Bounds;
 use crate::primitives::Primitives;
@@ -41,6 +41,31 @@ impl<S: Study> SpatialIndex for Rendered<S> {
 
     fn overhead(&self) -> usize {
         size_of_val(self.ids.as_slice()) + self.study.bytes()
+    }
+
+    fn statistics(&self) -> Option<Statistics> {
+        let mut statistics = self.study.statistics();
+        if self.primitives.curved.is_empty() {
+            let triangle = |&id: &u32| self.primitives.triangles[id as usize];
+            let surfaces: Vec<_> = (0..).zip(self.ids.iter().map(triangle)).collect();
+            statistics.epo = self.study.end_point_overlap(&surfaces);
+        }
+        Some(statistics)
+    }
+
+    fn can_count(&self) -> bool {
+        true
+    }
+
+    fn count(
+        &self,
+        rays: &Rays,
+        i: usize,
+        any: bool,
+        memory: &mut Memory,
+        counts: &mut Counts,
+    ) -> f32 {
+        self.trace(rays, i, any, memory, counts).map_or(f32::INFINITY, |(hit, _)| hit.t)
     }
 
     fn intersect(

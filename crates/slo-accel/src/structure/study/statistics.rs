@@ -42,6 +42,9 @@ pub struct Statistics {
     /// number of objects and [`COST_OF_TEST`], divided by the root's area. A cell of a grid counts
     /// as a step and a leaf.
     pub sah: f64,
+    /// [End-point overlap](super::Study::end_point_overlap), of hierarchies of boxes over triangles, where
+    /// the triangles are known.
+    pub epo: Option<f64>,
     depths: f64,
     depths_by_area: f64,
     area_of_leaves: f64,
@@ -52,19 +55,19 @@ impl Statistics {
     /// Entries of [`leaf_sizes`](Self::leaf_sizes).
     const SIZES: usize = 33;
 
-    pub(super) fn new(objects: usize) -> Self {
+    pub(crate) fn new(objects: usize) -> Self {
         let leaf_sizes = vec![0; Self::SIZES];
         Self { objects: objects as u64, leaf_sizes, ..Self::default() }
     }
 
     /// Adds an interior node.
-    pub(super) fn add_interior(&mut self, area: f64) {
+    pub(crate) fn add_interior(&mut self, area: f64) {
         self.interior += 1;
         self.cost += COST_OF_STEP * area;
     }
 
     /// Adds a leaf.
-    pub(super) fn add_leaf(&mut self, objects: usize, depth: u32, area: f64) {
+    pub(crate) fn add_leaf(&mut self, objects: usize, depth: u32, area: f64) {
         self.leaves += 1;
         self.empty_leaves += u64::from(objects == 0);
         self.references += objects as u64;
@@ -84,7 +87,7 @@ impl Statistics {
     }
 
     /// Derives what depends on all leaves.
-    pub(super) fn finish(mut self, area: f64, bytes: usize, bytes_of_building: usize) -> Self {
+    pub(crate) fn finish(mut self, area: f64, bytes: usize, bytes_of_building: usize) -> Self {
         let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
         self.mean_depth = ratio(self.depths, self.leaves as f64);
         self.mean_depth_by_area = ratio(self.depths_by_area, self.area_of_leaves);
