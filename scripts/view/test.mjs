@@ -228,11 +228,14 @@ try {
     const { child: shown, address } = start(null);
     await measure(await address).finally(() => shown.kill());
   } else if (pictures) {
-    const page = await open(url);
-    await tests["the picture is seen"](page);
-    await page.mouse.click(...(await point(page, 0.5, 0.4)));
-    await page.waitForFunction(() => document.getElementById("selected").textContent.includes("ball"), null, waits);
+    const { child: shown, address } = start(null);
+    const page = await open(await address, { width: 1180, height: 620 });
+    await page.waitForFunction(() => Number(document.body.dataset.number) > 5, null, waits);
+    await page.mouse.click(...(await point(page, 0.5, 0.45)));
+    await page.waitForFunction(() => document.getElementById("parts").textContent !== "", null, waits);
+    await page.waitForFunction(() => /[1-9][0-9]?(\.\d+)? samples/.test(document.getElementById("facts").textContent), null, waits);
     await page.screenshot({ path: join(pictures, "view.png") });
+    shown.kill();
   } else {
     const page = await open(url);
     for (const [name, test] of Object.entries(tests)) {

@@ -35,6 +35,7 @@ mod tools;
 mod total_time;
 #[cfg(unix)]
 mod view;
+mod watch;
 mod why;
 
 use std::fs;

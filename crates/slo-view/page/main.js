@@ -48,8 +48,8 @@ function show(scene) {
   $("name").textContent = scene.name;
   showMessages(scene.messages, scene.fault);
   const errors = scene.messages.filter((message) => message.severity === "error").length;
-  say(errors ? `${errors} error${errors > 1 ? "s" : ""}; the picture is the last good one` : scene.unwritten ?? known.note);
   if (scene.text.changed) known.note = "";
+  say(errors ? `${errors} error${errors > 1 ? "s" : ""}; the picture is the last good one` : scene.unwritten ?? known.note);
   known.object = scene.picked?.object;
   showPicked(scene.picked, (command) => moves.send(command));
   showText(scene.text);

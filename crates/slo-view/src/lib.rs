@@ -22,3 +22,4 @@ mod watched;
 
 pub use server::{Error, Options, serve};
 pub use source::Source;
+pub use watched::Watched;

@@ -9,11 +9,11 @@ type Seen = Option<(SystemTime, u64)>;
 
 /// Files, as they were when they were read.
 #[derive(Debug, Default)]
-pub(crate) struct Watched(BTreeMap<PathBuf, Seen>);
+pub struct Watched(BTreeMap<PathBuf, Seen>);
 
 impl Watched {
     /// Files as they are now.
-    pub(crate) fn new(paths: impl IntoIterator<Item = PathBuf>) -> Self {
+    pub fn new(paths: impl IntoIterator<Item = PathBuf>) -> Self {
         let seen = |path: PathBuf| {
             let now = look_at(&path);
             (path, now)
@@ -21,8 +21,15 @@ impl Watched {
         Self(paths.into_iter().map(seen).collect())
     }
 
+    /// Adds files as they are now. Those that are known stay as they were.
+    pub fn add(&mut self, paths: impl IntoIterator<Item = PathBuf>) {
+        for path in paths {
+            self.0.entry(path).or_insert_with_key(|path| look_at(path));
+        }
+    }
+
     /// Whether any file is not as it was. From then on, it counts as it is now.
-    pub(crate) fn have_changed(&mut self) -> bool {
+    pub fn have_changed(&mut self) -> bool {
         let mut changed = false;
         for (path, seen) in &mut self.0 {
             let now = look_at(path);

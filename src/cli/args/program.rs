@@ -187,6 +187,11 @@ pub(crate) struct Args {
     #[arg(verbatim_doc_comment)]
     pub(crate) display_server: Option<String>,
 
+    /// Render again whenever the scene or a file of it changes, until Ctrl-C
+    #[arg(long, help_heading = WHERE, requires = "scene")]
+    #[arg(conflicts_with_all = ["share", "part", "total_time", "dry_run", "check", "recipe"])]
+    pub(crate) watch: bool,
+
     /// Extra layers of an EXR picture, such as albedo,normal or depth
     ///
     /// albedo and normal tell a denoiser which share of light surfaces reflect, and

@@ -16,14 +16,23 @@ use slo_scene::{Files, Loaded, SceneDescription, ShapeError, load_adapted};
 /// Loads the job's scene, and applies the settings of the command line. Prints the errors of the
 /// scene, and warnings about what these settings make of it.
 pub(crate) fn scene(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
-    let scene = read(job, terminal)?;
+    noted(job, terminal, &Opened::default())
+}
+
+/// Loads the job's scene as [`scene`] does, and notes the files on disk that it names.
+pub(crate) fn noted(
+    job: &Job,
+    terminal: Terminal,
+    opened: &Opened,
+) -> Result<SceneDescription, Problem> {
+    let scene = read(job, terminal, opened)?;
     check_prefix(&scene.camera.film.prefix)
         .map_err(|why| Problem::new(Exit::BadInput, format!("the Film's prefix: {why}")))?;
     Ok(scene)
 }
 
-fn read(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
-    let loaded = load(&file(job)?, job, Opened::default());
+fn read(job: &Job, terminal: Terminal, opened: &Opened) -> Result<SceneDescription, Problem> {
+    let loaded = load(&file(job)?, job, opened.clone());
     let Loaded { scene, diagnostics } = loaded;
     terminal.show(&diagnostics);
     let exit = if diagnostics.missing_input() { Exit::NoInput } else { Exit::BadInput };

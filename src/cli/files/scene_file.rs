@@ -26,7 +26,7 @@ pub(crate) struct SceneFile {
 /// With `--indir`, the path starts there, and the scene's paths stay there. Without it, they stay
 /// in the current folder if the scene lies inside it, and in the scene's own folder otherwise.
 pub(crate) fn read(scene: &Path, job: &Job) -> Result<SceneFile, Problem> {
-    let path = job.indir.as_deref().unwrap_or(Path::new("")).join(scene);
+    let path = path_of(scene, job);
     let root = match &job.indir {
         Some(indir) => indir.clone(),
         None => root_without_indir(&path),
@@ -39,6 +39,11 @@ pub(crate) fn read(scene: &Path, job: &Job) -> Result<SceneFile, Problem> {
     }
     let text = read_text(&path)?;
     Ok(SceneFile { path, root, text })
+}
+
+/// Returns the path of the scene file that the job calls `scene`.
+pub(crate) fn path_of(scene: &Path, job: &Job) -> PathBuf {
+    job.indir.as_deref().unwrap_or(Path::new("")).join(scene)
 }
 
 fn root_without_indir(path: &Path) -> PathBuf {

@@ -58,6 +58,8 @@ pub(crate) struct Job {
     pub(crate) steps: Option<Steps>,
     /// Whether to list what would be rendered instead of rendering it.
     pub(crate) dry_run: bool,
+    /// Whether frames are rendered again whenever the scene changes.
+    pub(crate) watch: bool,
     pub(crate) progress: ProgressForm,
     pub(crate) overrides: Overrides,
     pub(crate) threads: Option<usize>,

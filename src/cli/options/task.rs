@@ -185,6 +185,7 @@ fn job(args: Args, terminal: Terminal) -> Result<Job, Problem> {
         guide_file: args.guide_file,
         display_server: args.display_server,
         dry_run: args.dry_run,
+        watch: args.watch,
         progress: args.progress,
         overrides: Overrides {
             prefix: args.prefix,

@@ -49,6 +49,7 @@ pub(crate) fn job() -> Job {
         total_time: None,
         steps: None,
         dry_run: false,
+        watch: false,
         progress: ProgressForm::default(),
         overrides: Overrides::default(),
         threads: None,

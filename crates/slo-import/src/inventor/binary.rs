@@ -187,11 +187,13 @@ impl Reader<'_> {
     /// An image as the text flavour says it: its size, its components, and a number for each pixel.
     fn image(&mut self) -> Result<Value, ImportError> {
         let [width, height, components] = [self.word()?, self.word()?, self.word()?];
-        let size = [width, height, components].map(|n| n as usize);
-        let Some(count) = size[0].checked_mul(size[1]).and_then(|n| n.checked_mul(size[2])) else {
+        // Version 2.0 writes a whole number for each pixel, as the text flavour does.
+        let size = if self.has_flags { components as usize } else { 4 };
+        let count = (width as usize).checked_mul(height as usize);
+        let Some(count) = count.and_then(|count| count.checked_mul(size)) else {
             return self.bad("an image is too large");
         };
-        let pixels = self.bytes(count)?.chunks_exact(size[2].max(1));
+        let pixels = self.bytes(count)?.chunks_exact(size.max(1));
         let pixel =
             |bytes: &[u8]| f64::from(bytes.iter().fold(0_u32, |n, &b| n << 8 | u32::from(b)));
         let pixels: Vec<f64> = pixels.map(pixel).collect();

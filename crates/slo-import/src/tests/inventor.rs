@@ -302,6 +302,30 @@ fn binary_files_say_the_same() {
 }
 
 #[test]
+fn binary_files_of_version_2_0_count_no_fields_of_groups() {
+    let file = Binary(b"#Inventor V2.0 binary  \n".to_vec())
+        .text("Group")
+        .word(2)
+        .text("Texture2")
+        .word(1)
+        .text("image")
+        .word(2)
+        .word(1)
+        .word(3)
+        .word(0x00ff_0000)
+        .word(0xff)
+        .word(0)
+        .text("Cube")
+        .word(0);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.iv"), &file.0).unwrap();
+    let imported = crate::import(&folder.path().join("a.iv"), false).unwrap();
+    assert_eq!(imported.shapes, (12, 0));
+    assert!(imported.left_out.is_empty(), "{:?}", imported.left_out);
+    says(&imported, "texture texture { filename textures/texture.png }");
+}
+
+#[test]
 fn mistakes_in_inventor_have_their_line() {
     for (text, expected) in [
         ("Separator {\nSphere { radius }\n}", "line 3: a field has no value"),

@@ -15,9 +15,10 @@ use super::guard::Guard;
 use crate::studio::Link;
 
 /// Most connections at once.
-const CONNECTIONS: usize = 64;
-/// How long the head of a request may take.
-const HEAD: Duration = Duration::from_secs(5);
+const CONNECTIONS: usize = 256;
+/// How long a connection may stay without the head of a request. Browsers open some in advance, and lose
+/// requests on those that are closed at the wrong moment.
+const HEAD: Duration = Duration::from_secs(60);
 /// Longest head of a request.
 const LONGEST_HEAD: usize = 16 << 10;
 /// Most headers of a request.

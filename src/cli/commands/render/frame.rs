@@ -9,6 +9,7 @@ use super::desk::Desk;
 use super::done::{Done, Size, Times};
 use super::guide_file::GuideFile;
 use super::target::{Target, in_the_way};
+use super::watch::Watcher;
 use crate::cli::base::{Exit, Problem, Terminal, counted};
 use crate::cli::files::checkpoint::{Checkpoint, recipe_hash};
 use crate::cli::options::Job;
@@ -36,6 +37,8 @@ pub(super) struct Studio<'a> {
     pub(super) terminal: Terminal,
     /// The viewer that shows pictures while they are rendered.
     pub(super) display: Option<Display>,
+    /// Looks at the files of the scene: if one changes, the frame is not worth finishing.
+    pub(super) watcher: Option<&'a Watcher>,
 }
 
 /// Limit after which a frame takes no more samples, by the clock.
@@ -138,6 +141,11 @@ impl Studio<'_> {
             return Err(stopped(frame, &checkpoint, film, steps.unwrap_or_default()));
         }
         Ok(Taken { frame, film, steps, checkpoint, end, times, statistics, size, counted })
+    }
+
+    /// Whether the files of the scene have changed, so that frames must be rendered again.
+    pub(super) fn is_stale(&self) -> bool {
+        self.watcher.is_some_and(Watcher::have_changed)
     }
 
     /// Makes the files of a frame that has all of its samples.
