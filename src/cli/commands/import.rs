@@ -58,7 +58,7 @@ fn paths<'a>(folder: &Path, imported: &'a Imported) -> Vec<(PathBuf, &'a [u8])> 
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
     let mut is_made = false;
-    let make = || -> io::Result<()> {
+    let mut make = || -> io::Result<()> {
         path.parent().map_or(Ok(()), fs::create_dir_all)?;
         write_atomically(path, |file| {
             is_made = true;
