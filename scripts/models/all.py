@@ -8,6 +8,7 @@ import chess
 import chess_scenes
 import effect_scenes
 import flag
+import fools_mate
 import forest
 import perfume
 import pool
@@ -19,5 +20,5 @@ import street
 import textures
 
 for module in (board, candle, caustics, chess, flag, forest, perfume, pool, room, rose, still_life, textures, ball,
-               chess_scenes, effect_scenes, rose_scene, street):
+               chess_scenes, effect_scenes, fools_mate, rose_scene, street):
     module.build()

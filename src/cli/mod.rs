@@ -20,7 +20,7 @@ use std::ffi::OsString;
 pub use base::Exit;
 use base::{Problem, Terminal};
 use commands::{
-    bake, check, compare, denoise, import, merge, recipe, relight, render, sheet, verify,
+    bake, check, compare, denoise, import, merge, recipe, relight, render, sheet, verify, view, why,
 };
 use options::{Options, Task};
 use system::{crash, interrupt};
@@ -51,6 +51,8 @@ fn execute(Options { task, terminal }: Options) -> Exit {
         Task::Relight(args) => relight::run(&args, terminal),
         Task::Import(args) => import::run(&args, terminal),
         Task::Bake(args, job) => bake::run(&args, &job, terminal),
+        Task::View(args, job) => view::run(&args, *job, terminal),
+        Task::Why(args, job) => why::run(&args, &job, terminal),
         Task::Check(job) => check::run(&job, terminal),
         Task::Recipe(picture) => recipe::run(&picture),
     });

@@ -63,6 +63,34 @@ fn a_frame_that_cannot_be_built_costs_no_other_frame() {
 }
 
 #[test]
+fn only_frames_whose_shapes_changed_are_rendered_again() {
+    let folder = folder();
+    folder.run("-q -s scene.txt -f 0-3");
+    let mesh = "slo_mesh 1 vertices { -2 -2 0 2 -2 0 0 -2 3 } faces { 0 1 2 }";
+    folder.write("sail_02.slo", mesh);
+    let verified = folder.run("verify ball_00000.png ball_00002.png -s scene.txt");
+    assert!(verified.said.contains("the scene has changed since"), "{}", verified.said);
+    assert!(!verified.said.contains("different tiles"), "{}", verified.said);
+    let again = folder.run("-s scene.txt -f 0-3 --progress json");
+    let rendered = |frame: u32| {
+        let of_frame = |line: &&str| line.contains(&format!("\"frame\":{frame},"));
+        let mut lines = again.said.lines().filter(of_frame);
+        lines.any(|line| line.contains("\"finished\"") && !line.contains("\"skipped\""))
+    };
+    assert_eq!([0, 1, 2, 3].map(rendered), [false, false, true, false], "{}", again.said);
+}
+
+#[test]
+fn a_part_does_not_go_with_parts_of_another_shape() {
+    let folder = folder();
+    folder.run("-q -s scene.txt -f 2 --part 1/2 --part-by samples");
+    folder.write("sail_02.slo", "slo_mesh 1 vertices { -2 -2 0 2 -2 0 0 -2 3 } faces { 0 1 2 }");
+    folder.run("-q -s scene.txt -f 2 --part 2/2 --part-by samples");
+    let merged = folder.run("merge ball_00002.samples-1-of-2.part ball_00002.samples-2-of-2.part");
+    assert_eq!(merged.exit, 65, "{} {}", merged.said, folder.names().join(" "));
+}
+
+#[test]
 fn events_come_frame_by_frame() {
     let folder = folder();
     let run = folder.run("-s scene.txt -f 0-3 --threads 2 --progress json -q");

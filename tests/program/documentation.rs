@@ -57,7 +57,10 @@ fn the_scene_of_the_readme_renders() {
 
 #[test]
 fn every_command_tells_about_itself() {
-    for command in ["merge", "verify", "compare", "sheet", "denoise", "relight", "import", "bake"] {
+    for command in [
+        "merge", "verify", "compare", "sheet", "denoise", "relight", "import", "bake", "why",
+        "view",
+    ] {
         for flag in ["-h", "--help"] {
             let help = Folder::new().printed(&format!("{command} {flag}"));
             assert!(help.contains(&format!("Usage: slo-rt {command}")), "{help}");

@@ -6,6 +6,7 @@ mod bake;
 mod budget;
 mod bytes;
 mod cache;
+mod display;
 mod documentation;
 mod exit_codes;
 #[cfg(unix)]
@@ -31,6 +32,10 @@ mod signals;
 mod tools;
 #[cfg(unix)]
 mod total_time;
+#[cfg(unix)]
+mod view;
+mod watch;
+mod why;
 
 use std::fs;
 use std::path::Path;

@@ -1,9 +1,10 @@
 //! Where the bytes of meshes and textures come from, and which of them a scene may read.
 
+use std::collections::BTreeSet;
 use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use crate::cache::Cache;
 use crate::names::closest;
@@ -13,6 +14,26 @@ use crate::names::closest;
 pub struct Files {
     origin: Origin,
     cache: Option<Arc<Cache>>,
+    opened: Option<Opened>,
+}
+
+/// Notes which files on disk were asked for, whether they exist or not.
+#[derive(Clone, Debug, Default)]
+pub struct Opened(Arc<Mutex<BTreeSet<PathBuf>>>);
+
+impl Opened {
+    /// The files so far, by their full paths.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        let paths = self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        paths.iter().cloned().collect()
+    }
+
+    fn note(&self, path: &Path) {
+        let mut paths = self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if !paths.contains(path) {
+            paths.insert(path.to_owned());
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -42,19 +63,26 @@ impl Files {
     /// `root`, unless `allow_outside`.
     pub fn on_disk(folder: &Path, root: &Path, allow_outside: bool) -> Self {
         let (folder, root) = (absolute(folder), absolute(root));
-        Self { origin: Origin::Disk { folder, root, allow_outside }, cache: None }
+        Self { origin: Origin::Disk { folder, root, allow_outside }, cache: None, opened: None }
     }
 
     /// Files compiled into the program: pairs of path and content, paths with `/` and from the
     /// root of the table; those in the scene start from `folder`, which may be empty.
     pub fn built_in(folder: &str, table: Table) -> Self {
-        Self { origin: Origin::BuiltIn { folder: folder.to_owned(), table }, cache: None }
+        let origin = Origin::BuiltIn { folder: folder.to_owned(), table };
+        Self { origin, cache: None, opened: None }
     }
 
     /// The same files, with a cache of what was worked out from them.
     #[must_use]
     pub fn with_cache(self, cache: Option<Arc<Cache>>) -> Self {
         Self { cache, ..self }
+    }
+
+    /// The same files; those on disk that are asked for are noted in `opened`.
+    #[must_use]
+    pub fn noted_in(self, opened: Opened) -> Self {
+        Self { opened: Some(opened), ..self }
     }
 
     /// The cache of what was worked out from files.
@@ -82,6 +110,9 @@ impl Files {
             Origin::Disk { folder, root, allow_outside } => {
                 let full = resolve(folder, path);
                 if *allow_outside || (full.starts_with(root) && !is_absolute(path)) {
+                    if let Some(opened) = &self.opened {
+                        opened.note(&full);
+                    }
                     open_on_disk(&full, path)
                 } else {
                     Err(OpenError::Outside)

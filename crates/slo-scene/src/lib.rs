@@ -13,6 +13,7 @@ mod attributes;
 pub mod cache;
 mod description;
 pub mod diagnostics;
+pub mod edit;
 mod file_kinds;
 pub mod files;
 pub mod format;

@@ -1,11 +1,13 @@
 //! Meshes that change shape: files that give the positions of one mesh at several times.
 
+use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{Arc, Mutex};
+use std::ops::RangeInclusive;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::assets::Standing;
 use crate::attributes::FARTHEST;
-use crate::files::{Files, OpenError};
+use crate::files::{Files, HashingReader, OpenError, hash_whole};
 use crate::format::FileError;
 use crate::mesh::{self, Mesh};
 
@@ -25,6 +27,8 @@ pub struct MeshShapes {
     first: String,
     /// Shapes that the last shutter needed, by place among the keys.
     kept: Arc<Mutex<Vec<Kept>>>,
+    /// Hashes of the files that were asked for or read, by place among the keys.
+    hashes: Arc<Mutex<BTreeMap<usize, blake3::Hash>>>,
 }
 
 /// A shape that was read, by its place among the keys.
@@ -57,6 +61,11 @@ pub enum ShapeError {
         /// What is wrong.
         reason: Box<FileError>,
     },
+    /// A file is no longer what it was when the frame was begun.
+    Changed {
+        /// Its path, as the scene writes it.
+        path: String,
+    },
     /// Two files have different faces.
     Differs {
         /// The path of the mesh.
@@ -82,6 +91,9 @@ impl fmt::Display for ShapeError {
                 write!(f, "file `{path}`, line {}: {}", reason.line, reason.message)
             }
             Self::Wrong { path, reason } => write!(f, "file `{path}`: {}", reason.message),
+            Self::Changed { path } => {
+                write!(f, "file `{path}` changed while the program was running; start it again")
+            }
             Self::Differs { first, other, how } => write!(
                 f,
                 "`{first}` and `{other}` are not shapes of one mesh: {how}; all shapes need the \
@@ -102,7 +114,15 @@ impl MeshShapes {
         scale: f64,
         first: String,
     ) -> Self {
-        Self { files: files.clone(), keys, standing, scale, first, kept: Arc::default() }
+        Self {
+            files: files.clone(),
+            keys,
+            standing,
+            scale,
+            first,
+            kept: Arc::default(),
+            hashes: Arc::default(),
+        }
     }
 
     /// The times and paths of the shapes, in order of time.
@@ -117,14 +137,9 @@ impl MeshShapes {
     /// # Errors
     /// A file cannot be read, or has other faces than `mesh`.
     pub fn within(&self, interval: [f64; 2], mesh: &Mesh) -> Result<Vec<ShapeAt>, ShapeError> {
-        let [start, end] = [interval[0].min(interval[1]), interval[0].max(interval[1])];
-        let first = self.keys.partition_point(|key| key.0 <= start).saturating_sub(1);
-        let last = self.keys.partition_point(|key| key.0 < end).min(self.keys.len() - 1);
-        // If the last shape is reached before the shutter opens, only this one counts.
-        let last = last.max(first);
-        let mut kept = self.kept.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let mut needed = Vec::with_capacity(last - first + 1);
-        for i in first..=last {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut needed = Vec::new();
+        for i in self.needed(interval) {
             let known = kept.iter().find(|(place, _)| *place == i).map(|(_, mesh)| mesh.clone());
             needed.push((i, known.map_or_else(|| self.read(i, mesh).map(Arc::new), Ok)?));
         }
@@ -133,15 +148,52 @@ impl MeshShapes {
         Ok(needed.into_iter().map(at).collect())
     }
 
+    /// Adds to `hasher` the content of the files that the shapes of [`within`](Self::within) are
+    /// read from. Files that cannot be read add nothing: `within` reports them. It also reports
+    /// files that change after they were hashed.
+    pub fn hash_within(&self, interval: [f64; 2], hasher: &mut blake3::Hasher) {
+        for place in self.needed(interval) {
+            let known = self.hashes().get(&place).copied();
+            let hash = known.or_else(|| {
+                let hash = hash_whole(self.files.open(&self.keys[place].1).ok()?).ok()?.finalize();
+                self.hashes().insert(place, hash);
+                Some(hash)
+            });
+            if let Some(hash) = hash {
+                hasher.update(hash.as_bytes());
+            }
+        }
+    }
+
+    /// The places of the shapes that tell where the mesh is between two scene times.
+    fn needed(&self, interval: [f64; 2]) -> RangeInclusive<usize> {
+        let [start, end] = [interval[0].min(interval[1]), interval[0].max(interval[1])];
+        let first = self.keys.partition_point(|key| key.0 <= start).saturating_sub(1);
+        let last = self.keys.partition_point(|key| key.0 < end).min(self.keys.len() - 1);
+        // If the last shape is reached before the shutter opens, only this one counts.
+        first..=last.max(first)
+    }
+
+    fn hashes(&self) -> std::sync::MutexGuard<'_, BTreeMap<usize, blake3::Hash>> {
+        self.hashes.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn read(&self, place: usize, whole: &Mesh) -> Result<Mesh, ShapeError> {
         let path = &self.keys[place].1;
         let wrong = |reason| ShapeError::Wrong { path: path.clone(), reason: Box::new(reason) };
-        let mut reader = self.files.open(path).map_err(|error| ShapeError::Unreadable {
+        let unreadable = |error: &OpenError| ShapeError::Unreadable {
             path: path.clone(),
-            reason: reason(&error),
-        })?;
+            reason: reason(error),
+        };
+        let reader = self.files.open(path).map_err(|error| unreadable(&error))?;
+        let mut reader = HashingReader::new(reader);
         let loaded = mesh::load_shape(path, &mut reader, self.standing.smooth, self.scale);
         let mut mesh = loaded.map_err(wrong)?.mesh;
+        let read = reader.finish().map_err(|error| unreadable(&OpenError::Unreadable(error)))?;
+        let read = read.finalize();
+        if *self.hashes().entry(place).or_insert(read) != read {
+            return Err(ShapeError::Changed { path: path.clone() });
+        }
         mesh.stand_up(self.standing.axes);
         if mesh.positions.iter().any(|p| p.abs().max_element() > FARTHEST) {
             let message = format!("vertices lie farther out than {FARTHEST:e}");

@@ -1,13 +1,14 @@
 //! Commands besides rendering.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::settings::LookArgs;
+use super::settings::{LookArgs, SettingArgs};
 use crate::cli::values::{
-    FormatName, Gain, IntegratorName, ProgressForm, Threads, count, frame, gain, limit, noise,
-    photons, samples, seed, threads,
+    FormatName, Gain, IntegratorName, PixelAt, ProgressForm, SizeChoice, Threads, address, count,
+    frame, gain, limit, noise, photons, pixel_at, samples, seed, size, threads,
 };
 
 /// What else the program does.
@@ -29,6 +30,10 @@ pub(crate) enum Command {
     Import(ImportArgs),
     /// Write the light on objects into images, by their texture coordinates
     Bake(BakeArgs),
+    /// Explain a pixel: its light by lamp, by way and by object, and where its noise comes from
+    Why(WhyArgs),
+    /// Show a scene in the browser: look at it from anywhere while it renders
+    View(ViewArgs),
 }
 
 /// `merge`
@@ -286,6 +291,115 @@ pub(crate) struct BakeArgs {
     pub(crate) progress: ProgressForm,
 
     /// Print nothing but warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+
+    /// Print help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
+}
+
+/// `why`
+#[derive(Debug, clap::Args)]
+pub(crate) struct WhyArgs {
+    /// Column and row of the pixel, from 0 at the upper left corner
+    #[arg(value_name = "X,Y", value_parser = pixel_at)]
+    pub(crate) pixel: PixelAt,
+
+    /// Scene file [default: the built-in scene]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) scene: Option<PathBuf>,
+
+    /// Folder that holds the scene file (short: -id)
+    #[arg(long, value_name = "DIR", requires = "scene")]
+    pub(crate) indir: Option<PathBuf>,
+
+    /// Let paths in the scene lead anywhere
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
+
+    /// The frame [default: 0]
+    #[arg(short, long, value_name = "N", allow_hyphen_values = true, value_parser = frame)]
+    pub(crate) frame: Option<i64>,
+
+    /// Size of the picture in pixels: 320x180, 1080p, 50%
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<SizeChoice>,
+
+    /// Number of samples to explain [default: those that every pixel of the picture has]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = samples)]
+    pub(crate) samples: Option<u32>,
+
+    /// Explain this sample alone, with all of its rays
+    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "samples")]
+    #[arg(value_parser = |text: &str| count(text, 0..=u32::MAX - 1, "17"))]
+    pub(crate) sample: Option<u32>,
+
+    /// Which light is found: distributed, path or photon_map
+    #[arg(long, value_name = "NAME", hide_possible_values = true, ignore_case = true)]
+    pub(crate) integrator: Option<IntegratorName>,
+
+    /// Photons per sample, for caustics of small lamps, with --integrator path
+    #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = photons)]
+    pub(crate) photons: Option<f32>,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = seed)]
+    pub(crate) seed: Option<u64>,
+
+    /// How many of the brightest ways of light to list
+    #[arg(long, value_name = "N", default_value_t = 8, allow_hyphen_values = true)]
+    #[arg(value_parser = |text: &str| count(text, 0..=1000u32, "8"))]
+    pub(crate) ways: u32,
+
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// Number of threads, or auto for all [default: all]
+    #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
+    pub(crate) threads: Option<Threads>,
+
+    /// Print help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
+}
+
+/// `view`
+#[derive(Debug, clap::Args)]
+pub(crate) struct ViewArgs {
+    /// Scene file [default: the built-in scene]
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: Option<PathBuf>,
+
+    /// Address and port, such as 127.0.0.1:8000 or 0.0.0.0:8000 [default: this machine, any port]
+    ///
+    /// Whoever has the printed address can change the scene file. Only use addresses of
+    /// networks that you trust: the connection is not encrypted.
+    #[arg(long, value_name = "ADDRESS", value_parser = address, verbatim_doc_comment)]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) listen: Option<SocketAddr>,
+
+    /// The first frame to be shown [default: 0]
+    #[arg(short, long, value_name = "N", allow_hyphen_values = true, value_parser = frame)]
+    pub(crate) frame: Option<i64>,
+
+    /// Folder that holds the scene file (short: -id)
+    #[arg(long, value_name = "DIR", requires = "scene")]
+    pub(crate) indir: Option<PathBuf>,
+
+    /// Let paths in the scene lead anywhere
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
+
+    #[command(flatten)]
+    pub(crate) settings: SettingArgs,
+
+    /// Number of threads [default: all processors]
+    #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
+    pub(crate) threads: Option<Threads>,
+
+    /// Print nothing but the address, warnings and errors
     #[arg(short, long)]
     pub(crate) quiet: bool,
 

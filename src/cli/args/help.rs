@@ -31,6 +31,7 @@ Examples:
   slo-rt relight room.exr -g lamp=0.5 -o dim.png
                                         dim lights of a picture made with `--layers lights`
   slo-rt bake room.txt -o maps          the light on objects, as images
+  slo-rt why 320,180 -s room.txt        where the light of a pixel comes from
   slo-rt --recipe default_00000.png     how a picture was made
 
 The paths of the pictures go to standard output, everything else to standard error.";

@@ -12,7 +12,7 @@ mod tips;
 
 pub(crate) use commands::{
     BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs, SheetArgs,
-    VerifyArgs,
+    VerifyArgs, ViewArgs, WhyArgs,
 };
 pub(crate) use parse::parse;
 pub(crate) use program::Args;

@@ -12,7 +12,7 @@ use super::settings::SettingArgs;
 use crate::cli::base::When;
 use crate::cli::values::{
     FrameChoice, FramePath, LayerName, Order, PartBy, ProgressForm, Region, Threads, bytes, frames,
-    interval, lease, part, region, steps, threads, time,
+    interval, lease, part, region, server, steps, threads, time,
 };
 use slo_picture::film::Steps;
 use slo_render::render::Part;
@@ -166,6 +166,19 @@ pub(crate) struct Args {
     /// file of another scene, frame or version is replaced.
     #[arg(long, value_name = "FILE", help_heading = WHERE, verbatim_doc_comment)]
     pub(crate) guide_file: Option<FramePath>,
+
+    /// Show pictures in a viewer while they are rendered: tev, such as localhost:14158
+    ///
+    /// The viewer gets the light as it is, tile by tile. If it can't be reached, is slow,
+    /// or goes away, rendering goes on.
+    #[arg(long, value_name = "HOST:PORT", help_heading = WHERE, value_parser = server)]
+    #[arg(verbatim_doc_comment)]
+    pub(crate) display_server: Option<String>,
+
+    /// Render again whenever the scene or a file of it changes, until Ctrl-C
+    #[arg(long, help_heading = WHERE, requires = "scene")]
+    #[arg(conflicts_with_all = ["share", "part", "total_time", "dry_run", "check", "recipe"])]
+    pub(crate) watch: bool,
 
     /// Extra layers of an EXR picture, such as albedo,normal or depth
     ///

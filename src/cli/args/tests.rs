@@ -190,6 +190,8 @@ fn options_with_values() -> Vec<(Vec<&'static str>, String)> {
         "merge" => vec!["merge", "a.part"],
         "import" => vec!["import", "a.obj"],
         "bake" => vec!["bake", "a.txt"],
+        "why" => vec!["why", "0,0"],
+        "view" => vec!["view", "a.txt"],
         other => panic!("a command without a test: {other}"),
     };
     let of = |command: &clap::Command, typed: Vec<&'static str>| -> Vec<_> {

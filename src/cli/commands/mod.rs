@@ -11,3 +11,5 @@ pub(crate) mod relight;
 pub(crate) mod render;
 pub(crate) mod sheet;
 pub(crate) mod verify;
+pub(crate) mod view;
+pub(crate) mod why;

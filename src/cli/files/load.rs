@@ -1,6 +1,6 @@
 //! Loads the scene of a job, and builds its frames for rendering.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::scene_file::SceneFile;
 use super::{built_in, scene_file};
@@ -10,38 +10,60 @@ use slo_accel::Isa;
 use slo_picture::output::check_prefix;
 use slo_render::frame::{Aids, FrameError, FrameScene};
 use slo_scene::animation::NoSegment;
+use slo_scene::files::Opened;
 use slo_scene::{Files, Loaded, SceneDescription, ShapeError, load_adapted};
 
 /// Loads the job's scene, and applies the settings of the command line. Prints the errors of the
 /// scene, and warnings about what these settings make of it.
 pub(crate) fn scene(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
-    let scene = read(job, terminal)?;
+    noted(job, terminal, &Opened::default())
+}
+
+/// Loads the job's scene as [`scene`] does, and notes the files on disk that it names.
+pub(crate) fn noted(
+    job: &Job,
+    terminal: Terminal,
+    opened: &Opened,
+) -> Result<SceneDescription, Problem> {
+    let scene = read(job, terminal, opened)?;
     check_prefix(&scene.camera.film.prefix)
         .map_err(|why| Problem::new(Exit::BadInput, format!("the Film's prefix: {why}")))?;
     Ok(scene)
 }
 
-fn read(job: &Job, terminal: Terminal) -> Result<SceneDescription, Problem> {
-    let loaded = match &job.scene {
-        None => {
-            let files = Files::built_in(built_in::FOLDER, built_in::FILES);
-            let adapt = |scene: &mut SceneDescription| job.overrides.apply(scene);
-            load_adapted(built_in::PATH, built_in::text(), &files, &adapt)
-        }
-        Some(path) => load_file(scene_file::read(path, job)?, job),
-    };
+fn read(job: &Job, terminal: Terminal, opened: &Opened) -> Result<SceneDescription, Problem> {
+    let loaded = load(&file(job)?, job, opened.clone());
     let Loaded { scene, diagnostics } = loaded;
     terminal.show(&diagnostics);
     let exit = if diagnostics.missing_input() { Exit::NoInput } else { Exit::BadInput };
     scene.ok_or_else(|| Problem::told(exit))
 }
 
-fn load_file(file: SceneFile, job: &Job) -> Loaded {
-    let folder = file.path.parent().unwrap_or(Path::new(""));
-    let files = Files::on_disk(folder, &file.root, job.allow_outside);
-    let files = files.with_cache(job.cache.clone());
+/// Reads the text of the job's scene.
+pub(crate) fn file(job: &Job) -> Result<SceneFile, Problem> {
+    match &job.scene {
+        None => Ok(SceneFile {
+            path: built_in::PATH.into(),
+            root: PathBuf::new(),
+            text: built_in::text().to_owned(),
+        }),
+        Some(path) => scene_file::read(path, job),
+    }
+}
+
+/// Loads the scene that a text describes, and applies the settings of the command line. Notes the files
+/// on disk that it names.
+pub(crate) fn load(file: &SceneFile, job: &Job, opened: Opened) -> Loaded {
+    let files = match &job.scene {
+        None => Files::built_in(built_in::FOLDER, built_in::FILES),
+        Some(_) => {
+            let folder = file.path.parent().unwrap_or(Path::new(""));
+            let files = Files::on_disk(folder, &file.root, job.allow_outside);
+            files.with_cache(job.cache.clone()).noted_in(opened)
+        }
+    };
     let adapt = |scene: &mut SceneDescription| job.overrides.apply(scene);
-    load_adapted(&file.path.to_string_lossy(), file.text, &files, &adapt)
+    load_adapted(&file.path.to_string_lossy(), &file.text, &files, &adapt)
 }
 
 /// Builds what a frame needs, on the threads of the current pool, with the help of what is there.

@@ -26,7 +26,7 @@ pub(crate) struct SceneFile {
 /// With `--indir`, the path starts there, and the scene's paths stay there. Without it, they stay
 /// in the current folder if the scene lies inside it, and in the scene's own folder otherwise.
 pub(crate) fn read(scene: &Path, job: &Job) -> Result<SceneFile, Problem> {
-    let path = job.indir.as_deref().unwrap_or(Path::new("")).join(scene);
+    let path = path_of(scene, job);
     let root = match &job.indir {
         Some(indir) => indir.clone(),
         None => root_without_indir(&path),
@@ -39,6 +39,11 @@ pub(crate) fn read(scene: &Path, job: &Job) -> Result<SceneFile, Problem> {
     }
     let text = read_text(&path)?;
     Ok(SceneFile { path, root, text })
+}
+
+/// Returns the path of the scene file that the job calls `scene`.
+pub(crate) fn path_of(scene: &Path, job: &Job) -> PathBuf {
+    job.indir.as_deref().unwrap_or(Path::new("")).join(scene)
 }
 
 fn root_without_indir(path: &Path) -> PathBuf {
@@ -77,14 +82,25 @@ fn without_dots(path: &Path) -> PathBuf {
 }
 
 fn read_text(path: &Path) -> Result<Vec<u8>, Problem> {
+    text(path).map_err(|error| match error.kind() {
+        io::ErrorKind::FileTooLarge => {
+            let message =
+                format!("`{}` is not a scene file: it is longer than 256 MiB", path.display());
+            Problem::new(Exit::BadInput, message)
+        }
+        _ => unreadable(path, &error),
+    })
+}
+
+/// Reads the text of a scene.
+///
+/// # Errors
+/// `FileTooLarge` for what can't be a scene, and any other I/O error.
+pub(crate) fn text(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open(path)
-        .and_then(|file| file.take(LONGEST_TEXT + 1).read_to_end(&mut bytes))
-        .map_err(|error| unreadable(path, &error))?;
+    open(path)?.take(LONGEST_TEXT + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > LONGEST_TEXT {
-        let message =
-            format!("`{}` is not a scene file: it is longer than 256 MiB", path.display());
-        return Err(Problem::new(Exit::BadInput, message));
+        return Err(io::ErrorKind::FileTooLarge.into());
     }
     Ok(bytes)
 }

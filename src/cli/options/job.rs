@@ -47,6 +47,8 @@ pub(crate) struct Job {
     pub(crate) maps: Maps,
     /// File that keeps the field which guides rays.
     pub(crate) guide_file: Option<FramePath>,
+    /// Host and port of the viewer that shows pictures while they are rendered.
+    pub(crate) display_server: Option<String>,
     /// How long a frame may take; `None`: as long as its samples take.
     pub(crate) time: Option<Duration>,
     /// How long all frames together may take.
@@ -55,6 +57,8 @@ pub(crate) struct Job {
     pub(crate) steps: Option<Steps>,
     /// Whether to list what would be rendered instead of rendering it.
     pub(crate) dry_run: bool,
+    /// Whether frames are rendered again whenever the scene changes.
+    pub(crate) watch: bool,
     pub(crate) progress: ProgressForm,
     pub(crate) overrides: Overrides,
     pub(crate) threads: Option<usize>,

@@ -8,7 +8,7 @@ use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
     Args, BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs,
-    SettingArgs, SheetArgs, VerifyArgs,
+    SettingArgs, SheetArgs, VerifyArgs, ViewArgs, WhyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
@@ -47,6 +47,10 @@ pub(crate) enum Task {
     Import(ImportArgs),
     /// Write the light on objects into images. The job names their scene.
     Bake(BakeArgs, Box<Job>),
+    /// Explain a pixel. The job names its scene.
+    Why(WhyArgs, Box<Job>),
+    /// Show a scene in the browser. The job names it.
+    View(ViewArgs, Box<Job>),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -60,6 +64,7 @@ impl From<Args> for Options {
             Some(Command::Relight(relight)) => relight.quiet,
             Some(Command::Import(import)) => import.quiet,
             Some(Command::Bake(bake)) => bake.quiet,
+            Some(Command::View(view)) => view.quiet,
             _ => quiet,
         };
         let verbosity = match (quiet, verbose) {
@@ -112,6 +117,24 @@ fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
                 args.frame = bake.frame.map(|n| FrameChoice::These(Frames::single(n)));
                 Task::Bake(bake, Box::new(job(args, terminal)?))
             }
+            Command::Why(why) => {
+                let &WhyArgs { size, integrator, photons, seed, .. } = &why;
+                args.settings =
+                    SettingArgs { size, integrator, photons, seed, ..SettingArgs::default() };
+                args.scene = why.scene.clone();
+                args.indir = why.indir.clone();
+                args.allow_outside = why.allow_outside;
+                args.threads = why.threads;
+                Task::Why(why, Box::new(job(args, terminal)?))
+            }
+            Command::View(view) => {
+                args.scene = view.scene.clone();
+                args.indir = view.indir.clone();
+                args.allow_outside = view.allow_outside;
+                args.settings = view.settings;
+                args.threads = view.threads;
+                Task::View(view, Box::new(job(args, terminal)?))
+            }
         });
     }
     match args.recipe.clone() {
@@ -155,7 +178,9 @@ fn job(args: Args, terminal: Terminal) -> Result<Job, Problem> {
         steps: args.steps,
         maps,
         guide_file: args.guide_file,
+        display_server: args.display_server,
         dry_run: args.dry_run,
+        watch: args.watch,
         progress: args.progress,
         overrides: Overrides {
             prefix: args.prefix,

@@ -1,5 +1,6 @@
 //! Values of options: what can be typed for each, and what it stands for.
 
+mod address;
 mod bytes;
 mod frame_path;
 mod frames;
@@ -12,9 +13,11 @@ mod part;
 mod picture;
 mod progress;
 mod quality;
+mod server;
 mod threads;
 mod time;
 
+pub(crate) use address::address;
 pub(crate) use bytes::bytes;
 pub(crate) use frame_path::FramePath;
 pub(crate) use frames::{FrameChoice, Frames, frame, frames, named, shown};
@@ -26,8 +29,9 @@ pub(crate) use names::{
 pub(crate) use numbers::count;
 pub(crate) use order::Order;
 pub(crate) use part::{PartBy, part};
-pub(crate) use picture::{Region, SizeChoice, region, size};
+pub(crate) use picture::{PixelAt, Region, SizeChoice, pixel_at, region, size};
 pub(crate) use progress::ProgressForm;
 pub(crate) use quality::{exposure, limit, noise, photons, samples, seed, steps};
+pub(crate) use server::server;
 pub(crate) use threads::{Threads, threads};
 pub(crate) use time::{LONGEST_LEASE, SHORTEST_LEASE, interval, lease, time};

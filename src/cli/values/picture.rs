@@ -19,6 +19,31 @@ impl fmt::Display for Region {
     }
 }
 
+/// A pixel, in pixels from the upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PixelAt {
+    pub(crate) x: u32,
+    pub(crate) y: u32,
+}
+
+impl fmt::Display for PixelAt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{},{}", self.x, self.y)
+    }
+}
+
+/// Parses `X,Y`.
+pub(crate) fn pixel_at(text: &str) -> Result<PixelAt, String> {
+    let (x, y) = text.split_once(',').unwrap_or_default();
+    let side = |text: &str| whole(text).and_then(|side| u32::try_from(side).ok());
+    let side = |text: &str| side(text).filter(|side| *side < LARGEST_SIDE);
+    let found = side(x.trim()).zip(side(y.trim())).map(|(x, y)| PixelAt { x, y });
+    found.ok_or_else(|| {
+        "expected a column and a row, counted from 0 at the upper left corner, such as 320,180"
+            .to_owned()
+    })
+}
+
 /// `--size`, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Size {
@@ -32,6 +57,15 @@ pub(crate) enum SizeChoice {
     Pixels(Size),
     /// Share of each side of the scene's picture.
     Share(f64),
+}
+
+impl fmt::Display for SizeChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pixels(Size { width, height }) => write!(f, "{width}x{height}"),
+            Self::Share(share) => write!(f, "{}%", share * 100.0),
+        }
+    }
 }
 
 impl SizeChoice {

@@ -83,6 +83,11 @@ impl Looks {
         isa.run(FindLooks { looks: self, still_objects, found, to });
     }
 
+    /// Returns the number of objects.
+    pub(super) fn len(&self) -> usize {
+        self.words.len() - 1
+    }
+
     /// Returns the look of the object with an index.
     pub(super) fn of(&self, object: u32) -> Look {
         Look::of_word(self.word_of(object))

@@ -32,6 +32,7 @@ mod surfaces;
 mod survey;
 mod texel_points;
 mod texels;
+mod things;
 mod world;
 
 pub use error::FrameError;
@@ -42,4 +43,5 @@ pub use remains::Remains;
 pub use scene::FrameScene;
 pub(crate) use surfaces::{NO_MATERIAL, SurfaceScratch, Surfaces};
 pub(crate) use texels::{Baked, TexelPoint};
+pub use things::{Thing, Things};
 pub(crate) use world::{WorldHits, WorldScratch};

@@ -4,7 +4,7 @@ use slo_accel::Rays;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
 /// Data of a ray besides its geometry.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Labels {
     /// Shutter time in `[0, 1]`.
     pub(super) time: Column<f32>,

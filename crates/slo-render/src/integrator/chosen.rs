@@ -34,6 +34,11 @@ impl Chosen {
         self.count
     }
 
+    /// Returns the chosen entries in order.
+    pub(super) fn entries(&self) -> impl Iterator<Item = usize> {
+        (0..BATCH).filter(|i| self.flags[*i] != 0)
+    }
+
     /// Returns the entries below `len` that were not chosen, in order.
     pub(super) fn others(&self, len: usize) -> impl Iterator<Item = usize> {
         let groups = self.bits.iter().enumerate().take(len.div_ceil(GROUP));

@@ -6,6 +6,7 @@
 
 use slo_picture::film::Features;
 
+use super::account::Source;
 use super::batch::Batch;
 use super::branching::most_camera_rays;
 use super::machine::{Connection, Integrator, Machine};
@@ -62,7 +63,9 @@ impl Distributed {
         for question in questions(job.frame, depth) {
             let Self { points, lobes, direct_light, .. } = self;
             direct_light.ask(job, points, lobes, glossy, question, depth)?;
-            machine.connect(kind, &direct_light.sent, &points.labels, &direct_light.chosen);
+            let DirectLight { sent, chosen, .. } = &**direct_light;
+            let light = |i| direct_light.light(question, i);
+            machine.connect(kind, sent, &points.labels, chosen, light);
             machine.relieve(job, kind);
             job.goes_on()?;
         }
@@ -98,11 +101,12 @@ impl Integrator for Distributed {
         let Self { batch, hits, ended, points, features, first_hits, lobes, .. } = self;
         machine.find_hits(frame, batch, hits, depth);
         ended.find(frame, batch, hits, depth);
-        machine.add(frame.isa, &ended.light, &ended.slot, ended.len);
+        machine.add(frame.isa, Source::Arrived, &ended.light, &ended.slot, ended.len);
         points.find(frame, batch, hits, machine.seeds());
         points.look_up_phong(frame);
         if frame.material_table.has_ambient {
-            machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
+            let Points { ambient, labels, .. } = &**points;
+            machine.add(frame.isa, Source::Ambient, ambient, &labels.slot, points.len());
         }
         if depth == 0 {
             first_hits.add(frame, batch, hits, points);

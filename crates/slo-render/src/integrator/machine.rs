@@ -4,6 +4,7 @@
 use slo_accel::Isa;
 use slo_accel::math::columns::{BATCH, Column, Vec3s};
 
+use super::account::{Account, Source};
 use super::batch::{Batch, Labels, Past, Sent};
 use super::chosen::Chosen;
 use super::queue::RayQueue;
@@ -69,6 +70,8 @@ pub(super) struct Machine {
     sums: Box<Sums>,
     counts: Statistics,
     visibility: Box<Visibility>,
+    /// The account that is kept, if one was asked for.
+    account: Option<Box<Account>>,
     /// Working memory of ray queries.
     scratch: WorldScratch,
 }
@@ -84,6 +87,16 @@ impl Machine {
         }
         self.sums.reset(self.seeds.len());
         self.queue_at(0);
+    }
+
+    /// Keeps an account of the work that was begun. Entries of work have one sample each.
+    pub(super) fn keep_account(&mut self, frame: &FrameScene) {
+        self.account.get_or_insert_default().begin(self.seeds.len(), frame.first_shaded);
+    }
+
+    /// Returns the account that was kept.
+    pub(super) fn take_account(&mut self) -> Option<Box<Account>> {
+        self.account.take()
     }
 
     /// Begins work without sums: rays of slot `i` start at light `i` of `lights`, and all have the same
@@ -189,15 +202,24 @@ impl Machine {
 
     /// Takes the next batch of connections of a kind, and adds the light of those that nothing blocks.
     fn trace_connections(&mut self, job: &Job<'_>, kind: Connection) {
-        let Self { connections, visibility, scratch, counts, sums, .. } = self;
+        let Self { connections, visibility, scratch, counts, sums, seeds, account, .. } = self;
         let (frame, queue) = (job.frame, &mut connections[kind as usize]);
         queue.take_batch(&mut visibility.batch);
         counts.shadow_rays += visibility.batch.len() as u64;
         visibility.trace(frame, &mut queue.habit, scratch);
         if let Some((sent, labels, chosen)) = visibility.beyond() {
-            queue.append(sent, labels, chosen);
+            match account {
+                None => queue.append(sent, labels, chosen),
+                Some(account) => {
+                    let slots = account.list_passing(sent, labels, chosen);
+                    queue.append(sent, &named(seeds, labels, slots, chosen), chosen);
+                }
+            }
         }
         let Batch { weight, labels, .. } = &visibility.batch;
+        if let Some(account) = account {
+            account.note_light(Source::Asked, weight, &labels.slot, visibility.batch.len());
+        }
         let refused = sums.add(frame.isa, weight, &labels.slot, visibility.batch.len());
         counts.refused_contributions += refused;
     }
@@ -212,6 +234,9 @@ impl Machine {
     ) {
         self.queue_at(depth);
         hits.trace(frame, batch, &mut self.paths[depth as usize].habit, &mut self.scratch);
+        if let Some(account) = &mut self.account {
+            account.note_hits(frame, batch, hits);
+        }
     }
 
     /// Seed of the pixel of each slot.
@@ -221,6 +246,11 @@ impl Machine {
 
     /// Queues chosen rays after `depth` bounces.
     pub(super) fn extend(&mut self, depth: u32, sent: &Sent, labels: &Labels, chosen: &Chosen) {
+        if let Some(account) = &mut self.account {
+            let slots = account.list_lobes(depth, sent, labels, None, chosen);
+            let labels = named(&mut self.seeds, labels, slots, chosen);
+            return self.queue_at(depth).append_named(sent, &labels, chosen);
+        }
         self.queue_at(depth).append_named(sent, labels, chosen);
     }
 
@@ -233,18 +263,29 @@ impl Machine {
         past: &Past,
         chosen: &Chosen,
     ) {
+        if let Some(account) = &mut self.account {
+            let slots = account.list_lobes(depth, sent, labels, Some(past), chosen);
+            let labels = named(&mut self.seeds, labels, slots, chosen);
+            return self.queue_at(depth).append_path(sent, &labels, past, chosen);
+        }
         self.queue_at(depth).append_path(sent, labels, past, chosen);
     }
 
-    /// Queues chosen connections.
+    /// Queues chosen connections to lights; `light` tells the number of the light of each.
     pub(super) fn connect(
         &mut self,
         kind: Connection,
         sent: &Sent,
         labels: &Labels,
         chosen: &Chosen,
+        light: impl Fn(usize) -> u32,
     ) {
-        self.connections[kind as usize].append(sent, labels, chosen);
+        let queue = &mut self.connections[kind as usize];
+        if let Some(account) = &mut self.account {
+            let slots = account.list_connections(sent, labels, chosen, light);
+            return queue.append(sent, &named(&mut self.seeds, labels, slots, chosen), chosen);
+        }
+        queue.append(sent, labels, chosen);
     }
 
     /// Takes the next batch of rays after `depth` bounces.
@@ -253,8 +294,18 @@ impl Machine {
         self.counts.bounce_rays += batch.len() as u64;
     }
 
-    /// Adds the first `len` weighted radiances, each to its slot.
-    pub(super) fn add(&mut self, isa: Isa, radiance: &Vec3s, slot: &Column<u32>, len: usize) {
+    /// Adds the first `len` weighted radiances of a source, each to its slot.
+    pub(super) fn add(
+        &mut self,
+        isa: Isa,
+        source: Source,
+        radiance: &Vec3s,
+        slot: &Column<u32>,
+        len: usize,
+    ) {
+        if let Some(account) = &mut self.account {
+            account.note_light(source, radiance, slot, len);
+        }
         self.counts.refused_contributions += self.sums.add(isa, radiance, slot, len);
     }
 
@@ -272,4 +323,20 @@ impl Machine {
         let rooms = |queues: &[RayQueue]| queues.iter().map(RayQueue::room).collect();
         (rooms(&self.paths), rooms(&self.connections))
     }
+}
+
+/// Returns labels with the slots that an account gives to chosen rays, which keep the seeds of the
+/// slots before.
+fn named(
+    seeds: &mut Vec<PixelSeed>,
+    labels: &Labels,
+    slots: Column<u32>,
+    chosen: &Chosen,
+) -> Labels {
+    for i in chosen.entries() {
+        if slots[i] as usize == seeds.len() {
+            seeds.push(seeds[labels.slot[i] as usize]);
+        }
+    }
+    Labels { slot: slots, ..labels.clone() }
 }

@@ -8,8 +8,10 @@
 //! - `machine` holds the queues, decides which batch comes next, and adds up the light. It is
 //!   independent of light transport.
 //! - `stages` turn columns into columns, each with its own working memory.
+//! - An `account` lists the rays of a sample and the light that each brought, on request.
 //! - The integrators, `distributed`, `path` and `photon_map`, list their stages and how they branch.
 
+mod account;
 mod batch;
 mod branching;
 mod chosen;
@@ -29,6 +31,7 @@ mod tracer;
 mod vertices;
 mod work;
 
+pub use account::{Account, AccountHit, AccountRay, Gain, Leg, Source};
 pub use hemisphere::HemisphereTracer;
 pub use light_paths::PhotonTracer;
 pub use photon_pass::PhotonPass;

@@ -9,6 +9,7 @@
 
 use slo_scene::Integrator as Kind;
 
+use super::account::Source;
 use super::batch::Batch;
 use super::branching::continuations;
 use super::machine::{Integrator, Machine};
@@ -37,7 +38,8 @@ impl Path {
         points.find_footprints(batch, hits);
         merging.reach(job.frame, maps, points, depth);
         while merging.find(job, maps, points, (&**bsdfs, &**guiding), (depth, *stride)) {
-            machine.add(job.frame.isa, &merging.light, &merging.slot, merging.len);
+            let Merging { light, slot, len, .. } = &**merging;
+            machine.add(job.frame.isa, Source::Photons, light, slot, *len);
             job.goes_on()?;
         }
         Some(())

@@ -10,6 +10,7 @@
 
 use slo_picture::film::PlaceLayers;
 
+use super::account::Source;
 use super::batch::Batch;
 use super::branching::continuations;
 use super::machine::{Integrator, Machine};
@@ -91,7 +92,8 @@ impl Integrator for PhotonMapping {
         let Vertices { batch, hits, points, bsdfs, .. } = vertices;
         let none = PhotonLight::default();
         stored.find(frame, job.light.unwrap_or(&none), (batch, hits), points, bsdfs);
-        machine.add(frame.isa, &stored.light, &points.labels.slot, points.len());
+        let slot = &points.labels.slot;
+        machine.add(frame.isa, Source::Photons, &stored.light, slot, points.len());
         stored.close(frame, points, bsdfs);
         if !stored.any_goes_on(points) {
             return Some(());

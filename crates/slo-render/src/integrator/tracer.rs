@@ -3,6 +3,7 @@
 use slo_picture::film::Features;
 use slo_scene::Integrator as Kind;
 
+use super::account::Account;
 use super::distributed::Distributed;
 use super::machine::Machine;
 use super::path::Path;
@@ -18,6 +19,7 @@ pub struct Tracer {
     distributed: Option<Distributed>,
     path: Option<Path>,
     photon_map: Option<PhotonMapping>,
+    keeps_account: bool,
 }
 
 impl Tracer {
@@ -32,10 +34,13 @@ impl Tracer {
     ) -> Option<Traced<'_>> {
         let (maps, light, guide) = (beside.maps, beside.light, frame.field());
         let job = Job { maps, light, guide, ..Job::new(frame, work, gives_up) };
-        let Self { machine, distributed, path, photon_map } = self;
+        let Self { machine, distributed, path, photon_map, keeps_account } = self;
         let copies = if beside.features { 2 } else { 1 };
         let groups = if frame.is_physical { beside.light_groups } else { 0 };
         machine.begin(&frame.sampler, work, copies * (groups + 1));
+        if *keeps_account {
+            machine.keep_account(frame);
+        }
         let feature_slots = if beside.features { work.len() } else { 0 };
         let stride = if groups > 0 { copies * work.len() } else { 0 };
         let (places, ids) = (beside.places, beside.ids);
@@ -62,6 +67,25 @@ impl Tracer {
         let (sums, groups, statistics) = machine.finish(work.len(), groups);
         let (places, seen) = first_hits.get();
         Some(Traced { sums, features, groups, places, seen, statistics })
+    }
+
+    /// Traces one camera sample and keeps an account of it. `beside` holds the photons that it uses.
+    /// Returns `None` if `gives_up` says to give up.
+    pub fn account(
+        &mut self,
+        frame: &FrameScene,
+        work: Work,
+        beside: Beside<'_>,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<Box<Account>> {
+        self.keeps_account = true;
+        let work = Work { count: 1, ..work };
+        let Beside { maps, light, .. } = beside;
+        let beside = Beside { maps, light, ..Beside::default() };
+        let traced = self.trace(frame, &[work], beside, gives_up).map(|_| ());
+        self.keeps_account = false;
+        let account = self.machine.take_account();
+        traced.and(account)
     }
 }
 

@@ -3,6 +3,7 @@
 use slo_picture::film::Features;
 use slo_scene::Integrator as Kind;
 
+use super::account::Source;
 use super::batch::Batch;
 use super::branching::most_camera_rays;
 use super::machine::{Connection, Machine};
@@ -89,7 +90,8 @@ impl Vertices {
         }
         for part in 0..arrived_parts(frame, *stride) {
             arrived.find(frame, batch, hits, depth, (*stride, part));
-            machine.add(frame.isa, &arrived.light, &arrived.slot, arrived.len);
+            let Arrived { light, slot, len, .. } = &**arrived;
+            machine.add(frame.isa, Source::Arrived, light, slot, *len);
         }
         let is_last = depth > frame.settings.recursion();
         let table = &frame.material_table;
@@ -112,7 +114,8 @@ impl Vertices {
         bsdfs.open_receivers(points);
         if table.emits && emission.find(frame, batch, hits, points, bsdfs, depth) {
             emission.name(frame, hits, points, *stride);
-            machine.add(frame.isa, &emission.light, &emission.slot, points.len());
+            let Emission { light, slot } = &**emission;
+            machine.add(frame.isa, Source::Emitted, light, slot, points.len());
         }
         if is_last {
             return false;
@@ -122,7 +125,8 @@ impl Vertices {
         }
         if table.has_ambient && frame.settings.integrator == Kind::Distributed {
             points.look_up_phong(frame);
-            machine.add(frame.isa, &points.ambient, &points.labels.slot, points.len());
+            let Points { ambient, labels, .. } = &**points;
+            machine.add(frame.isa, Source::Ambient, ambient, &labels.slot, points.len());
         }
         if depth == 0 {
             first_hits.add(frame, batch, hits, points);
@@ -147,7 +151,8 @@ impl Vertices {
             let Self { points, bsdfs, guiding, lamp_light, to_shaded, .. } = self;
             lamp_light.ask(job, points, (&**bsdfs, &**guiding), question, depth);
             lamp_light.name(job.frame, points, self.stride);
-            machine.connect(kind, &lamp_light.sent, &lamp_light.labels, &lamp_light.chosen);
+            let LampLight { sent, labels, chosen, .. } = &**lamp_light;
+            machine.connect(kind, sent, labels, chosen, |i| lamp_light.light(i));
             if job.frame.has_shaded_lights() {
                 to_shaded.find(job.frame, points, lamp_light, self.features.first_behind());
                 let ToShaded { sent, labels, past, chosen, .. } = &**to_shaded;

@@ -2,6 +2,7 @@
 
 mod budget;
 mod clock;
+mod explain;
 mod guide;
 mod light_map;
 mod lock;
@@ -17,6 +18,7 @@ mod whole;
 
 pub use crate::integrator::Statistics;
 pub use budget::{Budget, render_until};
+pub use explain::explain;
 pub use light_map::light_map;
 pub use observer::{Exposed, Observer};
 pub use plan::{Part, Plan};

@@ -18,6 +18,10 @@ pub trait Observer: Sync {
     fn learned(&self, field: &Field) {
         let _ = field;
     }
+    /// Receives a tile after each of its steps.
+    fn exposed(&self, tile: &Film) {
+        let _ = tile;
+    }
     /// Whether to stop after the current step of each tile.
     fn should_stop(&self) -> bool {
         false

@@ -41,7 +41,7 @@ pub(super) struct Stretches<'a> {
     next: Option<u32>,
     is_first: bool,
     light: Option<Arc<PhotonLight>>,
-    tracers: Vec<Mutex<PhotonTracer>>,
+    tracers: Tracers,
 }
 
 impl<'a> Stretches<'a> {
@@ -51,8 +51,7 @@ impl<'a> Stretches<'a> {
         first: Option<u32>,
         light: Option<Arc<PhotonLight>>,
     ) -> Self {
-        let threads = if first.is_some() { rayon::current_num_threads() } else { 0 };
-        let tracers = (0..threads).map(|_| Mutex::default()).collect();
+        let tracers = if first.is_some() { Tracers::new() } else { Tracers(Vec::new()) };
         Self { frame, next: first, is_first: true, light, tracers }
     }
 
@@ -83,15 +82,34 @@ impl<'a> Stretches<'a> {
             }
             passes.push(next);
         }
-        let maps = self.trace(first, &passes, gives_up)?;
+        let maps = self.tracers.trace(self.frame, first, &passes, gives_up)?;
         let end = samples_of(first + passes.len() as u32 - 1).end;
         self.next = Some(end);
         Some(Stretch { maps: Some(Arc::new(maps)), light, end, is_first })
+    }
+}
+
+/// Traces the photons of one pass, on all threads. Returns `None` if `gives_up` says to give up.
+pub(super) fn maps_of(
+    frame: &FrameScene,
+    pass: u32,
+    gives_up: &(dyn Fn() -> bool + Sync),
+) -> Option<PhotonMaps> {
+    Tracers::new().trace(frame, pass, &[PhotonPass::new(frame, pass)], gives_up)
+}
+
+/// What each thread traces photons with.
+struct Tracers(Vec<Mutex<PhotonTracer>>);
+
+impl Tracers {
+    fn new() -> Self {
+        Self((0..rayon::current_num_threads()).map(|_| Mutex::default()).collect())
     }
 
     /// Traces the photons of passes, on all threads.
     fn trace(
         &self,
+        frame: &FrameScene,
         first: u32,
         passes: &[PhotonPass],
         gives_up: &(dyn Fn() -> bool + Sync),
@@ -108,8 +126,8 @@ impl<'a> Stretches<'a> {
             .into_par_iter()
             .map(|(number, pass, range)| {
                 let thread = rayon::current_thread_index().unwrap_or(0);
-                let mut tracer = lock(&self.tracers[thread]);
-                let photons = tracer.trace(self.frame, pass, range, gives_up)?;
+                let mut tracer = lock(&self.0[thread]);
+                let photons = tracer.trace(frame, pass, range, gives_up)?;
                 Some((number, photons))
             })
             .collect();

@@ -144,7 +144,7 @@ impl Plan {
     }
 
     /// Returns the most samples that a pixel takes, including other shares.
-    pub(super) fn most(&self) -> u32 {
+    pub fn most(&self) -> u32 {
         self.most
     }
 

@@ -99,6 +99,7 @@ impl<'a> Run<'a> {
             }
             let step = renderer.take_step(self.frame, plan, &|| self.observer.gives_up());
             let (film, statistics, samples) = step.ok_or(Stopped)?;
+            self.observer.exposed(film);
             {
                 let mut result = lock(&self.result);
                 result.0.put(film);

@@ -1,5 +1,6 @@
 //! Compares pictures with theory, with a plain recursive renderer, and with each other.
 
+mod accounts;
 mod analytic;
 mod any_split;
 mod determinism;

@@ -9,6 +9,7 @@
 mod affine;
 mod bezier;
 mod camera_path;
+mod changing;
 mod clock;
 mod key_frames;
 mod mix;
@@ -22,6 +23,7 @@ mod rigid;
 pub use affine::DAffine;
 pub use bezier::{bezier, cubic};
 pub use camera_path::{View, axes, between, view_at};
+pub use changing::hash_of_shapes;
 pub use clock::{Clock, NoSegment, SegmentFrames, Shutter};
 pub use key_frames::{Jump, KeyFrameError, KeyFrames};
 pub use mix::mix;

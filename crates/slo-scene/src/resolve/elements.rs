@@ -120,7 +120,7 @@ pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
 });
 
 /// The language of these elements.
-pub(super) static LANGUAGE: LazyLock<Language> =
+pub(crate) static LANGUAGE: LazyLock<Language> =
     LazyLock::new(|| Language::new(ELEMENTS.iter().map(|known| &known.schema).collect()));
 
 /// The elements of all kinds of a thing.

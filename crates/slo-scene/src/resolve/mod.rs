@@ -19,4 +19,5 @@ mod tangents;
 mod texture;
 mod turns;
 
+pub(crate) use elements::LANGUAGE;
 pub(crate) use resolver::resolve;

@@ -8,10 +8,12 @@ use super::desk::Desk;
 use super::done::{Done, Size, Times};
 use super::guide_file::GuideFile;
 use super::target::{Target, in_the_way};
+use super::watch::Watcher;
 use crate::cli::base::{Exit, Problem, Terminal, counted};
 use crate::cli::files::checkpoint::{Checkpoint, recipe_hash};
 use crate::cli::options::Job;
 use crate::cli::progress::{FrameProgress, Progress};
+use crate::cli::system::display::{Display, DisplayedImage};
 use crate::cli::system::memory::Reserve;
 use crate::cli::system::room::{Beside, Needs};
 use crate::cli::system::{interrupt, patience};
@@ -32,6 +34,10 @@ pub(super) struct Studio<'a> {
     pub(super) scene: &'a SceneDescription,
     pub(super) target: Target<'a>,
     pub(super) terminal: Terminal,
+    /// The viewer that shows pictures while they are rendered.
+    pub(super) display: Option<Display>,
+    /// Looks at the files of the scene: if one changes, the frame is not worth finishing.
+    pub(super) watcher: Option<&'a Watcher>,
 }
 
 /// Limit after which a frame takes no more samples, by the clock.
@@ -92,7 +98,11 @@ impl Studio<'_> {
         find_out_if_writable(expected, desk.before.is_none())?;
         let (progress, checkpoint) = (progress.frame(frame, expected), self.checkpoint(frame));
         let guide_file = GuideFile::new(self.job, self.scene, frame, self.terminal);
-        let watch = Watch { progress, checkpoint, guide_file, is_lost };
+        let display = self.display.as_ref().map(|display| {
+            let film = &self.scene.camera.film;
+            display.image(&expected.to_string_lossy(), film.width, film.height)
+        });
+        let watch = Watch { progress, checkpoint, guide_file, display, is_lost };
         let start = Instant::now();
         let built = desk.frame(self.job, self.scene, frame)?;
         let built = match watch.guide_file.read()? {
@@ -126,6 +136,11 @@ impl Studio<'_> {
         }
         let times = Times { building, rendering, ..Times::default() };
         Ok(Taken { frame, film, steps, checkpoint, end, times, statistics, size })
+    }
+
+    /// Whether the files of the scene have changed, so that frames must be rendered again.
+    pub(super) fn is_stale(&self) -> bool {
+        self.watcher.is_some_and(Watcher::have_changed)
     }
 
     /// Makes the files of a frame that has all of its samples.
@@ -311,6 +326,7 @@ struct Watch<'a> {
     progress: FrameProgress<'a>,
     checkpoint: Checkpoint,
     guide_file: GuideFile,
+    display: Option<DisplayedImage<'a>>,
     is_lost: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -325,6 +341,12 @@ impl Observer for Watch<'_> {
 
     fn learned(&self, field: &Field) {
         self.guide_file.write(field);
+    }
+
+    fn exposed(&self, tile: &Film) {
+        if let Some(display) = &self.display {
+            display.show(tile);
+        }
     }
 
     fn should_stop(&self) -> bool {

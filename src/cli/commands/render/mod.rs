@@ -16,6 +16,7 @@ mod shared;
 mod summary;
 mod target;
 mod total;
+mod watch;
 
 use std::time::Instant;
 
@@ -23,6 +24,7 @@ use crate::cli::base::{Problem, Terminal};
 use crate::cli::claims::Left;
 use crate::cli::files::load;
 use crate::cli::options::Job;
+use crate::cli::system::display::Display;
 use crate::cli::system::interrupt::Guard;
 use crate::cli::system::threads;
 use frame::Studio;
@@ -30,17 +32,37 @@ use plan::Step;
 use run::Run;
 use slo_scene::Accelerator;
 use slo_scene::SceneDescription;
+use slo_scene::files::Opened;
 use target::Target;
+use watch::Watcher;
 
 /// Renders the job's frames, prints the paths of their pictures, and reports how it went.
 pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
+    if job.watch {
+        watch::run(job, terminal)
+    } else {
+        once(job, terminal, &Opened::default(), None)
+    }
+}
+
+/// Renders the job's frames once. Notes the files of the scene, and gives up if the watcher says that one
+/// has changed.
+fn once(
+    job: &Job,
+    terminal: Terminal,
+    opened: &Opened,
+    watcher: Option<&Watcher>,
+) -> Result<(), Problem> {
     let start = Instant::now();
     // A dry run needs no guard: it can simply be repeated.
     let _guard = (!job.dry_run).then(Guard::new);
     let pool = threads::pool(job.threads)?;
-    let scene = pool.install(|| load::scene(job, terminal))?;
+    let scene = pool.install(|| load::noted(job, terminal, opened))?;
+    if let Some(watcher) = watcher {
+        watcher.add(opened.paths());
+    }
     let job = &job.for_scene(&scene)?;
-    let go = || render(job, &scene, terminal, start);
+    let go = || render(job, &scene, terminal, start, watcher);
     match (job.threads, scene.settings.parallel_threads) {
         (None, Some(asked)) => threads::pool(Some(asked as usize))?.install(go),
         _ => pool.install(go),
@@ -52,6 +74,7 @@ fn render(
     scene: &SceneDescription,
     terminal: Terminal,
     begin: Instant,
+    watcher: Option<&Watcher>,
 ) -> Result<(), Problem> {
     let loading = begin.elapsed();
     let target = Target::new(job, scene)?;
@@ -59,7 +82,7 @@ fn render(
     if job.dry_run {
         return dry_run::tell(steps, terminal);
     }
-    let studio = Studio { job, scene, target, terminal };
+    let studio = Studio { job, scene, target, terminal, display: None, watcher };
     let (frames, to_render) = (steps.len(), to_render(&steps));
     if let Some(first) = steps.iter().find(|step| step.is_to_render()) {
         let needs = studio.needs(first.frame, to_render);
@@ -74,6 +97,9 @@ fn render(
         steps.iter().map(|step| run.studio.target.plain_path(step.frame)).collect();
     let left = Left::look(&job.outdir, claimed.iter().map(|path| &**path));
     Guard::begin_work();
+    if let Some(address) = job.display_server.as_ref().filter(|_| to_render > 0) {
+        run.studio.display = Display::connect(address, terminal);
+    }
     let start = Instant::now();
     let result = match (job.share, job.total_time) {
         (Some(lease), _) => run.share(steps, lease),

@@ -73,9 +73,14 @@ impl<'scope, 'env> Sequence<'scope, 'env> {
         may_begin(*frame)?;
         let Run { studio, progress, .. } = self.run;
         let limit = studio.limit();
-        match studio.take(*frame, path, limit, progress, &mut self.desk, &|| false) {
+        match studio.take(*frame, path, limit, progress, &mut self.desk, &|| studio.is_stale()) {
             Ok(taken) => self.develop(taken),
-            Err(problem) if problem.exit == Exit::Stopped && interrupt::requested() => Err(problem),
+            Err(problem)
+                if problem.exit == Exit::Stopped
+                    && (interrupt::requested() || studio.is_stale()) =>
+            {
+                Err(problem)
+            }
             Err(problem) => {
                 self.desk.written()?;
                 self.run.fail(*frame, problem, true);

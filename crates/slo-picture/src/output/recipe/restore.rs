@@ -7,7 +7,7 @@ use slo_scene::SceneDescription;
 use slo_scene::settings::Effect;
 
 use super::read::{Members, layers_of, restore_settings};
-use super::write::scene_hash;
+use super::write::{scene_hash, shapes_hash};
 
 /// Why a recipe does not go with a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,11 @@ pub fn restore(
     }
     let mut scene = scene.clone();
     let frame = recipe.as_object().and_then(|members| set(&mut scene, recipe, members));
-    Ok((scene, frame.ok_or(RestoreError::OtherVersion)?))
+    let frame = frame.ok_or(RestoreError::OtherVersion)?;
+    if recipe["shapesBlake3"].as_str() != shapes_hash(&scene, frame).as_deref() {
+        return Err(RestoreError::OtherScene);
+    }
+    Ok((scene, frame))
 }
 
 /// Sets all that the recipe names; returns the frame.

@@ -6,6 +6,7 @@
 use std::fmt::{Display, Write};
 
 use slo_scene::SceneDescription;
+use slo_scene::animation::hash_of_shapes;
 use slo_scene::settings::{Effect, Entries, Value, recorded};
 
 use crate::film::{Area, Steps};
@@ -21,13 +22,16 @@ pub struct Recipe<'a> {
 
 impl Recipe<'_> {
     /// The recipe as a JSON object, one member a line, ASCII only. Settings have the names and the
-    /// spelling of the scene language.
+    /// spelling of the scene language. Reads the shapes of bending meshes that the frame shows.
     pub fn to_json(&self) -> String {
         let mut json = JsonObject::default();
         json.text("program", "slo-rt");
         json.text("version", env!("CARGO_PKG_VERSION"));
         json.text("sceneBlake3", scene_hash(self.scene));
         json.number("frame", self.frame);
+        if let Some(hash) = shapes_hash(self.scene, self.frame) {
+            json.text("shapesBlake3", hash);
+        }
         let SceneDescription { camera, settings, .. } = self.scene;
         let mut film = camera.film.clone();
         film.encoding = Some(film.look(settings).encoding);
@@ -48,6 +52,9 @@ impl Recipe<'_> {
         json.text("version", env!("CARGO_PKG_VERSION"));
         json.text("sceneBlake3", scene_hash(self.scene));
         json.number("frame", self.frame);
+        if let Some(hash) = shapes_hash(self.scene, self.frame) {
+            json.text("shapesBlake3", hash);
+        }
         json.settings_if(&camera.film, |effect| effect == Effect::Samples);
         json.settings_if(settings, |effect| effect == Effect::Samples);
         *blake3::hash(json.finish().as_bytes()).as_bytes()
@@ -57,6 +64,11 @@ impl Recipe<'_> {
 /// The hash of a scene as recipes hold it.
 pub(super) fn scene_hash(scene: &SceneDescription) -> String {
     blake3::Hash::from_bytes(scene.content_hash).to_hex().to_string()
+}
+
+/// The hash of the shapes that bending meshes have in a frame, as recipes hold it.
+pub(super) fn shapes_hash(scene: &SceneDescription, frame: i64) -> Option<String> {
+    hash_of_shapes(scene, frame).map(|hash| blake3::Hash::from_bytes(hash).to_hex().to_string())
 }
 
 /// The recipe of a picture -> the recipe of a region of it.

@@ -389,7 +389,8 @@ impl FrameScene {
         1.0 - images.opacity(material, &self.textures, surfaces.uv(i))
     }
 
-    pub(in crate::frame) fn object_of(&self, primitive: u32, instance: u32) -> u32 {
+    /// Returns the number of the object that a primitive belongs to.
+    pub(crate) fn object_of(&self, primitive: u32, instance: u32) -> u32 {
         if instance == STILL {
             self.still_objects[primitive as usize]
         } else {

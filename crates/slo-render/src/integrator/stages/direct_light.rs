@@ -90,6 +90,11 @@ impl DirectLight {
         chosen.set(frame.isa, points.len(), |i| sent.weight.get(i) != Vec3::ZERO);
         Some(())
     }
+
+    /// Returns the number of the light that point `i` asks.
+    pub(in crate::integrator) fn light(&self, question: Question, i: usize) -> u32 {
+        question.light.unwrap_or_else(|| self.choice.light()[i])
+    }
 }
 
 /// What the rays from all points to lights have in common.

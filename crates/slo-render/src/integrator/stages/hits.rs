@@ -1,5 +1,6 @@
 //! The first hits of a batch, and which of them are shaded.
 
+use slo_accel::NO_HIT;
 use slo_accel::instances::NO_INSTANCE;
 use slo_accel::math::columns::{BATCH, Column};
 
@@ -48,6 +49,18 @@ impl Hits {
         }
         shaded.set(frame.isa, batch.len(), |i| Look::is_material(looks[i]));
         true
+    }
+
+    /// Returns the number of the object that a ray hit, and the distance; `None` if it hit nothing.
+    pub(in crate::integrator) fn thing(
+        &self,
+        frame: &FrameScene,
+        ray: usize,
+    ) -> Option<(u32, f32)> {
+        let WorldHits { hits, instance } = &self.found;
+        let primitive = hits.primitive[ray];
+        let thing = || frame.object_of(primitive, instance[ray]);
+        (primitive != NO_HIT).then(|| (thing(), hits.t[ray]))
     }
 
     /// Finds the first hits of the rays of a batch.

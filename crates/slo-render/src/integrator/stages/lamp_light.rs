@@ -127,6 +127,11 @@ impl LampLight {
         self.chosen.set(frame.isa, points.len(), is_sent);
     }
 
+    /// Returns the number of the light that point `i` asks.
+    pub(in crate::integrator) fn light(&self, i: usize) -> u32 {
+        self.light[i]
+    }
+
     /// Labels the rays: like the points, but with the slots of the groups that the lights belong to,
     /// at a distance of `stride` from each other.
     pub(in crate::integrator) fn name(&mut self, frame: &FrameScene, points: &Points, stride: u32) {

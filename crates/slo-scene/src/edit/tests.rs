@@ -1,0 +1,134 @@
+use super::*;
+
+const TEXT: &str = "\
+# A ball on a floor
+Scaling { 2 }
+phong_info red { diffuse { .8 .1 .1 } } /* glossy */ material_phong red { phong_info red }
+sphere ball {
+    center { 0 0 1 } # above the floor
+    radius 1   /* small */
+    material red
+    addKframe { time 0 key { pivot { 0 0 0 } } }
+    addKframe { time 1 key { pivot { 1  0\t0 } } } # there
+}
+mesh \"red box\" { filename \"a b.slo\" material red }
+sphere empty {}
+";
+
+/// Checks what a change makes of the text: the lines that differ.
+fn check(edits: impl FnOnce(&Outline<'_>) -> Vec<Edit>, expected: &[(&str, &str)]) {
+    check_in(TEXT, edits, expected);
+}
+
+fn check_in(text: &str, edits: impl FnOnce(&Outline<'_>) -> Vec<Edit>, expected: &[(&str, &str)]) {
+    let changed = applied(text, edits(&Outline::new(text))).expect("the changes fit");
+    let mut wanted = text.to_owned();
+    for (old, new) in expected {
+        assert_eq!(wanted.matches(old).count(), 1, "{old}");
+        wanted = wanted.replace(old, new);
+    }
+    assert_eq!(changed, wanted);
+}
+
+fn ball<'t, 'a>(outline: &'t Outline<'a>) -> Part<'t, 'a> {
+    outline.element("sphere", "ball").expect("it is there")
+}
+
+#[test]
+fn values_are_replaced_and_nothing_else() {
+    check(|text| ball(text).set("radius", "2.5"), &[("radius 1 ", "radius 2.5 ")]);
+    check(|text| ball(text).set("material", "blue"), &[("    material red", "    material blue")]);
+    let box_of = |text: &Outline<'_>| {
+        text.element("mesh", "red box").expect("it is there").set("filename", "c.slo")
+    };
+    check(box_of, &[("\"a b.slo\"", "c.slo")]);
+}
+
+#[test]
+fn only_numbers_that_differ_are_replaced() {
+    check(|text| ball(text).set("center", "0 -.5 1.0"), &[("{ 0 0 1 }", "{ 0 -.5 1 }")]);
+    check(|text| ball(text).set("center", "0 0 1"), &[]);
+    let last = |text: &Outline<'_>| {
+        let frame = ball(text).parts("addKframe").nth(1).expect("it is there");
+        frame.part("key").expect("it is there").set("pivot", "1 2 0")
+    };
+    check(last, &[("{ 1  0\t0 }", "{ 1  2\t0 }")]);
+}
+
+#[test]
+fn what_is_missing_is_added_as_the_rest_is_written() {
+    let hidden = |text: &Outline<'_>| ball(text).set("hidden", "1");
+    check(hidden, &[("# there\n", "# there\n    hidden 1\n")]);
+    let red = |text: &Outline<'_>| {
+        let red = text.element("phong_info", "red").expect("it is there");
+        red.set_vector("ambient", "0 0 .1")
+    };
+    check(red, &[(".1 .1 } }", ".1 .1 } ambient { 0 0 .1 } }")]);
+    let empty = |text: &Outline<'_>| {
+        text.element("sphere", "empty").expect("it is there").set("radius", "1")
+    };
+    check(empty, &[("{}", "{ radius 1 }")]);
+    let frame = |text: &Outline<'_>| {
+        let frames: Vec<_> = ball(text).parts("addKframe").collect();
+        vec![frames[0].follow("addKframe { time .5 key { pivot { 0 1 0 } } }")]
+    };
+    let first = "addKframe { time 0 key { pivot { 0 0 0 } } }\n";
+    let both = format!("{first}    addKframe {{ time .5 key {{ pivot {{ 0 1 0 }} }} }}\n");
+    check(frame, &[(first, &both)]);
+}
+
+#[test]
+fn elements_go_with_their_lines() {
+    let whole = TEXT.split_inclusive('\n').skip(3).take(7).collect::<String>();
+    check(|text| vec![ball(text).remove()], &[(&whole, "")]);
+    let material = |text: &Outline<'_>| {
+        vec![text.element("material_phong", "red").expect("it is there").remove()]
+    };
+    check(material, &[(" material_phong red { phong_info red }", "")]);
+    let frame =
+        |text: &Outline<'_>| vec![ball(text).parts("addKframe").nth(1).expect("it").remove()];
+    check(frame, &[("    addKframe { time 1 key { pivot { 1  0\t0 } } } # there", " # there")]);
+}
+
+#[test]
+fn copies_follow() {
+    let copy = |text: &Outline<'_>| vec![ball(text).follow("copy ball2 { of ball }")];
+    check(copy, &[("# there\n}\n", "# there\n}\ncopy ball2 { of ball }\n")]);
+    let red = |text: &Outline<'_>| {
+        vec![text.element("phong_info", "red").expect("it is there").follow("x y {}")]
+    };
+    check(red, &[(" /* glossy */", "\nx y {} /* glossy */")]);
+}
+
+#[test]
+fn line_endings_stay() {
+    let text = "sphere ball {\r\n\tradius 1 # small\r\n}\r\n";
+    check_in(
+        text,
+        |text| ball(text).set("hidden", "1"),
+        &[("small\r\n", "small\r\n\thidden 1\r\n")],
+    );
+    check_in(text, |text| vec![ball(text).remove()], &[(text, "")]);
+    check_in(text, |text| vec![ball(text).follow("a b {}")], &[("}\r\n", "}\r\na b {}\r\n")]);
+}
+
+#[test]
+fn values_can_be_read() {
+    let outline = Outline::new(TEXT);
+    assert_eq!(outline.first("Scaling").expect("it is there").own_numbers(), Some(vec![2.0]));
+    let ball = ball(&outline);
+    assert_eq!((ball.value("radius"), ball.value("center")), (Some("1"), Some("0 0 1")));
+    assert_eq!((ball.numbers("center"), ball.value("hidden")), (Some(vec![0.0, 0.0, 1.0]), None));
+    assert_eq!((ball.line(), ball.keyword(), ball.name()), (4, "sphere", Some("ball")));
+    let names: Vec<_> = ball.names().collect();
+    assert_eq!(names, ["center", "radius", "material", "addKframe", "addKframe"]);
+}
+
+#[test]
+fn changes_that_overlap_are_refused() {
+    let edit = |range| Edit { range, text: "x".into() };
+    assert_eq!(applied("abcdef", vec![edit(3..4), edit(0..2)]).as_deref(), Some("xcxef"));
+    assert_eq!(applied("abcdef", vec![edit(0..3), edit(2..4)]), None);
+    assert_eq!(applied("abc", vec![edit(2..9)]), None);
+    assert_eq!(applied("aß", vec![edit(2..3)]), None);
+}

@@ -1,0 +1,78 @@
+// The picture: drawn as it comes, zoomed and panned.
+
+const number = new Intl.NumberFormat("en", { maximumSignificantDigits: 3 });
+
+export class Screen {
+  constructor(canvas, stage) {
+    this.canvas = canvas;
+    this.stage = stage;
+    this.zoom = 0; // 0: fits
+    this.pan = { x: 0, y: 0 };
+    new ResizeObserver(() => this.place()).observe(stage);
+  }
+
+  /** Draws an answer of the server; returns the facts about the picture. */
+  async draw(answer) {
+    const facts = JSON.parse(answer.headers.get("slo-facts"));
+    const image = await createImageBitmap(await answer.blob());
+    const { canvas } = this;
+    const isNew = canvas.width !== facts.width || canvas.height !== facts.height;
+    if (isNew) [canvas.width, canvas.height] = [facts.width, facts.height];
+    const context = canvas.getContext("2d", { alpha: false });
+    context.imageSmoothingEnabled = image.width !== facts.width;
+    context.drawImage(image, 0, 0, facts.width, facts.height);
+    image.close();
+    if (isNew) this.place();
+    return facts;
+  }
+
+  /** Sets the zoom, in pixels of the screen for a pixel; 0 fits the picture. `at` stays where it is. */
+  setZoom(zoom, at) {
+    const before = this.scale();
+    this.zoom = zoom;
+    const after = this.scale();
+    if (at) {
+      this.pan.x = at.x - (at.x - this.pan.x) * (after / before);
+      this.pan.y = at.y - (at.y - this.pan.y) * (after / before);
+    } else {
+      this.pan = { x: 0, y: 0 };
+    }
+    this.place();
+  }
+
+  scale() {
+    const { width, height } = this.stage.getBoundingClientRect();
+    const fit = Math.min(width / this.canvas.width, height / this.canvas.height);
+    return this.zoom === 0 ? fit : this.zoom / devicePixelRatio;
+  }
+
+  place() {
+    const { width, height } = this.stage.getBoundingClientRect();
+    const scale = this.scale();
+    if (this.zoom === 0) {
+      this.pan = { x: (width - this.canvas.width * scale) / 2, y: (height - this.canvas.height * scale) / 2 };
+    }
+    this.canvas.style.transform = `translate(${this.pan.x}px, ${this.pan.y}px) scale(${scale})`;
+    this.canvas.classList.toggle("sharp", scale * devicePixelRatio >= 1.5);
+  }
+
+  /** Where a point of the window is in the picture, from 0 to 1; null outside. */
+  locate(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const at = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+    return at.every((part) => part >= 0 && part <= 1) ? at : null;
+  }
+}
+
+/** Shows the facts about the picture. */
+export function showFacts(facts) {
+  const set = (id, text) => (document.getElementById(id).textContent = text);
+  const [width, height] = facts.pixels;
+  const coarse = width < facts.width ? `, now ${width} x ${height}` : "";
+  set("fact-size", `${facts.width} x ${facts.height}${coarse}`);
+  set("fact-samples", facts.samples === null ? "draft" : `${number.format(facts.samples)} samples a pixel${facts.done ? ", all" : ""}`);
+  set("fact-noise", facts.error === null ? "" : `noise ${number.format(facts.error)}`);
+  const [camera, shadow, bounce] = facts.rays.map((rays) => number.format(rays / 1e6));
+  set("fact-rays", `Mrays/s: ${camera} camera, ${shadow} shadow, ${bounce} bounce`);
+  set("fact-time", `${facts.ms < 1000 ? `${Math.round(facts.ms)} ms` : `${(facts.ms / 1000).toFixed(1)} s`} after the change`);
+}

@@ -1,0 +1,59 @@
+// Requests to the server. Moves wait for one another: those that come meanwhile are added up.
+
+/** Asks the server for something; returns its answer, or null if there is none. */
+export async function ask(command) {
+  try {
+    const answer = await fetch("do", { method: "POST", body: JSON.stringify(command) });
+    return answer.ok ? await answer.json() : null;
+  } catch {
+    return null;
+  }
+}
+
+/** Calls `use` with each answer to a request that waits for news, for ever. */
+export async function follow(path, use, lost) {
+  let after = 0;
+  for (;;) {
+    try {
+      const answer = await fetch(`${path}?after=${after}`);
+      if (answer.status === 200) after = (await use(answer)) ?? after;
+      else if (answer.status !== 204) await pause(500);
+    } catch {
+      lost();
+      await pause(1000);
+    }
+  }
+}
+
+/** Sends moves one after the other. `add` joins a move that waits with the next one of its kind. */
+export class Moves {
+  #waiting = new Map();
+  #busy = false;
+
+  constructor(answered) {
+    this.answered = answered;
+  }
+
+  send(command, add) {
+    // Of what sets the same thing, the last one counts.
+    const key = command.do === "set" ? JSON.stringify({ ...command, value: "" }) : command.do;
+    const before = this.#waiting.get(key);
+    this.#waiting.set(key, before && add ? add(before, command) : command);
+    this.#run();
+  }
+
+  async #run() {
+    if (this.#busy) return;
+    this.#busy = true;
+    while (this.#waiting.size > 0) {
+      const [kind, command] = this.#waiting.entries().next().value;
+      this.#waiting.delete(kind);
+      this.answered(await ask(command), command);
+    }
+    this.#busy = false;
+  }
+}
+
+function pause(ms) {
+  return new Promise((resolve) => setTimeout(resolve, ms));
+}

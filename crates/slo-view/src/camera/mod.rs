@@ -1,0 +1,7 @@
+//! The camera as the person moves it.
+
+mod hold;
+mod moves;
+
+pub(crate) use hold::{Held, hold};
+pub(crate) use moves::{Move, moved};

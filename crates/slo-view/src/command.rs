@@ -1,0 +1,202 @@
+//! What the page asks for.
+
+use glam::DVec3;
+use serde_json::Value;
+
+use crate::camera::Move;
+use crate::changes::{Field, Place};
+
+/// A request of the page.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Command {
+    /// Show another frame.
+    Frame(i64),
+    /// Move the camera.
+    Move(Move),
+    /// Change the lens and the shutter.
+    Lens(Lens),
+    /// Make sharp what is at a place of the picture; both numbers run from 0 to 1.
+    Focus([f64; 2]),
+    /// Find out what is at a place of the picture, and move about it from now on.
+    Pick([f64; 2]),
+    /// Return to the camera of the scene.
+    Reset,
+    /// Change how the picture is shown.
+    Show(Show),
+    /// Render the frame as the program does.
+    Finish,
+    /// Stop that.
+    Cancel,
+    /// Change the text.
+    Edit(TextEdit),
+    /// Take the last change of the text back.
+    Undo,
+    /// Repeat a change that was taken back.
+    Redo,
+    /// Write the text to its file.
+    Save,
+    /// Return to what the file says.
+    Revert,
+    /// Keep the text, though the file has been changed in the same lines.
+    Mine,
+}
+
+/// A change of the text; names are those of objects and lamps.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum TextEdit {
+    /// Give an attribute a value.
+    Set(Field),
+    /// Leave it out of the picture.
+    Hide(String),
+    /// Take it out of the text.
+    Remove(String),
+    /// Write it once more.
+    Copy(String),
+    /// Add a key frame where it is.
+    KeyFrame(String),
+}
+
+/// Numbers of the lens and the shutter; `None`: as they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Lens {
+    /// Half height of the view at distance 1.
+    pub(crate) fov: Option<f64>,
+    /// Distance of the sharp plane.
+    pub(crate) dof: Option<f64>,
+    /// Radius of the lens.
+    pub(crate) radius: Option<f64>,
+    /// Seconds that the shutter stays open.
+    pub(crate) shutter: Option<f64>,
+}
+
+/// How the picture is shown; `None`: as it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Show {
+    /// Stops by which the picture is brightened, beside those of the scene.
+    pub(crate) exposure: Option<f32>,
+    /// Sides of the picture as a share of the scene's.
+    pub(crate) share: Option<f64>,
+    /// Word for the structure; empty: the scene's.
+    pub(crate) accelerator: Option<String>,
+}
+
+/// Largest number of anything.
+const MOST: f64 = 1e12;
+
+impl Command {
+    /// Reads a request. `None` if it is none.
+    pub(crate) fn read(value: &Value) -> Option<Self> {
+        let number = |name: &str| bounded(value.get(name)?);
+        let numbers = |name: &str| -> Option<Vec<f64>> {
+            value.get(name)?.as_array().filter(|all| all.len() <= 3)?.iter().map(bounded).collect()
+        };
+        let pair = |name: &str| <[f64; 2]>::try_from(numbers(name)?).ok();
+        let place =
+            |name: &str| pair(name).filter(|at| at.iter().all(|at| (0.0..=1.0).contains(at)));
+        let vector = |name: &str| Some(DVec3::from(<[f64; 3]>::try_from(numbers(name)?).ok()?));
+        Some(match value.get("do")?.as_str()? {
+            "frame" => Self::Frame(value.get("frame")?.as_i64()?),
+            "orbit" => pair("by").map(|[yaw, pitch]| Self::Move(Move::Orbit(yaw, pitch)))?,
+            "turn" => pair("by").map(|[yaw, pitch]| Self::Move(Move::Turn(yaw, pitch)))?,
+            "walk" => Self::Move(Move::Walk(vector("by")?)),
+            "dolly" => {
+                let factor = number("by").filter(|by| (1e-3..=1e3).contains(by))?;
+                Self::Move(Move::Dolly(factor))
+            }
+            "along" => Self::Move(Move::Along(vector("axis")?.try_normalize()?)),
+            "lens" => {
+                let at_least = |name, least: f64| number(name).filter(|number| *number >= least);
+                Self::Lens(Lens {
+                    fov: at_least("fov", 1e-4),
+                    dof: at_least("dof", 1e-9),
+                    radius: at_least("radius", 0.0),
+                    shutter: at_least("shutter", 0.0),
+                })
+            }
+            "focus" => Self::Focus(place("at")?),
+            "pick" => Self::Pick(place("at")?),
+            "reset" => Self::Reset,
+            "show" => Self::Show(Show {
+                exposure: number("exposure").map(|stops| stops.clamp(-20.0, 20.0) as f32),
+                share: number("share").filter(|share| (0.05..=1.0).contains(share)),
+                accelerator: value.get("accelerator").and_then(Value::as_str).map(str::to_owned),
+            }),
+            "finish" => Self::Finish,
+            "cancel" => Self::Cancel,
+            "set" => Self::Edit(TextEdit::Set(field(value)?)),
+            "hide" => Self::Edit(TextEdit::Hide(word(value, "name")?)),
+            "remove" => Self::Edit(TextEdit::Remove(word(value, "name")?)),
+            "copy" => Self::Edit(TextEdit::Copy(word(value, "name")?)),
+            "key" => Self::Edit(TextEdit::KeyFrame(word(value, "name")?)),
+            "undo" => Self::Undo,
+            "redo" => Self::Redo,
+            "save" => Self::Save,
+            "revert" => Self::Revert,
+            "mine" => Self::Mine,
+            _ => return None,
+        })
+    }
+}
+
+fn bounded(value: &Value) -> Option<f64> {
+    value.as_f64().filter(|number| number.abs() <= MOST)
+}
+
+fn word(value: &Value, name: &str) -> Option<String> {
+    value.get(name)?.as_str().map(str::to_owned)
+}
+
+/// The attribute that a request gives a value.
+fn field(value: &Value) -> Option<Field> {
+    let block = |block: &Value| {
+        let index = usize::try_from(block.get(1)?.as_u64()?).ok()?;
+        Some((block.get(0)?.as_str()?.to_owned(), index))
+    };
+    let blocks = value.get("blocks")?.as_array()?.iter().map(block).collect::<Option<Vec<_>>>()?;
+    Some(Field {
+        place: Place { keyword: word(value, "keyword")?, name: word(value, "name")?, blocks },
+        attribute: word(value, "attribute")?,
+        value: word(value, "value")?,
+        is_vector: value.get("vector")?.as_bool()?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn requests() {
+        let read = |value: Value| Command::read(&value);
+        assert_eq!(read(json!({ "do": "frame", "frame": -3 })), Some(Command::Frame(-3)));
+        let orbit = Command::Move(Move::Orbit(0.5, -1.0));
+        assert_eq!(read(json!({ "do": "orbit", "by": [0.5, -1] })), Some(orbit));
+        let lens = Lens { radius: Some(0.0), ..Lens::default() };
+        assert_eq!(
+            read(json!({ "do": "lens", "radius": 0, "fov": -1 })),
+            Some(Command::Lens(lens))
+        );
+    }
+
+    #[test]
+    fn what_is_no_request_does_nothing() {
+        for wrong in [
+            json!(null),
+            json!({}),
+            json!({ "do": "burn" }),
+            json!({ "do": "frame", "frame": 1.5 }),
+            json!({ "do": "orbit", "by": [1] }),
+            json!({ "do": "orbit", "by": [1, 2, 3] }),
+            json!({ "do": "walk", "by": [1, 2, 1e99] }),
+            json!({ "do": "dolly", "by": 0 }),
+            json!({ "do": "along", "axis": [0, 0, 0] }),
+            json!({ "do": "pick", "at": [0.5, 1.1] }),
+            json!({ "do": "set", "keyword": "sphere", "name": "a", "attribute": "b", "value": "c" }),
+            json!({ "do": "hide" }),
+        ] {
+            assert_eq!(Command::read(&wrong), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,261 @@
+// Uses the page of `slo-rt view` in a browser: looks, orbits, focuses, changes the text, saves it.
+// Run by test.sh.
+
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+
+const { chromium } = await import(process.env.PLAYWRIGHT);
+const [program, ...options] = process.argv.slice(2);
+const pictures = options[0] === "--pictures" ? resolve(options[1]) : null;
+const latency = options[0] === "--latency";
+
+const SCENE = `# A ball on a floor, for a test
+settings s { imageSamples 4 }
+Camera c {
+    fps 25
+    Film f { width 160 height 90 prefix ball_ output PNG_IMAGE encoding SRGB }
+    CamSegment only { # from the front
+        videoStart 0 videoEnd 1
+        addPosition { 0 -6 2 } addTarget { 0 0 0.5 } fovStart 0.4
+    }
+}
+light_point lamp { color { 1 1 1 } position { 2 -4 5 } }
+phong_info red { ambient { .1 0 0 } diffuse { .8 .2 .1 } } /* the ball */
+material_phong red { phong_info red }
+phong_info grey { diffuse { .5 .5 .5 } }
+material_phong grey { phong_info grey }
+sphere ball { center { 0 0 1 } radius 1 material red }
+plane floor { normal { 0 0 1 } position { 0 0 0 } material grey }
+`;
+
+/** Starts the program; returns the address of its page. */
+function start(scene, ...more) {
+  const child = spawn(resolve(program), ["view", ...(scene ? [scene] : []), "-q", ...more]);
+  const address = new Promise((done, failed) => {
+    child.stdout.once("data", (data) => done(String(data).trim()));
+    child.once("exit", () => failed(new Error("the program has ended")));
+  });
+  return { child, address };
+}
+
+const folder = mkdtempSync(join(tmpdir(), "slo-view-"));
+const file = join(folder, "scene.txt");
+writeFileSync(file, SCENE);
+const { child, address } = start(file);
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM,
+  args: ["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"],
+});
+const waits = { timeout: 60_000 };
+
+/** The page, and everything that went wrong in it. */
+async function open(url, size = { width: 1200, height: 760 }) {
+  const page = await browser.newPage({ viewport: size });
+  page.setDefaultTimeout(waits.timeout);
+  page.wrong = [];
+  page.on("pageerror", (error) => page.wrong.push(String(error)));
+  page.on("console", (message) => message.type() === "error" && page.wrong.push(message.text()));
+  page.on("request", (request) => {
+    if (!request.url().startsWith(url) && !request.url().startsWith("blob:")) page.wrong.push(request.url());
+  });
+  await page.goto(url);
+  return page;
+}
+
+/** Does something that changes the picture, and waits for the picture of it that is done. */
+async function change(page, act) {
+  const before = Number(await page.evaluate(() => document.body.dataset.picture ?? 0));
+  await act();
+  await page.waitForFunction(
+    (before) => Number(document.body.dataset.picture) > before && document.body.dataset.done === "true", before, waits);
+}
+
+/** Red, green and blue of a place of the picture; both numbers run from 0 to 1. */
+const pixel = (page, x, y) => page.evaluate(([x, y]) => {
+  const canvas = document.getElementById("screen");
+  const at = [Math.floor(x * canvas.width), Math.floor(y * canvas.height)];
+  return [...canvas.getContext("2d").getImageData(...at, 1, 1).data].slice(0, 3);
+}, [x, y]);
+
+/** A point of the window, of a place of the picture. */
+async function point(page, x, y) {
+  const box = await page.locator("#screen").boundingBox();
+  return [box.x + x * box.width, box.y + y * box.height];
+}
+
+const differences = (page) => page.locator("#differences").innerText();
+
+const tests = {
+  async "the picture is seen"(page) {
+    await page.waitForFunction(() => document.body.dataset.done === "true", null, waits);
+    const [red, green, blue] = await pixel(page, 0.5, 0.4);
+    assert(red > 60 && red > 2 * green && red > 2 * blue, `the ball is red: ${[red, green, blue]}`);
+    assert.match(await page.locator("#facts").innerText(), /160 x 90.*4 samples a pixel, all/s);
+  },
+
+  async "dragging orbits, and the text follows"(page) {
+    await change(page, async () => {
+      await page.mouse.move(...(await point(page, 0.3, 0.5)));
+      await page.mouse.down();
+      await page.mouse.move(...(await point(page, 0.6, 0.5)), { steps: 5 });
+      await page.mouse.up();
+    });
+    await page.waitForFunction(() => document.getElementById("differences").textContent.includes("addPosition"), null, waits);
+    const text = await differences(page);
+    assert.match(text, /- {9}addPosition \{ 0 -6 2 \} addTarget \{ 0 0 0\.5 \} fovStart 0\.4/);
+    assert.match(text, /\+ {9}addPosition \{ -[\d.]+ -?[\d.]+ 2 \} addTarget/);
+    assert.equal(readFileSync(file, "utf8"), SCENE, "nothing is written before it is saved");
+  },
+
+  async "undo returns, and redo repeats"(page) {
+    await change(page, () => page.keyboard.press("Control+z"));
+    await page.waitForFunction(() => document.getElementById("differences").textContent === "", null, waits);
+    await change(page, () => page.locator("#redo").click());
+    await page.waitForFunction(() => document.getElementById("differences").textContent !== "", null, waits);
+    await change(page, () => page.locator("#undo").click());
+  },
+
+  async "a click selects, a double click focuses"(page) {
+    await page.mouse.click(...(await point(page, 0.5, 0.4)));
+    await page.waitForFunction(() => document.getElementById("selected").textContent.includes("ball"), null, waits);
+    assert.match(await page.locator("#parts").innerText(), /sphere ball, line 16.*phong_info red, line 12/s);
+    await page.locator("#tool").selectOption("focus");
+    await change(page, async () => page.mouse.click(...(await point(page, 0.5, 0.4))));
+    await page.waitForFunction(() => document.getElementById("differences").textContent.includes("dofStart"), null, waits);
+    const dof = Number((await differences(page)).match(/dofStart ([\d.]+)/)[1]);
+    assert(dof > 4 && dof < 6.2, `the ball is about 5 away: ${dof}`);
+    await page.locator("#tool").selectOption("pick");
+    await change(page, () => page.locator("#undo").click());
+  },
+
+  async "a material is changed and saved, and nothing else of the text"(page) {
+    const diffuse = page.locator('[id="field-phong_info-red-diffuse"]');
+    await change(page, async () => {
+      await diffuse.fill(".1 .2 .8");
+      await diffuse.press("Enter");
+    });
+    const [red, , blue] = await pixel(page, 0.5, 0.4);
+    assert(blue > red, "the ball is blue");
+    await page.locator("#save").click();
+    await page.waitForFunction(() => document.getElementById("status").textContent === "Saved", null, waits);
+    assert.equal(readFileSync(file, "utf8"), SCENE.replace(".8 .2 .1", ".1 .2 .8"));
+  },
+
+  async "errors of the text stand beside the last good picture"(page) {
+    const before = await pixel(page, 0.5, 0.4);
+    writeFileSync(file, SCENE.replace("radius 1", "radius x"));
+    await page.waitForFunction(() => document.getElementById("messages").textContent.includes("radius x"), null, waits);
+    assert.match(await page.locator("#messages").innerText(), /scene\.txt:16:\d+/);
+    assert.deepEqual(await pixel(page, 0.5, 0.4), before);
+    await change(page, () => writeFileSync(file, SCENE));
+    await page.waitForFunction(() => document.getElementById("errors").hidden, null, waits);
+  },
+
+  async "keys move the camera, and the panel is reached by them"(page) {
+    await page.locator("#screen").focus();
+    for (const key of ["w", "d", "q", "ArrowLeft", "z"]) await change(page, () => page.keyboard.press(key));
+    await change(page, () => page.keyboard.press("r"));
+    await page.keyboard.press("Tab");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "play");
+    const unnamed = await page.evaluate(() => [...document.querySelectorAll("button, input, select")]
+      .filter((one) => !(one.labels?.length || one.textContent.trim() || one.getAttribute("aria-label")))
+      .map((one) => one.outerHTML));
+    assert.deepEqual(unnamed, [], "every control has a name");
+  },
+
+  async "the finished frame is offered"(page) {
+    await page.locator("#finish").click();
+    await page.waitForFunction(() => !document.getElementById("download").hidden, null, waits);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#download").click()]);
+    assert.equal(download.suggestedFilename(), "ball_00000.png");
+    assert.deepEqual([...readFileSync(await download.path()).subarray(0, 4)], [0x89, 0x50, 0x4e, 0x47]);
+  },
+
+  async "pages from elsewhere get nothing"(page, url) {
+    const server = createServer((_, answer) => answer.end("<!doctype html><title>elsewhere</title>"));
+    await new Promise((done) => server.listen(0, "127.0.0.1", done));
+    const other = await browser.newPage();
+    await other.goto(`http://127.0.0.1:${server.address().port}/`);
+    const tried = await other.evaluate(async (url) => {
+      const tries = [
+        fetch(`${url}state`).then((answer) => answer.text()),
+        fetch(`${url}do`, { method: "POST", mode: "no-cors", body: '{"do":"remove","name":"ball"}' }).then((answer) => answer.type),
+        new Promise((done, failed) => {
+          const image = new Image();
+          [image.onload, image.onerror] = [() => done("seen"), () => failed(new Error("not seen"))];
+          image.src = `${url}picture`;
+        }),
+        import(`${url}main.js`).then(() => "run"),
+      ];
+      return (await Promise.allSettled(tries)).map(({ status, value }) => (status === "fulfilled" ? value : "refused"));
+    }, url);
+    assert.deepEqual(tried, ["refused", "opaque", "refused", "refused"]);
+    const state = await page.evaluate(() => fetch("state").then((answer) => answer.json()));
+    assert.equal(state.scene.text.changed, false, "the ball is still there");
+    await other.close();
+    server.close();
+  },
+};
+
+/** Milliseconds from a change to its first picture, and pictures a second while the camera moves. */
+async function measure(url) {
+  const page = await open(url);
+  await page.waitForFunction(() => Number(document.body.dataset.number) > 4, null, waits);
+  const times = await page.evaluate(async () => {
+    const times = [];
+    for (let i = 0; i < 60; i += 1) {
+      const begin = performance.now();
+      const answer = await fetch("do", { method: "POST", body: JSON.stringify({ do: "orbit", by: [i % 2 ? 0.05 : -0.05, 0] }) });
+      const { picture } = await answer.json();
+      while (Number(document.body.dataset.picture) < picture) await new Promise(requestAnimationFrame);
+      times.push(performance.now() - begin);
+      await new Promise((done) => setTimeout(done, 500));
+    }
+    return times.sort((a, b) => a - b);
+  });
+  const at = (share) => Math.round(times[Math.floor(share * (times.length - 1))]);
+  console.log(`first picture after a change: median ${at(0.5)} ms, 95 % within ${at(0.95)} ms`);
+}
+
+let failed = 0;
+try {
+  const url = await address;
+  if (latency) {
+    const { child: shown, address } = start(null);
+    await measure(await address).finally(() => shown.kill());
+  } else if (pictures) {
+    const { child: shown, address } = start(null);
+    const page = await open(await address, { width: 1180, height: 620 });
+    await page.waitForFunction(() => Number(document.body.dataset.number) > 5, null, waits);
+    await page.mouse.click(...(await point(page, 0.5, 0.45)));
+    await page.waitForFunction(() => document.getElementById("parts").textContent !== "", null, waits);
+    await page.waitForFunction(() => /[1-9][0-9]?(\.\d+)? samples/.test(document.getElementById("facts").textContent), null, waits);
+    await page.screenshot({ path: join(pictures, "view.png") });
+    shown.kill();
+  } else {
+    const page = await open(url);
+    for (const [name, test] of Object.entries(tests)) {
+      try {
+        await test(page, url);
+        console.log(`ok: ${name}`);
+      } catch (error) {
+        failed += 1;
+        console.log(`FAILED: ${name}\n${error.stack}`);
+        break;
+      }
+    }
+    if (page.wrong.length > 0) {
+      failed += 1;
+      console.log(`FAILED: the page complains\n${page.wrong.join("\n")}`);
+    }
+  }
+} finally {
+  await browser.close();
+  child.kill();
+  rmSync(folder, { recursive: true });
+}
+process.exitCode = failed > 0 ? 1 : 0;

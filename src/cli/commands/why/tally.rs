@@ -1,0 +1,201 @@
+//! What the samples of a pixel add up to.
+
+use std::collections::BTreeMap;
+
+use super::way::{Names, Step};
+use slo_render::integrator::{Account, AccountRay, Gain, Source};
+
+/// Weights of red, green and blue in the luminance (Rec. 709).
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// All that is known of a pixel.
+#[derive(Default)]
+pub(super) struct Tally {
+    pub(super) samples: u32,
+    /// Sum of the samples.
+    sum: [f64; 3],
+    /// Sums over the samples of the luminance and of its square.
+    luminance: f64,
+    squares: f64,
+    /// Sums by lamp, by kind of way, by the object that is seen, and by the object that is lit.
+    by: [BTreeMap<String, Part>; 4],
+    /// The brightest ways, brightest first.
+    pub(super) brightest: Vec<Bright>,
+    most: usize,
+    /// Numbers of rays, and of those that brought light.
+    pub(super) rays: u64,
+    pub(super) bringing: u64,
+    /// Rays that were too many to be listed.
+    pub(super) unlisted: u64,
+}
+
+/// A part of the light, over all samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part {
+    sum: [f64; 3],
+    luminance: f64,
+    /// Sum of the products of its luminance and that of the whole sample.
+    product: f64,
+    /// Its luminance in the present sample.
+    now: f64,
+}
+
+/// A way that light took.
+#[derive(Clone, Debug)]
+pub(super) struct Bright {
+    pub(super) sample: u32,
+    pub(super) source: Source,
+    /// The light, as one sample has it.
+    pub(super) light: [f64; 3],
+    pub(super) luminance: f64,
+    pub(super) steps: Vec<Step>,
+}
+
+/// A part of the mean.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Share {
+    pub(super) name: String,
+    /// Radiance, RGB.
+    pub(super) mean: [f64; 3],
+    /// Its part of the luminance.
+    pub(super) share: f64,
+    /// Its part of the variance of the samples' luminance; less than 0 if it evens the rest out.
+    pub(super) noise: f64,
+}
+
+impl Tally {
+    /// Nothing yet; keeps the `most` brightest ways.
+    pub(super) fn new(most: usize) -> Self {
+        Self { most, ..Self::default() }
+    }
+
+    /// Adds a sample.
+    pub(super) fn add(&mut self, sample: u32, account: &Account, names: &Names<'_>) {
+        self.samples += 1;
+        self.rays += account.rays.len() as u64 + account.unlisted;
+        self.unlisted += account.unlisted;
+        let mut brought = vec![false; account.rays.len()];
+        let mut whole = 0.0;
+        for gain in &account.gains {
+            let light = gain.light.map(|light| light.to_f64());
+            let luminance = luminance(light);
+            whole += luminance;
+            brought[gain.ray as usize] = true;
+            add(&mut self.sum, light);
+            let named = names.name(account, gain);
+            for (parts, name) in
+                self.by.iter_mut().zip([named.light, named.kind, named.seen, named.lit])
+            {
+                let part = parts.entry(name).or_default();
+                add(&mut part.sum, light);
+                part.luminance += luminance;
+                part.now += luminance;
+            }
+            self.note(sample, gain, light, |ray| names.steps(account, ray));
+        }
+        self.bringing += brought.iter().filter(|brought| **brought).count() as u64;
+        self.luminance += whole;
+        self.squares += whole * whole;
+        for part in self.by.iter_mut().flat_map(BTreeMap::values_mut) {
+            part.product += std::mem::take(&mut part.now) * whole;
+        }
+    }
+
+    fn note(
+        &mut self,
+        sample: u32,
+        gain: &Gain,
+        light: [f64; 3],
+        steps: impl Fn(u32) -> Vec<Step>,
+    ) {
+        let luminance = luminance(light);
+        let place = self.brightest.partition_point(|other| other.luminance >= luminance);
+        if place < self.most {
+            let steps = steps(gain.ray);
+            let bright = Bright { sample, source: gain.source, light, luminance, steps };
+            self.brightest.insert(place, bright);
+            self.brightest.truncate(self.most);
+        }
+    }
+
+    fn count(&self) -> f64 {
+        f64::from(self.samples.max(1))
+    }
+
+    /// The pixel: radiance, RGB.
+    pub(super) fn mean(&self) -> [f64; 3] {
+        self.sum.map(|sum| sum / self.count())
+    }
+
+    /// Luminance of the pixel.
+    pub(super) fn luminance(&self) -> f64 {
+        self.luminance / self.count()
+    }
+
+    /// Estimates the standard error of the luminance as if samples were independent; `None` of a
+    /// single sample. Samples of one pixel are stratified, so the true error is less.
+    pub(super) fn standard_error(&self) -> Option<f64> {
+        let variance = self.variance() / (self.count() - 1.0);
+        (self.samples > 1).then(|| variance.max(0.0).sqrt())
+    }
+
+    /// Variance of the samples' luminance.
+    fn variance(&self) -> f64 {
+        self.squares / self.count() - self.luminance() * self.luminance()
+    }
+
+    /// The parts by lamp.
+    pub(super) fn lights(&self) -> Vec<Share> {
+        self.parts(0)
+    }
+
+    /// The parts by kind of way.
+    pub(super) fn ways(&self) -> Vec<Share> {
+        self.parts(1)
+    }
+
+    /// The parts by the object that the camera sees.
+    pub(super) fn seen(&self) -> Vec<Share> {
+        self.parts(2)
+    }
+
+    /// The parts by the object that the light falls on first.
+    pub(super) fn lit(&self) -> Vec<Share> {
+        self.parts(3)
+    }
+
+    /// The parts of one kind, the largest first.
+    fn parts(&self, kind: usize) -> Vec<Share> {
+        let (count, mean, variance) = (self.count(), self.luminance(), self.variance());
+        let share = |(name, part): (&String, &Part)| {
+            let covariance = part.product / count - part.luminance / count * mean;
+            Share {
+                name: name.clone(),
+                mean: part.sum.map(|sum| sum / count),
+                share: if mean > 0.0 { part.luminance / count / mean } else { 0.0 },
+                noise: if variance > 1e-12 * mean * mean { covariance / variance } else { 0.0 },
+            }
+        };
+        let mut shares: Vec<Share> = self.by[kind].iter().map(share).collect();
+        shares.sort_by(|a, b| b.share.total_cmp(&a.share));
+        shares
+    }
+}
+
+/// The rays of one sample, with the light that each brought.
+pub(super) fn rays_of(account: &Account) -> impl Iterator<Item = (&AccountRay, Vec<&Gain>)> {
+    let mut gains: BTreeMap<u32, Vec<&Gain>> = BTreeMap::new();
+    for gain in &account.gains {
+        gains.entry(gain.ray).or_default().push(gain);
+    }
+    let rays = (0u32..).zip(&account.rays);
+    rays.map(move |(number, ray)| (ray, gains.remove(&number).unwrap_or_default()))
+}
+
+pub(super) fn luminance(light: [f64; 3]) -> f64 {
+    light.iter().zip(LUMINANCE).map(|(light, weight)| light * weight).sum()
+}
+
+fn add(to: &mut [f64; 3], more: [f64; 3]) {
+    to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
+}
