@@ -27,6 +27,9 @@ const GLANCE: Duration = Duration::from_millis(250);
 /// A change that follows another one so soon is part of a movement.
 const MOVEMENT: Duration = Duration::from_millis(400);
 
+/// What a movement of the camera is called among the changes of the text.
+const CAMERA: &str = "the camera";
+
 /// All that the thread owns.
 pub(crate) struct Studio {
     link: Arc<Link>,
@@ -171,7 +174,7 @@ impl Studio {
         let Some(stage) = &mut self.stage else { return };
         let Some((before, after)) = stage.moved_segment() else { return };
         let edits = changes::camera(self.loading.document().text(), before, after);
-        match edits.and_then(|edits| self.loading.change(edits, "the camera", true)) {
+        match edits.and_then(|edits| self.loading.change(edits, CAMERA, true)) {
             Ok(()) => stage.keep_camera(),
             Err(why) => self.unwritten = Some(why),
         }

@@ -2,7 +2,7 @@
 
 use slo_scene::Accelerator;
 
-use super::{Effects, Studio};
+use super::{CAMERA, Effects, Studio};
 use crate::camera::{Held, Move, moved};
 use crate::changes;
 use crate::command::{Command, Lens, Show, TextEdit};
@@ -61,6 +61,14 @@ impl Studio {
             Command::Save => {
                 self.settle();
                 return Some(self.loading.save().map(|()| Effects::default()));
+            }
+            Command::Reset => {
+                // All movements since another change are one step.
+                self.settle();
+                if self.loading.document().next()[0] != Some(CAMERA) {
+                    return None;
+                }
+                |document| _ = document.undo()
             }
             Command::Undo => |document| _ = document.undo(),
             Command::Redo => |document| _ = document.redo(),
