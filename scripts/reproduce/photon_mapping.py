@@ -37,7 +37,9 @@ try:
 except ModuleNotFoundError as error:
     sys.exit(f"photon_mapping.py: {error}; start it by `uv run`, or `pip install numpy matplotlib`")
 
-from thesis_lab import Lab, shown
+from exr import shown
+from report import short, table, verdict
+from thesis_lab import Lab
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -64,17 +66,6 @@ WORDS = {
 
 
 # Tables. Each returns its rows; `table` prints them.
-
-
-def short(value):
-    return f"{value:.1e}".replace("e-0", "e-")
-
-
-def table(title, head, rows):
-    print(f"\n**{title}**\n\n| {' | '.join(head)} |\n|{'---|' * len(head)}")
-    for row in rows:
-        print(f"| {' | '.join(str(cell) for cell in row)} |")
-    sys.stdout.flush()
 
 
 QUALITY = ["noise", "bias", "bias at edges"]
@@ -236,10 +227,6 @@ TABLES = {f.__name__: f for f in (photons, radius, nearest, lamp, limit, cache, 
 
 
 # What the thesis concludes, and what is found.
-
-
-def verdict(holds, words):
-    print(f"- {'confirmed' if holds else 'contradicted'}: {words}")
 
 
 def ends(found, key):

@@ -6,6 +6,7 @@ mod bake;
 mod budget;
 mod bytes;
 mod cache;
+mod counts;
 mod display;
 mod documentation;
 mod exit_codes;

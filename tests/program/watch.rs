@@ -68,7 +68,8 @@ fn a_picture_follows_the_scene_and_its_files() {
 
 #[test]
 fn a_frame_whose_scene_changes_is_dropped() {
-    let text = SCENE.replace("imageSamples 2", "imageSamples 2000000 imageContrastLimit 0");
+    let text = SCENE.replace("imageSamples 2", "imageSamples 65535 imageContrastLimit 0");
+    let text = text.replace("width 16 height 9", "width 640 height 360");
     let folder = Folder::with_scene(&text);
     let mut watching = Watching::new(&folder, "-s scene.txt --watch --color never --progress json");
     let mut said = BufReader::new(watching.child.stderr.take().unwrap());

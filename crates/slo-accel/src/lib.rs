@@ -24,6 +24,7 @@
 //!   triangles as they are then.
 //! - [`Instances`] put structures, and other instances, at many places. They answer the same
 //!   questions, and tell in which place a ray hits.
+//! - [`study`] has textbook structures to compare, with counters.
 //! - A [`BoxTree`] lists the rays that enter boxes: the upper level over several structures.
 //! - [`Lanewise`] work, [`math::columns`] and [`math::elementary`] are for what a renderer does
 //!   between two batches: loops over columns that are compiled once for each instruction set.
@@ -62,7 +63,9 @@ pub use isa::compress::{GROUP, Word};
 pub use isa::{Isa, Lanewise};
 pub use primitives::{Curved, Primitives, Triangle, curved, triangle};
 pub use rays::{Coherence, Hits, LANES, NO_HIT, Rays};
-pub use structure::{Accelerator, Bending, BuildOptions, Moment, Scratch, Sections, Structure};
+pub use structure::{
+    Accelerator, Bending, BuildOptions, Moment, Scratch, Sections, Structure, study,
+};
 
 /// The examples of the README, compiled and run.
 #[cfg(doctest)]

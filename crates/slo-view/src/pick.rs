@@ -47,7 +47,8 @@ pub(crate) fn pick(
     }
     let block = Area { x0: x / BLOCK * BLOCK, y0: y / BLOCK * BLOCK, x1: x + 1, y1: y + 1 };
     let area = block.in_blocks(&whole);
-    let frame = FrameScene::build_with(&scene, number, isa, Aids { before: remains, cache: None });
+    let frame =
+        FrameScene::build_with(&scene, number, isa, Aids { before: remains, ..Aids::default() });
     let names = scene.layer_names();
     let film = Film::new(area, false).and_then(|film| film.with_layers(&layers, &names)).ok()?;
     let plan = Plan::new(&scene).in_steps(Steps::default());

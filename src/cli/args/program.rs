@@ -159,6 +159,18 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", help_heading = WHERE)]
     pub(crate) error_map: Option<FramePath>,
 
+    /// Write a map of steps and tests of rays; #### stands for the frame
+    #[arg(long, value_name = "FILE", help_heading = WHERE)]
+    pub(crate) cost_map: Option<FramePath>,
+
+    /// Count what rays take in the structure, to a .json file
+    ///
+    /// Rays, hits, steps, tests, leaves and more for each kind of ray, the same on all
+    /// machines, and what the structure is made of. #### stands for the frame. Rendering
+    /// takes several times as long.
+    #[arg(long, value_name = "FILE", help_heading = WHERE, verbatim_doc_comment)]
+    pub(crate) count: Option<FramePath>,
+
     /// Keep what `guide 1` learns; #### stands for the frame
     ///
     /// If the file is there, nothing is learned again: by other machines, for parts of

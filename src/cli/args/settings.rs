@@ -3,8 +3,9 @@
 use super::help::SETTINGS;
 use crate::cli::values::{
     AcceleratorName, EncodingName, FormatName, IntegratorName, SizeChoice, ToneMapName, exposure,
-    noise, photons, samples, seed, size,
+    noise, parameters, photons, samples, seed, size,
 };
+use slo_accel::study::Parameters;
 
 /// What the command line sets instead of the scene; `apply` of the options' `Overrides` puts each in
 /// its place.
@@ -63,10 +64,22 @@ pub(crate) struct SettingArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) seed: Option<u64>,
 
-    /// Acceleration structure: kdtree, bvh, cwbvh or none
+    /// Acceleration structure: bvh, kdtree, cwbvh, none, or one to study
+    ///
+    /// To study: grid, octree, median, rtree, binary, kd and boxes. All find the same
+    /// hits but cwbvh, which may miss some; bvh is the fastest.
     #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
-    #[arg(ignore_case = true)]
+    #[arg(ignore_case = true, verbatim_doc_comment)]
     pub(crate) accelerator: Option<AcceleratorName>,
+
+    /// Parameters of a structure to study, such as density=3,mailbox=1
+    ///
+    /// grid: density, shortest, cells=46x46x3, mailbox. octree: depth, leaf, mailbox.
+    /// median, binary: depth, leaf. rtree: capacity. kd: depth, leaf, mailbox, stack,
+    /// traversal=stack, restart, push-down or short-stack.
+    #[arg(long, value_name = "LIST", help_heading = SETTINGS, value_parser = parameters)]
+    #[arg(verbatim_doc_comment)]
+    pub(crate) accelerator_options: Option<Parameters>,
 
     /// Let the BVH split long triangles: bounces are faster, shadows slower
     #[arg(long, help_heading = SETTINGS)]

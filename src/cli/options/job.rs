@@ -10,6 +10,7 @@ use crate::cli::values::{
     FrameChoice, FramePath, Frames, Maps, Order, PartBy, ProgressForm, Region,
 };
 use slo_accel::Isa;
+use slo_accel::study::Parameters;
 use slo_picture::film::Steps;
 use slo_render::render::Part;
 use slo_scene::SceneDescription;
@@ -102,6 +103,11 @@ impl Job {
             job.frames = Some(FrameChoice::These(frames));
         }
         Ok(job)
+    }
+
+    /// Returns the parameters of structures to study.
+    pub(crate) fn parameters(&self) -> Parameters {
+        self.overrides.settings.accelerator_options.unwrap_or_default()
     }
 
     /// Whether the clock decides how far a frame is taken.

@@ -35,6 +35,7 @@ impl Overrides {
             photons,
             seed,
             accelerator,
+            accelerator_options: _,
             spatial_splits,
         } = self.settings;
         let film = &mut scene.camera.film;

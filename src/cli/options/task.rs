@@ -147,7 +147,12 @@ fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
 fn job(args: Args, terminal: Terminal) -> Result<Job, Problem> {
     let usage = |why: String| Problem::new(Exit::Usage, why);
     check_prefix(args.prefix.as_deref().unwrap_or_default()).map_err(usage)?;
-    let maps = Maps { samples: args.sample_map, error: args.error_map };
+    let maps = Maps {
+        samples: args.sample_map,
+        error: args.error_map,
+        cost: args.cost_map,
+        counts: args.count,
+    };
     let several = args.frame.as_ref().is_some_and(FrameChoice::is_several);
     maps.check_names(several).map_err(usage)?;
     if several && args.guide_file.as_ref().is_some_and(|path| !path.tells_frames()) {

@@ -1,4 +1,4 @@
-//! `--sample-map`, `--error-map`: maps that show how a picture was made.
+//! `--sample-map`, `--error-map`, `--cost-map`, `--count`: files that show how a picture was made.
 
 use std::path::Path;
 
@@ -10,6 +10,8 @@ use slo_picture::output::map_format;
 pub(crate) struct Maps {
     pub(crate) samples: Option<FramePath>,
     pub(crate) error: Option<FramePath>,
+    pub(crate) cost: Option<FramePath>,
+    pub(crate) counts: Option<FramePath>,
 }
 
 /// What a map shows.
@@ -19,6 +21,10 @@ pub(crate) enum Map {
     Samples,
     /// The estimated error of each pixel.
     Error,
+    /// What the rays of each pixel cost.
+    Cost,
+    /// What rays took in the structures: not a map, but a table.
+    Counts,
 }
 
 impl Map {
@@ -27,6 +33,8 @@ impl Map {
         match self {
             Self::Samples => "--sample-map",
             Self::Error => "--error-map",
+            Self::Cost => "--cost-map",
+            Self::Counts => "--count",
         }
     }
 }
@@ -34,8 +42,18 @@ impl Map {
 impl Maps {
     /// Returns the maps that are asked for, and their paths.
     pub(crate) fn all(&self) -> impl Iterator<Item = (Map, &FramePath)> {
-        let (samples, error) = (self.samples.iter(), self.error.iter());
-        samples.map(|path| (Map::Samples, path)).chain(error.map(|path| (Map::Error, path)))
+        let all = [
+            (Map::Samples, &self.samples),
+            (Map::Error, &self.error),
+            (Map::Cost, &self.cost),
+            (Map::Counts, &self.counts),
+        ];
+        all.into_iter().filter_map(|(map, path)| Some((map, path.as_ref()?)))
+    }
+
+    /// Whether rays are counted.
+    pub(crate) fn counts_rays(&self) -> bool {
+        self.cost.is_some() || self.counts.is_some()
     }
 
     /// Whether no map is asked for.
@@ -50,13 +68,23 @@ impl Maps {
     pub(crate) fn check_names(&self, several: bool) -> Result<(), String> {
         for (map, path) in self.all() {
             let option = map.option();
-            check_name(option, &path.of(0))?;
+            match map {
+                Map::Counts => check_table(option, &path.of(0))?,
+                _ => check_name(option, &path.of(0))?,
+            }
             if several && !path.tells_frames() {
                 return Err(format!("{option}: maps of several frames need `####` in their path"));
             }
         }
         Ok(())
     }
+}
+
+/// Checks whether a file can be a table by its name.
+fn check_table(option: &str, path: &Path) -> Result<(), String> {
+    let is_json = path.extension().is_some_and(|name| name.eq_ignore_ascii_case("json"));
+    let name = path.display();
+    is_json.then_some(()).ok_or_else(|| format!("{option}: `{name}` is not named as a .json file"))
 }
 
 /// Checks whether a file can be a map by its name. `option` is the option that names the file.
@@ -81,11 +109,14 @@ mod tests {
     fn names_are_checked_without_the_disk() {
         let check = |samples: &str, several: bool| {
             let path = |path: &str| Some(path.parse().unwrap());
-            Maps { samples: path(samples), error: path("e_#.exr") }.check_names(several)
+            Maps { samples: path(samples), error: path("e_#.exr"), ..Maps::default() }
+                .check_names(several)
         };
         assert_eq!(check("n.png", false), Ok(()));
         assert_eq!(check("n_####.EXR", true), Ok(()));
         assert!(check("n.png", true).unwrap_err().contains("--sample-map"));
+        let counts = Maps { counts: "c.txt".parse().ok(), ..Maps::default() };
+        assert!(counts.check_names(false).unwrap_err().contains("--count: `c.txt`"));
         let message = check("n.jpg", false).unwrap_err();
         assert_eq!(message, "--sample-map: a map is a .png or .exr file, and `n.jpg` is neither");
     }

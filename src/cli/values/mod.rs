@@ -24,7 +24,7 @@ pub(crate) use frames::{FrameChoice, Frames, frame, frames, named, shown};
 pub(crate) use gain::{Gain, gain};
 pub(crate) use maps::{Map, Maps, check_name};
 pub(crate) use names::{
-    AcceleratorName, EncodingName, FormatName, IntegratorName, LayerName, ToneMapName,
+    AcceleratorName, EncodingName, FormatName, IntegratorName, LayerName, ToneMapName, parameters,
 };
 pub(crate) use numbers::count;
 pub(crate) use order::Order;

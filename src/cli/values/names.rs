@@ -5,7 +5,13 @@ use std::sync::LazyLock;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
+use slo_accel::study::Parameters;
 use slo_scene::{Accelerator, Encoding, Integrator, Layer, OutputFormat, ToneMap};
+
+/// Parses parameters of structures to study.
+pub(crate) fn parameters(text: &str) -> Result<Parameters, String> {
+    text.parse()
+}
 
 /// `--layers`
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,6 +4,7 @@ use crate::primitives::triangle::{self, ShearedRay};
 use crate::primitives::{Curved, Primitives};
 use crate::rays::{Coherence, Hits, NO_HIT, Rays};
 use crate::structure::interface::{BuildOptions, SpatialIndex};
+use crate::structure::study::{Counting, Counts};
 
 /// Primitives without a structure.
 #[derive(Debug)]
@@ -33,6 +34,38 @@ impl SpatialIndex for Brute {
 
     fn overhead(&self) -> usize {
         size_of_val(self.solid.as_slice())
+    }
+
+    fn can_count(&self) -> bool {
+        true
+    }
+
+    fn count(&self, rays: &Rays, i: usize, any: bool, (): &mut (), counts: &mut Counts) -> f32 {
+        let (origin, direction) = (rays.origin(i), rays.direction(i));
+        let ray = ShearedRay::new(origin, direction);
+        let (mut t_max, mut t) = (rays.t_max[i], f32::INFINITY);
+        let all = self.solid.len() + self.primitives.curved.len();
+        counts.leaf(all);
+        for place in 0..all {
+            counts.test();
+            let hit = match self.solid.get(place) {
+                Some(&id) => {
+                    let triangle = &self.primitives.triangles[id as usize];
+                    triangle::intersect(&ray, triangle, t_max).map(|hit| hit.t)
+                }
+                None => {
+                    let curved = &self.primitives.curved[place - self.solid.len()];
+                    curved.intersect(origin, direction, t_max).map(|(t, _)| t)
+                }
+            };
+            if let Some(hit) = hit {
+                (t_max, t) = (hit, hit);
+                if any {
+                    break;
+                }
+            }
+        }
+        t
     }
 
     fn intersect(

@@ -8,7 +8,7 @@
 
 use std::time::Duration;
 
-use glam::{Vec3, Vec3A};
+use glam::Vec3A;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
@@ -17,11 +17,10 @@ use obvhs::{Boundable, BvhBuildParams};
 
 use crate::isa::Isa;
 use crate::primitives::Primitives;
-#[cfg(target_arch = "x86_64")]
-use crate::primitives::Triangle;
-use crate::primitives::triangle::{self, POSITION_ERROR, ShearedRay, TriangleHit};
+use crate::primitives::triangle::{POSITION_ERROR, TriangleHit};
 use crate::rays::{Coherence, Hits, Rays};
 use crate::structure::interface::{BuildOptions, SpatialIndex};
+use crate::structure::shared::single::{Single, can_be_hit};
 
 /// Primitives in obvhs's hierarchy.
 #[derive(Debug)]
@@ -50,11 +49,8 @@ impl SpatialIndex for Cwbvh {
     type Scratch = ();
 
     fn build(primitives: Primitives, BuildOptions { isa, .. }: BuildOptions) -> Self {
-        let is_solid = |&id: &u32| {
-            primitives.triangles.get(id as usize).is_none_or(|t| !triangle::is_degenerate(t))
-                && !primitives.bounds(id).is_empty()
-        };
-        let ids: Vec<u32> = (0..primitives.len() as u32).filter(is_solid).collect();
+        let all = 0..primitives.len() as u32;
+        let ids: Vec<u32> = all.filter(|&id| can_be_hit(&primitives, id)).collect();
         let all = primitives.all_bounds();
         let size = all.min.abs().max(all.max.abs()).max_element();
         let error = Vec3A::splat(2.0 * POSITION_ERROR * size);
@@ -122,7 +118,7 @@ impl Cwbvh {
         // The library takes components below 2^-23 for 0: the largest is brought near 1.
         let scale = power_of_two_near(direction.abs().max_element());
         let ray = Ray::new(origin.into(), (direction / scale).into(), 0.0, t_max * scale);
-        let sheared = ShearedRay::new(origin, direction);
+        let single = Single::new(origin, direction, self.isa);
         let mut best: Best = None;
         let test = |number: usize| {
             let index = self.hierarchy.primitive_indices[number] as usize;
@@ -130,7 +126,7 @@ impl Cwbvh {
             let (limit, lowest) = best.map_or((t_max, 0), |(hit, id)| (hit.t, id));
             // A hit as near as the best counts if its id is lower.
             let limit = if id < lowest { limit.next_up() } else { limit };
-            let hit = self.test(id, &sheared, origin, direction, limit)?;
+            let hit = single.test(&self.primitives, id, limit)?;
             best = Some((hit, id));
             Some(hit.t.next_up() * scale)
         };
@@ -147,36 +143,6 @@ impl Cwbvh {
             self.hierarchy.ray_traverse(ray, &mut RayHit::none(), &mut test);
         }
     }
-
-    fn test(
-        &self,
-        id: u32,
-        ray: &ShearedRay,
-        origin: Vec3,
-        direction: Vec3,
-        t_max: f32,
-    ) -> Option<TriangleHit> {
-        let Some(triangle) = self.primitives.triangles.get(id as usize) else {
-            let curved = &self.primitives.curved[id as usize - self.primitives.triangles.len()];
-            let (t, part) = curved.intersect(origin, direction, t_max)?;
-            return Some(TriangleHit { t, u: part.to_u(), v: 0.0 });
-        };
-        match self.isa {
-            Isa::Portable => triangle::intersect(ray, triangle, t_max),
-            // SAFETY: the set is one that the CPU has.
-            #[cfg(target_arch = "x86_64")]
-            _ => unsafe { intersect_by_fma(ray, triangle, t_max) },
-            #[cfg(not(target_arch = "x86_64"))]
-            _ => triangle::intersect(ray, triangle, t_max),
-        }
-    }
-}
-
-/// The same bits as without the instruction, for which a library is called otherwise.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "fma")]
-fn intersect_by_fma(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<TriangleHit> {
-    triangle::intersect(ray, triangle, t_max)
 }
 
 /// The power of two at or below a positive number, kept away from both ends of the range.
@@ -186,10 +152,11 @@ fn power_of_two_near(x: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     use super::*;
-    use crate::primitives::Curved;
+    use crate::primitives::{Curved, Triangle};
     use crate::rays::Coherence;
     use crate::structure::{Accelerator, Scratch, Structure};
 

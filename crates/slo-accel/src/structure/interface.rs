@@ -7,6 +7,7 @@ use crate::isa::Isa;
 use crate::math::Bounds;
 use crate::primitives::{Curved, Primitives, Triangle};
 use crate::rays::{Coherence, Hits, Rays};
+use crate::structure::study::{Counts, Parameters, Statistics};
 
 /// How a structure is built. No option changes a hit.
 ///
@@ -16,7 +17,7 @@ use crate::rays::{Coherence, Hits, Rays};
 /// let options = BuildOptions::new(Isa::best()).with_spatial_splits(true);
 /// assert!(options.spatial_splits);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BuildOptions {
     /// Instruction set of builder and queries.
@@ -26,18 +27,26 @@ pub struct BuildOptions {
     /// most a quarter of the triangles is added as pieces. Only [`Bvh`](crate::Accelerator::Bvh)
     /// cuts triangles; the other structures ignore the option.
     pub spatial_splits: bool,
+    /// Parameters of structures [to study](crate::study), which the other structures ignore.
+    pub parameters: Parameters,
 }
 
 impl BuildOptions {
-    /// Options for an instruction set, without spatial splits.
+    /// Options for an instruction set, without spatial splits, and with no parameters given.
     pub fn new(isa: Isa) -> Self {
-        Self { isa, spatial_splits: false }
+        Self { isa, spatial_splits: false, parameters: Parameters::default() }
     }
 
     /// The same options with or without spatial splits.
     #[must_use]
     pub fn with_spatial_splits(self, spatial_splits: bool) -> Self {
         Self { spatial_splits, ..self }
+    }
+
+    /// The same options with other parameters of structures to study.
+    #[must_use]
+    pub fn with_parameters(self, parameters: Parameters) -> Self {
+        Self { parameters, ..self }
     }
 }
 
@@ -103,6 +112,30 @@ pub(crate) trait SpatialIndex: Debug + Sized + Send + Sync {
 
     /// Bytes held beyond the geometry.
     fn overhead(&self) -> usize;
+
+    /// What the structure is made of, if it can tell.
+    fn statistics(&self) -> Option<Statistics> {
+        None
+    }
+
+    /// Whether [`count`](Self::count) counts.
+    fn can_count(&self) -> bool {
+        false
+    }
+
+    /// Traces one ray of a batch by itself, to its first hit or to any if that is enough, and adds what
+    /// it takes. Returns the t of the hit; infinite if there is none.
+    fn count(
+        &self,
+        rays: &Rays,
+        i: usize,
+        any: bool,
+        scratch: &mut Self::Scratch,
+        counts: &mut Counts,
+    ) -> f32 {
+        let _ = (rays, i, any, scratch, counts);
+        f32::INFINITY
+    }
 
     /// Writes the first hit of each ray to `hits`, which are as many as the rays and all of
     /// nothing. Returns how alike the rays turned out to be, or `coherence` if the structure cannot

@@ -11,6 +11,7 @@ mod cwbvh;
 pub(crate) mod interface;
 mod kdtree;
 pub(crate) mod shared;
+pub mod study;
 #[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]
@@ -21,6 +22,7 @@ use std::borrow::Cow;
 pub use self::bending::{Bending, Moment};
 pub use self::interface::{BuildOptions, Sections};
 use self::interface::{Geometry, SpatialIndex};
+use self::study::Rendered;
 use crate::math::Bounds;
 use crate::primitives::{Curved, Primitives, Triangle};
 use crate::rays::{Coherence, Hits, LANES, Rays};
@@ -28,7 +30,7 @@ use crate::rays::{Coherence, Hits, LANES, Rays};
 /// Makes of the list of structures what differs from one to the other: their names, the one that
 /// was built, and the working memory of each.
 macro_rules! structures {
-    ($($(#[$attribute:meta])* $name:ident, $text:literal: $folder:ident::$type:ident;)*) => {
+    ($($(#[$attribute:meta])* $name:ident, $text:literal: $memory:ident, $type:ty;)*) => {
         /// Which structure is built.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
         #[non_exhaustive]
@@ -44,7 +46,7 @@ macro_rules! structures {
         /// The structure that was built.
         #[derive(Debug)]
         enum Built {
-            $($name($folder::$type),)*
+            $($name($type),)*
         }
 
         impl Built {
@@ -72,7 +74,7 @@ macro_rules! structures {
         /// structure may use it next.
         #[derive(Debug, Default)]
         pub struct Scratch {
-            $($folder: <$folder::$type as SpatialIndex>::Scratch,)*
+            $($memory: <$type as SpatialIndex>::Scratch,)*
             of_piece: bending::OfPiece,
         }
 
@@ -86,7 +88,7 @@ macro_rules! structures {
             ($built:expr, $all:expr, $index:ident, $scratch:ident => $answer:expr) => {
                 match $built {
                     $(Built::$name($index) => {
-                        let $scratch = &mut $all.$folder;
+                        let $scratch = &mut $all.$memory;
                         $answer
                     })*
                 }
@@ -97,16 +99,30 @@ macro_rules! structures {
 
 structures! {
     /// A kd-tree, built by the surface area heuristic. It takes the least memory on closed meshes.
-    KdTree, "KDTREE": kdtree::KdTree;
+    KdTree, "KDTREE": kdtree, kdtree::KdTree;
     /// A bounding volume hierarchy of eight children to a node: the fastest.
     #[default]
-    Bvh, "BVH": bvh::Bvh;
+    Bvh, "BVH": bvh, bvh::Bvh;
     /// The compressed wide hierarchy of the obvhs library, to be measured against. Its tests of
     /// boxes are not conservative: of 100 000 rays a few that run along faces of boxes miss their
     /// hit.
-    Cwbvh, "CWBVH": cwbvh::Cwbvh;
+    Cwbvh, "CWBVH": cwbvh, cwbvh::Cwbvh;
     /// No structure: each ray is tested against every primitive. The reference of the others.
-    None, "NONE": brute::Brute;
+    None, "NONE": brute, brute::Brute;
+    /// A uniform grid, [to study](study).
+    Grid, "GRID": grid, Rendered<study::Grid>;
+    /// An octree, [to study](study).
+    Octree, "OCTREE": octree, Rendered<study::Octree>;
+    /// A binary hierarchy of halves, [to study](study).
+    Median, "MEDIAN": median, Rendered<study::MedianTree>;
+    /// An R-tree, packed by sort-tile-recursive, [to study](study).
+    RTree, "RTREE": rtree, Rendered<study::RTree>;
+    /// A binary hierarchy, built by the surface area heuristic, [to study](study).
+    Binary, "BINARY": binary, Rendered<study::BinaryTree>;
+    /// A kd-tree with four ways to traverse it, [to study](study).
+    Kd, "KD": kd, Rendered<study::Kd>;
+    /// The boxes of all primitives, one after the other, [to study](study).
+    Boxes, "BOXES": boxes, Rendered<study::Boxes>;
 }
 
 impl Accelerator {
@@ -235,6 +251,33 @@ impl Structure {
     /// The smallest box about all primitives.
     pub fn bounds(&self) -> Bounds {
         ask!(&self.built, index => index.geometry().all_bounds())
+    }
+
+    /// What the structure is made of; `None` for `KDTREE`, `CWBVH` and `NONE`.
+    pub fn statistics(&self) -> Option<study::Statistics> {
+        ask!(&self.built, index => index.statistics())
+    }
+
+    /// Whether [`count`](Self::count) counts; all structures do but `CWBVH`.
+    pub fn can_count(&self) -> bool {
+        ask!(&self.built, index => index.can_count())
+    }
+
+    /// Traces one ray of a batch by itself, in plain Rust, and adds what it takes to `counts`: to the first
+    /// hit, or to any hit if `any` is enough. Returns the t of the hit; infinite if there is none.
+    ///
+    /// Counts are the same on all machines. [`intersect`](Self::intersect) and
+    /// [`occluded`](Self::occluded) find the same hits, but the kernels of `BVH` and `KDTREE` answer many
+    /// rays together and visit other nodes.
+    pub fn count(
+        &self,
+        rays: &Rays,
+        i: usize,
+        any: bool,
+        scratch: &mut Scratch,
+        counts: &mut study::Counts,
+    ) -> f32 {
+        ask!(&self.built, scratch, index, memory => index.count(rays, i, any, memory, counts))
     }
 
     /// Boxes about all primitives that can be hit, at most `count`, or 8 if that is less.

@@ -12,7 +12,7 @@ fn accelerators_are_found_by_the_names_that_they_show() {
         assert_eq!(accelerator.to_string(), name);
         assert_eq!(Accelerator::by_name(&name.to_lowercase()), Ok(accelerator));
     }
-    assert!(Accelerator::by_name("OCTREE").is_err());
+    assert!(Accelerator::by_name("QUADTREE").is_err());
 }
 
 /// Triangles and curved surfaces, some of them twice, some without area.
@@ -71,6 +71,44 @@ fn all_structures_give_the_hits_of_brute_force() {
             for (i, (answer, expected)) in answers.iter().zip(&expected).enumerate() {
                 assert_eq!(answer, expected, "{name}, {isa}, {coherence:?}, ray {i}");
             }
+        }
+    }
+}
+
+/// Rays that are counted find what the others find, whatever they visit.
+#[test]
+fn counted_rays_find_the_hits_of_brute_force() {
+    let mut random = Random::new(7);
+    let primitives = primitives(&mut random);
+    let rays = random.rays(1500, 1.0);
+    let mut scratch = Scratch::default();
+    let oracle = Structure::build(Accelerator::None, primitives.clone(), Isa::Portable);
+    let expected = ask(&oracle, &rays, Coherence::Incoherent, &mut scratch);
+    for &(name, accelerator) in Accelerator::NAMES {
+        let mut sums = vec![];
+        for isa in Isa::available() {
+            let structure = Structure::build(accelerator, primitives.clone(), isa);
+            assert_eq!(structure.can_count(), accelerator != Accelerator::Cwbvh);
+            if !structure.can_count() {
+                continue;
+            }
+            let mut sum = [study::Counts::default(); 2];
+            for (i, ([t, ..], blocked)) in expected.iter().enumerate() {
+                let found = structure.count(&rays, i, false, &mut scratch, &mut sum[0]);
+                assert_eq!(found.to_bits(), *t, "{name}, {isa}, ray {i}");
+                let any = structure.count(&rays, i, true, &mut scratch, &mut sum[1]);
+                assert_eq!(any < f32::INFINITY, *blocked, "{name}, {isa}, ray {i}");
+            }
+            assert!(sum[0].tests > sum[1].tests && sum[1].tests > 0, "{name}: {sum:?}");
+            let of_all = 1500 * primitives.len() as u64;
+            let saves = accelerator != Accelerator::None;
+            assert_eq!(saves, sum[0].tests < of_all / 10, "{name}: {sum:?}");
+            sums.push(sum);
+        }
+        assert!(sums.iter().all(|sum| *sum == sums[0]), "{name}: the same on every machine");
+        let structure = Structure::build(accelerator, primitives.clone(), Isa::Portable);
+        if let Some(of) = structure.statistics() {
+            assert!(of.references >= 750 && of.sah > 1.0 && of.bytes > 0, "{name}: {of:?}");
         }
     }
 }

@@ -34,7 +34,7 @@ impl FrameScene {
         around.materials.push(white_material());
         let known_light = before.as_mut().map(|of| std::mem::take(&mut of.known_light));
         let known_light = known_light.unwrap_or_default();
-        let aids = Aids { before: before.map(|of| of.remains()), cache: None };
+        let aids = Aids { before: before.map(|of| of.remains()), ..Aids::default() };
         let frame = Self::build_with(&around, number, isa, aids)?;
         let texels = frame.texels(scene, object, light_map);
         let baked = texels.map(|texels| Baked { texels, white });

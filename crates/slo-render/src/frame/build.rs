@@ -61,7 +61,7 @@ impl FrameScene {
         isa: Isa,
         aids: impl Into<Aids>,
     ) -> Result<Self, FrameError> {
-        let Aids { before, cache } = aids.into();
+        let Aids { before, cache, parameters } = aids.into();
         let shutter = Clock::new(&scene.camera).shutter(number).map_err(FrameError::NoSegment)?;
         let segment = &scene.camera.segments[shutter.segment];
         let film = &scene.camera.film;
@@ -79,7 +79,7 @@ impl FrameScene {
             |&(object, _, count): &(u32, _, u64)| (&scene.objects[object as usize].shape, count);
         let shapes = shown.objects.iter().map(|shown| (&shown.object.shape, 1));
         let shared = Shared::new(shapes.chain(shown.casts.iter().map(cast)));
-        let mut parts = Parts { before: moving, cache, shared, ..Parts::default() };
+        let mut parts = Parts { before: moving, cache, parameters, shared, ..Parts::default() };
         for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
         }
@@ -134,7 +134,12 @@ impl FrameScene {
             // Free the old structure before building the new one.
             other => {
                 drop(other);
-                Arc::new(structure(parts.still(), &scene.settings, isa, parts.cache.as_deref()))
+                Arc::new(structure(
+                    parts.still(),
+                    &scene.settings,
+                    isa,
+                    (parts.cache.as_deref(), parameters),
+                ))
             }
         };
         let still_objects = parts.still_objects();
@@ -196,6 +201,7 @@ impl FrameScene {
             baked: None,
             light_maps: LightMaps::default(),
             known_light: OnceLock::new(),
+            counting: None,
             settings,
             isa,
             clever: true,

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::remains::Remains;
+use slo_accel::study::Parameters;
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Sections, Structure};
 use slo_scene::Settings;
 use slo_scene::cache::{Cache, Entry, Key, hash_of};
@@ -17,11 +18,13 @@ pub struct Aids {
     pub before: Option<Remains>,
     /// A cache of structures.
     pub cache: Option<Arc<Cache>>,
+    /// Parameters of structures to study.
+    pub parameters: Parameters,
 }
 
 impl From<Remains> for Aids {
     fn from(before: Remains) -> Self {
-        Self { before: Some(before), cache: None }
+        Self { before: Some(before), ..Self::default() }
     }
 }
 
@@ -43,9 +46,11 @@ pub(super) fn structure(
     primitives: Primitives,
     settings: &Settings,
     isa: Isa,
-    cache: Option<&Cache>,
+    (cache, parameters): (Option<&Cache>, Parameters),
 ) -> Structure {
-    let options = BuildOptions::new(isa).with_spatial_splits(settings.spatial_splits);
+    let options = BuildOptions::new(isa)
+        .with_spatial_splits(settings.spatial_splits)
+        .with_parameters(parameters);
     let accelerator = accelerator(settings.accelerator);
     let build = |primitives| Structure::build(accelerator, primitives, options);
     let pays = accelerator == Accelerator::Bvh && primitives.len() >= LEAST;
@@ -88,6 +93,13 @@ fn accelerator(name: slo_scene::Accelerator) -> Accelerator {
         slo_scene::Accelerator::Bvh => Accelerator::Bvh,
         slo_scene::Accelerator::Cwbvh => Accelerator::Cwbvh,
         slo_scene::Accelerator::None => Accelerator::None,
+        slo_scene::Accelerator::Grid => Accelerator::Grid,
+        slo_scene::Accelerator::Octree => Accelerator::Octree,
+        slo_scene::Accelerator::Median => Accelerator::Median,
+        slo_scene::Accelerator::RTree => Accelerator::RTree,
+        slo_scene::Accelerator::Binary => Accelerator::Binary,
+        slo_scene::Accelerator::Kd => Accelerator::Kd,
+        slo_scene::Accelerator::Boxes => Accelerator::Boxes,
     }
 }
 
@@ -112,22 +124,22 @@ mod tests {
     fn structures_are_built_once_for_all_instruction_sets() {
         let folder = tempfile::tempdir().expect("a folder");
         let open = || Cache::new(folder.path(), 1 << 30, |warning| panic!("{warning}"));
-        let settings = Settings::default();
-        let built = structure(grid(0.1), &settings, Isa::best(), None);
+        let (settings, usual) = (Settings::default(), Parameters::default());
+        let built = structure(grid(0.1), &settings, Isa::best(), (None, usual));
         let expected = built.kept().expect("it can be kept");
         for (round, isa) in Isa::available().into_iter().chain([Isa::best()]).enumerate() {
             let cache = open();
-            let found = structure(grid(0.1), &settings, isa, Some(&cache));
+            let found = structure(grid(0.1), &settings, isa, (Some(&cache), usual));
             assert!(found.kept().expect("it can be kept") == expected, "{isa}");
             let uses = cache.uses();
             assert_eq!((uses.made, uses.found), if round == 0 { (1, 0) } else { (0, 1) });
         }
         let cache = open();
-        structure(grid(0.2), &settings, Isa::best(), Some(&cache));
+        structure(grid(0.2), &settings, Isa::best(), (Some(&cache), usual));
         let mut split = settings.clone();
         split.spatial_splits = true;
-        structure(grid(0.1), &split, Isa::best(), Some(&cache));
-        structure(Primitives::default(), &settings, Isa::best(), Some(&cache));
+        structure(grid(0.1), &split, Isa::best(), (Some(&cache), usual));
+        structure(Primitives::default(), &settings, Isa::best(), (Some(&cache), usual));
         let uses = cache.uses();
         assert_eq!((uses.made, uses.found), (2, 0));
     }

@@ -6,6 +6,8 @@ mod baked;
 mod bend;
 mod build;
 mod compositing;
+mod costs;
+mod counted;
 mod crowd;
 mod emitters;
 mod error;
@@ -35,6 +37,7 @@ mod texels;
 mod things;
 mod world;
 
+pub use counted::CountedStructure;
 pub use error::FrameError;
 pub use kept::Aids;
 pub use lamps::LampFault;

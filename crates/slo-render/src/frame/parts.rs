@@ -21,6 +21,7 @@ use super::shared::Shared;
 use super::shown::{ShownLight, ShownObject, Whereabouts};
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
+use slo_accel::study::Parameters;
 use slo_accel::{Isa, Primitives, Structure};
 use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
 use slo_scene::cache::Cache;
@@ -98,6 +99,8 @@ pub(super) struct Parts {
     pub(super) before: HashMap<u32, Arc<Structure>>,
     /// Where structures may be found.
     pub(super) cache: Option<Arc<Cache>>,
+    /// Parameters of structures to study.
+    pub(super) parameters: Parameters,
     /// What objects of one mesh share.
     pub(super) shared: Shared,
     /// Number of triangles of all still objects.
@@ -307,12 +310,12 @@ impl Parts {
     ) -> (Arc<Structure>, Arc<[Vec3]>) {
         let number = self.objects.len() as u32;
         let there = self.before.get(&number).cloned();
-        let cache = self.cache.clone();
+        let (cache, parameters) = (self.cache.clone(), self.parameters);
         let build = || {
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, geometry, &place);
-            Arc::new(structure(local, &scene.settings, isa, cache.as_deref()))
+            Arc::new(structure(local, &scene.settings, isa, (cache.as_deref(), parameters)))
         };
         let normals = || vertex_normals(geometry, &DAffine::IDENTITY).into();
         match self.shared.of(geometry) {

@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use super::affine::Affine;
 use super::compositing::Compositing;
+use super::costs::RayCounting;
 use super::instance::Instance;
 use super::looks::Looks;
 use super::shapes::Geometry;
@@ -62,6 +63,8 @@ pub struct FrameScene {
     /// Sampler of photons.
     pub(crate) photon_sampler: Sampler,
     pub(crate) settings: Settings,
+    /// How rays are counted, if they are.
+    pub(crate) counting: Option<RayCounting>,
     /// The field that guides rays, once it is known.
     pub(crate) field: OnceLock<Field>,
     /// The light map whose texels are the pixels, instead of what the camera sees.

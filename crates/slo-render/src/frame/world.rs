@@ -50,14 +50,14 @@ pub(crate) struct WorldHits {
 /// Working memory of one thread.
 #[derive(Debug, Default)]
 pub(crate) struct WorldScratch {
-    accel: Scratch,
+    pub(super) accel: Scratch,
     /// Distance up to which each ray is followed.
     reach: Vec<f32>,
     boxes: BoxScratch,
     /// For each instance, the rays that enter its box.
     entering: Vec<Vec<u32>>,
     many: InstancesScratch,
-    local: Rays,
+    pub(super) local: Rays,
     local_times: Vec<f32>,
     local_hits: Hits,
     local_blocked: Vec<bool>,
@@ -317,7 +317,7 @@ impl World {
     }
 }
 
-fn push_local(local: &mut Rays, rays: &Rays, pose: &Affine, i: usize, t_max: f32) {
+pub(super) fn push_local(local: &mut Rays, rays: &Rays, pose: &Affine, i: usize, t_max: f32) {
     let origin = pose.inverse_point(rays.origin(i));
     local.push(origin, pose.inverse_vector(rays.direction(i)), t_max);
 }

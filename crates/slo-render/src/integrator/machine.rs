@@ -7,6 +7,7 @@ use slo_accel::math::columns::{BATCH, Column, Vec3s};
 use super::account::{Account, Source};
 use super::batch::{Batch, Labels, Past, Sent};
 use super::chosen::Chosen;
+use super::counting::Tally;
 use super::queue::RayQueue;
 use super::stages::hits::Hits;
 use super::stages::visibility::Visibility;
@@ -74,6 +75,7 @@ pub(super) struct Machine {
     account: Option<Box<Account>>,
     /// Working memory of ray queries.
     scratch: WorldScratch,
+    tally: Tally,
 }
 
 impl Machine {
@@ -81,12 +83,18 @@ impl Machine {
     /// to entry `i`.
     pub(super) fn begin(&mut self, sampler: &Sampler, work: &[Work], copies: usize) {
         self.counts = Statistics::default();
+        self.tally.stop();
         self.seeds.clear();
         for _ in 0..copies {
             self.seeds.extend(work.iter().map(|w| sampler.pixel(w.x, w.y)));
         }
         self.sums.reset(self.seeds.len());
         self.queue_at(0);
+    }
+
+    /// Counts the rays of the work that has begun, if the frame asks for it.
+    pub(super) fn count(&mut self, frame: &FrameScene, work: &[Work]) {
+        self.tally.begin(frame, work);
     }
 
     /// Keeps an account of the work that was begun. Entries of work have one sample each.
@@ -103,6 +111,7 @@ impl Machine {
     /// seed.
     pub(super) fn begin_light_paths(&mut self, seed: PixelSeed, lights: usize) {
         self.counts = Statistics::default();
+        self.tally.stop();
         self.seeds.clear();
         self.seeds.resize(lights, seed);
         self.sums.reset(0);
@@ -112,6 +121,7 @@ impl Machine {
     /// Begins work of rays with a slot each, of pixels with these seeds.
     pub(super) fn begin_slots(&mut self, seeds: impl Iterator<Item = PixelSeed>) {
         self.counts = Statistics::default();
+        self.tally.stop();
         self.seeds.clear();
         self.seeds.extend(seeds);
         self.sums.reset(self.seeds.len());
@@ -202,11 +212,15 @@ impl Machine {
 
     /// Takes the next batch of connections of a kind, and adds the light of those that nothing blocks.
     fn trace_connections(&mut self, job: &Job<'_>, kind: Connection) {
-        let Self { connections, visibility, scratch, counts, sums, seeds, account, .. } = self;
+        let Self { connections, visibility, scratch, counts, sums, seeds, account, tally, .. } =
+            self;
         let (frame, queue) = (job.frame, &mut connections[kind as usize]);
         queue.take_batch(&mut visibility.batch);
         counts.shadow_rays += visibility.batch.len() as u64;
         visibility.trace(frame, &mut queue.habit, scratch);
+        if tally.is_on() {
+            tally.connections(frame, &visibility.batch, scratch, &mut counts.rays);
+        }
         if let Some((sent, labels, chosen)) = visibility.beyond() {
             match account {
                 None => queue.append(sent, labels, chosen),
@@ -234,6 +248,10 @@ impl Machine {
     ) {
         self.queue_at(depth);
         hits.trace(frame, batch, &mut self.paths[depth as usize].habit, &mut self.scratch);
+        if self.tally.is_on() {
+            let Self { tally, scratch, counts, .. } = self;
+            tally.paths(frame, batch, depth, scratch, &mut counts.rays);
+        }
         if let Some(account) = &mut self.account {
             account.note_hits(frame, batch, hits);
         }

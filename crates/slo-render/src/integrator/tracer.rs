@@ -38,6 +38,7 @@ impl Tracer {
         let copies = if beside.features { 2 } else { 1 };
         let groups = if frame.is_physical { beside.light_groups } else { 0 };
         machine.begin(&frame.sampler, work, copies * (groups + 1));
+        machine.count(frame, work);
         if *keeps_account {
             machine.keep_account(frame);
         }

@@ -42,7 +42,7 @@ const SHAPES: &str = "
 
 /// A scene with everything in it: lens, motion of camera and objects, all shapes, images, area and
 /// point lights, glass, brushed metal.
-fn everything() -> SceneDescription {
+pub(crate) fn everything() -> SceneDescription {
     let settings = "softShadowSamples 2 diffuseReflectionSamples 2 background { .1 .2 .3 }";
     everything_with("", settings)
 }
@@ -75,7 +75,7 @@ fn everything_with(more: &str, settings: &str) -> SceneDescription {
 }
 
 /// Returns the bytes of a PNG and an EXR file of a film.
-fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
+pub(crate) fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
     [OutputFormat::Png8, OutputFormat::Exr].map(|format| {
         let mut scene = scene.clone();
         scene.camera.film.output = format;

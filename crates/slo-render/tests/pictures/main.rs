@@ -3,6 +3,7 @@
 mod accounts;
 mod analytic;
 mod any_split;
+mod counting;
 mod determinism;
 mod estimators;
 mod guiding;

@@ -43,6 +43,20 @@ choices! {
         Cwbvh = "CWBVH",
         /// Every primitive is tested.
         None = "NONE",
+        /// Uniform grid, to study.
+        Grid = "GRID",
+        /// Octree, to study.
+        Octree = "OCTREE",
+        /// Binary hierarchy of halves, to study.
+        Median = "MEDIAN",
+        /// Packed R-tree, to study.
+        RTree = "RTREE",
+        /// Binary hierarchy by the surface area heuristic, to study.
+        Binary = "BINARY",
+        /// Plain kd-tree with several traversals, to study.
+        Kd = "KD",
+        /// The boxes of all primitives, to study.
+        Boxes = "BOXES",
     }
 }
 

@@ -246,7 +246,7 @@ impl Looker {
     }
 
     fn build(&mut self, scene: &SceneDescription, number: i64) -> Result<FrameScene, Fault> {
-        let aids = slo_render::frame::Aids { before: self.remains.take(), cache: None };
+        let aids = slo_render::frame::Aids { before: self.remains.take(), ..Default::default() };
         let built = FrameScene::build_with(scene, number, self.isa, aids).map_err(Fault::Frame)?;
         self.remains = Some(built.remains());
         Ok(built)

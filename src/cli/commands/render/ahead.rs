@@ -13,6 +13,7 @@ use crate::cli::files::load;
 use crate::cli::options::Job;
 use crate::cli::system::{memory, threads};
 use slo_accel::Isa;
+use slo_accel::study::Parameters;
 use slo_render::frame::{Aids, FrameScene};
 use slo_scene::SceneDescription;
 use slo_scene::cache::Cache;
@@ -37,6 +38,7 @@ pub(super) struct Ahead {
     scene: Arc<SceneDescription>,
     cache: Option<Arc<Cache>>,
     isa: Isa,
+    parameters: Parameters,
     under_way: Option<(i64, Receiver<Built>)>,
     /// Time spent building.
     pub(super) time: Duration,
@@ -60,6 +62,7 @@ impl Ahead {
             scene,
             cache: job.cache.clone(),
             isa: job.isa,
+            parameters: job.parameters(),
             under_way: None,
             time: Duration::ZERO,
             refused: None,
@@ -78,7 +81,8 @@ impl Ahead {
         }
         let (sender, receiver) = sync_channel(1);
         let (pool, scene, isa) = (self.pool.clone(), self.scene.clone(), self.isa);
-        let aids = Aids { before: Some(before.remains()), cache: self.cache.clone() };
+        let (before, cache) = (Some(before.remains()), self.cache.clone());
+        let aids = Aids { before, cache, parameters: self.parameters };
         let build = move || {
             let start = Instant::now();
             let frame = pool.install(|| load::frame(isa, &scene, number, aids));

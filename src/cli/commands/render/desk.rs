@@ -60,7 +60,7 @@ impl<'a> Desk<'a> {
         }
         self.written()?;
         let before = self.before.take().map(|frame| frame.remains());
-        let aids = Aids { before, cache: job.cache.clone() };
+        let aids = Aids { before, cache: job.cache.clone(), parameters: job.parameters() };
         interrupt::while_building(|| load::frame(job.isa, scene, number, aids))
     }
 

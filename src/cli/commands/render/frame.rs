@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use super::counted::{self, Counted};
 use super::desk::Desk;
 use super::done::{Done, Size, Times};
 use super::guide_file::GuideFile;
@@ -61,6 +62,7 @@ pub(super) struct Taken {
     pub(super) times: Times,
     statistics: Statistics,
     size: Size,
+    counted: Option<Counted>,
 }
 
 impl Studio<'_> {
@@ -109,6 +111,8 @@ impl Studio<'_> {
             Some(field) if built.is_guided() => built.with_field(field),
             _ => built,
         };
+        let mut built = built;
+        counted::begin(self.job, &mut built)?;
         let ((film, least), end) = match self.film(frame, &watch.checkpoint) {
             // The picture before this one takes memory until it is in place.
             Err(_) if desk.is_writing() => {
@@ -127,6 +131,8 @@ impl Studio<'_> {
         let rendering = start.elapsed();
         let checkpoint = watch.checkpoint;
         let Exposed { film, statistics, is_complete } = exposed;
+        let times = Times { building, rendering, ..Times::default() };
+        let counted = Counted::of(self.job, self.scene, frame, &built, &statistics, &times);
         desk.before = Some(built);
         if !is_complete && is_lost() {
             return Err(Problem::told(Exit::Stopped));
@@ -134,8 +140,7 @@ impl Studio<'_> {
         if !is_complete {
             return Err(stopped(frame, &checkpoint, film, steps.unwrap_or_default()));
         }
-        let times = Times { building, rendering, ..Times::default() };
-        Ok(Taken { frame, film, steps, checkpoint, end, times, statistics, size })
+        Ok(Taken { frame, film, steps, checkpoint, end, times, statistics, size, counted })
     }
 
     /// Whether the files of the scene have changed, so that frames must be rendered again.
@@ -145,12 +150,13 @@ impl Studio<'_> {
 
     /// Makes the files of a frame that has all of its samples.
     pub(super) fn develop(&self, taken: Taken) -> Result<Done, Problem> {
-        let Taken { frame, film, steps, checkpoint, end, times, statistics, size } = taken;
+        let Taken { frame, film, steps, checkpoint, end, times, statistics, size, counted } = taken;
         let start = Instant::now();
         end.release();
         let path = self.target.path(frame, times.rendering);
         let full_pixels = film.full_pixels();
-        let (outcome, beside) = self.put_in_place(frame, film, steps, &path, &checkpoint)?;
+        let (outcome, beside) =
+            self.put_in_place(frame, film, steps, &path, &checkpoint, counted)?;
         let times = Times { writing: start.elapsed(), ..times };
         let missing = beside.err();
         Ok(Done { path, times, statistics, size, full_pixels, outcome, missing, steps })
@@ -177,6 +183,7 @@ impl Studio<'_> {
         steps: Option<Steps>,
         path: &Path,
         checkpoint: &Checkpoint,
+        counted: Option<Counted>,
     ) -> Result<(Outcome, Result<(), Problem>), Problem> {
         let reached = steps.unwrap_or_default();
         let is_open = self.job.total_time.is_some();
@@ -188,7 +195,7 @@ impl Studio<'_> {
                 .map_err(|error| cant_write(checkpoint.unfinished(), &error))?;
         }
         let outcome = self.save(frame, &mut film, steps, path, checkpoint)?;
-        let maps = self.target.write_maps(frame, &film, self.terminal);
+        let maps = self.target.write_maps(frame, &film, counted.as_ref(), self.terminal);
         let mut beside = maps.map_err(|(path, error)| cant_write(&path, &error));
         if self.job.keep_state && !is_open {
             let forced = self.job.overwrites();

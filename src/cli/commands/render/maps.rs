@@ -4,12 +4,13 @@ use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::counted::{self, Counted};
 use crate::cli::base::{Exit, Problem, Terminal};
 use crate::cli::files::paths::{check_path, place};
 use crate::cli::system::patience;
 use crate::cli::values::{Map, Maps};
 use slo_picture::film::{Area, Display, Film};
-use slo_picture::output::{write_error_map, write_sample_map};
+use slo_picture::output::{write_cost_map, write_error_map, write_sample_map};
 
 /// Checks before rendering whether the maps of the frames can be written to paths of their own.
 /// Each frame comes with the path of its picture.
@@ -32,7 +33,10 @@ pub(super) fn check<'a>(
                 let message = format!("{option} and {other} are both `{}`", path.display());
                 return Err(Problem::new(Exit::Usage, message));
             }
-            check_path(&path)?;
+            match map {
+                Map::Counts => counted::check_path(&path)?,
+                _ => check_path(&path)?,
+            }
         }
     }
     Ok(())
@@ -46,6 +50,7 @@ pub(super) fn write(
     maps: &Maps,
     frame: i64,
     film: &Film,
+    counted: Option<&Counted>,
     (area, whole): (Area, Area),
     display: Display,
     terminal: Terminal,
@@ -55,6 +60,10 @@ pub(super) fn write(
         let write = || match map {
             Map::Samples => write_sample_map(&path, film, area, whole),
             Map::Error => write_error_map(&path, film, area, whole, display),
+            Map::Cost => counted.map_or(Ok(()), |counted| {
+                write_cost_map(&path, area, whole, &counted.costs(film, area, whole))
+            }),
+            Map::Counts => counted.map_or(Ok(()), |counted| counted.write(&path)),
         };
         patience::write(&path, terminal, write).map_err(|error| (path.clone(), error))?;
     }
@@ -69,7 +78,7 @@ mod tests {
 
     fn maps(samples: &Path, error: &Path) -> Maps {
         let path = |path: &Path| Some(path.to_str().unwrap().parse().unwrap());
-        Maps { samples: path(samples), error: path(error) }
+        Maps { samples: path(samples), error: path(error), ..Maps::default() }
     }
 
     #[test]

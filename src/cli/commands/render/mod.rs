@@ -1,6 +1,7 @@
 //! Renders the frames of a job one after the other in one process.
 
 mod ahead;
+mod counted;
 mod desk;
 mod done;
 mod dry_run;

@@ -188,23 +188,25 @@ fn peak_of(status: &str) -> Option<u64> {
 mod tests {
     use super::*;
 
-    const RAYS: Statistics = Statistics {
-        camera_rays: 4_000_000,
-        shadow_rays: 8_000_000,
-        bounce_rays: 1_000_000,
-        refused_contributions: 0,
-    };
+    fn rays() -> Statistics {
+        Statistics {
+            camera_rays: 4_000_000,
+            shadow_rays: 8_000_000,
+            bounce_rays: 1_000_000,
+            ..Statistics::default()
+        }
+    }
 
     #[test]
     fn one_line_tells_rates_and_memory() {
-        let line = |peak| line(Duration::from_secs(4), &RAYS, peak);
+        let line = |peak| line(Duration::from_secs(4), &rays(), peak);
         insta::assert_snapshot!(line(Some(210_000_000)), @"Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce; 210 MB of memory");
         insta::assert_snapshot!(line(None), @"Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce");
     }
 
     #[test]
     fn no_time_is_no_division_by_zero() {
-        assert!(!line(Duration::ZERO, &RAYS, None).contains("inf"));
+        assert!(!line(Duration::ZERO, &rays(), None).contains("inf"));
     }
 
     #[test]

@@ -7,6 +7,7 @@ use std::mem;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use super::counted::Counted;
 use super::maps;
 use crate::cli::base::{Exit, Problem, Terminal};
 use crate::cli::options::Job;
@@ -187,10 +188,11 @@ impl<'a> Target<'a> {
         &self,
         frame: i64,
         film: &Film,
+        counted: Option<&Counted>,
         terminal: Terminal,
     ) -> Result<(), (PathBuf, io::Error)> {
         let (place, display) = ((self.region, self.whole), self.plan.display());
-        maps::write(&self.job.maps, frame, film, place, display, terminal)
+        maps::write(&self.job.maps, frame, film, counted, place, display, terminal)
     }
 }
 

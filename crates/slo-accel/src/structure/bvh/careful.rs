@@ -8,19 +8,27 @@ use super::layout::{Child, Node};
 use super::ray::Ray;
 use crate::primitives::triangle::{self, POSITION_ERROR, ShearedRay};
 use crate::rays::Rays;
+use crate::structure::study::Counting;
 
 /// Traces one ray of a batch from the root; stops at the first hit found if `any` is enough.
 #[cold]
 #[inline(never)]
-pub(super) fn trace(bvh: &Bvh, rays: &Rays, mut ray: Ray, any: bool) -> Ray {
+pub(super) fn trace<C: Counting>(
+    bvh: &Bvh,
+    rays: &Rays,
+    mut ray: Ray,
+    any: bool,
+    counting: &mut C,
+) -> Ray {
     let (origin, direction) = (rays.origin(ray.index as usize), rays.direction(ray.index as usize));
     let mut stack = vec![(0.0, Child::node(0))];
     while let Some((t, child)) = stack.pop() {
         if t > f64::from(ray.t) {
             continue;
         }
+        counting.step();
         if child.is_leaf() {
-            test_leaf(bvh, rays, child, &mut ray, any);
+            test_leaf(bvh, rays, child, &mut ray, any, counting);
             if any && ray.is_hit != 0 {
                 break;
             }
@@ -29,6 +37,7 @@ pub(super) fn trace(bvh: &Bvh, rays: &Rays, mut ray: Ray, any: bool) -> Ray {
             let changes = bvh.moves.then(|| (&bvh.nodes[child.index() + 1], ray.time));
             for word in node.order {
                 let place = (word >> ray.order_shift & 7) as usize;
+                counting.boxes(u64::from(!node.is_closed(place)));
                 let errors = (f64::from(POSITION_ERROR), 0.0);
                 let (ray_line, end) = ((origin, direction), f64::from(ray.t));
                 if let Some(t) = enter((node, changes), place, ray_line, end, errors) {
@@ -40,14 +49,25 @@ pub(super) fn trace(bvh: &Bvh, rays: &Rays, mut ray: Ray, any: bool) -> Ray {
     ray
 }
 
-fn test_leaf(bvh: &Bvh, rays: &Rays, child: Child, ray: &mut Ray, any: bool) {
+fn test_leaf<C: Counting>(
+    bvh: &Bvh,
+    rays: &Rays,
+    child: Child,
+    ray: &mut Ray,
+    any: bool,
+    counting: &mut C,
+) {
     if !child.is_block() {
+        counting.leaf(1);
+        counting.test();
         return bvh.test_curved(rays, child, ray);
     }
     let index = ray.index as usize;
     let sheared = ShearedRay::new(rays.origin(index), rays.direction(index));
     let (first, count) = (child.index(), child.block_len());
+    counting.leaf(count);
     for lane in 0..count {
+        counting.test();
         let triangle = bvh.corners.triangle_at(first, count, lane, ray.time);
         let t_max = if any { ray.t } else { ray.t.next_up() };
         if let Some(hit) = triangle::intersect(&sheared, &triangle, t_max) {

@@ -1,6 +1,6 @@
 //! The finished hierarchy.
 
-use super::layout::{Child, Corners, Node, Place};
+use super::layout::{Child, Corners, Node, Place, WIDTH};
 use super::ray::Ray;
 use crate::isa::Isa;
 use crate::math::Bounds;
@@ -8,6 +8,7 @@ use crate::primitives::{Curved, Triangle};
 use crate::rays::Rays;
 use crate::structure::interface::Geometry;
 use crate::structure::shared::pages::Array;
+use crate::structure::study::Statistics;
 
 /// Hierarchies of more bytes are far away: they are mostly outside the caches of a core.
 pub(super) const FAR: usize = 48 << 20;
@@ -71,6 +72,34 @@ impl Bvh {
     /// Bytes of nodes and of all that they lead to.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.nodes) + self.memory()
+    }
+
+    /// What the hierarchy is made of, which is not one whose boxes move. Blocks and curved surfaces are its
+    /// leaves.
+    pub(super) fn made_of(&self) -> Statistics {
+        let mut statistics = Statistics::new(self.places.len() + self.curved.len());
+        let mut stack = Vec::new();
+        let mut area = 0.0;
+        if let Some(root) = self.nodes.first() {
+            area = f64::from(self.all_bounds().area());
+            statistics.add_interior(area);
+            stack.push((root, 0));
+        }
+        while let Some((node, depth)) = stack.pop() {
+            for place in (0..WIDTH).filter(|&place| !node.is_closed(place)) {
+                let side = |side: usize| [0, 1, 2].map(|axis| node.planes[2 * axis + side][place]);
+                let bounds = Bounds { min: side(0).into(), max: side(1).into() };
+                let (child, area) = (node.children[place], f64::from(bounds.area()));
+                if child.is_leaf() {
+                    let objects = if child.is_block() { child.block_len() } else { 1 };
+                    statistics.add_leaf(objects, depth + 1, area);
+                } else {
+                    statistics.add_interior(area);
+                    stack.push((&self.nodes[child.index()], depth + 1));
+                }
+            }
+        }
+        statistics.finish(area, size_of_val(&*self.nodes), 0)
     }
 
     /// Tests a curved surface.

@@ -32,8 +32,9 @@ use self::steps::Portable;
 use crate::isa::Isa;
 use crate::math::Bounds;
 use crate::primitives::{Primitives, Triangle};
-use crate::rays::{Coherence, Hits, Rays};
+use crate::rays::{Coherence, Hits, LANES, Rays};
 use crate::structure::interface::{BuildOptions, Sections, SpatialIndex};
+use crate::structure::study::{Counts, Statistics};
 
 /// Working memory of queries.
 #[derive(Debug, Default)]
@@ -72,6 +73,25 @@ impl SpatialIndex for Bvh {
 
     fn overhead(&self) -> usize {
         size_of_val(&*self.nodes)
+    }
+
+    fn statistics(&self) -> Option<Statistics> {
+        Some(self.made_of())
+    }
+
+    fn can_count(&self) -> bool {
+        true
+    }
+
+    fn count(&self, rays: &Rays, i: usize, any: bool, _: &mut Scratch, counts: &mut Counts) -> f32 {
+        if self.nodes.is_empty() || rays.t_max[i].is_nan() || rays.t_max[i] <= 0.0 {
+            return f32::INFINITY;
+        }
+        let mut prepared = ray::Prepared::EMPTY;
+        prepared.fill(rays, i / LANES * LANES);
+        let ray = ray::Ray::new(&prepared, i % LANES);
+        let ray = careful::trace(self, rays, ray, any, counts);
+        if ray.is_hit != 0 { ray.t } else { f32::INFINITY }
     }
 
     fn intersect(

@@ -123,7 +123,7 @@ impl Pending<'_> {
             let lane = wild.trailing_zeros() as usize;
             wild &= wild - 1;
             let ray = Ray::new(self.prepared, lane);
-            query.finish(&super::careful::trace(bvh, rays, ray, Q::ANY));
+            query.finish(&super::careful::trace(bvh, rays, ray, Q::ANY, &mut ()));
         }
         self.left = if self.packets && self.around.rays_per_child.is_good() {
             // SAFETY: the caller's.

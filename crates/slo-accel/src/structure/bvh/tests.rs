@@ -15,9 +15,9 @@ use crate::structure::testing::{Answers, Random};
 pub(crate) fn check(primitives: Primitives, rays: &Rays) -> usize {
     let oracle = Brute::build(primitives.clone(), Isa::Portable.into());
     let expected = Answers::of(&oracle, rays, Coherence::Incoherent);
-    let ways = Isa::available()
-        .into_iter()
-        .flat_map(|isa| [false, true].map(|spatial_splits| BuildOptions { isa, spatial_splits }));
+    let ways = Isa::available().into_iter().flat_map(|isa| {
+        [false, true].map(|splits| BuildOptions::new(isa).with_spatial_splits(splits))
+    });
     for options in ways {
         let mut bvh = Bvh::build(primitives.clone(), options);
         for (coherence, is_far) in [

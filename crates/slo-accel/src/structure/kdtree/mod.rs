@@ -46,10 +46,11 @@ pub(super) use self::tree::KdTree;
 #[cfg(target_arch = "x86_64")]
 use crate::isa::Isa;
 use crate::primitives::Primitives;
-use crate::rays::{Coherence, Hits, Rays};
+use crate::rays::{Coherence, Hits, LANES, Rays};
 use crate::simd::lanes_of;
 use crate::structure::interface::{BuildOptions, SpatialIndex};
-use crate::structure::shared::order::Order;
+use crate::structure::shared::order::{Order, Sixteen};
+use crate::structure::study::Counts;
 
 /// Working memory of queries, one per thread; holds nothing between calls.
 #[derive(Debug, Default)]
@@ -74,6 +75,23 @@ impl SpatialIndex for KdTree {
 
     fn overhead(&self) -> usize {
         self.bytes()
+    }
+
+    fn can_count(&self) -> bool {
+        true
+    }
+
+    fn count(&self, rays: &Rays, i: usize, any: bool, _: &mut Scratch, counts: &mut Counts) -> f32 {
+        if self.bounds.is_empty() {
+            return f32::INFINITY;
+        }
+        let (mut prepared, lane) = (Prepared::EMPTY, i % LANES);
+        prepared.take(rays, Sixteen::Neighbours(i - lane), LANES, &self.bounds);
+        if prepared.entering() >> lane & 1 == 0 {
+            return f32::INFINITY;
+        }
+        let best = self.trace_one(any, &prepared, lane, rays, counts);
+        if best.is_hit() { best.t } else { f32::INFINITY }
     }
 
     fn intersect(
@@ -177,7 +195,7 @@ impl KdTree {
             next += 1;
             prepared.take(rays, sixteen, count, &self.bounds);
             for lane in lanes_of(prepared.entering()) {
-                let best = self.trace_one(Q::ANY, &prepared, lane, rays);
+                let best = self.trace_one(Q::ANY, &prepared, lane, rays, &mut ());
                 if best.is_hit() {
                     query.accept(prepared.index[lane] as usize, &best);
                 }

@@ -6,6 +6,7 @@ use super::tree::{KdTree, MAX_DEPTH};
 use super::treelet::{Child, Stand};
 use crate::primitives::triangle::turned::{larger, smaller};
 use crate::rays::Rays;
+use crate::structure::study::Counting;
 
 /// A part of the tree and the part of a ray that lies in it.
 #[derive(Clone, Copy)]
@@ -17,12 +18,13 @@ struct Visit {
 
 impl KdTree {
     /// The nearest hit, or `any`, of the ray in place `lane` of `prepared`.
-    pub(super) fn trace_one(
+    pub(super) fn trace_one<C: Counting>(
         &self,
         any: bool,
         prepared: &Prepared,
         lane: usize,
         rays: &Rays,
+        counting: &mut C,
     ) -> Best {
         let mut best = Best::up_to(prepared.t[lane]);
         let (near, far) = (prepared.near[lane], prepared.far[lane]);
@@ -35,8 +37,16 @@ impl KdTree {
             if near > best.t {
                 continue;
             }
-            if let Some(leaf) = self.descend(prepared, lane, visit, &mut stack, &mut depth) {
-                self.test_leaf(leaf, &prepared.line(lane), (rays, prepared.index[lane]), &mut best);
+            if let Some(leaf) =
+                self.descend(prepared, lane, visit, &mut stack, &mut depth, counting)
+            {
+                self.test_leaf(
+                    leaf,
+                    &prepared.line(lane),
+                    (rays, prepared.index[lane]),
+                    &mut best,
+                    counting,
+                );
                 if any && best.is_hit() {
                     break;
                 }
@@ -47,15 +57,17 @@ impl KdTree {
 
     /// The nearest leaf of a part of the tree that the ray visits, if there is one; the rest of the
     /// part goes to the stack.
-    fn descend(
+    fn descend<C: Counting>(
         &self,
         prepared: &Prepared,
         lane: usize,
         Visit { stand: Stand { mut at, mut plane }, mut near, mut far }: Visit,
         stack: &mut [Visit; MAX_DEPTH + 1],
         depth: &mut usize,
+        counting: &mut C,
     ) -> Option<Child> {
         while at.is_treelet() {
+            counting.step();
             let treelet = self.treelet(at);
             let axis = treelet.axis(plane);
             let product = treelet.planes[plane] * prepared.inverse[axis][lane];
@@ -81,21 +93,35 @@ impl KdTree {
                 return None;
             }
         }
+        counting.step();
         Some(at)
     }
 
     /// Tests all that is in a leaf.
-    fn test_leaf(&self, leaf: Child, line: &Line, ray: (&Rays, u32), best: &mut Best) {
+    fn test_leaf<C: Counting>(
+        &self,
+        leaf: Child,
+        line: &Line,
+        ray: (&Rays, u32),
+        best: &mut Best,
+        counting: &mut C,
+    ) {
         let mut words = &self.words()[leaf.offset()..];
+        let mut objects = 0;
         loop {
             let chunk = Chunk(words[0]);
+            objects += chunk.triangles();
+            (0..chunk.triangles()).for_each(|_| counting.test());
             test_triangles(&words[1..], chunk, &line.sheared(), best);
             words = &words[1 + chunk.end()..];
             if chunk.has_curved() {
+                objects += words[0] as usize;
+                (0..words[0]).for_each(|_| counting.test());
+                counting.leaf(objects);
                 return self.test_curved(words, ray, best);
             }
             if !chunk.is_followed() {
-                return;
+                return counting.leaf(objects);
             }
         }
     }

@@ -47,6 +47,20 @@ pub fn write_error_map(
     write(path, area, whole, &errors, ERRORS)
 }
 
+/// Writes what the rays of each pixel of an area of a picture cost, per camera sample: steps, tests, and
+/// their sum, weighted. An `.exr` file holds the three as red, green and blue; a `.png` file shows the
+/// sum in colours from dark blue for the least to yellow for the most, by its logarithm.
+///
+/// # Errors
+/// Another extension; a file exists that is no earlier map or sheet; what the system says.
+pub fn write_cost_map(path: &Path, area: Area, whole: Area, costs: &[[f32; 3]]) -> io::Result<()> {
+    let sums = costs.iter().map(|cost| cost[2]).filter(|&sum| sum > 0.0);
+    let least = sums.clone().fold(f32::INFINITY, f32::min).min(1e9);
+    let most = sums.fold(least, f32::max);
+    let shown = |&[_, _, sum]: &[f32; 3]| color(sum, [least, most]);
+    save_pixels(path, area, whole, costs, |&cost| cost, shown)
+}
+
 /// The root of a squared error, or 1, the whole range.
 fn error(square: f64) -> f32 {
     if square.is_finite() { square.sqrt() as f32 } else { 1.0 }
@@ -78,12 +92,24 @@ fn save(
     values: &[f32],
     color: impl Fn(f32) -> [f32; 3],
 ) -> io::Result<()> {
+    save_pixels(path, area, whole, values, |&value| [value; 3], |&value| color(value))
+}
+
+/// Writes numbers as they are, or as colours.
+fn save_pixels<T>(
+    path: &Path,
+    area: Area,
+    whole: Area,
+    values: &[T],
+    numbers: impl Fn(&T) -> [f32; 3],
+    color: impl Fn(&T) -> [f32; 3],
+) -> io::Result<()> {
     let Some(format) = map_format(path) else {
         let message = format!("a map is a {} file", OutputFormat::extensions());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     };
-    let pixel = |&value: &f32| match format.values() {
-        FileValues::Linear { .. } => [value; 3],
+    let pixel = |value: &T| match format.values() {
+        FileValues::Linear { .. } => numbers(value),
         FileValues::Encoded { .. } => color(value),
     };
     let (width, height) = (area.width(), area.height());

@@ -38,7 +38,7 @@ const VERY_MANY: usize = 1 << 20;
 
 /// Builds the hierarchy over primitives.
 pub(super) fn build(primitives: Primitives, options: BuildOptions) -> Bvh {
-    let BuildOptions { isa, spatial_splits } = options;
+    let BuildOptions { isa, spatial_splits, .. } = options;
     let triangle_count = primitives.triangles.len();
     let bounds = |id: u32| {
         let bounds = primitives.bounds(id);

@@ -18,7 +18,7 @@ use crate::structure::interface::{Geometry, SpatialIndex};
 use crate::structure::testing::Random;
 
 fn build(primitives: Primitives) -> Bvh {
-    Bvh::build(primitives, BuildOptions { isa: Isa::best(), spatial_splits: true })
+    Bvh::build(primitives, BuildOptions::new(Isa::best()).with_spatial_splits(true))
 }
 
 /// Triangles that are a thousand times as long as wide.
@@ -119,7 +119,7 @@ fn any_number_of_threads_and_any_instruction_set_build_the_same() {
     let primitives = Primitives { triangles, curved: random.curved(100, 0.1) };
     let build = |threads, isa| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let options = BuildOptions { isa, spatial_splits: true };
+        let options = BuildOptions::new(isa).with_spatial_splits(true);
         pool.install(|| Bvh::build(primitives.clone(), options))
     };
     let one = build(1, Isa::Portable);
