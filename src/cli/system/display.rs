@@ -36,6 +36,10 @@ pub(crate) struct DisplayedImage<'a> {
     name: String,
 }
 
+/// What a packet is about: the number of an image, and the row and column of a tile of it, or the image
+/// itself.
+type Subject = (u64, Option<(u32, u32)>);
+
 #[derive(Default)]
 struct Shared {
     state: Mutex<State>,
@@ -44,8 +48,8 @@ struct Shared {
 
 #[derive(Default)]
 struct State {
-    /// Packets that wait: new images by their number, then tiles by image and place.
-    waiting: BTreeMap<(u64, Option<(u32, u32)>), Vec<u8>>,
+    /// Packets that wait, in the order in which they are sent.
+    waiting: BTreeMap<Subject, Vec<u8>>,
     /// Number of the present image.
     image: u64,
     /// Whether a packet is on its way.

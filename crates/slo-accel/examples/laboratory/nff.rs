@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use slo_accel::glam::DVec3;
 
-use crate::objects::{Object, Shape};
+use crate::objects::{Fill, Object, Shape};
 
 /// Where rays start.
 #[derive(Clone, Copy, Debug)]
@@ -14,15 +14,6 @@ pub(crate) struct View {
     pub(crate) up: DVec3,
     /// Between the first and the last ray of a row, in radians.
     pub(crate) angle: f64,
-}
-
-/// How a surface continues rays.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Fill {
-    pub(crate) reflects: bool,
-    pub(crate) transmits: bool,
-    /// Index of refraction.
-    pub(crate) ior: f64,
 }
 
 /// A scene of objects.

@@ -3,7 +3,14 @@
 use slo_accel::glam::{DVec2, DVec3};
 use slo_accel::math::Bounds;
 
-use crate::nff::Fill;
+/// How a surface continues rays.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Fill {
+    pub(crate) reflects: bool,
+    pub(crate) transmits: bool,
+    /// Index of refraction.
+    pub(crate) ior: f64,
+}
 
 /// An object and its material.
 #[derive(Debug)]
