@@ -111,11 +111,11 @@ pub(crate) struct Args {
     #[arg(long, help_heading = WHAT)]
     pub(crate) allow_outside: bool,
 
-    /// Folder for the picture, created if missing (short: -od) [default: .]
+    /// Folder for pictures, made if missing (short: -od) [default: .]
     #[arg(long, value_name = "DIR", help_heading = WHERE, alias = "outdit")]
     pub(crate) outdir: Option<PathBuf>,
 
-    /// Beginning of the picture's name (short: -pre) [default: the scene's]
+    /// Start of the picture's name (short: -pre) [default: the scene's]
     #[arg(long, value_name = "TEXT", help_heading = WHERE)]
     pub(crate) prefix: Option<String>,
 
@@ -159,7 +159,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", help_heading = WHERE)]
     pub(crate) error_map: Option<FramePath>,
 
-    /// Write a map of steps and tests of rays; #### stands for the frame
+    /// Write a map of steps and tests of rays; #### is the frame
     #[arg(long, value_name = "FILE", help_heading = WHERE)]
     pub(crate) cost_map: Option<FramePath>,
 
@@ -179,15 +179,15 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", help_heading = WHERE, verbatim_doc_comment)]
     pub(crate) guide_file: Option<FramePath>,
 
-    /// Show pictures in a viewer while they are rendered: tev, such as localhost:14158
+    /// Show pictures in tev while they are rendered, such as at localhost:14158
     ///
     /// The viewer gets the light as it is, tile by tile. If it can't be reached, is slow,
     /// or goes away, rendering goes on.
-    #[arg(long, value_name = "HOST:PORT", help_heading = WHERE, value_parser = server)]
+    #[arg(long, value_name = "ADDR", help_heading = WHERE, value_parser = server)]
     #[arg(verbatim_doc_comment)]
     pub(crate) display_server: Option<String>,
 
-    /// Render again whenever the scene or a file of it changes, until Ctrl-C
+    /// Render again whenever the scene or a file of it is saved
     #[arg(long, help_heading = WHERE, requires = "scene")]
     #[arg(conflicts_with_all = ["share", "part", "total_time", "dry_run", "check", "recipe"])]
     pub(crate) watch: bool,

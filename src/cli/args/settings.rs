@@ -19,7 +19,7 @@ pub(crate) struct SettingArgs {
     #[command(flatten, next_help_heading = SETTINGS)]
     pub(crate) look: LookArgs,
 
-    /// Size of the picture, such as 320x180, 1080p, or 50% of the scene's
+    /// Size of the picture: 320x180, 1080p, or 50% of the scene's
     #[arg(long, value_name = "WxH", help_heading = SETTINGS, value_parser = size)]
     #[arg(allow_hyphen_values = true)]
     pub(crate) size: Option<SizeChoice>,
@@ -51,7 +51,7 @@ pub(crate) struct SettingArgs {
     #[arg(ignore_case = true, verbatim_doc_comment)]
     pub(crate) integrator: Option<IntegratorName>,
 
-    /// Photons per camera sample, for caustics of small lamps, such as 0.5
+    /// Photons per sample, for caustics of small lamps, such as 0.5
     ///
     /// Light paths from lamps through mirrors and glass, with --integrator path. 0 is
     /// none, 100 is the most.
@@ -64,7 +64,7 @@ pub(crate) struct SettingArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) seed: Option<u64>,
 
-    /// Acceleration structure: bvh, kdtree, cwbvh, none, or one to study
+    /// Structure: bvh, kdtree, cwbvh, none, or one to study
     ///
     /// To study: grid, octree, median, rtree, binary, kd and boxes. All find the same
     /// hits but cwbvh, which may miss some; bvh is the fastest.
@@ -81,7 +81,7 @@ pub(crate) struct SettingArgs {
     #[arg(verbatim_doc_comment)]
     pub(crate) accelerator_options: Option<Parameters>,
 
-    /// Let the BVH split long triangles: bounces are faster, shadows slower
+    /// Let the BVH split long triangles: bounces faster, shadows slower
     #[arg(long, help_heading = SETTINGS)]
     pub(crate) spatial_splits: bool,
 }
@@ -96,7 +96,7 @@ pub(crate) struct LookArgs {
     #[arg(allow_hyphen_values = true, verbatim_doc_comment)]
     pub(crate) exposure: Option<f32>,
 
-    /// Compress bright light in a PNG picture: none, or agx as in Blender
+    /// Compress bright light in a PNG: none, or agx as in Blender
     #[arg(long, value_name = "NAME", hide_possible_values = true)]
     #[arg(ignore_case = true)]
     pub(crate) tone_map: Option<ToneMapName>,

@@ -134,6 +134,9 @@ impl Studio<'_> {
         let times = Times { building, rendering, ..Times::default() };
         let counted = Counted::of(self.job, self.scene, frame, &built, &statistics, &times);
         desk.before = Some(built);
+        if !is_complete && self.is_stale() && !interrupt::requested() {
+            checkpoint.remove();
+        }
         if !is_complete && is_lost() {
             return Err(Problem::told(Exit::Stopped));
         }

@@ -7,8 +7,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::once;
-use crate::cli::base::{Problem, Terminal};
-use crate::cli::files::scene_file;
+use crate::cli::base::{Exit, Problem, Terminal};
+use crate::cli::files::{load, scene_file};
 use crate::cli::options::Job;
 use crate::cli::system::interrupt;
 use slo_scene::files::Opened;
@@ -51,12 +51,14 @@ impl Watcher {
 /// Renders the job's frames, and again after each change, until a signal comes. What is wrong with the
 /// scene is reported; it is tried again after the next change.
 pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
+    // The scene may have errors, but it must be there.
+    load::file(job)?;
     loop {
         let opened = Opened::default();
         let watcher = Watcher::new(job.scene.as_ref().map(|path| scene_file::path_of(path, job)));
         let result = once(job, terminal, &opened, Some(&watcher));
         if interrupt::requested() {
-            return result;
+            return result.and(Err(Problem::told(Exit::Stopped)));
         }
         if let Err(problem) = result.as_ref()
             && !watcher.have_changed()
@@ -70,7 +72,7 @@ pub(super) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
         }
         while !watcher.have_changed() {
             if interrupt::requested() {
-                return Ok(());
+                return Err(Problem::told(Exit::Stopped));
             }
             thread::sleep(BETWEEN_LOOKS);
         }

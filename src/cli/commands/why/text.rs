@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::tally::{Bright, Share, Tally, luminance, rays_of};
 use super::way::{Names, Step};
+use crate::cli::base::counted;
 use slo_render::integrator::{Account, Source};
 
 /// Most lines of a table.
@@ -20,7 +21,8 @@ pub(super) fn summary(tally: &Tally, title: &str, replay: &str) -> String {
     if let Some(error) = tally.standard_error().filter(|_| tally.luminance() > 0.0) {
         let _ = write!(text, ", standard error {}", percent(error / tally.luminance()).trim());
     }
-    let _ = writeln!(text, "\n{} rays, {} of which brought light", tally.rays, tally.bringing);
+    let rays = counted(tally.rays, "ray");
+    let _ = writeln!(text, "\n{rays}; {} brought light", tally.bringing);
     if tally.unlisted > 0 {
         let _ = writeln!(
             text,
