@@ -179,7 +179,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", help_heading = WHERE, verbatim_doc_comment)]
     pub(crate) guide_file: Option<FramePath>,
 
-    /// Show pictures in tev while they are rendered, such as at localhost:14158
+    /// Show pictures in tev while they render, such as localhost:14158
     ///
     /// The viewer gets the light as it is, tile by tile. If it can't be reached, is slow,
     /// or goes away, rendering goes on.
