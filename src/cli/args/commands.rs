@@ -26,7 +26,7 @@ pub(crate) enum Command {
     Denoise(DenoiseArgs),
     /// Show pictures in another light: lamps dimmed or coloured, another exposure
     Relight(RelightArgs),
-    /// Turn a scene of another program (glTF, OBJ, PLY, NFF) into scene text
+    /// Turn a scene of another program (glTF, OBJ, PLY, AFF, NFF, Inventor) into scene text
     Import(ImportArgs),
     /// Write the light on objects into images, by their texture coordinates
     Bake(BakeArgs),

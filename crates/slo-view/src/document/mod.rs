@@ -148,7 +148,11 @@ impl Document {
     /// Somebody has changed the file meanwhile, or it can't be written.
     pub(crate) fn save(&mut self, path: &Path) -> Result<(), String> {
         let cant = |error: io::Error| format!("can't save the scene: {error}");
-        let now = std::fs::read(path).map_err(cant)?;
+        let now = match std::fs::read(path) {
+            // The file is gone, so saving loses nothing of another program.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return self.save_anew(path),
+            now => now.map_err(cant)?,
+        };
         let now = String::from_utf8_lossy(&now);
         if self.has_conflict() || now.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&now) != self.saved {
             return Err("the file has been changed by another program".into());
@@ -165,6 +169,15 @@ impl Document {
             file.write_all(&bytes)
         })
         .map_err(cant)?;
+        self.saved.clone_from(&self.text);
+        Ok(())
+    }
+
+    /// Writes the text to a file that is not there.
+    fn save_anew(&mut self, path: &Path) -> Result<(), String> {
+        let bytes = self.bytes();
+        write_atomically(path, |file| file.write_all(&bytes))
+            .map_err(|error| format!("can't save the scene: {error}"))?;
         self.saved.clone_from(&self.text);
         Ok(())
     }
@@ -252,6 +265,9 @@ mod tests {
         std::fs::write(&path, "else").unwrap();
         assert!(document.save(&path).unwrap_err().contains("another program"));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "else");
+        std::fs::remove_file(&path).unwrap();
+        document.save(&path).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "\u{feff}a d\r\n");
         assert_eq!(folder.path().read_dir().unwrap().count(), 1);
     }
 }
