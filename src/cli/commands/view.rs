@@ -28,6 +28,9 @@ pub(crate) fn run(args: &ViewArgs, job: Job, terminal: Terminal) -> Result<(), P
     }
     let ready = |address: &str| {
         terminal.note("open this address in a browser; Ctrl-C ends the program");
+        if listen.ip().is_unspecified() {
+            terminal.note("elsewhere, write the address of this machine instead of 127.0.0.1");
+        }
         if let Err(error) = print(address.as_bytes()) {
             terminal.warn(format_args!("can't print the address: {error}"));
         }

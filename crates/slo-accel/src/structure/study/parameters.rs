@@ -114,9 +114,9 @@ impl Parameters {
             _ => {
                 let near = Self::NAMES.into_iter().find(|known| is_near(known, name));
                 let near =
-                    near.map_or_else(String::new, |near| format!(": did you mean `{near}`?"));
+                    near.map_or_else(String::new, |near| format!(", did you mean `{near}`?"));
                 let known = Self::NAMES.join(", ");
-                return Err(format!("unknown parameter `{name}`{near}; there are {known}"));
+                return Err(format!("unknown parameter `{name}`{near} (there are {known})"));
             }
         }
         Ok(())
@@ -178,7 +178,7 @@ mod tests {
         let error = |text: &str| text.parse::<Parameters>().unwrap_err();
         assert!(error("densty=3").contains("did you mean `density`?"));
         assert!(error("mail=1").contains("did you mean `mailbox`?"));
-        assert!(error("colour=3").contains("unknown parameter `colour`; there are density"));
+        assert!(error("colour=3").contains("unknown parameter `colour` (there are density"));
         assert!(error("mailbox").contains("has no value"));
         assert!(error("density=0").contains("from 0.001 to 1000"));
         assert!(error("depth=64").contains("from 0 to 63"));
