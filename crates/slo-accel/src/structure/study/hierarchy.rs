@@ -11,6 +11,7 @@ use std::marker::PhantomData;
 
 use super::Study;
 use super::counting::Counting;
+use super::layout::Layout;
 use super::memory::{Memory, Tests, Visit};
 use super::overlap::{Part, end_point_overlap};
 use super::parameters::Parameters;
@@ -38,11 +39,16 @@ pub struct Hierarchy<B> {
 
 /// A node: its box, and its children or its objects, which are neighbours.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    bounds: Bounds,
-    start: u32,
-    count: u32,
-    is_leaf: bool,
+#[non_exhaustive]
+pub struct Node {
+    /// The smallest box about all objects below.
+    pub bounds: Bounds,
+    /// Number of the first child, or of the first reference of a leaf.
+    pub start: u32,
+    /// Number of children, or of references.
+    pub count: u32,
+    /// Whether the node is a leaf.
+    pub is_leaf: bool,
 }
 
 /// A hierarchy that is being built. The root is node 0.
@@ -144,6 +150,10 @@ impl<B: Builder> Study for Hierarchy<B> {
         }
         let area = self.nodes.first().map_or(0.0, area);
         statistics.finish(area, self.bytes(), self.bytes_of_building)
+    }
+
+    fn layout(&self) -> Option<Layout<'_>> {
+        Some(Layout::Hierarchy { nodes: &self.nodes, references: &self.references })
     }
 
     fn end_point_overlap(&self, surfaces: &[(u32, Triangle)]) -> Option<f64> {

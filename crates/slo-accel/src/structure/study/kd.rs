@@ -16,6 +16,7 @@
 
 use super::Study;
 use super::counting::Counting;
+use super::layout::Layout;
 use super::memory::{Memory, Tests, Visit};
 use super::parameters::{Parameters, Traversal};
 use super::ray::{Cell, Line, Ray, solid};
@@ -46,11 +47,23 @@ pub struct Kd {
 
 /// A node.
 #[derive(Clone, Copy, Debug)]
-enum Node {
-    /// The children are `first`, below the plane, and the next one.
-    Interior { axis: u8, plane: f32, first: u32 },
-    /// References.
-    Leaf { start: u32, count: u32 },
+pub enum Node {
+    /// A plane across a cell.
+    Interior {
+        /// The axis that the plane crosses.
+        axis: u8,
+        /// Where it crosses the axis.
+        plane: f32,
+        /// The child below the plane; the one above is the next node.
+        first: u32,
+    },
+    /// A cell with objects.
+    Leaf {
+        /// The first of its references.
+        start: u32,
+        /// Number of its references.
+        count: u32,
+    },
 }
 
 impl Study for Kd {
@@ -122,6 +135,22 @@ impl Study for Kd {
         }
         let area = if self.nodes.is_empty() { 0.0 } else { self.bounds.area() };
         statistics.finish(area, self.bytes(), self.bytes_of_building)
+    }
+
+    fn layout(&self) -> Option<Layout<'_>> {
+        let stack = match self.traversal {
+            Traversal::Stack => None,
+            Traversal::ShortStack => Some(self.stack),
+            Traversal::Restart | Traversal::PushDown => Some(0),
+        };
+        let pushes_down = self.traversal != Traversal::Restart;
+        (!self.mailbox).then_some(Layout::Kd {
+            ends: [self.bounds.min, self.bounds.max],
+            nodes: &self.nodes,
+            references: &self.references,
+            stack,
+            pushes_down,
+        })
     }
 
     fn bytes(&self) -> usize {
