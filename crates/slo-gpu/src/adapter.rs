@@ -71,7 +71,8 @@ pub(crate) fn choose(name: Option<&str>) -> Result<wgpu::Adapter, String> {
             .to_owned());
     }
     let wanted = name.unwrap_or_default().to_lowercase();
-    let matches = |adapter: &wgpu::Adapter| adapter.get_info().name.to_lowercase().contains(&wanted);
+    let matches =
+        |adapter: &wgpu::Adapter| adapter.get_info().name.to_lowercase().contains(&wanted);
     let Some(place) = found.iter().position(matches) else {
         let all: Vec<String> = found.iter().map(|one| Adapter::of(one).to_string()).collect();
         return Err(format!("no GPU is named `{wanted}`; there are {}", all.join(", ")));

@@ -53,12 +53,16 @@ impl Gpu {
             ..DeviceDescriptor::default()
         };
         let opened = pollster::block_on(adapter.request_device(&asked));
-        let (device, queue) = opened.map_err(|error| format!("{known} can't be opened: {error}"))?;
+        let (device, queue) =
+            opened.map_err(|error| format!("{known} can't be opened: {error}"))?;
         let failure = Failure::default();
         let noted = failure.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| noted.note(error.to_string())));
+        device
+            .on_uncaptured_error(Arc::new(move |error: wgpu::Error| noted.note(error.to_string())));
         let noted = failure.clone();
-        device.set_device_lost_callback(move |_, reason| noted.note(format!("it was lost: {reason}")));
+        device.set_device_lost_callback(move |_, reason| {
+            noted.note(format!("it was lost: {reason}"))
+        });
         let most_rounds = if known.is_software { ROUNDS_OF_SOFTWARE } else { ROUNDS_OF_HARDWARE };
         let (programs, desks) = Default::default();
         let adapter = known;

@@ -44,7 +44,8 @@ impl Frame {
         let wide = wide.into_iter().chain(low).chain(high).chain(self.side);
         let [x, y, z] = self.cells;
         let pushes_down = u32::from(self.pushes_down);
-        let words = [most_iterations, rays, u32::from(any), self.nodes, x, y, z, self.entries, pushes_down];
+        let words =
+            [most_iterations, rays, u32::from(any), self.nodes, x, y, z, self.entries, pushes_down];
         let words = words.into_iter().chain([0; 5]);
         wide.flat_map(f64::to_le_bytes).chain(words.flat_map(u32::to_le_bytes)).collect()
     }
@@ -102,7 +103,8 @@ fn hierarchy(nodes: &[BoxNode], references: &[u32]) -> Result<Packed, String> {
     // Each level leaves one node on the stack, and the last one two.
     let entries = depth(nodes) + 2;
     let words = |node: &BoxNode| {
-        let [low, high] = [node.bounds.min, node.bounds.max].map(|end| end.to_array().map(f32::to_bits));
+        let [low, high] =
+            [node.bounds.min, node.bounds.max].map(|end| end.to_array().map(f32::to_bits));
         let count = if node.is_leaf { node.count } else { INTERIOR };
         [low[0], low[1], low[2], node.start, high[0], high[1], high[2], count]
     };

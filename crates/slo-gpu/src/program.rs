@@ -1,6 +1,8 @@
 //! The programs: their text, and their compilation.
 
-use wgpu::{ComputePipeline, ComputePipelineDescriptor, Device, ShaderModuleDescriptor, ShaderSource};
+use wgpu::{
+    ComputePipeline, ComputePipelineDescriptor, Device, ShaderModuleDescriptor, ShaderSource,
+};
 
 const RAYS: &str = include_str!("kernels/rays.wgsl");
 const GRID: &str = include_str!("kernels/grid.wgsl");

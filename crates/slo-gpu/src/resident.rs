@@ -99,11 +99,20 @@ impl Resident {
         queue.write_buffer(&desk.rays, 0, bytemuck::cast_slice(&words));
         let query = self.frame.query(count as u32, any, self.gpu.most_rounds);
         queue.write_buffer(&desk.query, 0, &query);
-        let buffers =
-            [&desk.query, &desk.rays, &desk.answers, &self.triangles, &self.references, &self.nodes];
+        let buffers = [
+            &desk.query,
+            &desk.rays,
+            &desk.answers,
+            &self.triangles,
+            &self.references,
+            &self.nodes,
+        ];
         let entries: Vec<BindGroupEntry<'_>> = (0u32..)
             .zip(buffers)
-            .map(|(binding, buffer)| BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .map(|(binding, buffer)| BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
             .collect();
         let group = device.create_bind_group(&BindGroupDescriptor {
             label: None,
@@ -165,7 +174,8 @@ impl Uploaded for Resident {
 fn words_of(rays: &Rays, i: usize) -> [u32; WORDS] {
     let (origin, direction) = (rays.origin(i), rays.direction(i));
     let ShearedRay { axes, shear, .. } = ShearedRay::new(origin, direction);
-    let [o, d, s] = [origin, direction, Vec3::from_array(shear)].map(|v| v.to_array().map(f32::to_bits));
+    let [o, d, s] =
+        [origin, direction, Vec3::from_array(shear)].map(|v| v.to_array().map(f32::to_bits));
     let t_max = rays.t_max[i].to_bits();
     [o[0], o[1], o[2], t_max, d[0], d[1], d[2], axes[2] as u32, s[0], s[1], s[2], 0]
 }

@@ -97,12 +97,22 @@ impl Compared<'_> {
             let expected = by_cpu(&study, &solid, ray, any, &mut memory);
             let is_equal = verdict.add(answer, &expected);
             let must_be = gpu.adapter().is_software && answer.is_certain;
-            assert!(is_equal || !must_be, "{name}, {parameters}, any {any}, ray {i}: {ray:?}: {answer:?} {expected:?}");
+            assert!(
+                is_equal || !must_be,
+                "{name}, {parameters}, any {any}, ray {i}: {ray:?}: {answer:?} {expected:?}"
+            );
         }
         let Verdict { rays, uncertain, ties, lost, wrong, work, .. } = verdict;
-        let told = format!("{name}, {layout_name} {parameters}, any {any}: {verdict:?}", layout_name = std::any::type_name::<S>());
+        let told = format!(
+            "{name}, {layout_name} {parameters}, any {any}: {verdict:?}",
+            layout_name = std::any::type_name::<S>()
+        );
         eprintln!("{told}");
-        assert!(wrong == 0 && ties.max(lost) <= rays / 100_000 + usize::from(!gpu.adapter().is_software), "{told}");
+        assert!(
+            wrong == 0
+                && ties.max(lost) <= rays / 100_000 + usize::from(!gpu.adapter().is_software),
+            "{told}"
+        );
         assert!(work[0].abs_diff(work[1]) <= work[0] / 1000, "{told}");
         assert!(uncertain <= rays / 20, "{told}");
         assert_eq!(gpu.failure(), None);
@@ -124,7 +134,8 @@ impl Verdict {
         let bits = |object: u32, t: f32, u: f32, v: f32| (object, [t, u, v].map(f32::to_bits));
         let same_hit = match *hit {
             Some((object, hit)) => {
-                bits(object, hit.t, hit.u, hit.v) == bits(answer.object, answer.t, answer.u, answer.v)
+                bits(object, hit.t, hit.u, hit.v)
+                    == bits(answer.object, answer.t, answer.u, answer.v)
             }
             None => answer.object == NO_HIT,
         };

@@ -11,7 +11,7 @@ mod scenes;
 use compare::{Compared, gpu};
 use scenes::{Random, ball, hills};
 use slo_accel::Triangle;
-use slo_accel::study::{Grid, Kd, MedianTree, Parameters, BinaryTree};
+use slo_accel::study::{BinaryTree, Grid, Kd, MedianTree, Parameters};
 
 /// Compares all structures about the same triangles and rays.
 fn compare_all(name: &str, triangles: &[Triangle], rays: &slo_accel::Rays) {

@@ -72,7 +72,8 @@ impl<S: Study> SpatialIndex for Rendered<S> {
         if triangles.is_empty() {
             return Ok(());
         }
-        let reason = "a device traverses grids, kd-trees and hierarchies of boxes, without mailboxes";
+        let reason =
+            "a device traverses grids, kd-trees and hierarchies of boxes, without mailboxes";
         let layout = self.study.layout().ok_or(reason)?;
         // What has no corners is never hit there.
         let triangle = |&id: &u32| triangles.get(id as usize).copied().unwrap_or([Vec3::ZERO; 3]);
