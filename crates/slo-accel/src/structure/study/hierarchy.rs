@@ -11,7 +11,7 @@ use std::marker::PhantomData;
 
 use super::Study;
 use super::counting::Counting;
-use super::layout::Layout;
+use super::layout::{BoxNode as Node, Layout};
 use super::memory::{Memory, Tests, Visit};
 use super::overlap::{Part, end_point_overlap};
 use super::parameters::Parameters;
@@ -35,20 +35,6 @@ pub struct Hierarchy<B> {
     references: Vec<u32>,
     bytes_of_building: usize,
     builder: PhantomData<B>,
-}
-
-/// A node: its box, and its children or its objects, which are neighbours.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct Node {
-    /// The smallest box about all objects below.
-    pub bounds: Bounds,
-    /// Number of the first child, or of the first reference of a leaf.
-    pub start: u32,
-    /// Number of children, or of references.
-    pub count: u32,
-    /// Whether the node is a leaf.
-    pub is_leaf: bool,
 }
 
 /// A hierarchy that is being built. The root is node 0.

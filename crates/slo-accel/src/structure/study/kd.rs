@@ -16,7 +16,7 @@
 
 use super::Study;
 use super::counting::Counting;
-use super::layout::Layout;
+use super::layout::{KdNode as Node, Layout};
 use super::memory::{Memory, Tests, Visit};
 use super::parameters::{Parameters, Traversal};
 use super::ray::{Cell, Line, Ray, solid};
@@ -43,27 +43,6 @@ pub struct Kd {
     nodes: Vec<Node>,
     references: Vec<u32>,
     bytes_of_building: usize,
-}
-
-/// A node.
-#[derive(Clone, Copy, Debug)]
-pub enum Node {
-    /// A plane across a cell.
-    Interior {
-        /// The axis that the plane crosses.
-        axis: u8,
-        /// Where it crosses the axis.
-        plane: f32,
-        /// The child below the plane; the one above is the next node.
-        first: u32,
-    },
-    /// A cell with objects.
-    Leaf {
-        /// The first of its references.
-        start: u32,
-        /// Number of its references.
-        count: u32,
-    },
 }
 
 impl Study for Kd {

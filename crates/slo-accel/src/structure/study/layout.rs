@@ -1,7 +1,41 @@
 //! How a structure lies in memory, for devices that traverse it by programs of their own.
 
-use super::hierarchy::Node as BoxNode;
-use super::kd::Node as KdNode;
+use crate::math::Bounds;
+
+/// A node of a hierarchy of boxes: its box, and its children or its objects, which are neighbours.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct BoxNode {
+    /// The smallest box about all objects below.
+    pub bounds: Bounds,
+    /// Number of the first child, or of the first reference of a leaf.
+    pub start: u32,
+    /// Number of children, or of references.
+    pub count: u32,
+    /// Whether the node is a leaf.
+    pub is_leaf: bool,
+}
+
+/// A node of a kd-tree.
+#[derive(Clone, Copy, Debug)]
+pub enum KdNode {
+    /// A plane across a cell.
+    Interior {
+        /// The axis that the plane crosses.
+        axis: u8,
+        /// Where it crosses the axis.
+        plane: f32,
+        /// The child below the plane; the one above is the next node.
+        first: u32,
+    },
+    /// A cell with objects.
+    Leaf {
+        /// The first of its references.
+        start: u32,
+        /// Number of its references.
+        count: u32,
+    },
+}
 
 /// The arrays of a structure. What they mean is told by the file of each structure; a traversal that
 /// follows that file step by step visits the same nodes, cells and objects.
