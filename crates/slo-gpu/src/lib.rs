@@ -1,7 +1,7 @@
 //! Traverses the structures to study of `slo-accel` on a GPU: uniform grid, kd-tree with a short stack, and
 //! binary hierarchy of boxes, by compute programs in WGSL that wgpu runs on Vulkan.
 //!
-//! A [`Gpu`] is a [`slo_accel::Device`]: `slo_accel::Structure::build_on` builds a structure on the CPU and
+//! A `Gpu` is a [`slo_accel::Device`]: `slo_accel::Structure::build_on` builds a structure on the CPU and
 //! gives it to the device, which answers batches of rays from then on. The programs follow the
 //! CPU's traversals step by step, so their hits and counters can be compared one by one.
 //!

@@ -3,8 +3,6 @@
 //! Without an adapter the tests say so and pass; with `SLO_REQUIRE_GPU=1` they fail. On software all bits
 //! and all counters must be equal; on hardware see `Verdict`.
 
-#![cfg(feature = "device")]
-
 mod compare;
 mod scenes;
 
