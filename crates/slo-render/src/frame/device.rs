@@ -26,6 +26,6 @@ pub(super) fn get() -> Result<&'static dyn Device, String> {
     let open = OFFER.get().ok_or(
         "this program has no support for GPUs; build it with `cargo build --release --features gpu`",
     )?;
-    let opened = DEVICE.get_or_init(|| open());
+    let opened = DEVICE.get_or_init(open);
     opened.as_deref().map_err(Clone::clone)
 }

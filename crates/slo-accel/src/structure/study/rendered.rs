@@ -163,8 +163,7 @@ impl<S: Study> Rendered<S> {
     ) {
         let mut answers = std::mem::take(&mut memory.answers);
         let device = self.device.as_ref().filter(|device| device.answer(rays, any, &mut answers));
-        for i in 0..rays.len() {
-            let ray = ray(rays, i);
+        for (i, ray) in (0..rays.len()).map(|i| (i, ray(rays, i))) {
             let hit = match device {
                 Some(device) => self.confirm(device, &ray, any, &answers[i], memory),
                 None => self.trace(&ray, any, memory, &mut ()),
