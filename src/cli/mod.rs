@@ -17,6 +17,7 @@ mod values;
 
 use std::ffi::OsString;
 
+use crate::gpu;
 pub use base::Exit;
 use base::{Problem, Terminal};
 use commands::{
@@ -34,6 +35,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
     let args: Vec<OsString> = args.into_iter().collect();
     crash::reported(&args, || {
         interrupt::listen();
+        gpu::offer();
         match args::parse(&args) {
             Ok(args) => execute(Options::from(args)),
             Err(exit) => exit,

@@ -95,6 +95,8 @@ fn no_frame(error: FrameError) -> Problem {
         FrameError::Shape { reason: ShapeError::Unreadable { .. }, .. } => {
             Problem::new(Exit::NoInput, error)
         }
+        FrameError::Device { .. } => Problem::new(Exit::Unavailable, error)
+            .with_help("`--accelerator BVH` renders the same picture on the CPU"),
         other => Problem::new(Exit::BadInput, other),
     }
 }

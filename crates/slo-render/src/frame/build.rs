@@ -139,7 +139,7 @@ impl FrameScene {
                     &scene.settings,
                     isa,
                     (parts.cache.as_deref(), parameters),
-                ))
+                )?)
             }
         };
         let still_objects = parts.still_objects();

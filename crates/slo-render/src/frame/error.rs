@@ -54,6 +54,13 @@ pub enum FrameError {
         /// Name of the object or lamp.
         object: String,
     },
+    /// The GPU that the settings ask for is missing, or cannot take the scene.
+    Device {
+        /// Name of the structure.
+        accelerator: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
 }
 
 impl fmt::Display for FrameError {
@@ -100,6 +107,9 @@ impl fmt::Display for FrameError {
                 "`{object}` is too large or too small in this frame: all its scales together must \
                  be from 1e-12 to 1e12, and its coordinates below 1e10"
             ),
+            Self::Device { accelerator, reason } => {
+                write!(f, "accelerator {accelerator}: {reason}")
+            }
         }
     }
 }

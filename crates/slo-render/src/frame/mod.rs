@@ -9,6 +9,7 @@ mod compositing;
 mod costs;
 mod counted;
 mod crowd;
+mod device;
 mod emitters;
 mod error;
 mod first_hits;
@@ -38,6 +39,7 @@ mod things;
 mod world;
 
 pub use counted::CountedStructure;
+pub use device::{OpenDevice, offer_device, offers_device};
 pub use error::FrameError;
 pub use kept::Aids;
 pub use lamps::LampFault;

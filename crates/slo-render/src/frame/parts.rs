@@ -173,14 +173,14 @@ impl Parts {
                 Shaped::AtRest(mesh) => {
                     let geometry = Geometry::Mesh(mesh, *smooth);
                     let poses = seen.poses(&object.name, &path, &self.shared.about(&geometry))?;
-                    self.add_instance(look, geometry, &poses, scene, seen, isa);
+                    self.add_instance(look, geometry, &poses, scene, seen, isa)?;
                 }
             }
         } else {
             let geometry = geometry(&object.shape);
             let about = self.shared.about(&geometry);
             let poses = seen.poses(&object.name, &path, &about)?;
-            self.add_surface(look, geometry, &poses, scene, seen, isa);
+            self.add_surface(look, geometry, &poses, scene, seen, isa)?;
         }
         if let Some(added) = self.objects.last_mut() {
             added.tint = shown.tint.into();
@@ -231,7 +231,7 @@ impl Parts {
             (light, about_zero, surface, poses)
         };
         if let Some(surface) = surface {
-            self.add_surface(look, surface, &poses, scene, seen, isa);
+            self.add_surface(look, surface, &poses, scene, seen, isa)?;
         }
         let is_distant = about_zero.is_distant();
         let center = if is_distant { DVec3::ZERO } else { box_of(&about_zero).center() };
@@ -253,15 +253,18 @@ impl Parts {
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
-    ) {
+    ) -> Result<(), FrameError> {
         match (poses, &geometry) {
             // A curved surface is what it is in its own space only.
             ([place], Geometry::Curved(_)) if place.growth.is_none() => {}
             ([_], _) if self.shared.is_placed(&geometry) => {}
-            ([place], _) => return self.add_still(look, geometry, place, seen),
+            ([place], _) => {
+                self.add_still(look, geometry, place, seen);
+                return Ok(());
+            }
             _ => {}
         }
-        self.add_instance(look, geometry, poses, scene, seen, isa);
+        self.add_instance(look, geometry, poses, scene, seen, isa)
     }
 
     /// Adds something that moves during the shutter, that is stretched, or of which there are many.
@@ -273,9 +276,9 @@ impl Parts {
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
-    ) {
+    ) -> Result<(), FrameError> {
         let center = self.shared.about(&geometry).center();
-        let (structure, normals) = self.made_of(&geometry, center, scene, isa);
+        let (structure, normals) = self.made_of(&geometry, center, scene, isa)?;
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
             body: Body::Still(structure),
@@ -285,6 +288,7 @@ impl Parts {
         });
         self.looks.push(look);
         self.objects.push(FrameObject::placed(geometry, normals));
+        Ok(())
     }
 
     /// Adds an object of a crowd. Returns what it is made of, and its box in object space.
@@ -294,13 +298,13 @@ impl Parts {
         material: MaterialId,
         scene: &SceneDescription,
         isa: Isa,
-    ) -> (Cast, ObjectBox) {
+    ) -> Result<(Cast, ObjectBox), FrameError> {
         let geometry = geometry(&object.shape);
         let about = self.shared.about(&geometry);
-        let (structure, normals) = self.made_of(&geometry, about.center(), scene, isa);
+        let (structure, normals) = self.made_of(&geometry, about.center(), scene, isa)?;
         self.looks.push(Look::Material(material.0));
         self.objects.push(FrameObject::placed(geometry, normals));
-        (Cast { body: Body::Still(structure), center: about.center().as_vec3() }, about)
+        Ok((Cast { body: Body::Still(structure), center: about.center().as_vec3() }, about))
     }
 
     /// Returns the structure of the next object, translated by `-center`, and the normals of its
@@ -311,29 +315,34 @@ impl Parts {
         center: DVec3,
         scene: &SceneDescription,
         isa: Isa,
-    ) -> (Arc<Structure>, Arc<[Vec3]>) {
+    ) -> Result<(Arc<Structure>, Arc<[Vec3]>), FrameError> {
         let number = self.objects.len() as u32;
         let there = self.before.get(&number).cloned();
         let (cache, parameters) = (self.cache.clone(), self.parameters);
-        let build = || {
+        let get = || {
+            if let Some(there) = there {
+                return Ok(there);
+            }
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, geometry, &place);
-            Arc::new(structure(local, &scene.settings, isa, (cache.as_deref(), parameters)))
+            structure(local, &scene.settings, isa, (cache.as_deref(), parameters)).map(Arc::new)
         };
         let normals = || vertex_normals(geometry, &DAffine::IDENTITY).into();
         match self.shared.of(geometry) {
             Some(common) => {
-                let structure = &mut common.structure;
-                let structure = structure.get_or_insert_with(|| there.unwrap_or_else(build));
+                let structure = match &common.structure {
+                    Some(structure) => structure.clone(),
+                    None => common.structure.insert(get()?).clone(),
+                };
                 let is_smooth = matches!(geometry, Geometry::Mesh(_, true));
                 let normals = match is_smooth {
                     true => common.normals.get_or_insert_with(normals).clone(),
                     false => Arc::default(),
                 };
-                (structure.clone(), normals)
+                Ok((structure, normals))
             }
-            None => (there.unwrap_or_else(build), normals()),
+            None => Ok((get()?, normals())),
         }
     }
 

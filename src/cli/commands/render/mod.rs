@@ -110,6 +110,9 @@ fn render(
     };
     let result = result.map(|()| run.look_once_more());
     run.ended(start.elapsed());
+    if let Some(reason) = crate::gpu::failure() {
+        terminal.warn(format_args!("the GPU failed, and the CPU took over: {reason}"));
+    }
     result?;
     let studio = run.end()?;
     left.sweep();
