@@ -10,6 +10,8 @@ mod base;
 mod claims;
 mod commands;
 mod files;
+#[doc(hidden)]
+pub mod fuzzing;
 mod options;
 mod progress;
 mod system;
