@@ -25,7 +25,7 @@ use commands::{
     bake, check, compare, denoise, import, merge, recipe, relight, render, sheet, verify, view, why,
 };
 use options::{Options, Task};
-use system::{crash, interrupt};
+use system::{crash, interrupt, memory};
 
 /// Runs the program with its arguments, which begin with the program's name.
 ///
@@ -42,7 +42,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
     })
 }
 
-fn execute(Options { task, terminal }: Options) -> Exit {
+fn execute(Options { task, terminal, memory_limit }: Options) -> Exit {
+    memory::limit(memory_limit);
     let done = task.and_then(|task| match task {
         Task::Render(job) => render::run(&job, terminal),
         Task::Merge(args) => merge::run(&args, terminal),

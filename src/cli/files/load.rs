@@ -95,6 +95,7 @@ fn no_frame(error: FrameError) -> Problem {
         FrameError::Shape { reason: ShapeError::Unreadable { .. }, .. } => {
             Problem::new(Exit::NoInput, error)
         }
+        FrameError::Memory { help, .. } => Problem::new(Exit::Failed, error).with_help(help),
         other => Problem::new(Exit::BadInput, other),
     }
 }

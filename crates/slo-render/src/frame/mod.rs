@@ -19,6 +19,7 @@ mod lamps;
 mod lists;
 mod looks;
 mod members;
+mod needs;
 mod parts;
 mod remains;
 mod sampled;
