@@ -22,7 +22,8 @@ use std::ffi::OsString;
 pub use base::Exit;
 use base::{Problem, Terminal};
 use commands::{
-    bake, check, compare, denoise, import, merge, recipe, relight, render, sheet, verify, view, why,
+    bake, check, compare, denoise, generate, import, merge, recipe, relight, render, sheet, verify,
+    view, why,
 };
 use options::{Options, Task};
 use system::{crash, interrupt, memory};
@@ -56,6 +57,7 @@ fn execute(Options { task, terminal, memory_limit }: Options) -> Exit {
         Task::Bake(args, job) => bake::run(&args, &job, terminal),
         Task::View(args, job) => view::run(&args, *job, terminal),
         Task::Why(args, job) => why::run(&args, &job, terminal),
+        Task::Generate(args) => generate::run(&args),
         Task::Check(job) => check::run(&job, terminal),
         Task::Recipe(picture) => recipe::run(&picture),
     });

@@ -59,7 +59,7 @@ fn the_scene_of_the_readme_renders() {
 fn every_command_tells_about_itself() {
     for command in [
         "merge", "verify", "compare", "sheet", "denoise", "relight", "import", "bake", "why",
-        "view",
+        "view", "generate",
     ] {
         for flag in ["-h", "--help"] {
             let help = Folder::new().printed(&format!("{command} {flag}"));

@@ -132,6 +132,13 @@ impl Folder {
         assert_eq!(run.exit, 0, "{typed}: {}", run.said);
         run.printed
     }
+
+    /// Runs the program, which must succeed, and returns what it said on standard error.
+    fn said(&self, typed: &str) -> String {
+        let run = self.run(typed);
+        assert_eq!(run.exit, 0, "{typed}: {}", run.said);
+        run.said
+    }
 }
 
 /// Result of a run.

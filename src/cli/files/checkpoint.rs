@@ -14,8 +14,8 @@ use crate::cli::system::patience;
 use slo_picture::film::Steps;
 use slo_picture::film::{Film, State, Subject, TooLarge};
 use slo_picture::output::{
-    continues, has_same_samples, made_by_others, read_state, remove_leftovers, steps_of,
-    with_steps, write_state,
+    continues, has_same_samples, made_by_others, read_state, remove_abandoned, remove_leftovers,
+    steps_of, with_steps, write_state,
 };
 
 /// Checkpoints take at most one part in so many of the time: larger ones are written less often.
@@ -291,6 +291,7 @@ impl Checkpoint {
         for path in spent.iter().chain([&self.unfinished]) {
             let _ = fs::remove_file(path);
         }
+        remove_abandoned(&self.unfinished);
     }
 }
 

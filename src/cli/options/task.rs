@@ -7,8 +7,8 @@ use std::time::Duration;
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
-    Args, BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs,
-    SettingArgs, SheetArgs, VerifyArgs, ViewArgs, WhyArgs,
+    Args, BakeArgs, Command, CompareArgs, DenoiseArgs, GenerateArgs, ImportArgs, MergeArgs,
+    RelightArgs, SettingArgs, SheetArgs, VerifyArgs, ViewArgs, WhyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
@@ -53,6 +53,8 @@ pub(crate) enum Task {
     Why(WhyArgs, Box<Job>),
     /// Show a scene in the browser. The job names it.
     View(ViewArgs, Box<Job>),
+    /// Print a manual page, or completions of a shell.
+    Generate(GenerateArgs),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
@@ -129,6 +131,7 @@ fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
                 args.threads = why.threads;
                 Task::Why(why, Box::new(job(args, terminal)?))
             }
+            Command::Generate(generate) => Task::Generate(generate),
             Command::View(view) => {
                 args.scene = view.scene.clone();
                 args.indir = view.indir.clone();

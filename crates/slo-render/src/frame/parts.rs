@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::affine::Affine;
 use super::bend::{Bent, Shaped};
@@ -27,6 +28,9 @@ use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
 use slo_scene::cache::Cache;
 use slo_scene::shape::MeshSurface;
 use slo_scene::{MaterialId, Object, SceneDescription, Shape};
+
+/// Least number of vertices or faces that a thread takes at a time.
+const AT_ONCE: usize = 1 << 14;
 
 /// What the objects' motion is sampled for.
 pub(super) struct Seen<'a> {
@@ -386,9 +390,11 @@ fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DAff
     let point = |p: DVec3| place.point(p).as_vec3();
     match geometry {
         Geometry::Mesh(mesh, _) => {
-            let positions: Vec<Vec3> = mesh.positions.iter().map(|&p| point(p)).collect();
+            let positions: Vec<Vec3> =
+                mesh.positions.par_iter().with_min_len(AT_ONCE).map(|&p| point(p)).collect();
             let triangle = |face: &[u32; 3]| face.map(|i| positions[i as usize]);
-            primitives.triangles.extend(mesh.faces.iter().map(triangle));
+            let triangles = mesh.faces.par_iter().with_min_len(AT_ONCE).map(triangle);
+            primitives.triangles.par_extend(triangles);
         }
         Geometry::Curved(surface) => primitives.curved.push(surface.primitive(place)),
     }
@@ -409,7 +415,8 @@ fn vertex_normals(geometry: &Geometry, place: &DAffine) -> Vec<Vec3> {
     let transform = transform.as_mat3();
     match geometry {
         Geometry::Mesh(mesh, true) => {
-            mesh.normals.iter().map(|&n| transform * Vec3::from(n)).collect()
+            let normals = mesh.normals.par_iter().with_min_len(AT_ONCE);
+            normals.map(|&n| transform * Vec3::from(n)).collect()
         }
         _ => Vec::new(),
     }
