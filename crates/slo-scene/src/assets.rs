@@ -11,6 +11,7 @@ use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
 use crate::files::{ContentHash, Files, HashingReader, OpenError, hash_whole, is_absolute};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
+use crate::memory;
 use crate::mesh::{self, LoadedMesh, Mesh, kept};
 use crate::placements::Placements;
 use crate::settings::Axes;
@@ -139,6 +140,7 @@ impl<'f> Assets<'f> {
         diagnostics: &mut Diagnostics,
     ) -> Option<Arc<Mesh>> {
         let path = Word { text: path, span };
+        self.check_memory(path, diagnostics)?;
         let mut mesh = self.loaded_mesh(path, diagnostics, |path, reader| {
             mesh::load_shape(path, reader, standing.smooth, scale)
         })?;
@@ -231,6 +233,7 @@ impl<'f> Assets<'f> {
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Mesh> {
+        self.check_memory(path, diagnostics)?;
         let load = |path: &str, reader: &mut dyn Read| mesh::load(path, reader, smooth, scale);
         let mesh = match self.cached(path) {
             None => self.loaded_mesh(path, diagnostics, load)?,
@@ -259,6 +262,18 @@ impl<'f> Assets<'f> {
             check_reach(&mesh, path, diagnostics)?;
         }
         Some(mesh)
+    }
+
+    /// Refuses a mesh whose file is so large that there is not enough memory for it.
+    fn check_memory(&self, path: Word<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
+        let length = self.files.length(&self.full(path)).unwrap_or(0);
+        let needs = length.saturating_mul(mesh::BYTES_OF_BYTE);
+        let refusal = memory::check(needs).err();
+        let Some(refusal) = refusal else { return Some(()) };
+        let message = format!("mesh `{}` needs {refusal}", path.text);
+        let error = Diagnostic::error(message).at(path.span, "");
+        diagnostics.push(error.help("give it fewer triangles"));
+        None
     }
 
     /// Returns the cache, and the hash of a file that is large enough for it. If the file can't be read,

@@ -40,6 +40,7 @@ impl Opened {
 enum Origin {
     Disk { folder: PathBuf, root: PathBuf, allow_outside: bool },
     BuiltIn { folder: String, table: Table },
+    Memory { folder: String, files: Arc<[(String, Arc<[u8]>)]> },
 }
 
 type Table = &'static [(&'static str, &'static [u8])];
@@ -73,6 +74,14 @@ impl Files {
         Self { origin, cache: None, opened: None }
     }
 
+    /// Files in memory: paths with `/` and their contents; those in the scene start from `folder`, which
+    /// may be empty.
+    pub fn in_memory(folder: &str, files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Self {
+        let files = files.into_iter().map(|(path, content)| (path, content.into())).collect();
+        let origin = Origin::Memory { folder: folder.to_owned(), files };
+        Self { origin, cache: None, opened: None }
+    }
+
     /// The same files, with a cache of what was worked out from them.
     #[must_use]
     pub fn with_cache(self, cache: Option<Arc<Cache>>) -> Self {
@@ -94,7 +103,7 @@ impl Files {
     pub(crate) fn length(&self, path: &str) -> Option<u64> {
         match &self.origin {
             Origin::Disk { folder, .. } => Some(resolve(folder, path).metadata().ok()?.len()),
-            Origin::BuiltIn { .. } => None,
+            Origin::BuiltIn { .. } | Origin::Memory { .. } => None,
         }
     }
 
@@ -118,7 +127,14 @@ impl Files {
                     Err(OpenError::Outside)
                 }
             }
-            Origin::BuiltIn { folder, table } => open_built_in(table, folder, path),
+            Origin::BuiltIn { folder, table } => {
+                let place = find(table.iter().map(|file| file.0), folder, path)?;
+                Ok(Box::new(table[place].1))
+            }
+            Origin::Memory { folder, files } => {
+                let place = find(files.iter().map(|file| file.0.as_str()), folder, path)?;
+                Ok(Box::new(io::Cursor::new(files[place].1.clone())))
+            }
         }
     }
 }
@@ -213,7 +229,12 @@ fn similar<'n>(name: &str, names: &'n [String]) -> Option<&'n str> {
     Some(&names[same.or_else(near)?])
 }
 
-fn open_built_in(table: Table, folder: &str, path: &str) -> Result<Box<dyn Read>, OpenError> {
+/// Which of the paths from the root of all files a path from a folder leads to.
+fn find<'n>(
+    names: impl Iterator<Item = &'n str> + Clone,
+    folder: &str,
+    path: &str,
+) -> Result<usize, OpenError> {
     if is_absolute(path) {
         return Err(OpenError::Outside);
     }
@@ -228,12 +249,10 @@ fn open_built_in(table: Table, folder: &str, path: &str) -> Result<Box<dyn Read>
         }
     }
     let full = parts.join("/");
-    match table.iter().find(|(name, _)| *name == full) {
-        Some((_, content)) => Ok(Box::new(*content)),
-        None => {
-            Err(OpenError::Missing(closest(&full, table.iter().map(|f| f.0)).map(str::to_owned)))
-        }
-    }
+    names
+        .clone()
+        .position(|name| name == full)
+        .ok_or_else(|| OpenError::Missing(closest(&full, names).map(str::to_owned)))
 }
 
 /// Hash over a scene's text and the files that it loads, in order.
@@ -325,8 +344,14 @@ mod tests {
     }
 
     #[test]
-    fn built_in_files() {
-        let files = Files::built_in("scenes", TABLE);
+    fn files_without_a_disk() {
+        let owned = TABLE.iter().map(|(path, content)| ((*path).to_owned(), content.to_vec()));
+        for files in [Files::built_in("scenes", TABLE), Files::in_memory("scenes", owned)] {
+            check_files_without_a_disk(&files);
+        }
+    }
+
+    fn check_files_without_a_disk(files: &Files) {
         let cases = [
             ("a.txt", "a"),
             ("./a.txt", "a"),
@@ -339,7 +364,7 @@ mod tests {
             ("nothing", "missing"),
         ];
         for (path, expected) in cases {
-            assert_eq!(outcome(&files, path), expected, "{path}");
+            assert_eq!(outcome(files, path), expected, "{path}");
         }
     }
 

@@ -23,6 +23,7 @@ pub mod light;
 pub mod light_map;
 mod load;
 pub mod material;
+pub mod memory;
 pub mod mesh;
 mod mesh_shapes;
 mod names;

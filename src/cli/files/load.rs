@@ -97,6 +97,7 @@ fn no_frame(error: FrameError) -> Problem {
         }
         FrameError::Device { .. } => Problem::new(Exit::Unavailable, error)
             .with_help("`--accelerator BVH` renders the same picture on the CPU"),
+        FrameError::Memory { help, .. } => Problem::new(Exit::Failed, error).with_help(help),
         other => Problem::new(Exit::BadInput, other),
     }
 }

@@ -1,6 +1,7 @@
 //! The hierarchy: what hangs in what, and where.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use glam::{DMat4, DQuat, DVec3};
 use gltf::camera::Projection;
@@ -10,6 +11,7 @@ use gltf::{Document, Node};
 
 use super::accessor::Buffers;
 use super::animation::{Animation, STEPS};
+use super::buffers::Left;
 use super::mesh::{Part, parts};
 use crate::error::ImportError;
 use crate::files::Source;
@@ -29,11 +31,12 @@ const MOST_SHAPE_VERTICES: usize = 40_000_000;
 pub(super) fn read(
     source: &Source,
     document: &Document,
-    bytes: &[Vec<u8>],
+    bytes: &[Rc<Vec<u8>>],
+    left: &Left,
     sets: &[u32],
     model: &mut Model,
 ) -> Result<(), ImportError> {
-    let buffers = Buffers { source, bytes };
+    let buffers = Buffers { source, bytes, left };
     let animation = Animation::read(buffers, document, &mut model.notes)?;
     model.duration = animation.duration;
     let count = document.nodes().count();

@@ -20,6 +20,7 @@ mod lamps;
 mod lists;
 mod looks;
 mod members;
+mod needs;
 mod parts;
 mod remains;
 mod sampled;

@@ -29,6 +29,7 @@ use crate::cli::system::display::Display;
 use crate::cli::system::interrupt::Guard;
 use crate::cli::system::threads;
 use frame::Studio;
+pub(crate) use ledger::frames_of_ledger;
 use plan::Step;
 use run::Run;
 use slo_scene::Accelerator;
