@@ -5,8 +5,10 @@ use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex};
+use std::time::SystemTime;
 
 use crate::cache::Cache;
+use crate::memory::{Memory, Stamp};
 use crate::names::closest;
 
 /// The files that a scene may name.
@@ -15,6 +17,7 @@ pub struct Files {
     origin: Origin,
     cache: Option<Arc<Cache>>,
     opened: Option<Opened>,
+    memory: Option<Memory>,
 }
 
 /// Notes which files on disk were asked for, whether they exist or not.
@@ -63,14 +66,15 @@ impl Files {
     /// `root`, unless `allow_outside`.
     pub fn on_disk(folder: &Path, root: &Path, allow_outside: bool) -> Self {
         let (folder, root) = (absolute(folder), absolute(root));
-        Self { origin: Origin::Disk { folder, root, allow_outside }, cache: None, opened: None }
+        let origin = Origin::Disk { folder, root, allow_outside };
+        Self { origin, cache: None, opened: None, memory: None }
     }
 
     /// Files compiled into the program: pairs of path and content, paths with `/` and from the
     /// root of the table; those in the scene start from `folder`, which may be empty.
     pub fn built_in(folder: &str, table: Table) -> Self {
         let origin = Origin::BuiltIn { folder: folder.to_owned(), table };
-        Self { origin, cache: None, opened: None }
+        Self { origin, cache: None, opened: None, memory: None }
     }
 
     /// The same files, with a cache of what was worked out from them.
@@ -83,6 +87,35 @@ impl Files {
     #[must_use]
     pub fn noted_in(self, opened: Opened) -> Self {
         Self { opened: Some(opened), ..self }
+    }
+
+    /// The same files, with what was made of them before.
+    #[must_use]
+    pub fn with_memory(self, memory: Memory) -> Self {
+        Self { memory: Some(memory), ..self }
+    }
+
+    /// What was made of files before.
+    pub(crate) fn memory(&self) -> Option<&Memory> {
+        self.memory.as_ref()
+    }
+
+    /// The time and the length of the file at a path as a scene writes it; `None` if they can't be told.
+    pub(crate) fn stamp(&self, path: &str) -> Option<Stamp> {
+        match &self.origin {
+            Origin::Disk { folder, .. } => {
+                let data = resolve(folder, path).metadata().ok()?;
+                Some((data.modified().ok()?, data.len()))
+            }
+            Origin::BuiltIn { .. } => Some((SystemTime::UNIX_EPOCH, 0)),
+        }
+    }
+
+    /// Notes a file that is not read again, because it is known.
+    pub(crate) fn note(&self, path: &str) {
+        if let (Origin::Disk { folder, .. }, Some(opened)) = (&self.origin, &self.opened) {
+            opened.note(&resolve(folder, path));
+        }
     }
 
     /// The cache of what was worked out from files.

@@ -21,6 +21,7 @@ mod looks;
 mod members;
 mod parts;
 mod remains;
+mod review;
 mod sampled;
 mod sampled_camera;
 mod sampled_motion;
