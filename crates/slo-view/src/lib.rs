@@ -15,6 +15,7 @@ mod document;
 mod finished;
 mod look;
 mod pick;
+mod placing;
 mod server;
 mod source;
 mod studio;
