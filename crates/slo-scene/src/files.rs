@@ -5,8 +5,10 @@ use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex};
+use std::time::SystemTime;
 
 use crate::cache::Cache;
+use crate::known_files::{KnownFiles, Stamp};
 use crate::names::closest;
 
 /// The files that a scene may name.
@@ -15,6 +17,7 @@ pub struct Files {
     origin: Origin,
     cache: Option<Arc<Cache>>,
     opened: Option<Opened>,
+    known: Option<KnownFiles>,
 }
 
 /// Notes which files on disk were asked for, whether they exist or not.
@@ -64,14 +67,15 @@ impl Files {
     /// `root`, unless `allow_outside`.
     pub fn on_disk(folder: &Path, root: &Path, allow_outside: bool) -> Self {
         let (folder, root) = (absolute(folder), absolute(root));
-        Self { origin: Origin::Disk { folder, root, allow_outside }, cache: None, opened: None }
+        let origin = Origin::Disk { folder, root, allow_outside };
+        Self { origin, cache: None, opened: None, known: None }
     }
 
     /// Files compiled into the program: pairs of path and content, paths with `/` and from the
     /// root of the table; those in the scene start from `folder`, which may be empty.
     pub fn built_in(folder: &str, table: Table) -> Self {
         let origin = Origin::BuiltIn { folder: folder.to_owned(), table };
-        Self { origin, cache: None, opened: None }
+        Self { origin, cache: None, opened: None, known: None }
     }
 
     /// Files in memory: paths with `/` and their contents; those in the scene start from `folder`, which
@@ -79,7 +83,7 @@ impl Files {
     pub fn in_memory(folder: &str, files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Self {
         let files = files.into_iter().map(|(path, content)| (path, content.into())).collect();
         let origin = Origin::Memory { folder: folder.to_owned(), files };
-        Self { origin, cache: None, opened: None }
+        Self { origin, cache: None, opened: None, known: None }
     }
 
     /// The same files, with a cache of what was worked out from them.
@@ -92,6 +96,36 @@ impl Files {
     #[must_use]
     pub fn noted_in(self, opened: Opened) -> Self {
         Self { opened: Some(opened), ..self }
+    }
+
+    /// The same files, with what was made of them before.
+    #[must_use]
+    pub fn with_known(self, known: KnownFiles) -> Self {
+        Self { known: Some(known), ..self }
+    }
+
+    /// What was made of files before.
+    pub(crate) fn known(&self) -> Option<&KnownFiles> {
+        self.known.as_ref()
+    }
+
+    /// The time and the length of the file at a path as a scene writes it; `None` if they can't be told.
+    pub(crate) fn stamp(&self, path: &str) -> Option<Stamp> {
+        match &self.origin {
+            Origin::Disk { folder, .. } => {
+                let data = resolve(folder, path).metadata().ok()?;
+                Some((data.modified().ok()?, data.len()))
+            }
+            // They never change.
+            Origin::BuiltIn { .. } | Origin::Memory { .. } => Some((SystemTime::UNIX_EPOCH, 0)),
+        }
+    }
+
+    /// Notes a file that is not read again, because it is known.
+    pub(crate) fn note(&self, path: &str) {
+        if let (Origin::Disk { folder, .. }, Some(opened)) = (&self.origin, &self.opened) {
+            opened.note(&resolve(folder, path));
+        }
     }
 
     /// The cache of what was worked out from files.

@@ -18,6 +18,9 @@ pub fn request(text: &str, body: &[u8]) -> Option<String> {
         TextEdit::Hide(name) => changes::hide(text, name),
         TextEdit::Remove(name) => changes::remove(text, name),
         TextEdit::Copy(name) => changes::copy(text, name),
+        TextEdit::Add(new) => {
+            changes::add(text, new, glam::DVec3::ONE, 0.5, None).map(|(edits, _)| edits)
+        }
         TextEdit::KeyFrame(name) => changes::key_frame(text, name, 0.5, [glam::DVec3::X; 3]),
     };
     applied(text, edits.ok()?)

@@ -17,6 +17,7 @@ mod finished;
 pub mod fuzzing;
 mod look;
 mod pick;
+mod placing;
 mod server;
 mod source;
 mod studio;

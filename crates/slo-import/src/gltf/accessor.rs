@@ -1,11 +1,9 @@
 //! Numbers in buffers.
 
-use std::rc::Rc;
-
 use gltf::accessor::{Accessor, DataType, sparse::IndexType};
 use gltf::buffer::View;
 
-use super::buffers::Left;
+use super::buffers::{Bytes, Left};
 use crate::error::ImportError;
 use crate::files::Source;
 
@@ -17,7 +15,7 @@ const MOST_ZEROS: usize = 1 << 24;
 #[derive(Clone, Copy)]
 pub(super) struct Buffers<'a> {
     pub(super) source: &'a Source,
-    pub(super) bytes: &'a [Rc<Vec<u8>>],
+    pub(super) bytes: &'a [Bytes],
     pub(super) left: &'a Left,
 }
 

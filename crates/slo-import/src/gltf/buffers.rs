@@ -16,6 +16,9 @@ use crate::files::Source;
 const LEAST: usize = 64 << 20;
 const TIMES: usize = 32;
 
+/// The bytes of a buffer. Several buffers may be one file.
+pub(super) type Bytes = Rc<Vec<u8>>;
+
 /// How many bytes numbers and images may still take. A part of a file may be named many times, and is a copy
 /// each time.
 #[derive(Debug)]
@@ -43,9 +46,9 @@ pub(super) fn load(
     source: &Source,
     document: &Document,
     blob: Option<&[u8]>,
-) -> Result<(Vec<Rc<Vec<u8>>>, Left), ImportError> {
+) -> Result<(Vec<Bytes>, Left), ImportError> {
     let mut buffers = Vec::new();
-    let mut known: HashMap<Option<&str>, Rc<Vec<u8>>> = HashMap::new();
+    let mut known: HashMap<Option<&str>, Bytes> = HashMap::new();
     let mut all = source.bytes.len();
     for buffer in document.buffers() {
         let uri = match buffer.source() {

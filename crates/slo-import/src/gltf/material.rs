@@ -1,7 +1,5 @@
 //! Materials and images.
 
-use std::rc::Rc;
-
 use gltf::Document;
 use gltf::image::Source as ImageSource;
 use gltf::material::AlphaMode;
@@ -9,7 +7,7 @@ use gltf::texture::{Info, MagFilter, Texture, TextureTransform, WrappingMode};
 use serde_json::Value;
 
 use super::accessor::Buffers;
-use super::buffers::{Left, bytes_of};
+use super::buffers::{Bytes, Left, bytes_of};
 use crate::error::ImportError;
 use crate::files::Source;
 use crate::model::{Image, ImageUse, Material, Model, Notes};
@@ -19,7 +17,7 @@ use crate::model::{Image, ImageUse, Material, Model, Notes};
 pub(super) fn read(
     source: &Source,
     document: &Document,
-    bytes: &[Rc<Vec<u8>>],
+    bytes: &[Bytes],
     left: &Left,
     model: &mut Model,
 ) -> Result<Vec<u32>, ImportError> {

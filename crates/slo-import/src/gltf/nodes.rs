@@ -1,7 +1,6 @@
 //! The hierarchy: what hangs in what, and where.
 
 use std::collections::HashMap;
-use std::rc::Rc;
 
 use glam::{DMat4, DQuat, DVec3};
 use gltf::camera::Projection;
@@ -11,7 +10,7 @@ use gltf::{Document, Node};
 
 use super::accessor::Buffers;
 use super::animation::{Animation, STEPS};
-use super::buffers::Left;
+use super::buffers::{Bytes, Left};
 use super::mesh::{Part, parts};
 use crate::error::ImportError;
 use crate::files::Source;
@@ -31,7 +30,7 @@ const MOST_SHAPE_VERTICES: usize = 40_000_000;
 pub(super) fn read(
     source: &Source,
     document: &Document,
-    bytes: &[Rc<Vec<u8>>],
+    bytes: &[Bytes],
     left: &Left,
     sets: &[u32],
     model: &mut Model,

@@ -23,6 +23,7 @@ mod members;
 mod needs;
 mod parts;
 mod remains;
+mod review;
 mod sampled;
 mod sampled_camera;
 mod sampled_motion;
