@@ -67,7 +67,7 @@ RUNS = {
     "merge": (
         {"settings": "", "format": "PNG_IMAGE"},
         ["-q -s scene.txt -f 0 --part 1/2", "-q -s scene.txt -f 0 --part 2/2"],
-        "merge f_00000.1of2.part f_00000.2of2.part -od out",
+        "merge f_00000.pixels-1-of-2.part f_00000.pixels-2-of-2.part -od out",
     ),
 }
 

@@ -10,6 +10,8 @@ mod base;
 mod claims;
 mod commands;
 mod files;
+#[doc(hidden)]
+pub mod fuzzing;
 mod options;
 mod progress;
 mod system;
@@ -25,7 +27,7 @@ use commands::{
     view, why,
 };
 use options::{Options, Task};
-use system::{crash, interrupt};
+use system::{crash, interrupt, memory};
 
 /// Runs the program with its arguments, which begin with the program's name.
 ///
@@ -43,7 +45,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
     })
 }
 
-fn execute(Options { task, terminal }: Options) -> Exit {
+fn execute(Options { task, terminal, memory_limit }: Options) -> Exit {
+    memory::limit(memory_limit);
     let done = task.and_then(|task| match task {
         Task::Render(job) => render::run(&job, terminal),
         Task::Merge(args) => merge::run(&args, terminal),

@@ -302,6 +302,14 @@ pub(crate) fn unfinished(path: &Path, subject: &Subject, is_timed: bool) -> Path
     path.with_file_name(format!(".slo-rt-{name}.{}.state", &recipe_hash(subject, is_timed)[..8]))
 }
 
+/// The names of all states of unfinished runs in a folder.
+pub(crate) fn states_in(folder: &Path) -> Vec<String> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let names = fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = names.filter_map(|entry| entry.file_name().into_string().ok());
+    names.filter(|name| name.starts_with(".slo-rt-") && name.ends_with(".state")).collect()
+}
+
 /// Returns a hash of what a picture is rendered from, in hexadecimal.
 pub(crate) fn recipe_hash(subject: &Subject, is_timed: bool) -> String {
     let recipe = recipe(subject, is_timed, Steps::default());

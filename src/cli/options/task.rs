@@ -22,6 +22,8 @@ pub(crate) struct Options {
     /// The task, or what is wrong with it.
     pub(crate) task: Result<Task, Problem>,
     pub(crate) terminal: Terminal,
+    /// Most bytes of memory.
+    pub(crate) memory_limit: Option<u64>,
 }
 
 /// What the program is to do.
@@ -59,7 +61,7 @@ pub(crate) enum Task {
 
 impl From<Args> for Options {
     fn from(args: Args) -> Self {
-        let Args { quiet, verbose, .. } = args;
+        let Args { quiet, verbose, memory_limit, .. } = args;
         let quiet = match &args.command {
             Some(Command::Merge(merge)) => merge.quiet,
             Some(Command::Denoise(denoise)) => denoise.quiet,
@@ -75,7 +77,7 @@ impl From<Args> for Options {
             _ => Verbosity::Normal,
         };
         let terminal = Terminal::new(args.color, verbosity);
-        Self { terminal, task: task(args, terminal) }
+        Self { terminal, task: task(args, terminal), memory_limit }
     }
 }
 

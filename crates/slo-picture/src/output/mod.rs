@@ -24,8 +24,8 @@ pub use format::{
     memory_to_write, read_layers, read_recipe,
 };
 pub use map::{
-    check_companion, is_companion, map_format, write_cost_map, write_difference_map,
-    write_error_map, write_sample_map, write_sheet,
+    ERRORS, check_companion, is_companion, map_color, map_format, write_cost_map,
+    write_difference_map, write_error_map, write_sample_map, write_sheet,
 };
 pub use name::{Info, check_prefix, file_name};
 pub use recipe::{

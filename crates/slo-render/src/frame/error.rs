@@ -49,6 +49,15 @@ pub enum FrameError {
     },
     /// There are too many copies.
     Copies,
+    /// There is not enough memory.
+    Memory {
+        /// What needs it, with its verb.
+        what: &'static str,
+        /// How much it needs, and how much there is.
+        why: String,
+        /// What would need less.
+        help: &'static str,
+    },
     /// An object is scaled so much, or so little, that numbers cannot hold it.
     Extent {
         /// Name of the object or lamp.
@@ -102,6 +111,7 @@ impl fmt::Display for FrameError {
                  {MOST_COPIED} that are no plain copies: lamps, things that glow or change shape, \
                  and things that move by themselves"
             ),
+            Self::Memory { what, why, .. } => write!(f, "{what} {why}"),
             Self::Extent { object } => write!(
                 f,
                 "`{object}` is too large or too small in this frame: all its scales together must \

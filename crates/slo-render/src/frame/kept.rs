@@ -13,11 +13,18 @@ use slo_scene::cache::{Cache, Entry, Key, hash_of};
 /// Structures over fewer primitives are built as fast as they are found.
 const LEAST: usize = 1 << 16;
 
-/// What the building of a frame may start from. None of it changes the picture.
+/// What the building of a frame may start from. Of it, only `stays` and `apart` change the picture, in the
+/// last bits of its numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Aids {
     /// What another frame of the same scene left.
     pub before: Option<Remains>,
+    /// Whether render space stays that of the other frame as long as the camera is near: structures then
+    /// fit wherever the camera goes.
+    pub stays: bool,
+    /// Name of an object or a lamp that has a structure of its own, so that those of others fit when it
+    /// moves.
+    pub apart: Option<String>,
     /// A cache of structures.
     pub cache: Option<Arc<Cache>>,
     /// Parameters of structures to study.

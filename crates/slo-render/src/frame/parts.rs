@@ -14,6 +14,7 @@ use super::instance::{Body, Instance};
 use super::kept::structure;
 use super::lamps::carried;
 use super::looks::Look;
+use super::remains::Made;
 use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::FrameObject;
@@ -101,6 +102,10 @@ pub(super) struct Parts {
     pub(super) stretches: bool,
     /// Existing structures of instances, by the index of the object.
     pub(super) before: HashMap<u32, Arc<Structure>>,
+    /// What they, and the structure of all still objects, were made of, if the scene may be another one.
+    pub(super) made: Option<Arc<Made>>,
+    /// Name of the thing that has a structure of its own.
+    pub(super) apart: Option<String>,
     /// Where structures may be found.
     pub(super) cache: Option<Arc<Cache>>,
     /// Parameters of structures to study.
@@ -123,6 +128,15 @@ impl Parts {
             add_primitives(&mut still, &self.objects[*number as usize].geometry, place);
         }
         still
+    }
+
+    /// Whether the still objects have the shapes that they had in the frame before.
+    pub(super) fn still_is_as_before(&self) -> bool {
+        let is_same = |made: &Arc<Made>| {
+            let mut still = self.places.iter().map(|(number, _)| *number);
+            still.all(|number| made.is(number, &self.objects[number as usize].geometry))
+        };
+        self.made.as_ref().is_none_or(is_same)
     }
 
     /// Returns the primitives of an object, in render space, if it is still.
@@ -180,7 +194,11 @@ impl Parts {
             let geometry = geometry(&object.shape);
             let about = self.shared.about(&geometry);
             let poses = seen.poses(&object.name, &path, &about)?;
-            self.add_surface(look, geometry, &poses, scene, seen, isa)?;
+            if self.apart.as_ref() == Some(&object.name) {
+                self.add_instance(look, geometry, &poses, scene, seen, isa)?;
+            } else {
+                self.add_surface(look, geometry, &poses, scene, seen, isa)?;
+            }
         }
         if let Some(added) = self.objects.last_mut() {
             added.tint = shown.tint.into();
@@ -204,8 +222,12 @@ impl Parts {
         };
         let light = shown.light;
         if shown.at.key_frames.is_empty() && shown.at.parent.is_none() {
-            if let Some(surface) = lamp_geometry(&light.kind) {
-                self.add_still(look, surface, &DAffine::IDENTITY, seen);
+            match lamp_geometry(&light.kind) {
+                Some(surface) if self.apart.as_ref() == Some(&light.name) => {
+                    self.add_instance(look, surface, &[DAffine::IDENTITY], scene, seen, isa)?;
+                }
+                Some(surface) => self.add_still(look, surface, &DAffine::IDENTITY, seen),
+                None => {}
             }
             return Ok((ready(light, seen.origin), Vec::new()));
         }
@@ -317,7 +339,8 @@ impl Parts {
         isa: Isa,
     ) -> Result<(Arc<Structure>, Arc<[Vec3]>), FrameError> {
         let number = self.objects.len() as u32;
-        let there = self.before.get(&number).cloned();
+        let is_same = self.made.as_ref().is_none_or(|made| made.is(number, geometry));
+        let there = self.before.get(&number).filter(|_| is_same).cloned();
         let (cache, parameters) = (self.cache.clone(), self.parameters);
         let get = || {
             if let Some(there) = there {
