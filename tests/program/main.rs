@@ -20,6 +20,7 @@ mod import;
 mod layers;
 mod light;
 mod looks;
+mod memory_limit;
 mod parts;
 mod photons;
 mod pictures;
@@ -130,6 +131,13 @@ impl Folder {
         let run = self.run(typed);
         assert_eq!(run.exit, 0, "{typed}: {}", run.said);
         run.printed
+    }
+
+    /// Runs the program, which must succeed, and returns what it said on standard error.
+    fn said(&self, typed: &str) -> String {
+        let run = self.run(typed);
+        assert_eq!(run.exit, 0, "{typed}: {}", run.said);
+        run.said
     }
 }
 

@@ -75,3 +75,24 @@ fn a_time_limit_can_be_repeated() {
     let verified = folder.printed(&format!("verify {NAME} -s scene.txt --tiles 9"));
     assert!(verified.starts_with("same\t"), "{verified}");
 }
+
+#[test]
+fn the_log_tells_what_photons_took() {
+    let told = |settings: &str, options: &str| {
+        let said = folder(settings).said(&format!("-v -s scene.txt {options}"));
+        said.lines().find(|line| line.contains("photons:")).unwrap_or_default().trim().to_owned()
+    };
+    let passes = told("photons .5", "--threads 1");
+    assert!(passes.starts_with("photons: 10 passes, "), "{passes}");
+    assert_eq!(told("photons .5", "--threads 2"), passes);
+    let more = told("photons .5", "--samples 20");
+    assert!(more.starts_with("photons: 14 passes, "), "{more}");
+    let maps = "photonMapSize 2000 causticMapSize 2000 gatherRays 20";
+    let maps = |more: &str| told(&format!("{maps} {more}"), "--integrator PHOTON_MAP");
+    let without = maps("");
+    assert!(without.contains(" light paths; ") && without.ends_with("MB at a time"), "{without}");
+    assert!(!without.contains("pass"), "{without}");
+    let cache = maps("cacheError .3");
+    assert!(cache.contains(" in the irradiance cache; "), "{cache}");
+    assert_eq!(told("", ""), "");
+}

@@ -11,7 +11,8 @@ use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
 use crate::files::{ContentHash, Files, HashingReader, OpenError, hash_whole, is_absolute};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
-use crate::memory::{self, Note};
+use crate::known_files::{self, Note};
+use crate::memory;
 use crate::mesh::{self, LoadedMesh, Mesh, kept};
 use crate::placements::Placements;
 use crate::settings::Axes;
@@ -94,8 +95,8 @@ impl<'f> Assets<'f> {
         if let Some(known) = self.textures.get(&full) {
             return known.clone();
         }
-        let memory = self.files.memory();
-        let known = memory.and_then(|memory| memory.texture(&full));
+        let files = self.files.known();
+        let known = files.and_then(|files| files.texture(&full));
         if let Some(known) = known.filter(|known| self.are_as_noted(&known.notes)) {
             self.recall("texture", &[path], &known.notes, diagnostics);
             self.textures.insert(full, Some(known.thing.clone()));
@@ -108,8 +109,8 @@ impl<'f> Assets<'f> {
             Arc::new(loaded.texture)
         });
         let note = self.notes.pop();
-        if let (Some(memory), Some(texture), Some(note)) = (memory, &loaded, note) {
-            memory.keep_texture(full.clone(), texture.clone(), note);
+        if let (Some(files), Some(texture), Some(note)) = (files, &loaded, note) {
+            files.keep_texture(full.clone(), texture.clone(), note);
         }
         self.textures.insert(full, loaded.clone());
         loaded
@@ -117,7 +118,7 @@ impl<'f> Assets<'f> {
 
     /// What is noted from now on is about this file.
     fn begin_note(&mut self, path: Word<'_>) {
-        if self.files.memory().is_some() {
+        if self.files.known().is_some() {
             let full = self.full(path);
             let stamp = self.files.stamp(&full);
             self.notes.push(Note::new(full, stamp));
@@ -188,9 +189,9 @@ impl<'f> Assets<'f> {
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
-        let memory = self.files.memory();
-        let memory_key: memory::MeshKey = (key.0.clone(), key.1, scale.to_bits());
-        let known = memory.and_then(|memory| memory.mesh(&memory_key));
+        let files = self.files.known();
+        let known_key: known_files::MeshKey = (key.0.clone(), key.1, scale.to_bits());
+        let known = files.and_then(|files| files.mesh(&known_key));
         if let Some(known) = known.filter(|known| self.are_as_noted(&known.notes)) {
             self.recall("mesh", paths, &known.notes, diagnostics);
             self.meshes.insert(key, Some(known.thing.clone()));
@@ -211,8 +212,8 @@ impl<'f> Assets<'f> {
             }
             Some(Arc::new(mesh))
         });
-        if let (Some(memory), Some(mesh)) = (memory, &whole) {
-            memory.keep_mesh(memory_key, mesh.clone(), notes);
+        if let (Some(files), Some(mesh)) = (files, &whole) {
+            files.keep_mesh(known_key, mesh.clone(), notes);
         }
         self.meshes.insert(key, whole.clone());
         whole
@@ -228,6 +229,7 @@ impl<'f> Assets<'f> {
         diagnostics: &mut Diagnostics,
     ) -> Option<Arc<Mesh>> {
         let path = Word { text: path, span };
+        self.check_memory(path, diagnostics)?;
         let mut mesh = self.loaded_mesh(path, diagnostics, |path, reader| {
             mesh::load_shape(path, reader, standing.smooth, scale)
         })?;
@@ -320,6 +322,7 @@ impl<'f> Assets<'f> {
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Mesh> {
+        self.check_memory(path, diagnostics)?;
         let load = |path: &str, reader: &mut dyn Read| mesh::load(path, reader, smooth, scale);
         let mesh = match self.cached(path) {
             None => self.loaded_mesh(path, diagnostics, load)?,
@@ -348,6 +351,18 @@ impl<'f> Assets<'f> {
             check_reach(&mesh, path, diagnostics)?;
         }
         Some(mesh)
+    }
+
+    /// Refuses a mesh whose file is so large that there is not enough memory for it.
+    fn check_memory(&self, path: Word<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
+        let length = self.files.length(&self.full(path)).unwrap_or(0);
+        let needs = length.saturating_mul(mesh::BYTES_OF_BYTE);
+        let refusal = memory::check(needs).err();
+        let Some(refusal) = refusal else { return Some(()) };
+        let message = format!("mesh `{}` needs {refusal}", path.text);
+        let error = Diagnostic::error(message).at(path.span, "");
+        diagnostics.push(error.help("give it fewer triangles"));
+        None
     }
 
     /// Returns the cache, and the hash of a file that is large enough for it. If the file can't be read,

@@ -1,107 +1,76 @@
-//! Meshes and images that were loaded before, for as long as their files stay as they are.
+//! The memory that may still be taken: asked before anything large is made.
+//!
+//! Whoever allocates by the size of an input estimates first, and refuses with a message, since a program
+//! that has run out of memory can no longer say why. Nobody is asked unless a program
+//! [says whom](ask_first); the command line does.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard};
-use std::time::SystemTime;
+use std::fmt::{self, Display};
+use std::sync::OnceLock;
 
-use crate::mesh::Mesh;
-use crate::settings::Axes;
-use crate::texture::Texture;
-
-/// How many loads a thing outlives that no scene has used.
-const ROUNDS: u64 = 8;
-
-/// Remembers the meshes and images of scenes that are loaded again and again while their texts change.
-/// What it returns is what the files hold, as far as their times and lengths tell.
-#[derive(Clone, Debug, Default)]
-pub struct Memory(Arc<Mutex<Entries>>);
-
-#[derive(Debug, Default)]
-struct Entries {
-    round: u64,
-    meshes: HashMap<MeshKey, Remembered<Mesh>>,
-    textures: HashMap<String, Remembered<Texture>>,
+/// Bytes that may still be taken.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Left {
+    /// How many.
+    pub bytes: u64,
+    /// What leaves so many, as a sentence goes on: "the memory of the machine leaves 250 MB".
+    pub said: String,
 }
 
-/// The paths of a mesh, what the scene makes of its files, and its `Scaling`, in bits.
-pub(crate) type MeshKey = (Vec<String>, (bool, Axes, Option<u64>), u64);
+/// Tells what may still be taken; `None` if it is not known.
+pub type Ask = fn() -> Option<Left>;
 
-/// The time and the length of a file.
-pub(crate) type Stamp = (SystemTime, u64);
+static ASK: OnceLock<Ask> = OnceLock::new();
 
-/// What reading a file brought beside its content.
-#[derive(Clone, Debug)]
-pub(crate) struct Note {
-    /// Seen from the folder of the scene.
-    pub(crate) path: String,
-    /// `None` if it can't be told: the file is read again.
-    pub(crate) stamp: Option<Stamp>,
-    pub(crate) hash: Option<blake3::Hasher>,
-    pub(crate) warnings: Vec<String>,
-    pub(crate) lacks_uvs: bool,
+/// Less is not asked for: there is always so much.
+const LEAST: u64 = 8 << 20;
+
+/// Says whom to ask from now on. The first answer to that stays.
+pub fn ask_first(ask: Ask) {
+    let _ = ASK.set(ask);
 }
 
-/// A thing that was loaded.
-#[derive(Debug)]
-pub(crate) struct Remembered<T> {
-    pub(crate) thing: Arc<T>,
-    /// Of each of its files.
-    pub(crate) notes: Vec<Note>,
-    round: u64,
+/// Why something can't be made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    needs: u64,
+    left: Left,
 }
 
-impl<T> Clone for Remembered<T> {
-    fn clone(&self) -> Self {
-        Self { thing: self.thing.clone(), notes: self.notes.clone(), round: self.round }
+impl Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} MB of memory, but {}", self.needs.div_ceil(1_000_000), self.left.said)
     }
 }
 
-impl Note {
-    /// Of a file that is about to be read.
-    pub(crate) fn new(path: String, stamp: Option<Stamp>) -> Self {
-        Self { path, stamp, hash: None, warnings: Vec::new(), lacks_uvs: false }
+/// Checks that something of so many bytes, with what is needed to make it, can be made.
+///
+/// # Errors
+/// There is not so much left. The message goes on behind "needs".
+pub fn check(bytes: u64) -> Result<(), Refusal> {
+    match ASK.get() {
+        Some(ask) if bytes > LEAST => of(bytes, ask()),
+        _ => Ok(()),
     }
 }
 
-impl Memory {
-    fn entries(&self) -> MutexGuard<'_, Entries> {
-        self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+fn of(bytes: u64, left: Option<Left>) -> Result<(), Refusal> {
+    match left {
+        Some(left) if left.bytes < bytes => Err(Refusal { needs: bytes, left }),
+        _ => Ok(()),
     }
+}
 
-    /// Another scene is loaded from now on. What has not been used for long is forgotten.
-    pub(crate) fn begin(&self) {
-        let mut entries = self.entries();
-        entries.round += 1;
-        let round = entries.round;
-        entries.meshes.retain(|_, known| known.round + ROUNDS >= round);
-        entries.textures.retain(|_, known| known.round + ROUNDS >= round);
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    pub(crate) fn mesh(&self, key: &MeshKey) -> Option<Remembered<Mesh>> {
-        let mut entries = self.entries();
-        let round = entries.round;
-        let known = entries.meshes.get_mut(key)?;
-        known.round = round;
-        Some(known.clone())
-    }
-
-    pub(crate) fn keep_mesh(&self, key: MeshKey, thing: Arc<Mesh>, notes: Vec<Note>) {
-        let mut entries = self.entries();
-        let round = entries.round;
-        entries.meshes.insert(key, Remembered { thing, notes, round });
-    }
-
-    pub(crate) fn texture(&self, path: &str) -> Option<Remembered<Texture>> {
-        let mut entries = self.entries();
-        let round = entries.round;
-        let known = entries.textures.get_mut(path)?;
-        known.round = round;
-        Some(known.clone())
-    }
-
-    pub(crate) fn keep_texture(&self, path: String, thing: Arc<Texture>, note: Note) {
-        let mut entries = self.entries();
-        let round = entries.round;
-        entries.textures.insert(path, Remembered { thing, notes: vec![note], round });
+    #[test]
+    fn what_is_too_large_is_refused() {
+        let left = |bytes| Some(Left { bytes, said: "the moon leaves 1 MB".into() });
+        assert_eq!(of(1 << 30, left(1 << 30)), Ok(()));
+        assert_eq!(of(u64::MAX, None), Ok(()));
+        let refusal = of((1 << 30) + 1, left(1 << 30)).unwrap_err();
+        assert_eq!(refusal.to_string(), "1074 MB of memory, but the moon leaves 1 MB");
+        assert_eq!(check(u64::MAX), Ok(()), "nobody is to be asked");
     }
 }

@@ -13,6 +13,8 @@ mod changes;
 mod command;
 mod document;
 mod finished;
+#[doc(hidden)]
+pub mod fuzzing;
 mod look;
 mod pick;
 mod placing;

@@ -11,7 +11,7 @@ use crate::cli::files::scene_file::{self, SceneFile};
 use crate::cli::options::Job;
 use crate::cli::system::threads;
 use slo_scene::files::Opened;
-use slo_scene::{Loaded, Memory};
+use slo_scene::{KnownFiles, Loaded};
 use slo_view::{Error, Options, Source, serve};
 
 /// Prints the address of a page that shows the job's scene, and serves it until a signal comes.
@@ -67,9 +67,9 @@ impl Source for OfJob {
         }
     }
 
-    fn load(&self, text: &[u8], opened: &Opened, memory: &Memory) -> Loaded {
+    fn load(&self, text: &[u8], opened: &Opened, known: &KnownFiles) -> Loaded {
         let SceneFile { path, root, .. } = &self.file;
         let file = SceneFile { path: path.clone(), root: root.clone(), text: text.to_owned() };
-        load::load(&file, &self.job, opened.clone(), Some(memory))
+        load::load(&file, &self.job, opened.clone(), Some(known))
     }
 }

@@ -11,7 +11,7 @@ use slo_picture::output::check_prefix;
 use slo_render::frame::{Aids, FrameError, FrameScene};
 use slo_scene::animation::NoSegment;
 use slo_scene::files::Opened;
-use slo_scene::{Files, Loaded, Memory, SceneDescription, ShapeError, load_adapted};
+use slo_scene::{Files, KnownFiles, Loaded, SceneDescription, ShapeError, load_adapted};
 
 /// Loads the job's scene, and applies the settings of the command line. Prints the errors of the
 /// scene, and warnings about what these settings make of it.
@@ -52,8 +52,13 @@ pub(crate) fn file(job: &Job) -> Result<SceneFile, Problem> {
 }
 
 /// Loads the scene that a text describes, and applies the settings of the command line. Notes the files
-/// on disk that it names. `memory` is what scenes before it have left.
-pub(crate) fn load(file: &SceneFile, job: &Job, opened: Opened, memory: Option<&Memory>) -> Loaded {
+/// on disk that it names. `known` is what scenes before it have left.
+pub(crate) fn load(
+    file: &SceneFile,
+    job: &Job,
+    opened: Opened,
+    known: Option<&KnownFiles>,
+) -> Loaded {
     let files = match &job.scene {
         None => Files::built_in(built_in::FOLDER, built_in::FILES),
         Some(_) => {
@@ -62,8 +67,8 @@ pub(crate) fn load(file: &SceneFile, job: &Job, opened: Opened, memory: Option<&
             files.with_cache(job.cache.clone()).noted_in(opened)
         }
     };
-    let files = match memory {
-        Some(memory) => files.with_memory(memory.clone()),
+    let files = match known {
+        Some(known) => files.with_known(known.clone()),
         None => files,
     };
     let adapt = |scene: &mut SceneDescription| job.overrides.apply(scene);
@@ -99,6 +104,9 @@ fn no_frame(error: FrameError) -> Problem {
         FrameError::Shape { reason: ShapeError::Unreadable { .. }, .. } => {
             Problem::new(Exit::NoInput, error)
         }
+        FrameError::Device { .. } => Problem::new(Exit::Unavailable, error)
+            .with_help("`--accelerator BVH` renders the same picture on the CPU"),
+        FrameError::Memory { help, .. } => Problem::new(Exit::Failed, error).with_help(help),
         other => Problem::new(Exit::BadInput, other),
     }
 }

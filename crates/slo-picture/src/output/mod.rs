@@ -16,7 +16,9 @@ mod recipe;
 mod state;
 
 pub use existing::{Found, find_picture, find_state, find_timed_picture, made_by_others};
-pub use file::{check_free, check_writable, open_regular, remove_leftovers, write_atomically};
+pub use file::{
+    check_free, check_writable, open_regular, remove_abandoned, remove_leftovers, write_atomically,
+};
 pub use format::{
     Crop, KEYWORD, Picture, Raster, ReadError, RecipeError, Values, claimed_pixels,
     memory_to_write, read_layers, read_recipe,

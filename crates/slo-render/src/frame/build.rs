@@ -10,6 +10,7 @@ use super::error::FrameError;
 use super::kept::{Aids, structure};
 use super::lists::{crowd, not_placed};
 use super::looks::{Look, Looks};
+use super::needs;
 use super::parts::{Parts, Seen};
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
@@ -75,6 +76,10 @@ impl FrameScene {
             .map_err(|reason| FrameError::View { segment: segment.name.clone(), reason })?;
 
         let shown = Shown::of(scene)?;
+        // What the frame before left is not made again.
+        if before.is_none() {
+            needs::check(scene, &shown)?;
+        }
         let spaces = &shown.spaces;
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
@@ -156,7 +161,7 @@ impl FrameScene {
                     &scene.settings,
                     isa,
                     (parts.cache.as_deref(), parameters),
-                ))
+                )?)
             }
         };
         let still_objects = parts.still_objects();

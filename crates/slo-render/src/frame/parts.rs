@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::affine::Affine;
 use super::bend::{Bent, Shaped};
@@ -28,6 +29,9 @@ use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
 use slo_scene::cache::Cache;
 use slo_scene::shape::MeshSurface;
 use slo_scene::{MaterialId, Object, SceneDescription, Shape};
+
+/// Least number of vertices or faces that a thread takes at a time.
+const AT_ONCE: usize = 1 << 14;
 
 /// What the objects' motion is sampled for.
 pub(super) struct Seen<'a> {
@@ -183,7 +187,7 @@ impl Parts {
                 Shaped::AtRest(mesh) => {
                     let geometry = Geometry::Mesh(mesh, *smooth);
                     let poses = seen.poses(&object.name, &path, &self.shared.about(&geometry))?;
-                    self.add_instance(look, geometry, &poses, scene, seen, isa);
+                    self.add_instance(look, geometry, &poses, scene, seen, isa)?;
                 }
             }
         } else {
@@ -191,9 +195,9 @@ impl Parts {
             let about = self.shared.about(&geometry);
             let poses = seen.poses(&object.name, &path, &about)?;
             if self.apart.as_ref() == Some(&object.name) {
-                self.add_instance(look, geometry, &poses, scene, seen, isa);
+                self.add_instance(look, geometry, &poses, scene, seen, isa)?;
             } else {
-                self.add_surface(look, geometry, &poses, scene, seen, isa);
+                self.add_surface(look, geometry, &poses, scene, seen, isa)?;
             }
         }
         if let Some(added) = self.objects.last_mut() {
@@ -220,7 +224,7 @@ impl Parts {
         if shown.at.key_frames.is_empty() && shown.at.parent.is_none() {
             match lamp_geometry(&light.kind) {
                 Some(surface) if self.apart.as_ref() == Some(&light.name) => {
-                    self.add_instance(look, surface, &[DAffine::IDENTITY], scene, seen, isa);
+                    self.add_instance(look, surface, &[DAffine::IDENTITY], scene, seen, isa)?;
                 }
                 Some(surface) => self.add_still(look, surface, &DAffine::IDENTITY, seen),
                 None => {}
@@ -249,7 +253,7 @@ impl Parts {
             (light, about_zero, surface, poses)
         };
         if let Some(surface) = surface {
-            self.add_surface(look, surface, &poses, scene, seen, isa);
+            self.add_surface(look, surface, &poses, scene, seen, isa)?;
         }
         let is_distant = about_zero.is_distant();
         let center = if is_distant { DVec3::ZERO } else { box_of(&about_zero).center() };
@@ -271,15 +275,18 @@ impl Parts {
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
-    ) {
+    ) -> Result<(), FrameError> {
         match (poses, &geometry) {
             // A curved surface is what it is in its own space only.
             ([place], Geometry::Curved(_)) if place.growth.is_none() => {}
             ([_], _) if self.shared.is_placed(&geometry) => {}
-            ([place], _) => return self.add_still(look, geometry, place, seen),
+            ([place], _) => {
+                self.add_still(look, geometry, place, seen);
+                return Ok(());
+            }
             _ => {}
         }
-        self.add_instance(look, geometry, poses, scene, seen, isa);
+        self.add_instance(look, geometry, poses, scene, seen, isa)
     }
 
     /// Adds something that moves during the shutter, that is stretched, or of which there are many.
@@ -291,9 +298,9 @@ impl Parts {
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
-    ) {
+    ) -> Result<(), FrameError> {
         let center = self.shared.about(&geometry).center();
-        let (structure, normals) = self.made_of(&geometry, center, scene, isa);
+        let (structure, normals) = self.made_of(&geometry, center, scene, isa)?;
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
             body: Body::Still(structure),
@@ -303,6 +310,7 @@ impl Parts {
         });
         self.looks.push(look);
         self.objects.push(FrameObject::placed(geometry, normals));
+        Ok(())
     }
 
     /// Adds an object of a crowd. Returns what it is made of, and its box in object space.
@@ -312,13 +320,13 @@ impl Parts {
         material: MaterialId,
         scene: &SceneDescription,
         isa: Isa,
-    ) -> (Cast, ObjectBox) {
+    ) -> Result<(Cast, ObjectBox), FrameError> {
         let geometry = geometry(&object.shape);
         let about = self.shared.about(&geometry);
-        let (structure, normals) = self.made_of(&geometry, about.center(), scene, isa);
+        let (structure, normals) = self.made_of(&geometry, about.center(), scene, isa)?;
         self.looks.push(Look::Material(material.0));
         self.objects.push(FrameObject::placed(geometry, normals));
-        (Cast { body: Body::Still(structure), center: about.center().as_vec3() }, about)
+        Ok((Cast { body: Body::Still(structure), center: about.center().as_vec3() }, about))
     }
 
     /// Returns the structure of the next object, translated by `-center`, and the normals of its
@@ -329,30 +337,35 @@ impl Parts {
         center: DVec3,
         scene: &SceneDescription,
         isa: Isa,
-    ) -> (Arc<Structure>, Arc<[Vec3]>) {
+    ) -> Result<(Arc<Structure>, Arc<[Vec3]>), FrameError> {
         let number = self.objects.len() as u32;
         let is_same = self.made.as_ref().is_none_or(|made| made.is(number, geometry));
         let there = self.before.get(&number).filter(|_| is_same).cloned();
         let (cache, parameters) = (self.cache.clone(), self.parameters);
-        let build = || {
+        let get = || {
+            if let Some(there) = there {
+                return Ok(there);
+            }
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, geometry, &place);
-            Arc::new(structure(local, &scene.settings, isa, (cache.as_deref(), parameters)))
+            structure(local, &scene.settings, isa, (cache.as_deref(), parameters)).map(Arc::new)
         };
         let normals = || vertex_normals(geometry, &DAffine::IDENTITY).into();
         match self.shared.of(geometry) {
             Some(common) => {
-                let structure = &mut common.structure;
-                let structure = structure.get_or_insert_with(|| there.unwrap_or_else(build));
+                let structure = match &common.structure {
+                    Some(structure) => structure.clone(),
+                    None => common.structure.insert(get()?).clone(),
+                };
                 let is_smooth = matches!(geometry, Geometry::Mesh(_, true));
                 let normals = match is_smooth {
                     true => common.normals.get_or_insert_with(normals).clone(),
                     false => Arc::default(),
                 };
-                (structure.clone(), normals)
+                Ok((structure, normals))
             }
-            None => (there.unwrap_or_else(build), normals()),
+            None => Ok((get()?, normals())),
         }
     }
 
@@ -409,9 +422,11 @@ fn add_primitives(primitives: &mut Primitives, geometry: &Geometry, place: &DAff
     let point = |p: DVec3| place.point(p).as_vec3();
     match geometry {
         Geometry::Mesh(mesh, _) => {
-            let positions: Vec<Vec3> = mesh.positions.iter().map(|&p| point(p)).collect();
+            let positions: Vec<Vec3> =
+                mesh.positions.par_iter().with_min_len(AT_ONCE).map(|&p| point(p)).collect();
             let triangle = |face: &[u32; 3]| face.map(|i| positions[i as usize]);
-            primitives.triangles.extend(mesh.faces.iter().map(triangle));
+            let triangles = mesh.faces.par_iter().with_min_len(AT_ONCE).map(triangle);
+            primitives.triangles.par_extend(triangles);
         }
         Geometry::Curved(surface) => primitives.curved.push(surface.primitive(place)),
     }
@@ -432,7 +447,8 @@ fn vertex_normals(geometry: &Geometry, place: &DAffine) -> Vec<Vec3> {
     let transform = transform.as_mat3();
     match geometry {
         Geometry::Mesh(mesh, true) => {
-            mesh.normals.iter().map(|&n| transform * Vec3::from(n)).collect()
+            let normals = mesh.normals.par_iter().with_min_len(AT_ONCE);
+            normals.map(|&n| transform * Vec3::from(n)).collect()
         }
         _ => Vec::new(),
     }

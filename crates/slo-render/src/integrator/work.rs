@@ -6,7 +6,7 @@ use slo_picture::film::{Features, Fixed, PlaceLayers, Wide};
 use super::ray_kind::RayKind;
 use crate::frame::FrameScene;
 use crate::guiding::Field;
-use crate::photons::{PhotonLight, PhotonMaps};
+use crate::photons::{PhotonCounts, PhotonLight, PhotonMaps};
 
 /// Samples `first..first + count` of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +82,8 @@ pub struct Statistics {
     pub bounce_rays: u64,
     /// Contributions that were clamped to the film's range, or left out because they were no numbers.
     pub refused_contributions: u64,
+    /// What photons took.
+    pub photons: PhotonCounts,
     /// What rays took in the structures, by [`RayKind`]; all 0 unless rays are
     /// [counted](FrameScene::count).
     pub rays: [Totals; RayKind::NAMES.len()],
@@ -93,6 +95,7 @@ impl std::ops::AddAssign for Statistics {
         self.shadow_rays += other.shadow_rays;
         self.bounce_rays += other.bounce_rays;
         self.refused_contributions += other.refused_contributions;
+        self.photons += other.photons;
         self.rays.iter_mut().zip(other.rays).for_each(|(sum, more)| *sum += more);
     }
 }

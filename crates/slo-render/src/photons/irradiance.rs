@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use slo_accel::{Isa, Lanewise};
 
 use super::cache::IrradianceCache;
+use super::counts::PhotonCounts;
 use super::flux_map::{FLATNESS, FluxMap, Irradiance, LEAST_COSINE, Rule};
 use super::nearest::{Around, KdTree, Nearest};
 use crate::shading::light::receiver;
@@ -189,11 +190,20 @@ pub struct PhotonLight {
     pub(crate) maps: Arc<[Vec<Irradiance>]>,
     /// Irradiance of light that comes from surfaces, gathered by rays; empty without a cache.
     pub(crate) cache: IrradianceCache,
+    /// What its photons took while it was made.
+    pub(crate) making: PhotonCounts,
 }
 
 impl PhotonLight {
+    /// What it took.
+    pub fn counts(&self) -> PhotonCounts {
+        let records = self.cache.len() as u64;
+        let memory = self.making.memory.max(self.memory());
+        PhotonCounts { records, memory, ..self.making }
+    }
+
     /// Memory in bytes.
-    pub fn memory(&self) -> usize {
+    fn memory(&self) -> usize {
         let maps: usize = self.maps.iter().map(|map| size_of_val(&map[..])).sum();
         self.surfaces.memory() + self.caustics.memory() + self.cache.memory() + maps
     }

@@ -7,6 +7,8 @@
 use glam::Vec3;
 use slo_accel::math::Bounds;
 
+use super::counts::PhotonCounts;
+
 /// Children of a node, and photons of a leaf.
 const WIDE: usize = 16;
 
@@ -265,6 +267,21 @@ pub struct PhotonMaps {
 }
 
 impl PhotonMaps {
+    /// What these took.
+    pub fn counts(&self) -> PhotonCounts {
+        let of = |map: &PhotonMap| PhotonCounts {
+            passes: 1,
+            paths: (f64::from(map.paths) * map.slabs.len() as f64).round() as u64,
+            photons: map.len() as u64,
+            records: 0,
+            memory: 0,
+        };
+        let memory = self.maps.iter().map(PhotonMap::memory).sum();
+        let mut counts = PhotonCounts { memory, ..PhotonCounts::default() };
+        self.maps.iter().for_each(|map| counts += of(map));
+        counts
+    }
+
     /// Returns the map of a pass, if it is one of these.
     #[inline(always)]
     pub fn get(&self, pass: u32) -> Option<&PhotonMap> {

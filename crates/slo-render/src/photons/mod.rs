@@ -9,6 +9,7 @@
 //! estimated (`everywhere`, `flux_map`, `irradiance`), and an irradiance cache (`cache`).
 
 mod cache;
+mod counts;
 mod emission;
 mod everywhere;
 mod flux_map;
@@ -20,6 +21,7 @@ mod schedule;
 mod targets;
 
 pub use cache::{CacheRecord, Gathered, Grid, IrradianceCache};
+pub use counts::PhotonCounts;
 pub use emission::{Emission, Emitted, Numbers};
 pub use everywhere::Everywhere;
 pub use flux_map::{Deposit, FluxMap, Irradiance, Rule};

@@ -57,6 +57,7 @@ pub fn render_until(
         let Some(found) = photon_light(frame, &gives_up) else {
             return (run.exposed(false), reached);
         };
+        run.add_photons(found.counts());
         light = Some(Arc::new(found));
     }
     for step in least.done.min(last)..=last {
@@ -77,6 +78,7 @@ pub fn render_until(
         let mut stretches = Stretches::new(frame, first, light.clone());
         let (mut handed, mut is_open) = (0, true);
         while let Some(stretch) = stretches.next(&plan, &gives_up) {
+            stretch.maps.iter().for_each(|maps| run.add_photons(maps.counts()));
             let pass = Pass {
                 run: &run,
                 clock: &clock,

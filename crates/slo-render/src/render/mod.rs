@@ -17,6 +17,7 @@ mod tile;
 mod whole;
 
 pub use crate::integrator::Statistics;
+pub use crate::photons::PhotonCounts;
 pub use budget::{Budget, render_until};
 pub use explain::{Bright, Names, Share, Step, Tally, explain, luminance, rays_of, word};
 pub use light_map::light_map;

@@ -8,7 +8,7 @@ use super::lock::lock;
 use super::photon_cache::irradiance_cache;
 use crate::frame::FrameScene;
 use crate::integrator::{Flux, PhotonTracer};
-use crate::photons::{Deposit, FluxMap, IrradianceMap, PhotonLight, irradiance_at};
+use crate::photons::{Deposit, FluxMap, IrradianceMap, PhotonCounts, PhotonLight, irradiance_at};
 
 /// Light paths that a thread traces at a time.
 const PATHS_AT_ONCE: u32 = 4096;
@@ -41,6 +41,12 @@ pub(super) fn photon_light(
     Some(light)
 }
 
+/// A map of photons, and what it took.
+struct Made {
+    map: FluxMap,
+    counts: PhotonCounts,
+}
+
 /// Finds the light of photons, without a cache.
 fn stored_light(frame: &FrameScene, gives_up: &(dyn Fn() -> bool + Sync)) -> Option<PhotonLight> {
     let Some(lamps) = &frame.photon_lamps else { return Some(PhotonLight::default()) };
@@ -50,21 +56,25 @@ fn stored_light(frame: &FrameScene, gives_up: &(dyn Fn() -> bool + Sync)) -> Opt
     let settings = &frame.settings;
     let (size, nearest) = (settings.photon_map_size, settings.photon_nearest);
     let all = maker.map(Flux::Everywhere, size, settings.photon_distance, nearest)?;
-    let surfaces = IrradianceMap::new(&all, nearest, frame.isa, gives_up)?;
+    let surfaces = IrradianceMap::new(&all.map, nearest, frame.isa, gives_up)?;
     let mut maps = Vec::new();
     for texels in frame.light_maps.all() {
         let points = frame.texel_middles(texels);
-        maps.push(irradiance_at(&all, nearest, frame.isa, &points, gives_up)?);
+        maps.push(irradiance_at(&all.map, nearest, frame.isa, &points, gives_up)?);
     }
+    let mut making = all.counts;
+    making.memory += surfaces.memory();
     drop(all);
     let caustics = if lamps.aimed.is_some() {
         let (size, nearest) = (settings.caustic_map_size, settings.caustic_nearest);
-        maker.map(Flux::Caustics, size, settings.caustic_distance, nearest)?
+        let made = maker.map(Flux::Caustics, size, settings.caustic_distance, nearest)?;
+        making += PhotonCounts { memory: made.counts.memory + surfaces.memory(), ..made.counts };
+        made.map
     } else {
         FluxMap::default()
     };
     let (surfaces, caustics, maps) = (surfaces.into(), caustics.into(), maps.into());
-    Some(PhotonLight { surfaces, caustics, maps, ..PhotonLight::default() })
+    Some(PhotonLight { surfaces, caustics, maps, making, ..PhotonLight::default() })
 }
 
 struct Maker<'a> {
@@ -75,7 +85,7 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     /// Makes a map of the photons of the first light paths: of as many as `size` allows.
-    fn map(&self, flux: Flux, size: u32, distance: Option<f32>, nearest: u32) -> Option<FluxMap> {
+    fn map(&self, flux: Flux, size: u32, distance: Option<f32>, nearest: u32) -> Option<Made> {
         let most = size.saturating_mul(MOST_PATHS_A_PHOTON).max(PATHS_AT_ONCE);
         let (mut deposits, mut sent): (Vec<Deposit>, u32) = (Vec::new(), 0);
         while deposits.len() <= size as usize && sent < most {
@@ -100,7 +110,15 @@ impl Maker<'_> {
             sent = end;
         }
         let paths = cut(&mut deposits, size as usize).unwrap_or(sent);
-        Some(FluxMap::new(&deposits, paths as f32, distance, nearest))
+        let map = FluxMap::new(&deposits, paths as f32, distance, nearest);
+        let counts = PhotonCounts {
+            passes: 0,
+            paths: u64::from(sent),
+            photons: deposits.len() as u64,
+            records: 0,
+            memory: deposits.capacity() * size_of::<Deposit>() + map.memory(),
+        };
+        Some(Made { map, counts })
     }
 }
 

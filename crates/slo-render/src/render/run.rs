@@ -14,6 +14,7 @@ use super::plan::Plan;
 use super::tile::TileRenderer;
 use crate::frame::FrameScene;
 use crate::integrator::Statistics;
+use crate::photons::PhotonCounts;
 
 /// The observer asked to stop.
 pub(super) struct Stopped;
@@ -150,6 +151,11 @@ impl<'a> Run<'a> {
             self.observer.learned(field);
         }
         done
+    }
+
+    /// Notes what photons took.
+    pub(super) fn add_photons(&self, counts: PhotonCounts) {
+        lock(&self.result).1.photons += counts;
     }
 
     /// Reports progress, except for a picture in steps: their number is unknown, so the clock

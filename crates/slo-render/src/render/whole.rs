@@ -45,12 +45,14 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
     let mut light = None;
     if is_photon_map && first.is_some() {
         let Some(found) = photon_light(frame, &gives_up) else { return run.exposed(false) };
+        run.add_photons(found.counts());
         light = Some(Arc::new(found));
     }
     let mut stretches = Stretches::new(frame, first.filter(|_| has_photons), light);
     let mut is_complete = false;
     while !is_complete {
         let Some(stretch) = stretches.next(plan, &gives_up) else { break };
+        stretch.maps.iter().for_each(|maps| run.add_photons(maps.counts()));
         let is_open = AtomicBool::new(false);
         let expose = |tile: Area| {
             let thread = rayon::current_thread_index().unwrap_or(0);

@@ -23,7 +23,7 @@ use tokio::sync::oneshot;
 
 use crate::source::Source;
 use crate::studio::{Link, Studio};
-use guard::Guard;
+pub(crate) use guard::Guard;
 use token::Token;
 
 /// How a scene is shown.

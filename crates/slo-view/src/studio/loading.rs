@@ -7,7 +7,7 @@ use std::time::Duration;
 use slo_scene::diagnostics::Diagnostics;
 use slo_scene::edit::Edit;
 use slo_scene::files::Opened;
-use slo_scene::{Loaded, Memory, SceneDescription};
+use slo_scene::{KnownFiles, Loaded, SceneDescription};
 
 use crate::document::{Document, Outside};
 use crate::source::Source;
@@ -25,7 +25,7 @@ pub(crate) struct Loading {
     /// Meshes beside the scene.
     files: Vec<String>,
     /// Meshes and images, which edits of the text leave as they are.
-    memory: Memory,
+    known: KnownFiles,
     /// The file of the scene.
     own: Watched,
     /// The other files that it uses.
@@ -47,7 +47,7 @@ impl Loading {
             source,
             document: Document::default(),
             files: Vec::new(),
-            memory: Memory::default(),
+            known: KnownFiles::default(),
             own: Watched::default(),
             others: Watched::default(),
             diagnostics: Diagnostics::default(),
@@ -133,7 +133,7 @@ impl Loading {
         self.is_stale |= is_new;
         if outside == Outside::Conflict {
             // Its errors are part of the choice.
-            let loaded = self.source.load(&bytes, &Opened::default(), &self.memory);
+            let loaded = self.source.load(&bytes, &Opened::default(), &self.known);
             self.of_file = Some(loaded.diagnostics);
         }
         is_new || was_unreadable
@@ -146,7 +146,7 @@ impl Loading {
         }
         let opened = Opened::default();
         let bytes = self.document.bytes();
-        let Loaded { scene, diagnostics } = self.source.load(&bytes, &opened, &self.memory);
+        let Loaded { scene, diagnostics } = self.source.load(&bytes, &opened, &self.known);
         self.others = Watched::new(opened.paths());
         self.files = self.source.path().map(meshes_beside).unwrap_or_default();
         self.diagnostics = diagnostics;

@@ -47,7 +47,7 @@ pub(super) fn of(known: &Known<'_>) -> Value {
         "messages": messages(loading),
         "fault": fault,
         "exposure": exposure,
-        "accelerators": Accelerator::NAMES.map(|(name, _)| name),
+        "accelerators": accelerators(),
         "unwritten": unwritten,
         "picked": picked.map(|picked| seen(picked, *placed, loading)),
         "why": why,
@@ -57,6 +57,13 @@ pub(super) fn of(known: &Known<'_>) -> Value {
         "text": text(loading),
         "stage": stage.map(of_stage),
     })
+}
+
+/// Returns the names of the structures that this program can use.
+fn accelerators() -> Vec<&'static str> {
+    let has_gpu = slo_render::frame::offers_device();
+    let usable = Accelerator::NAMES.iter().filter(|(_, kind)| has_gpu || !kind.needs_gpu());
+    usable.map(|(name, _)| *name).collect()
 }
 
 fn of_stage(stage: &Stage) -> Value {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::done::{Done, Place, Size, Times};
 use crate::cli::base::{Terminal, counted, human, megabytes};
 use slo_accel::Isa;
-use slo_render::render::Statistics;
+use slo_render::render::{PhotonCounts, Statistics};
 use slo_scene::Accelerator;
 use slo_scene::cache::Uses;
 use slo_scene::{SceneDescription, Settings};
@@ -127,6 +127,7 @@ impl Summary {
             human(rendering),
             human(writing)
         );
+        let gpu = crate::gpu::name().map(|name| format!(" on {name}"));
         let rest = [
             format!(
                 "{}, {}; structures {}",
@@ -140,16 +141,25 @@ impl Summary {
                 camera_rays as f64 / pixels.max(1.0)
             ),
             format!(
-                "{}, {} instructions, {} structure{}",
+                "{}, {} instructions, {} structure{}{}",
                 counted(rayon::current_num_threads(), "thread"),
                 self.isa,
                 scene.settings.accelerator,
-                if has_spatial_splits { " with spatial splits" } else { "" }
+                if has_spatial_splits { " with spatial splits" } else { "" },
+                gpu.unwrap_or_default()
             ),
         ];
+        let photons = photons(&self.statistics.photons);
         let cache =
             self.cache.map(|Uses { found, made }| format!("cache: {found} found, {made} written"));
-        [phases].into_iter().chain(beside).chain(refused).chain(cache).chain(rest).collect()
+        [phases]
+            .into_iter()
+            .chain(beside)
+            .chain(refused)
+            .chain(cache)
+            .chain(rest)
+            .chain(photons)
+            .collect()
     }
 }
 
@@ -157,6 +167,24 @@ impl Summary {
 fn too_bright(pixels: usize) -> String {
     let verb = if pixels == 1 { "is" } else { "are" };
     format!("{} {verb} brighter than the film can add up", counted(pixels, "pixel"))
+}
+
+/// Says what photons took; nothing if there were none.
+fn photons(counts: &PhotonCounts) -> Option<String> {
+    let &PhotonCounts { passes, paths, photons, records, memory } = counts;
+    if paths == 0 {
+        return None;
+    }
+    let mut line = String::from("photons: ");
+    if passes > 0 {
+        let _ = write!(line, "{passes} pass{}, ", if passes == 1 { "" } else { "es" });
+    }
+    let _ = write!(line, "{photons} from {}", counted(paths, "light path"));
+    if records > 0 {
+        let _ = write!(line, ", {} in the irradiance cache", counted(records, "record"));
+    }
+    let _ = write!(line, "; {} at a time", megabytes(memory as u64));
+    Some(line)
 }
 
 fn line(rendering: Duration, rays: &Statistics, peak: Option<u64>) -> String {
@@ -202,6 +230,22 @@ mod tests {
         let line = |peak| line(Duration::from_secs(4), &rays(), peak);
         insta::assert_snapshot!(line(Some(210_000_000)), @"Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce; 210 MB of memory");
         insta::assert_snapshot!(line(None), @"Mrays/s: 1.00 camera, 2.00 shadow, 0.25 bounce");
+    }
+
+    #[test]
+    fn one_line_tells_what_photons_took() {
+        let light = PhotonCounts {
+            passes: 0,
+            paths: 81_920,
+            photons: 9_712,
+            records: 0,
+            memory: 3_210_000,
+        };
+        let told = |counts| photons(&counts).unwrap_or_default();
+        insta::assert_snapshot!(told(light), @"photons: 9712 from 81920 light paths; 3.2 MB at a time");
+        insta::assert_snapshot!(told(PhotonCounts { records: 412, ..light }), @"photons: 9712 from 81920 light paths, 412 records in the irradiance cache; 3.2 MB at a time");
+        insta::assert_snapshot!(told(PhotonCounts { passes: 1, ..light }), @"photons: 1 pass, 9712 from 81920 light paths; 3.2 MB at a time");
+        assert_eq!(photons(&PhotonCounts::default()), None);
     }
 
     #[test]

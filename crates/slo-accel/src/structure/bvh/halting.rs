@@ -46,7 +46,7 @@ pub(crate) struct Boxes<T> {
     isa: Isa,
 }
 
-impl<T: Copy> Boxes<T> {
+impl<T: Copy + Send + Sync> Boxes<T> {
     /// More boxes have no numbers.
     pub(crate) const MAX: usize = 1 << 28;
 

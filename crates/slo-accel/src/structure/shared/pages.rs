@@ -5,8 +5,11 @@
 //! cache of addresses is large enough.
 
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
+use std::mem::MaybeUninit;
 use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;
+
+use rayon::prelude::*;
 
 /// Bytes of a large page, which is aligned to its size.
 const LARGE_PAGE: usize = 2 << 20;
@@ -18,8 +21,9 @@ pub(crate) struct Array<T> {
     len: usize,
 }
 
-impl<T: Copy> Array<T> {
-    /// `len` times a value.
+impl<T: Copy + Send + Sync> Array<T> {
+    /// `len` times a value. All threads of the current pool fill a large array: its pages are cleared
+    /// when they are first touched, which takes longer than to fill them.
     pub(crate) fn filled(value: T, len: usize) -> Self {
         let layout = Self::layout(len);
         if layout.size() == 0 {
@@ -36,9 +40,10 @@ impl<T: Copy> Array<T> {
                 let bytes = (layout.size() + LARGE_PAGE / 2) / LARGE_PAGE * LARGE_PAGE;
                 madvise(start.as_ptr().cast(), bytes, MADV_HUGEPAGE);
             }
-            for i in 0..len {
-                start.add(i).write(value);
-            }
+            let start_of_all = start.as_ptr().cast::<MaybeUninit<T>>();
+            let all = std::slice::from_raw_parts_mut(start_of_all, len);
+            all.par_chunks_mut((LARGE_PAGE / size_of::<T>()).max(1))
+                .for_each(|page| page.fill(MaybeUninit::new(value)));
             Self { start, len }
         }
     }
