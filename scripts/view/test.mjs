@@ -248,7 +248,7 @@ const tests = {
     assert.match(await page.locator("#save-question").innerText(), /1 error/);
     await page.keyboard.press("Enter");
     assert.equal(readFileSync(file, "utf8"), saved, "the first button that Enter presses does not save");
-    await page.locator("#undo").click();
+    await change(page, () => page.locator("#undo").click());
     await page.waitForFunction(() => document.getElementById("errors").hidden, null, waits);
   },
 
@@ -266,8 +266,14 @@ const tests = {
     await page.locator("#screen").focus();
     for (const key of ["w", "d", "q", "ArrowLeft", "z"]) await change(page, () => page.keyboard.press(key));
     await change(page, () => page.keyboard.press("r"));
-    await page.keyboard.press("Tab");
-    assert.equal(await page.evaluate(() => document.activeElement.id), "play");
+    // The handles of what is selected come first.
+    const reached = [];
+    for (let i = 0; i < 6 && reached.at(-1) !== "play"; i += 1) {
+      await page.keyboard.press("Tab");
+      reached.push(await page.evaluate(() => document.activeElement.dataset.handle ?? document.activeElement.id));
+    }
+    assert.deepEqual(reached, ["x", "y", "z", "all", "play"].filter((name) => reached.includes(name)));
+    assert(reached.includes("play") && reached.length > 2, `reached by Tab: ${reached}`);
     const unnamed = await page.evaluate(() => [...document.querySelectorAll("button, input, select")]
       .filter((one) => !(one.labels?.length || one.textContent.trim() || one.getAttribute("aria-label")))
       .map((one) => one.outerHTML));

@@ -129,7 +129,10 @@ export class Handles {
         make("path", { class: "wide" }), make("path", { class: "thin" }), make("circle", { r: 6 }));
       this.#listen(group, name);
       this.shapes.set(name, group);
-      this.svg.insertBefore(group, this.label);
+      // Tab reaches them in the same order, whichever of them was made last.
+      const order = [...NAMES, "all"];
+      const later = order.slice(order.indexOf(name) + 1).map((next) => this.shapes.get(next)).find(Boolean);
+      this.svg.insertBefore(group, later ?? this.label);
     }
     const [wide, thin, tip] = group.children;
     wide.setAttribute("d", path);
