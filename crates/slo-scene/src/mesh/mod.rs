@@ -17,8 +17,9 @@ mod tangent;
 mod tangents;
 mod warnings;
 
-/// Bytes that reading a mesh takes for each byte of its file, at most. Measured.
-pub(crate) const BYTES_OF_BYTE: u64 = 4;
+/// Bytes that reading a mesh takes for each byte of its file: 1.0 for a large `.obj`, 2.2 for a binary `.ply` of a
+/// smooth mesh, at the highest.
+pub(crate) const BYTES_OF_BYTE: u64 = 2;
 
 pub use data::{LoadedMesh, Mesh};
 pub(crate) use load::{BYTE_ORDER_MARK, extension, kind, load_placements};
