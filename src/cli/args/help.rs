@@ -51,7 +51,7 @@ Exit codes:
 
 Environment:
   NO_COLOR, CLICOLOR_FORCE, TERM=dumb   colours as usual; --color overrides them
-  SLO_RT_ISA=avx512|avx2|portable       instruction set; the picture is the same";
+  SLO_RT_ISA=avx512|avx2|neon|portable  instruction set; the picture is the same";
 
 /// Heading of the options that replace settings of the scene.
 pub(super) const SETTINGS: &str = "Overrides of the scene's settings";

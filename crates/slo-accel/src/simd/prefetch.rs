@@ -19,6 +19,7 @@ pub(crate) fn prefetch<const FAR: bool>(at: *const u8) {
     #[cfg(target_arch = "aarch64")]
     {
         use std::arch::asm;
+        let at = at.addr();
         // SAFETY: a prefetch reads nothing, and changes no register and no flag.
         unsafe {
             if FAR {
