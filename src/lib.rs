@@ -31,6 +31,7 @@
 
 pub mod cli;
 mod error;
+mod gpu;
 mod picture;
 mod render;
 mod scene;

@@ -143,6 +143,7 @@ impl<'a> Render<'a> {
     fn expose(&self) -> Result<Picture, Error> {
         let (scene, film) = (&self.scene, &self.scene.camera.film);
         check(&scene.settings, film)?;
+        crate::gpu::offer();
         let frame = FrameScene::build(scene, self.frame, Isa::best())?;
         let plan = Plan::new(scene);
         let empty = empty_film(scene, plan.needs_spreads())?;

@@ -2,7 +2,7 @@
 // Run by test.sh.
 
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
+import { spawn, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
@@ -12,6 +12,7 @@ const { chromium } = await import(process.env.PLAYWRIGHT);
 const [program, ...options] = process.argv.slice(2);
 const pictures = options[0] === "--pictures" ? resolve(options[1]) : null;
 const latency = options[0] === "--latency";
+const soak = options[0] === "--soak" ? Number(options[1]) : 0;
 
 const SCENE = `# A ball on a floor, for a test
 settings s { imageSamples 4 }
@@ -145,6 +146,112 @@ const tests = {
     assert.equal(readFileSync(file, "utf8"), SCENE.replace(".8 .2 .1", ".1 .2 .8"));
   },
 
+  async "a handle is dragged, and takes the object along"(page) {
+    await page.locator("#thing").selectOption("ball");
+    const x = page.locator('[data-handle="x"]');
+    await x.waitFor();
+    const [tip] = [await x.locator("circle").boundingBox()];
+    const [left, top] = [tip.x + tip.width / 2, tip.y + tip.height / 2];
+    const before = await differences(page);
+    await change(page, async () => {
+      await page.mouse.move(left, top);
+      await page.mouse.down();
+      await page.mouse.move(left + 60, top, { steps: 6 });
+      assert.match(await page.locator("#handles text").textContent(), /^x \+\d/);
+      await page.mouse.up();
+    });
+    await page.waitForFunction((before) => document.getElementById("differences").innerText !== before, before, waits);
+    const [, moved] = (await differences(page)).match(/\+ sphere ball \{ center \{ ([\d.]+) 0 1 \}/);
+    assert(Number(moved) > 0.2 && Number(moved) < 4, `the ball is ${moved} to the right`);
+    await change(page, () => page.keyboard.press("Control+z"));
+    assert.equal(await differences(page), before, "the whole drag is one step");
+  },
+
+  async "handles obey the keys"(page) {
+    await page.locator("#screen").focus();
+    await page.keyboard.press("t");
+    const z = page.locator('[data-handle="z"]');
+    await z.focus();
+    await change(page, () => page.keyboard.press("Shift+ArrowRight"));
+    await change(page, () => page.keyboard.press("Shift+ArrowRight"));
+    await page.waitForFunction(() => document.getElementById("differences").textContent.includes("turn_deg { 0 0 30 }"), null, waits);
+    assert.equal(await z.getAttribute("aria-valuetext"), "z +30°");
+    assert.equal(await z.getAttribute("aria-label"), "Turn ball, z");
+    await change(page, () => page.keyboard.press("Escape"));
+    await page.waitForFunction(() => !document.getElementById("differences").textContent.includes("turn_deg"), null, waits);
+    await page.locator('[data-mode="scale"]').click();
+    await page.locator('[data-handle="all"]').focus();
+    await change(page, () => page.keyboard.press("Shift+ArrowUp"));
+    await page.waitForFunction(() => document.getElementById("differences").textContent.includes("scale { 1.1 1.1 1.1 }"), null, waits);
+    await change(page, () => page.locator("#undo").click());
+    await page.locator('[data-mode="move"]').click();
+  },
+
+  async "a pixel says what it is made of"(page) {
+    await page.locator("#tool").selectOption("why");
+    await page.mouse.click(...(await point(page, 0.5, 0.4)));
+    await page.waitForFunction(() => !document.getElementById("why").hidden, null, waits);
+    const text = await page.locator("#why").innerText();
+    assert.match(text, /Pixel\s+80, \d+ of frame 0/);
+    assert.match(text, /By light.*lamp.*\d %/s);
+    assert.match(text, /camera: ball \[red\]/);
+    assert.match(text, /slo-rt why 80,\d+ -s \S+scene\.txt -f 0/);
+    await page.locator("#tool").selectOption("pick");
+  },
+
+  async "overlays lie over the picture"(page) {
+    const before = await pixel(page, 0.5, 0.4);
+    for (const name of ["error", "samples", "cost"]) {
+      await page.locator("#overlay").selectOption(name);
+      await page.waitForFunction((name) => document.getElementById("legend-text").textContent.startsWith(
+        { error: "error:", samples: "samples", cost: "steps" }[name]) && !document.getElementById("legend").hidden, name, waits);
+    }
+    assert.notDeepEqual(await pixel(page, 0.5, 0.4), before);
+    await page.locator("#overlay").selectOption("");
+    await page.waitForFunction(() => document.getElementById("legend").hidden && document.body.dataset.done === "true", null, waits);
+    assert.deepEqual(await pixel(page, 0.5, 0.4), before);
+  },
+
+  async "the path is seen from above, and its points are moved"(page) {
+    await page.locator("#plan-section summary").click();
+    const camera = page.locator('#plan [data-kind="position"]');
+    await camera.waitFor();
+    assert.equal(await page.locator("#plan .thing").count(), 1, "the ball; the floor has no end");
+    await camera.focus();
+    await change(page, () => page.keyboard.press("Shift+ArrowRight"));
+    await page.waitForFunction(() => /\+ +addPosition \{ [\d.]+ -6 2 \}/.test(document.getElementById("differences").textContent), null, waits);
+    await change(page, () => page.locator("#undo").click());
+    await change(page, () => page.locator("#around").click());
+    await page.waitForFunction(() => document.getElementById("differences").textContent.includes("CamSegment orbit"), null, waits);
+    assert.equal(await page.locator('#plan [data-kind="position"]').count(), 13);
+    await change(page, () => page.locator("#undo").click());
+    await page.locator("#plan-section summary").click();
+  },
+
+  async "something is added, and selected"(page) {
+    await page.locator("#new-kind").selectOption("cone");
+    await change(page, () => page.locator("#new").click());
+    await page.waitForFunction(() => document.getElementById("selected").textContent.includes("cone"), null, waits);
+    assert.match(await differences(page), /\+ cone cone \{ base \{.*\} apex \{.*\} radius [\d.]+ material \w+ \}/);
+    await change(page, () => page.locator("#undo").click());
+    await page.locator("#thing").selectOption("ball");
+  },
+
+  async "a text with errors is saved only on request"(page) {
+    const radius = page.locator('[id="field-sphere-ball-radius"]');
+    await radius.fill("x");
+    await radius.press("Enter");
+    await page.waitForFunction(() => document.getElementById("messages").textContent.includes("error"), null, waits);
+    const saved = readFileSync(file, "utf8");
+    await page.keyboard.press("Control+s");
+    await page.locator("#save-dialog").waitFor();
+    assert.match(await page.locator("#save-question").innerText(), /1 error/);
+    await page.keyboard.press("Enter");
+    assert.equal(readFileSync(file, "utf8"), saved, "the first button that Enter presses does not save");
+    await change(page, () => page.locator("#undo").click());
+    await page.waitForFunction(() => document.getElementById("errors").hidden, null, waits);
+  },
+
   async "errors of the text stand beside the last good picture"(page) {
     const before = await pixel(page, 0.5, 0.4);
     writeFileSync(file, SCENE.replace("radius 1", "radius x"));
@@ -159,8 +266,14 @@ const tests = {
     await page.locator("#screen").focus();
     for (const key of ["w", "d", "q", "ArrowLeft", "z"]) await change(page, () => page.keyboard.press(key));
     await change(page, () => page.keyboard.press("r"));
-    await page.keyboard.press("Tab");
-    assert.equal(await page.evaluate(() => document.activeElement.id), "play");
+    // The handles of what is selected come first.
+    const reached = [];
+    for (let i = 0; i < 6 && reached.at(-1) !== "play"; i += 1) {
+      await page.keyboard.press("Tab");
+      reached.push(await page.evaluate(() => document.activeElement.dataset.handle ?? document.activeElement.id));
+    }
+    assert.deepEqual(reached, ["x", "y", "z", "all", "play"].filter((name) => reached.includes(name)));
+    assert(reached.includes("play") && reached.length > 2, `reached by Tab: ${reached}`);
     const unnamed = await page.evaluate(() => [...document.querySelectorAll("button, input, select")]
       .filter((one) => !(one.labels?.length || one.textContent.trim() || one.getAttribute("aria-label")))
       .map((one) => one.outerHTML));
@@ -221,10 +334,95 @@ async function measure(url) {
   console.log(`first picture after a change: median ${at(0.5)} ms, 95 % within ${at(0.95)} ms`);
 }
 
+/** Memory of a process, in MB. */
+function memory(child) {
+  const status = readFileSync(`/proc/${child.pid}/status`, "utf8");
+  return Number(status.match(/VmRSS:\s+(\d+)/)[1]) / 1024;
+}
+
+/** Clicks, drags, types and saves at random for some minutes; then the scene must be one, and memory small. */
+async function random(url, minutes) {
+  let seed = 1;
+  const next = (most) => {
+    seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0;
+    return Math.floor((seed / 2 ** 32) * most);
+  };
+  const page = await open(url);
+  page.setDefaultTimeout(3000);
+  const counts = { actions: 0, saves: 0 };
+  const somewhere = () => point(page, next(100) / 100, next(100) / 100);
+  const of = async (selector) => {
+    const all = await page.locator(selector).all();
+    return all.length ? all[next(all.length)] : null;
+  };
+  const drag = async (from, to) => {
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(...to, { steps: 1 + next(6) });
+    await page.mouse.up();
+  };
+  const values = ["0", "1", "0.5", "2", "-1", "x", "1 2 3", ".2 .4 .8", "", "1e9", "{", "matte"];
+  const acts = [
+    async () => drag(await somewhere(), await somewhere()),
+    async () => page.mouse.click(...(await somewhere())),
+    async () => page.keyboard.press([..."wasdqexyzrmtco,.+-01f?", "ArrowLeft", "ArrowUp", "Shift+ArrowRight", "Enter", " "][next(28)]),
+    async () => (await of("aside button:visible:not(#save):not(:disabled)"))?.click(),
+    async () => {
+      const select = await of("aside select:visible, #thing");
+      const all = await select.locator("option").all();
+      await select.selectOption({ index: next(all.length) });
+    },
+    async () => {
+      const field = await of("#parts input[type=text]");
+      await field?.fill(values[next(values.length)]);
+      await field?.press("Enter");
+    },
+    async () => {
+      const slider = await of("input[type=range]:visible");
+      await slider?.focus();
+      await slider?.press(["ArrowLeft", "ArrowRight", "PageUp", "PageDown"][next(4)]);
+    },
+    async () => {
+      const tip = await (await of(".handle circle:visible, .handle.square .thin"))?.boundingBox();
+      if (tip) await drag([tip.x + tip.width / 2, tip.y + tip.height / 2], await somewhere());
+    },
+    async () => {
+      await page.keyboard.press("Control+s");
+      counts.saves += 1;
+      // A text with errors is not saved.
+      if (await page.locator("#save-dialog[open]").count()) {
+        await page.keyboard.press("Escape");
+        await page.locator("#undo").click();
+      }
+    },
+    async () => page.keyboard.press(next(3) ? "Control+z" : "Control+Shift+z"),
+    async () => page.mouse.wheel(0, next(400) - 200),
+  ];
+  const begin = Date.now();
+  const until = begin + minutes * 60_000;
+  let before = null;
+  while (Date.now() < until) {
+    counts.actions += 1;
+    // What can't be done just now is not done.
+    await acts[next(acts.length)]().catch(() => {});
+    if (before === null && Date.now() - begin > Math.min(60_000, minutes * 12_000)) before = memory(child);
+  }
+  assert.deepEqual(page.wrong.filter((wrong) => !/40[0-9]|429/.test(wrong)), [], "the page does not complain");
+  const state = await page.evaluate(() => fetch("state").then((answer) => answer.json()));
+  assert(state.scene.stage, "the program still shows a scene");
+  const check = spawnSync(resolve(program), ["check", file], { encoding: "utf8" });
+  assert.equal(check.status, 0, check.stderr);
+  const grown = memory(child) - before;
+  console.log(`${counts.actions} actions and ${counts.saves} saves in ${minutes} minutes; memory ${before.toFixed(0)} MB, grown by ${grown.toFixed(1)} MB`);
+  assert(grown < 50, "memory does not grow");
+}
+
 let failed = 0;
 try {
   const url = await address;
-  if (latency) {
+  if (soak) {
+    await random(url, soak);
+  } else if (latency) {
     const { child: shown, address } = start(null);
     await measure(await address).finally(() => shown.kill());
   } else if (pictures) {

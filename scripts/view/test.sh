@@ -2,7 +2,7 @@
 # Opens the page of `slo-rt view` in a real browser, Chromium, and uses it as a person does. `--install`
 # gets Chromium by apt-get if this is root on Debian. playwright-core comes from npm, once, and is kept in
 # $XDG_CACHE_HOME/slo-rt-ci. `--pictures FOLDER` writes a screenshot, and
-# `--latency` measures how soon a change is seen.
+# `--latency` measures how soon a change is seen. `--soak MINUTES` clicks, drags, types and saves at random.
 # Exit code: 0 passed, 1 failed, 3 a browser can't be had.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

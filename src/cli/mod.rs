@@ -10,6 +10,8 @@ mod base;
 mod claims;
 mod commands;
 mod files;
+#[doc(hidden)]
+pub mod fuzzing;
 mod options;
 mod progress;
 mod system;
@@ -17,13 +19,15 @@ mod values;
 
 use std::ffi::OsString;
 
+use crate::gpu;
 pub use base::Exit;
 use base::{Problem, Terminal};
 use commands::{
-    bake, check, compare, denoise, import, merge, recipe, relight, render, sheet, verify, view, why,
+    bake, check, compare, denoise, generate, import, merge, recipe, relight, render, sheet, verify,
+    view, why,
 };
 use options::{Options, Task};
-use system::{crash, interrupt};
+use system::{crash, interrupt, memory};
 
 /// Runs the program with its arguments, which begin with the program's name.
 ///
@@ -33,6 +37,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
     let args: Vec<OsString> = args.into_iter().collect();
     crash::reported(&args, || {
         interrupt::listen();
+        gpu::offer();
         match args::parse(&args) {
             Ok(args) => execute(Options::from(args)),
             Err(exit) => exit,
@@ -40,7 +45,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> Exit {
     })
 }
 
-fn execute(Options { task, terminal }: Options) -> Exit {
+fn execute(Options { task, terminal, memory_limit }: Options) -> Exit {
+    memory::limit(memory_limit);
     let done = task.and_then(|task| match task {
         Task::Render(job) => render::run(&job, terminal),
         Task::Merge(args) => merge::run(&args, terminal),
@@ -53,6 +59,7 @@ fn execute(Options { task, terminal }: Options) -> Exit {
         Task::Bake(args, job) => bake::run(&args, &job, terminal),
         Task::View(args, job) => view::run(&args, *job, terminal),
         Task::Why(args, job) => why::run(&args, &job, terminal),
+        Task::Generate(args) => generate::run(&args),
         Task::Check(job) => check::run(&job, terminal),
         Task::Recipe(picture) => recipe::run(&picture),
     });

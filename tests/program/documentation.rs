@@ -24,7 +24,7 @@ fn every_option_is_documented_and_every_documented_option_exists() {
 fn every_exit_code_is_documented() {
     let page = include_str!("../../docs/command-line.md");
     let help = Folder::new().printed("--help");
-    for code in ["0", "1", "2", "65", "66", "73", "74", "75", "130"] {
+    for code in ["0", "1", "2", "65", "66", "69", "73", "74", "75", "130"] {
         assert!(page.contains(&format!("| {code} |")), "{code}");
         assert!(
             help.lines().any(|line| line.trim_start().starts_with(&format!("{code} "))),
@@ -59,7 +59,7 @@ fn the_scene_of_the_readme_renders() {
 fn every_command_tells_about_itself() {
     for command in [
         "merge", "verify", "compare", "sheet", "denoise", "relight", "import", "bake", "why",
-        "view",
+        "view", "generate",
     ] {
         for flag in ["-h", "--help"] {
             let help = Folder::new().printed(&format!("{command} {flag}"));

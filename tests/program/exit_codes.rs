@@ -45,6 +45,16 @@ fn a_frame_that_the_scene_does_not_have() {
     check(&folder, "-s scene.txt -f -9223372036854775808", 2, &[]);
 }
 
+#[cfg(not(feature = "gpu"))]
+#[test]
+fn a_gpu_without_support_for_it() {
+    let folder = Folder::new();
+    for name in ["GPU_BVH", "gpu_kd", "GPU_GRID"] {
+        let typed = format!("-s scene.txt --accelerator {name}");
+        check(&folder, &typed, 69, &["--features gpu", "--accelerator BVH"]);
+    }
+}
+
 #[test]
 fn scenes_with_errors() {
     let folder = Folder::with_scene(&SCENE.replace("diffuse", "difuse"));

@@ -20,6 +20,7 @@ mod import;
 mod layers;
 mod light;
 mod looks;
+mod memory_limit;
 mod parts;
 mod photons;
 mod pictures;

@@ -208,9 +208,17 @@ fn a_killed_rendering_goes_on_from_its_last_checkpoint() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(!folder.path().join("ball_00000.png").exists());
+    let left = states(&folder).remove(0);
+    let state = folder.read(&left);
     folder.printed("-q -s scene.txt");
     assert!(folder.read("ball_00000.png") == whole.read("ball_00000.png"), "other bytes");
     assert!(states(&folder).is_empty());
+    // As if it had been killed after it wrote the picture. The states of others are theirs.
+    let other = left.replace(&left[left.len() - 14..left.len() - 6], "01234567");
+    folder.write(&left, &state);
+    folder.write(&other, &state);
+    folder.printed("-q -s scene.txt -f 0-0");
+    assert_eq!(states(&folder), [other]);
 }
 
 /// Number of camera rays of a run.

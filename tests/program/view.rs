@@ -265,10 +265,156 @@ fn what_can_not_be_shown_is_said() {
     for (typed, exit, said) in [
         ("view gone.txt", 66, "can't read the scene `gone.txt`"),
         ("view scene.txt --listen here", 2, "such as 127.0.0.1:8000"),
+        ("view scene.txt -f 99999", 2, "frame 99999"),
         ("view scene.txt --listen 192.0.2.1:80", 73, "can't listen on 192.0.2.1:80"),
     ] {
         let run = folder.run(typed);
         assert_eq!(run.exit, exit, "{typed}: {}", run.said);
         assert!(run.said.contains(said), "{typed}: {}", run.said);
     }
+}
+
+/// What the page says about the text.
+fn differences(view: &View) -> Vec<(String, String)> {
+    let state = view.state();
+    let hunks = state["scene"]["text"]["differences"].as_array().unwrap();
+    let lines = |of: &Value| -> String {
+        of.as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect()
+    };
+    hunks.iter().map(|hunk| (lines(&hunk["old"]), lines(&hunk["new"]))).collect()
+}
+
+#[test]
+fn handles_change_a_few_characters_and_each_drag_is_one_step() {
+    let folder = Folder::new();
+    let view = View::start(&folder, "scene.txt");
+    view.ask(&json!({ "do": "select", "name": "ball" }));
+    let picked = view.state()["scene"]["picked"].clone();
+    assert_eq!(picked["material"], "matte");
+    let at = |state: &Value| state["scene"]["picked"]["handle"]["at"].clone();
+    let before = at(&view.state());
+    for by in [0.1, 0.3, 0.5] {
+        let drag = json!({ "do": "move", "drag": 1, "name": "ball", "by": [by, 0, 0] });
+        assert!(view.ask(&drag)["picture"].is_u64());
+    }
+    let moved = differences(&view);
+    assert_eq!(moved.len(), 1);
+    let (old, new) = &moved[0];
+    let changed = old.chars().filter(|c| !new.contains(*c)).count() + new.len() - old.len();
+    assert!(changed <= 4, "{old}{new}");
+    let x = |at: &Value| at[0].as_f64().unwrap();
+    assert!((x(&at(&view.state())) - x(&before) - 0.5).abs() < 1e-9);
+    view.ask(&json!({ "do": "move", "drag": 2, "name": "ball", "by": [0, 0, 1] }));
+    view.ask(&json!({ "do": "undo" }));
+    assert_eq!(differences(&view), moved, "the second drag is a step of its own");
+    let late = view.ask(&json!({ "do": "move", "drag": 2, "name": "ball", "by": [0, 0, 2] }));
+    assert_eq!(late["refused"], "the text has changed meanwhile");
+    view.ask(&json!({ "do": "undo" }));
+    assert_eq!(differences(&view), [], "all steps of a drag are one");
+    let none = view.ask(&json!({ "do": "move", "drag": 3, "name": "none", "by": [0, 0, 2] }));
+    assert_eq!(none["refused"], "`none` has no place of its own");
+}
+
+#[test]
+fn a_pixel_is_explained_as_the_program_does() {
+    let folder = Folder::new();
+    let view = View::start(&folder, "scene.txt");
+    view.picture(1);
+    view.ask(&json!({ "do": "why", "at": [0.5, 0.5] }));
+    let why = view.state()["scene"]["why"].clone();
+    assert_eq!((&why["pixel"], &why["frame"]), (&json!([8, 4]), &json!(0)));
+    assert_eq!(why["replay"], "slo-rt why 8,4 -s scene.txt -f 0");
+    let told: Value =
+        serde_json::from_str(&folder.printed("why 8,4 -s scene.txt -f 0 --json")).unwrap();
+    for (name, same) in [("samples", "samples"), ("rays", "rays"), ("mean", "mean")] {
+        assert_eq!(why[name], told[same], "{why:#} {told:#}");
+    }
+    let first = &why["tables"][0]["shares"][0];
+    assert_eq!(first["name"], told["byLight"][0]["name"]);
+    assert!(why["brightest"][0]["way"].as_str().unwrap().starts_with("camera: "), "{why:#}");
+    // Another picture has other pixels.
+    view.ask(&json!({ "do": "orbit", "by": [0.1, 0] }));
+    assert!(view.state()["scene"]["why"].is_null());
+}
+
+#[test]
+fn overlays_lie_over_the_picture() {
+    let folder = Folder::new();
+    let view = View::start(&folder, "scene.txt");
+    let (_, plain) = view.picture(1);
+    let mut seen = vec![plain];
+    for (overlay, most) in [("samples", 1e4), ("error", 0.125), ("cost", 1e6)] {
+        let answer = view.ask(&json!({ "do": "show", "overlay": overlay }));
+        let facts = |after: u64| {
+            let (facts, picture) = view.picture(after);
+            (facts["map"].clone(), picture)
+        };
+        let picture = answer["picture"].as_u64().unwrap();
+        let start = Instant::now();
+        let (map, picture) = loop {
+            let (map, picture) = facts(picture);
+            if map["overlay"] == overlay {
+                break (map, picture);
+            }
+            assert!(start.elapsed() < PATIENCE, "{map}");
+        };
+        assert!(
+            map["most"].as_f64().unwrap() <= most && map["least"].as_f64().unwrap() > 0.0,
+            "{map}"
+        );
+        assert!(!seen.contains(&picture), "{overlay}");
+        seen.push(picture);
+    }
+}
+
+#[test]
+fn errors_of_the_file_are_part_of_a_conflict() {
+    let folder = Folder::new();
+    let view = View::start(&folder, "scene.txt");
+    let set = |value: &str| {
+        json!({ "do": "set", "keyword": "sphere", "name": "ball", "blocks": [], "attribute": "radius",
+            "value": value, "vector": false })
+    };
+    view.ask(&set("1.5"));
+    folder.write("scene.txt", SCENE.replace("radius 1", "radius x"));
+    view.state_with(|state| {
+        state["scene"]["text"]["conflict"].as_bool().filter(|conflict| *conflict)
+    });
+    let messages = view.state()["scene"]["messages"].clone();
+    assert_eq!((&messages[0]["of"], &messages[0]["severity"]), (&json!("file"), &json!("error")));
+    // Errors of the text itself come first.
+    view.ask(&set("y"));
+    let messages = view.state()["scene"]["messages"].clone();
+    assert!(
+        messages[0]["of"].is_null()
+            && messages[0]["place"]["text"].as_str().unwrap().contains("radius y")
+    );
+    assert_eq!(messages[1]["of"], "file");
+    view.ask(&json!({ "do": "mine" }));
+    view.ask(&set("2"));
+    assert_eq!(view.state()["scene"]["messages"], json!([]));
+}
+
+#[test]
+fn a_text_with_errors_is_saved_only_if_the_person_says_so() {
+    let folder = Folder::new();
+    let view = View::start(&folder, "scene.txt");
+    view.ask(&json!({ "do": "set", "keyword": "sphere", "name": "ball", "blocks": [],
+        "attribute": "radius", "value": "x", "vector": false }));
+    let answer = view.ask(&json!({ "do": "save" }));
+    assert!(answer["refused"].as_str().unwrap().contains("has errors"), "{answer}");
+    assert_eq!(folder.read("scene.txt"), SCENE.as_bytes());
+    let answer = view.ask(&json!({ "do": "save", "anyway": true }));
+    assert!(answer["refused"].is_null(), "{answer}");
+    assert_eq!(folder.read("scene.txt"), SCENE.replace("radius 1", "radius x").as_bytes());
+}
+
+#[test]
+fn a_new_page_gets_in_however_many_connections_are_idle() {
+    let folder = Folder::new();
+    let view = View::start(&folder, "scene.txt");
+    let idle: Vec<_> = (0..300).map(|_| TcpStream::connect(&view.host).unwrap()).collect();
+    assert_eq!(view.get("").status, 200);
+    assert_eq!(view.get("state").status, 200);
+    drop(idle);
 }

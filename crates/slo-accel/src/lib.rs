@@ -20,6 +20,8 @@
 //!   set ([`Isa`]). It answers two questions about each of a batch of [`Rays`]: which primitive is
 //!   hit first ([`intersect`](Structure::intersect), to [`Hits`]), and whether any is
 //!   ([`occluded`](Structure::occluded)).
+//! - A [`Device`] beside the CPU may traverse a structure ([`build_on`](Structure::build_on)); it cannot
+//!   change a hit.
 //! - A [`Bending`] is the same for triangles whose corners move: each ray has a time, and meets the
 //!   triangles as they are then.
 //! - [`Instances`] put structures, and other instances, at many places. They answer the same
@@ -64,7 +66,8 @@ pub use isa::{Isa, Lanewise};
 pub use primitives::{Curved, Primitives, Triangle, curved, triangle};
 pub use rays::{Coherence, Hits, LANES, NO_HIT, Rays};
 pub use structure::{
-    Accelerator, Bending, BuildOptions, Moment, Scratch, Sections, Structure, study,
+    Accelerator, Answer, Bending, BuildOptions, Device, Moment, Scratch, Sections, Structure,
+    Uploaded, study,
 };
 
 /// The examples of the README, compiled and run.

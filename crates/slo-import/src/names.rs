@@ -1,10 +1,14 @@
 //! Names for elements and files.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 /// Gives names that no other thing has.
 #[derive(Debug, Default)]
-pub(crate) struct Names(HashSet<String>);
+pub(crate) struct Names {
+    /// All names in lower case, since some systems do not tell capitals apart in the names of files.
+    /// Beside each is the number up to which it is taken with a number behind it.
+    taken: HashMap<String, u32>,
+}
 
 impl Names {
     /// Returns a name like the one wanted that nothing else has. It is a single word: letters, digits and
@@ -21,13 +25,18 @@ impl Names {
             let rest = std::mem::take(&mut name);
             name = if rest.is_empty() { otherwise.into() } else { format!("{otherwise}_{rest}") };
         }
-        let (stem, mut number) = (name.clone(), 1);
-        // Some systems do not tell capitals apart in the names of files.
-        while !self.0.insert(name.to_lowercase()) {
+        let stem = name.to_lowercase();
+        let Some(&known) = self.taken.get(&stem) else {
+            self.taken.insert(stem, 1);
+            return name;
+        };
+        let mut number = known + 1;
+        while self.taken.contains_key(&format!("{stem}_{number}")) {
             number += 1;
-            name = format!("{stem}_{number}");
         }
-        name
+        self.taken.insert(format!("{stem}_{number}"), 1);
+        self.taken.insert(stem, number);
+        format!("{name}_{number}")
     }
 }
 
@@ -44,6 +53,8 @@ mod tests {
         assert_eq!(name(""), "mesh");
         assert_eq!(name("../.."), "mesh_2");
         assert_eq!(name("3"), "mesh_3");
+        assert_eq!(name(""), "mesh_4");
+        assert_eq!(name("Mesh"), "Mesh_5");
         assert_eq!(name("plošné světlo"), "plošné_světlo");
     }
 }

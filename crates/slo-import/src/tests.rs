@@ -293,10 +293,39 @@ fn morph_targets_become_shapes() {
     assert_eq!(last[second_x..second_x + 4], 2.0_f32.to_le_bytes());
 }
 
+/// A few bytes in a file, used often, would otherwise fill all memory.
+#[test]
+fn parts_that_are_used_very_often_are_refused() {
+    let primitives = vec![json!({ "attributes": { "POSITION": 0 } }); 2000];
+    let data = "A".repeat(320_000);
+    let parts = json!({
+        "meshes": [{ "primitives": primitives }],
+        "buffers": [{ "byteLength": 240_000, "uri": format!("data:;base64,{data}") }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 240_000 }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 20_000, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] }],
+    });
+    let message = refused("a.gltf", gltf(&parts));
+    assert!(message.contains("its parts are used so often"), "{message}");
+    // The file is its own buffer, many times.
+    let mut buffers = vec![json!({ "byteLength": 1, "uri": "a.gltf" }); 3000];
+    let first = serde_json::from_str::<Value>(&gltf(&json!({}))).unwrap()["buffers"][0].clone();
+    buffers.insert(0, first);
+    scene_of(&[("a.gltf", &gltf(&json!({ "buffers": buffers })))]);
+    // So is its own library of materials, at every line.
+    let obj = "mtllib a.obj\n".repeat(40_000) + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    scene_of(&[("a.obj", &obj)]);
+}
+
 #[test]
 fn damaged_gltf_is_an_error() {
     let view = |length: u32| json!({ "bufferViews": [{ "buffer": 0, "byteLength": length }, { "buffer": 0, "byteLength": 40 }] });
     let nodes = |nodes: Value| json!({ "nodes": nodes });
+    let animation = |target: Value| {
+        json!({ "animations": [{
+            "channels": [{ "sampler": 0, "target": target }],
+            "samplers": [{ "input": 1, "output": 2 }],
+        }] })
+    };
     for (parts, expected) in [
         (view(35), "accessor 0 lies outside of its bytes"),
         (view(4_000_000), "buffer view 0 lies outside of its buffer"),
@@ -308,6 +337,17 @@ fn damaged_gltf_is_an_error() {
         (json!({ "buffers": [{ "byteLength": 76, "uri": "..%2Fgone.bin" }] }), "can't read"),
         (nodes(json!([{ "children": [1] }, { "children": [0] }])), "hangs in itself"),
         (nodes(json!([{ "mesh": 7 }])), "it is damaged"),
+        (
+            json!({ "meshes": [{ "primitives": [{ "attributes": { "POSITION": 9 } }] }] }),
+            "names an accessor that does not exist",
+        ),
+        (animation(json!({ "node": 9, "path": "translation" })), "a node that does not exist"),
+        (animation(json!({ "node": 0, "path": "colour" })), "nothing of it that is known"),
+        (
+            json!({ "cameras": [{ "type": "perspective", "orthographic": { "xmag": 1, "ymag": 1, "zfar": 9, "znear": 1 } }] }),
+            "a camera lacks",
+        ),
+        (json!({ "images": [{ "bufferView": 0 }] }), "an image has no data"),
         (nodes(json!([{ "mesh": 0, "scale": [0, 0, 0] }])), "nothing to see"),
         (nodes(json!([{ "mesh": 0, "scale": [1e30, 1, 1] }])), "a coordinate is"),
         (

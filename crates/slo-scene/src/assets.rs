@@ -11,6 +11,8 @@ use crate::diagnostics::{Diagnostic, Diagnostics, Source, SourceId, Span};
 use crate::files::{ContentHash, Files, HashingReader, OpenError, hash_whole, is_absolute};
 use crate::format::syntax::Word;
 use crate::format::{FileError, written};
+use crate::known_files::{self, Note};
+use crate::memory;
 use crate::mesh::{self, LoadedMesh, Mesh, kept};
 use crate::placements::Placements;
 use crate::settings::Axes;
@@ -53,6 +55,8 @@ pub(crate) struct Assets<'f> {
     meshes: HashMap<MeshKey, Option<Arc<Mesh>>>,
     /// Paths of files that can't be loaded, which were reported.
     failed: HashSet<String>,
+    /// What reading the files of a mesh or an image brings, if somebody remembers it.
+    notes: Vec<Note>,
     /// Paths of meshes without uvs that have not been reported yet.
     without_uvs: HashSet<String>,
 }
@@ -76,6 +80,7 @@ impl<'f> Assets<'f> {
             meshes: HashMap::new(),
             placements: HashMap::new(),
             failed: HashSet::new(),
+            notes: Vec::new(),
             without_uvs: HashSet::new(),
         }
     }
@@ -90,16 +95,86 @@ impl<'f> Assets<'f> {
         if let Some(known) = self.textures.get(&full) {
             return known.clone();
         }
+        let files = self.files.known();
+        let known = files.and_then(|files| files.texture(&full));
+        if let Some(known) = known.filter(|known| self.are_as_noted(&known.notes)) {
+            self.recall("texture", &[path], &known.notes, diagnostics);
+            self.textures.insert(full, Some(known.thing.clone()));
+            return Some(known.thing);
+        }
+        self.begin_note(path);
         let loaded = self.read(path, diagnostics, |reader| texture::load(path.text, reader));
         let loaded = loaded.map(|loaded| {
-            for warning in loaded.warnings {
-                let message = format!("texture `{}`: {warning}", path.text);
-                diagnostics.push(Diagnostic::warning(message).at(path.span, ""));
-            }
+            self.warn("texture", path, &loaded.warnings, diagnostics);
             Arc::new(loaded.texture)
         });
+        let note = self.notes.pop();
+        if let (Some(files), Some(texture), Some(note)) = (files, &loaded, note) {
+            files.keep_texture(full.clone(), texture.clone(), note);
+        }
         self.textures.insert(full, loaded.clone());
         loaded
+    }
+
+    /// What is noted from now on is about this file.
+    fn begin_note(&mut self, path: Word<'_>) {
+        if self.files.known().is_some() {
+            let full = self.full(path);
+            let stamp = self.files.stamp(&full);
+            self.notes.push(Note::new(full, stamp));
+        }
+    }
+
+    /// Whether files are as they were when these notes were made.
+    fn are_as_noted(&self, notes: &[Note]) -> bool {
+        let is_same =
+            |note: &Note| note.stamp.is_some() && note.stamp == self.files.stamp(&note.path);
+        notes.iter().all(is_same)
+    }
+
+    /// Does what reading files would do, but for their content.
+    fn recall(
+        &mut self,
+        kind: &str,
+        paths: &[Word<'_>],
+        notes: &[Note],
+        diagnostics: &mut Diagnostics,
+    ) {
+        for (path, note) in paths.iter().zip(notes) {
+            self.files.note(&note.path);
+            if let Some(hash) = &note.hash {
+                self.hash.add(hash);
+            }
+            self.warn(kind, *path, &note.warnings, diagnostics);
+            if note.lacks_uvs {
+                self.without_uvs.insert(note.path.clone());
+            }
+        }
+    }
+
+    /// Passes warnings about a file on.
+    fn warn(
+        &mut self,
+        kind: &str,
+        path: Word<'_>,
+        warnings: &[String],
+        diagnostics: &mut Diagnostics,
+    ) {
+        for warning in warnings {
+            let message = format!("{kind} `{}`: {warning}", path.text);
+            diagnostics.push(Diagnostic::warning(message).at(path.span, ""));
+        }
+        if let Some(note) = self.notes.last_mut() {
+            note.warnings.extend_from_slice(warnings);
+        }
+    }
+
+    /// Adds a file that was read to the hash of all.
+    fn add_hash(&mut self, hash: &blake3::Hasher) {
+        self.hash.add(hash);
+        if let Some(note) = self.notes.last_mut() {
+            note.hash = Some(hash.clone());
+        }
     }
 
     /// The mesh that one or more files make together; `None` if one of them can't be loaded.
@@ -114,8 +189,20 @@ impl<'f> Assets<'f> {
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
-        let parts: Vec<_> =
-            paths.iter().map(|path| self.mesh_file(*path, standing, scale, diagnostics)).collect();
+        let files = self.files.known();
+        let known_key: known_files::MeshKey = (key.0.clone(), key.1, scale.to_bits());
+        let known = files.and_then(|files| files.mesh(&known_key));
+        if let Some(known) = known.filter(|known| self.are_as_noted(&known.notes)) {
+            self.recall("mesh", paths, &known.notes, diagnostics);
+            self.meshes.insert(key, Some(known.thing.clone()));
+            return Some(known.thing);
+        }
+        let part = |path: &Word<'_>| {
+            self.begin_note(*path);
+            self.mesh_file(*path, standing, scale, diagnostics)
+        };
+        let parts: Vec<_> = paths.iter().map(part).collect();
+        let notes = std::mem::take(&mut self.notes);
         let whole = self.sum(paths, parts, diagnostics);
         let whole = whole.and_then(|mut mesh| {
             mesh.stand_up(standing.axes);
@@ -125,6 +212,9 @@ impl<'f> Assets<'f> {
             }
             Some(Arc::new(mesh))
         });
+        if let (Some(files), Some(mesh)) = (files, &whole) {
+            files.keep_mesh(known_key, mesh.clone(), notes);
+        }
         self.meshes.insert(key, whole.clone());
         whole
     }
@@ -139,6 +229,7 @@ impl<'f> Assets<'f> {
         diagnostics: &mut Diagnostics,
     ) -> Option<Arc<Mesh>> {
         let path = Word { text: path, span };
+        self.check_memory(path, diagnostics)?;
         let mut mesh = self.loaded_mesh(path, diagnostics, |path, reader| {
             mesh::load_shape(path, reader, standing.smooth, scale)
         })?;
@@ -231,6 +322,7 @@ impl<'f> Assets<'f> {
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Mesh> {
+        self.check_memory(path, diagnostics)?;
         let load = |path: &str, reader: &mut dyn Read| mesh::load(path, reader, smooth, scale);
         let mesh = match self.cached(path) {
             None => self.loaded_mesh(path, diagnostics, load)?,
@@ -239,7 +331,7 @@ impl<'f> Assets<'f> {
                 let key = kept::key(&hash, &mesh::extension(path.text), smooth, scale);
                 let loaded = match kept::get(cache, &key, smooth) {
                     Some(loaded) => {
-                        self.hash.add(&file);
+                        self.add_hash(&file);
                         loaded
                     }
                     None => {
@@ -259,6 +351,18 @@ impl<'f> Assets<'f> {
             check_reach(&mesh, path, diagnostics)?;
         }
         Some(mesh)
+    }
+
+    /// Refuses a mesh whose file is so large that there is not enough memory for it.
+    fn check_memory(&self, path: Word<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
+        let length = self.files.length(&self.full(path)).unwrap_or(0);
+        let needs = length.saturating_mul(mesh::BYTES_OF_BYTE);
+        let refusal = memory::check(needs).err();
+        let Some(refusal) = refusal else { return Some(()) };
+        let message = format!("mesh `{}` needs {refusal}", path.text);
+        let error = Diagnostic::error(message).at(path.span, "");
+        diagnostics.push(error.help("give it fewer triangles"));
+        None
     }
 
     /// Returns the cache, and the hash of a file that is large enough for it. If the file can't be read,
@@ -285,12 +389,12 @@ impl<'f> Assets<'f> {
 
     /// Takes note of a mesh that was loaded, and passes its warnings on.
     fn known(&mut self, path: Word<'_>, loaded: LoadedMesh, diagnostics: &mut Diagnostics) -> Mesh {
-        for warning in loaded.warnings {
-            let message = format!("mesh `{}`: {warning}", path.text);
-            diagnostics.push(Diagnostic::warning(message).at(path.span, ""));
-        }
+        self.warn("mesh", path, &loaded.warnings, diagnostics);
         if loaded.mesh.uvs.is_empty() {
             self.without_uvs.insert(self.full(path));
+            if let Some(note) = self.notes.last_mut() {
+                note.lacks_uvs = true;
+            }
         }
         loaded.mesh
     }
@@ -349,7 +453,7 @@ impl<'f> Assets<'f> {
         let loaded = loaded.map_err(|e| self.report_content(path, e, diagnostics)).ok()?;
         match reader.finish() {
             Ok(hash) => {
-                self.hash.add(&hash);
+                self.add_hash(&hash);
                 Some((loaded, Some(hash.finalize())))
             }
             Err(e) => {

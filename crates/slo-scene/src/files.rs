@@ -5,8 +5,10 @@ use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex};
+use std::time::SystemTime;
 
 use crate::cache::Cache;
+use crate::known_files::{KnownFiles, Stamp};
 use crate::names::closest;
 
 /// The files that a scene may name.
@@ -15,6 +17,7 @@ pub struct Files {
     origin: Origin,
     cache: Option<Arc<Cache>>,
     opened: Option<Opened>,
+    known: Option<KnownFiles>,
 }
 
 /// Notes which files on disk were asked for, whether they exist or not.
@@ -40,6 +43,7 @@ impl Opened {
 enum Origin {
     Disk { folder: PathBuf, root: PathBuf, allow_outside: bool },
     BuiltIn { folder: String, table: Table },
+    Memory { folder: String, files: Arc<[(String, Arc<[u8]>)]> },
 }
 
 type Table = &'static [(&'static str, &'static [u8])];
@@ -63,14 +67,23 @@ impl Files {
     /// `root`, unless `allow_outside`.
     pub fn on_disk(folder: &Path, root: &Path, allow_outside: bool) -> Self {
         let (folder, root) = (absolute(folder), absolute(root));
-        Self { origin: Origin::Disk { folder, root, allow_outside }, cache: None, opened: None }
+        let origin = Origin::Disk { folder, root, allow_outside };
+        Self { origin, cache: None, opened: None, known: None }
     }
 
     /// Files compiled into the program: pairs of path and content, paths with `/` and from the
     /// root of the table; those in the scene start from `folder`, which may be empty.
     pub fn built_in(folder: &str, table: Table) -> Self {
         let origin = Origin::BuiltIn { folder: folder.to_owned(), table };
-        Self { origin, cache: None, opened: None }
+        Self { origin, cache: None, opened: None, known: None }
+    }
+
+    /// Files in memory: paths with `/` and their contents; those in the scene start from `folder`, which
+    /// may be empty.
+    pub fn in_memory(folder: &str, files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Self {
+        let files = files.into_iter().map(|(path, content)| (path, content.into())).collect();
+        let origin = Origin::Memory { folder: folder.to_owned(), files };
+        Self { origin, cache: None, opened: None, known: None }
     }
 
     /// The same files, with a cache of what was worked out from them.
@@ -85,6 +98,36 @@ impl Files {
         Self { opened: Some(opened), ..self }
     }
 
+    /// The same files, with what was made of them before.
+    #[must_use]
+    pub fn with_known(self, known: KnownFiles) -> Self {
+        Self { known: Some(known), ..self }
+    }
+
+    /// What was made of files before.
+    pub(crate) fn known(&self) -> Option<&KnownFiles> {
+        self.known.as_ref()
+    }
+
+    /// The time and the length of the file at a path as a scene writes it; `None` if they can't be told.
+    pub(crate) fn stamp(&self, path: &str) -> Option<Stamp> {
+        match &self.origin {
+            Origin::Disk { folder, .. } => {
+                let data = resolve(folder, path).metadata().ok()?;
+                Some((data.modified().ok()?, data.len()))
+            }
+            // They never change.
+            Origin::BuiltIn { .. } | Origin::Memory { .. } => Some((SystemTime::UNIX_EPOCH, 0)),
+        }
+    }
+
+    /// Notes a file that is not read again, because it is known.
+    pub(crate) fn note(&self, path: &str) {
+        if let (Origin::Disk { folder, .. }, Some(opened)) = (&self.origin, &self.opened) {
+            opened.note(&resolve(folder, path));
+        }
+    }
+
     /// The cache of what was worked out from files.
     pub(crate) fn cache(&self) -> Option<&Cache> {
         self.cache.as_deref()
@@ -94,7 +137,7 @@ impl Files {
     pub(crate) fn length(&self, path: &str) -> Option<u64> {
         match &self.origin {
             Origin::Disk { folder, .. } => Some(resolve(folder, path).metadata().ok()?.len()),
-            Origin::BuiltIn { .. } => None,
+            Origin::BuiltIn { .. } | Origin::Memory { .. } => None,
         }
     }
 
@@ -118,7 +161,14 @@ impl Files {
                     Err(OpenError::Outside)
                 }
             }
-            Origin::BuiltIn { folder, table } => open_built_in(table, folder, path),
+            Origin::BuiltIn { folder, table } => {
+                let place = find(table.iter().map(|file| file.0), folder, path)?;
+                Ok(Box::new(table[place].1))
+            }
+            Origin::Memory { folder, files } => {
+                let place = find(files.iter().map(|file| file.0.as_str()), folder, path)?;
+                Ok(Box::new(io::Cursor::new(files[place].1.clone())))
+            }
         }
     }
 }
@@ -213,7 +263,12 @@ fn similar<'n>(name: &str, names: &'n [String]) -> Option<&'n str> {
     Some(&names[same.or_else(near)?])
 }
 
-fn open_built_in(table: Table, folder: &str, path: &str) -> Result<Box<dyn Read>, OpenError> {
+/// Which of the paths from the root of all files a path from a folder leads to.
+fn find<'n>(
+    names: impl Iterator<Item = &'n str> + Clone,
+    folder: &str,
+    path: &str,
+) -> Result<usize, OpenError> {
     if is_absolute(path) {
         return Err(OpenError::Outside);
     }
@@ -228,12 +283,10 @@ fn open_built_in(table: Table, folder: &str, path: &str) -> Result<Box<dyn Read>
         }
     }
     let full = parts.join("/");
-    match table.iter().find(|(name, _)| *name == full) {
-        Some((_, content)) => Ok(Box::new(*content)),
-        None => {
-            Err(OpenError::Missing(closest(&full, table.iter().map(|f| f.0)).map(str::to_owned)))
-        }
-    }
+    names
+        .clone()
+        .position(|name| name == full)
+        .ok_or_else(|| OpenError::Missing(closest(&full, names).map(str::to_owned)))
 }
 
 /// Hash over a scene's text and the files that it loads, in order.
@@ -325,8 +378,14 @@ mod tests {
     }
 
     #[test]
-    fn built_in_files() {
-        let files = Files::built_in("scenes", TABLE);
+    fn files_without_a_disk() {
+        let owned = TABLE.iter().map(|(path, content)| ((*path).to_owned(), content.to_vec()));
+        for files in [Files::built_in("scenes", TABLE), Files::in_memory("scenes", owned)] {
+            check_files_without_a_disk(&files);
+        }
+    }
+
+    fn check_files_without_a_disk(files: &Files) {
         let cases = [
             ("a.txt", "a"),
             ("./a.txt", "a"),
@@ -339,7 +398,7 @@ mod tests {
             ("nothing", "missing"),
         ];
         for (path, expected) in cases {
-            assert_eq!(outcome(&files, path), expected, "{path}");
+            assert_eq!(outcome(files, path), expected, "{path}");
         }
     }
 

@@ -19,10 +19,12 @@ pub mod files;
 pub mod format;
 mod key_frame;
 mod kinds;
+mod known_files;
 pub mod light;
 pub mod light_map;
 mod load;
 pub mod material;
+pub mod memory;
 pub mod mesh;
 mod mesh_shapes;
 mod names;
@@ -39,6 +41,7 @@ pub use description::{
     SpaceId,
 };
 pub use files::Files;
+pub use known_files::KnownFiles;
 pub use light::{Light, LightKind};
 pub use light_map::LightMap;
 pub use load::{Loaded, load, load_adapted};

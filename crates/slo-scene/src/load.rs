@@ -44,6 +44,9 @@ fn load_bytes(
     let text = scene_text(text_name.to_owned(), bytes, None, &mut diagnostics);
     let Some((source, text)) = text else { return Loaded { scene: None, diagnostics } };
     let hash = ContentHash::new(bytes);
+    if let Some(known) = files.known() {
+        known.begin();
+    }
     let scene = resolve(&text, source, files, hash, adapt, &mut diagnostics);
     Loaded { scene: scene.filter(|_| !diagnostics.has_errors()), diagnostics }
 }

@@ -1,7 +1,11 @@
 // The page: joins the picture, the panel, the mouse and the keys.
 
 import { Moves, ask, follow } from "./server.js";
-import { Screen, showFacts } from "./screen.js";
+import { Screen } from "./screen.js";
+import { showFacts } from "./facts.js";
+import { Handles } from "./handles.js";
+import { Plan } from "./plan.js";
+import { showWhy } from "./why.js";
 import { along, follow as followHands } from "./moves.js";
 import { lens, showCamera, showFinish, showMessages, showPicked, showText } from "./panel.js";
 
@@ -21,10 +25,24 @@ function answered(answer) {
 
 const moves = new Moves(answered);
 const request = async (command) => answered(await ask(command));
+const plan = new Plan($("plan"), (command) => moves.send(command));
+const handles = new Handles($("handles"), screen, {
+  send: (command) => moves.send(command),
+  snaps: () => $("snap").checked,
+  clicked: (at) => actions.click(at),
+  focused: (at) => actions.focus(at),
+  changed: (mode, own) => {
+    for (const button of document.querySelectorAll("[data-mode]")) {
+      button.setAttribute("aria-pressed", String(button.dataset.mode === mode));
+    }
+    $("axes").value = own ? "own" : "scene";
+  },
+});
 
 follow("picture", async (answer) => {
   const facts = await screen.draw(answer);
-  showFacts(facts);
+  known.facts = facts;
+  showFacts(facts, Number($("noise").value));
   // Tests and the curious can read what is on the screen.
   Object.assign(document.body.dataset, { picture: facts.picture, number: facts.number, ms: facts.ms, done: facts.done });
   played(facts);
@@ -47,12 +65,19 @@ function show(scene) {
   document.title = `${scene.name} - slo-rt`;
   $("name").textContent = scene.name;
   showMessages(scene.messages, scene.fault);
-  const errors = scene.messages.filter((message) => message.severity === "error").length;
+  const errors = scene.messages.filter(({ severity, of }) => severity === "error" && !of).length;
+  known.errors = errors;
   if (scene.text.changed) known.note = "";
-  say(errors ? `${errors} error${errors > 1 ? "s" : ""}; the picture is the last good one` : scene.unwritten ?? known.note);
+  const count = `${errors} error${errors > 1 ? "s" : ""}`;
+  say(errors ? `${count}; the picture is the last good one` : scene.unwritten ?? scene.overlay.fault ?? known.note);
   known.object = scene.picked?.object;
   showPicked(scene.picked, (command) => moves.send(command));
+  handles.show(scene.picked, scene.stage?.camera);
+  showWhy(scene.why);
+  plan.show(scene.plan, scene.stage?.path, scene.stage?.camera);
+  showFiles(scene.files ?? []);
   showText(scene.text);
+  if (document.activeElement !== $("overlay")) $("overlay").value = scene.overlay.shown;
   known.exposure = scene.exposure;
   if (document.activeElement !== $("exposure")) $("exposure").value = scene.exposure;
   $("exposure-value").textContent = scene.exposure;
@@ -61,6 +86,7 @@ function show(scene) {
   const { stage } = scene;
   if (!stage) return;
   known.stage = stage;
+  showThings(stage.things, known.object);
   known.fps = stage.fps;
   known.distance = showCamera(stage.camera, stage.fps) ?? known.distance;
   if (document.activeElement !== $("share")) $("share").value = stage.share;
@@ -70,6 +96,24 @@ function show(scene) {
   $("frame").max = Math.max(...full.map((segment) => segment.last));
   if (document.activeElement !== $("frame") || playing) $("frame").value = stage.frame;
   $("frame-number").textContent = stage.frame;
+}
+
+/** The list of objects and lamps. */
+function showThings(things, selected) {
+  const list = $("thing");
+  if (list.dataset.things !== JSON.stringify(things)) {
+    list.dataset.things = JSON.stringify(things);
+    list.replaceChildren(new Option("choose", ""), ...things.map((name) => new Option(name, name)));
+  }
+  if (document.activeElement !== list) list.value = things.includes(selected) ? selected : "";
+}
+
+/** Mesh files beside the scene. */
+function showFiles(files) {
+  const list = $("files");
+  if (list.dataset.files === JSON.stringify(files)) return;
+  list.dataset.files = JSON.stringify(files);
+  list.replaceChildren(...files.map((name) => new Option(name, name)));
 }
 
 /** Plays: as soon as a frame is seen, the one whose time has come is next. */
@@ -99,6 +143,13 @@ function played(facts) {
 const actions = {
   click: (at) => request({ do: $("tool").value, at }),
   focus: (at) => request({ do: "focus", at }),
+  why: (at) => request({ do: "why", at }),
+  handles: (mode) => handles.set(mode),
+  overlay: () => {
+    const { options, selectedIndex } = $("overlay");
+    $("overlay").selectedIndex = (selectedIndex + 1) % options.length;
+    request({ do: "show", overlay: $("overlay").value });
+  },
   step: (by) => request({ do: "frame", frame: (known.stage?.frame ?? 0) + by }),
   play,
   expose: (by) => request({ do: "show", exposure: known.exposure + by }),
@@ -116,6 +167,17 @@ for (const id of ["fov", "radius", "dof", "shutter"]) {
 for (const button of document.querySelectorAll("[data-zoom]")) {
   button.addEventListener("click", () => screen.setZoom(Number(button.dataset.zoom)));
 }
+for (const button of document.querySelectorAll("[data-mode]")) {
+  button.addEventListener("click", () => handles.set(button.dataset.mode));
+}
+$("axes").addEventListener("change", () => handles.set(handles.mode, $("axes").value === "own"));
+$("thing").addEventListener("change", () => $("thing").value && request({ do: "select", name: $("thing").value }));
+$("overlay").addEventListener("change", () => request({ do: "show", overlay: $("overlay").value }));
+$("plan-section").addEventListener("toggle", () => request({ do: "show", plan: $("plan-section").open }));
+$("around").addEventListener("click", () => request({ do: "around", seconds: Number($("around-time").value) }));
+$("new-kind").addEventListener("change", () => ($("new-file-row").hidden = $("new-kind").value !== "mesh"));
+$("new").addEventListener("click", () => request({ do: "add", kind: $("new-kind").value, file: $("new-file").value }));
+$("noise").addEventListener("input", () => known.facts && showFacts(known.facts, Number($("noise").value)));
 for (const button of document.querySelectorAll("[data-axis]")) {
   button.addEventListener("click", () => along(button.dataset.axis.split(",").map(Number)));
 }
@@ -126,16 +188,26 @@ for (const id of ["undo", "redo", "revert", "mine"]) {
   $(id).addEventListener("click", () => request({ do: id }));
 }
 $("theirs").addEventListener("click", () => request({ do: "revert" }));
-const save = async () => {
-  const answer = await request({ do: "save" });
+const save = async (anyway = false) => {
+  if (known.errors && !anyway) {
+    $("save-question").textContent = `The text has ${known.errors} error${known.errors > 1 ? "s" : ""}. Save it anyway?`;
+    $("save-dialog").showModal();
+    return;
+  }
+  const answer = await request({ do: "save", anyway });
   if (answer && !answer.refused) say((known.note = "Saved"));
 };
-$("save").addEventListener("click", save);
+$("save-dialog").addEventListener("close", () => {
+  if ($("save-dialog").returnValue === "save") save(true);
+  $("save-dialog").returnValue = "";
+});
+$("save").addEventListener("click", () => save());
 document.addEventListener("keydown", (event) => {
-  if (!(event.ctrlKey || event.metaKey) || event.target.matches("input[type=text]")) return;
+  if (!(event.ctrlKey || event.metaKey)) return;
   const key = event.key.toLowerCase();
   if (key === "s") save();
-  else if (key === "z") request({ do: event.shiftKey ? "redo" : "undo" });
+  // In a field, the browser undoes what was typed.
+  else if (key === "z" && !event.target.matches("input[type=text]")) request({ do: event.shiftKey ? "redo" : "undo" });
   else return;
   event.preventDefault();
 });

@@ -62,7 +62,16 @@ export function follow(screen, moves, actions) {
     }
   }, { passive: false });
 
+  // What keys act on: where the mouse is over the picture, or else its middle.
+  let pointer = null;
+  canvas.addEventListener("pointermove", (event) => (pointer = screen.locate(event)));
+  canvas.addEventListener("pointerleave", () => (pointer = null));
+  const here = () => pointer ?? [0.5, 0.5];
+
   const keys = {
+    Enter: () => actions.click(here()), f: () => actions.focus(here()), "?": () => actions.why(here()),
+    m: () => actions.handles("move"), t: () => actions.handles("rotate"), c: () => actions.handles("scale"),
+    o: actions.overlay,
     w: () => walk(0, 0, KEY_STEP), s: () => walk(0, 0, -KEY_STEP),
     a: () => walk(-KEY_STEP, 0, 0), d: () => walk(KEY_STEP, 0, 0),
     e: () => walk(0, KEY_STEP, 0), q: () => walk(0, -KEY_STEP, 0),

@@ -18,8 +18,9 @@ export function showMessages(messages, fault) {
   $("messages").replaceChildren(...all.map(message));
 }
 
-function message({ severity, message, help, place }) {
-  const item = element("li", undefined, element("strong", `${severity}: ${message}`));
+function message({ severity, message, help, place, of }) {
+  const where = of === "file" ? "in the file, " : "";
+  const item = element("li", undefined, element("strong", `${where}${severity}: ${message}`));
   item.className = severity;
   if (place) {
     item.append(element("div", `${place.file}:${place.line}:${place.column}`));
@@ -45,6 +46,7 @@ export function showPicked(picked, set) {
   $("selection").hidden = !picked;
   if (!picked) return;
   $("object-actions").hidden = picked.parts.length === 0;
+  $("handle-actions").hidden = !picked.handle;
   showParts(picked.parts, set);
   showPairs($("selected"), [
     ["Object", picked.object], ["Material", picked.material],

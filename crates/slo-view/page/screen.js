@@ -1,13 +1,13 @@
 // The picture: drawn as it comes, zoomed and panned.
 
-const number = new Intl.NumberFormat("en", { maximumSignificantDigits: 3 });
-
 export class Screen {
   constructor(canvas, stage) {
     this.canvas = canvas;
     this.stage = stage;
     this.zoom = 0; // 0: fits
     this.pan = { x: 0, y: 0 };
+    /** Called when the picture is somewhere else on the stage. */
+    this.placed = () => {};
     new ResizeObserver(() => this.place()).observe(stage);
   }
 
@@ -54,25 +54,29 @@ export class Screen {
     }
     this.canvas.style.transform = `translate(${this.pan.x}px, ${this.pan.y}px) scale(${scale})`;
     this.canvas.classList.toggle("sharp", scale * devicePixelRatio >= 1.5);
+    this.placed();
+  }
+
+  /** Height of the picture on the stage, in pixels of the window. */
+  height() {
+    return this.canvas.height * this.scale();
+  }
+
+  /** Where a place of the picture is on the stage, in pixels of the window. */
+  onStage([u, v]) {
+    const scale = this.scale();
+    return [this.pan.x + u * this.canvas.width * scale, this.pan.y + v * this.canvas.height * scale];
+  }
+
+  /** Where a point of the window is in the picture; numbers outside of it are not from 0 to 1. */
+  locateFreely(event) {
+    const box = this.canvas.getBoundingClientRect();
+    return [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
   }
 
   /** Where a point of the window is in the picture, from 0 to 1; null outside. */
   locate(event) {
-    const box = this.canvas.getBoundingClientRect();
-    const at = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+    const at = this.locateFreely(event);
     return at.every((part) => part >= 0 && part <= 1) ? at : null;
   }
-}
-
-/** Shows the facts about the picture. */
-export function showFacts(facts) {
-  const set = (id, text) => (document.getElementById(id).textContent = text);
-  const [width, height] = facts.pixels;
-  const coarse = width < facts.width ? `, now ${width} x ${height}` : "";
-  set("fact-size", `${facts.width} x ${facts.height}${coarse}`);
-  set("fact-samples", facts.samples === null ? "draft" : `${number.format(facts.samples)} samples a pixel${facts.done ? ", all" : ""}`);
-  set("fact-noise", facts.error === null ? "" : `noise ${number.format(facts.error)}`);
-  const [camera, shadow, bounce] = facts.rays.map((rays) => number.format(rays / 1e6));
-  set("fact-rays", `Mrays/s: ${camera} camera, ${shadow} shadow, ${bounce} bounce`);
-  set("fact-time", `${facts.ms < 1000 ? `${Math.round(facts.ms)} ms` : `${(facts.ms / 1000).toFixed(1)} s`} after the change`);
 }

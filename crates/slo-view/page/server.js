@@ -36,7 +36,7 @@ export class Moves {
 
   send(command, add) {
     // Of what sets the same thing, the last one counts.
-    const key = command.do === "set" ? JSON.stringify({ ...command, value: "" }) : command.do;
+    const key = command.do === "set" ? JSON.stringify({ ...command, value: "" }) : `${command.do} ${command.drag ?? ""}`;
     const before = this.#waiting.get(key);
     this.#waiting.set(key, before && add ? add(before, command) : command);
     this.#run();

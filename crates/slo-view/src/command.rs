@@ -4,7 +4,9 @@ use glam::DVec3;
 use serde_json::Value;
 
 use crate::camera::Move;
-use crate::changes::{Field, Place};
+use crate::changes::{Field, Kind, New, Place};
+use crate::look::Overlay;
+use crate::placing::Motion;
 
 /// A request of the page.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +21,16 @@ pub(crate) enum Command {
     Focus([f64; 2]),
     /// Find out what is at a place of the picture, and move about it from now on.
     Pick([f64; 2]),
+    /// Select an object or a lamp by its name.
+    Select(String),
+    /// Explain what is seen at a place of the picture.
+    Why([f64; 2]),
+    /// Move, turn or scale a thing by a handle.
+    Drag(Drag),
+    /// Move a control point of the camera's path.
+    Point(PathPoint),
+    /// Add a segment in which the camera goes around once, in so many seconds.
+    OrbitOnce(f64),
     /// Return to the camera of the scene.
     Reset,
     /// Change how the picture is shown.
@@ -33,12 +45,32 @@ pub(crate) enum Command {
     Undo,
     /// Repeat a change that was taken back.
     Redo,
-    /// Write the text to its file.
-    Save,
+    /// Write the text to its file; `true`: even if it has errors.
+    Save(bool),
     /// Return to what the file says.
     Revert,
     /// Keep the text, though the file has been changed in the same lines.
     Mine,
+}
+
+/// How far a handle is from where it was taken hold of.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Drag {
+    /// All steps of one drag have the same number, and the next has another.
+    pub(crate) number: u64,
+    pub(crate) name: String,
+    pub(crate) motion: Motion,
+}
+
+/// A control point of the camera's path, and where it goes.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PathPoint {
+    /// As that of a [`Drag`].
+    pub(crate) number: u64,
+    pub(crate) segment: String,
+    pub(crate) is_target: bool,
+    pub(crate) index: usize,
+    pub(crate) to: DVec3,
 }
 
 /// A change of the text; names are those of objects and lamps.
@@ -54,6 +86,8 @@ pub(crate) enum TextEdit {
     Copy(String),
     /// Add a key frame where it is.
     KeyFrame(String),
+    /// Add something.
+    Add(New),
 }
 
 /// Numbers of the lens and the shutter; `None`: as they are.
@@ -78,6 +112,10 @@ pub(crate) struct Show {
     pub(crate) share: Option<f64>,
     /// Word for the structure; empty: the scene's.
     pub(crate) accelerator: Option<String>,
+    /// Whether the scene is shown from above.
+    pub(crate) plan: Option<bool>,
+    /// What is laid over the picture.
+    pub(crate) overlay: Option<Overlay>,
 }
 
 /// Largest number of anything.
@@ -115,11 +153,39 @@ impl Command {
             }
             "focus" => Self::Focus(place("at")?),
             "pick" => Self::Pick(place("at")?),
+            "select" => Self::Select(word(value, "name")?),
+            "why" => Self::Why(place("at")?),
+            "move" => drag(value, Motion::Move(vector("by")?))?,
+            "rotate" => {
+                drag(value, Motion::Turn(vector("axis")?.try_normalize()?, number("degrees")?))?
+            }
+            "scale" => {
+                let by = vector("by").filter(|by| {
+                    by.cmpge(DVec3::splat(1e-6)).all() && by.cmple(DVec3::splat(1e6)).all()
+                })?;
+                drag(value, Motion::Scale(by))?
+            }
+            "point" => Self::Point(PathPoint {
+                number: value.get("drag")?.as_u64()?,
+                segment: word(value, "segment")?,
+                is_target: value.get("of")?.as_str()? == "target",
+                index: usize::try_from(value.get("index")?.as_u64()?).ok()?,
+                to: vector("to")?,
+            }),
+            "around" => {
+                Self::OrbitOnce(number("seconds").filter(|time| (0.04..=3600.0).contains(time))?)
+            }
+            "add" => Self::Edit(TextEdit::Add(New {
+                kind: Kind::read(&word(value, "kind")?)?,
+                file: word(value, "file").unwrap_or_default(),
+            })),
             "reset" => Self::Reset,
             "show" => Self::Show(Show {
                 exposure: number("exposure").map(|stops| stops.clamp(-20.0, 20.0) as f32),
                 share: number("share").filter(|share| (0.05..=1.0).contains(share)),
-                accelerator: value.get("accelerator").and_then(Value::as_str).map(str::to_owned),
+                accelerator: word(value, "accelerator"),
+                plan: value.get("plan").and_then(Value::as_bool),
+                overlay: word(value, "overlay").and_then(|word| Overlay::read(&word)),
             }),
             "finish" => Self::Finish,
             "cancel" => Self::Cancel,
@@ -130,7 +196,7 @@ impl Command {
             "key" => Self::Edit(TextEdit::KeyFrame(word(value, "name")?)),
             "undo" => Self::Undo,
             "redo" => Self::Redo,
-            "save" => Self::Save,
+            "save" => Self::Save(value.get("anyway").and_then(Value::as_bool).unwrap_or(false)),
             "revert" => Self::Revert,
             "mine" => Self::Mine,
             _ => return None,
@@ -140,6 +206,11 @@ impl Command {
 
 fn bounded(value: &Value) -> Option<f64> {
     value.as_f64().filter(|number| number.abs() <= MOST)
+}
+
+fn drag(value: &Value, motion: Motion) -> Option<Command> {
+    let number = value.get("drag")?.as_u64()?;
+    Some(Command::Drag(Drag { number, name: word(value, "name")?, motion }))
 }
 
 fn word(value: &Value, name: &str) -> Option<String> {
@@ -195,6 +266,10 @@ mod tests {
             json!({ "do": "pick", "at": [0.5, 1.1] }),
             json!({ "do": "set", "keyword": "sphere", "name": "a", "attribute": "b", "value": "c" }),
             json!({ "do": "hide" }),
+            json!({ "do": "move", "drag": 1, "name": "a", "by": [1, 2] }),
+            json!({ "do": "rotate", "drag": 1, "name": "a", "axis": [0, 0, 0], "degrees": 5 }),
+            json!({ "do": "scale", "drag": 1, "name": "a", "by": [1, 0, 1] }),
+            json!({ "do": "scale", "name": "a", "by": [1, 2, 1] }),
         ] {
             assert_eq!(Command::read(&wrong), None, "{wrong}");
         }

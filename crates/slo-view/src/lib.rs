@@ -13,8 +13,11 @@ mod changes;
 mod command;
 mod document;
 mod finished;
+#[doc(hidden)]
+pub mod fuzzing;
 mod look;
 mod pick;
+mod placing;
 mod server;
 mod source;
 mod studio;

@@ -1,11 +1,10 @@
 //! What is seen at a place of the picture: rendered as layers for compositors, one sample of a block.
 
 use glam::DVec3;
-use slo_accel::Isa;
 use slo_picture::film::{Area, BLOCK, FileLayer, Film, MaskKind, Steps, mask_id};
-use slo_render::frame::{Aids, FrameScene, Remains};
+use slo_render::frame::FrameScene;
 use slo_render::render::{Observer, Plan, render};
-use slo_scene::{Integrator, Layer, SceneDescription};
+use slo_scene::{Layer, SceneDescription};
 
 /// What is seen at a place.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,39 +19,35 @@ pub(crate) struct Seen {
     pub(crate) material: Option<String>,
 }
 
-/// Finds what is seen at a place of a frame: `at` runs from 0 to 1, to the right and down. `None` if it is
-/// nothing, or the frame can't be built.
-pub(crate) fn pick(
-    scene: &SceneDescription,
-    number: i64,
-    at: [f64; 2],
-    remains: Option<Remains>,
-    isa: Isa,
-) -> Option<Seen> {
+/// The layers that tell what is seen.
+const LAYERS: [Layer; 4] =
+    [Layer::Depth, Layer::Position, Layer::CryptoObject, Layer::CryptoMaterial];
+
+/// The scene as it is looked at to find out what is seen: sharp and still, where the ray goes that is
+/// meant.
+pub(crate) fn sharp(scene: &SceneDescription) -> SceneDescription {
     let mut scene = scene.clone();
-    let film = &mut scene.camera.film;
-    film.layers = vec![Layer::Depth, Layer::Position, Layer::CryptoObject, Layer::CryptoMaterial];
-    let layers = film.layers.clone();
-    let whole = Area::whole(film.width, film.height);
-    let pixel =
-        |at: f64, pixels: u32| ((at.clamp(0.0, 1.0) * f64::from(pixels)) as u32).min(pixels - 1);
-    let (x, y) = (pixel(at[0], film.width), pixel(at[1], film.height));
-    // A sharp, still picture without light: where the ray goes that is meant.
-    scene.settings.integrator = Integrator::Distributed;
-    scene.settings.photons = 0.0;
+    scene.camera.film.layers = LAYERS.to_vec();
     scene.settings.noise = None;
     for segment in &mut scene.camera.segments {
         segment.lens_radius = [0.0; 2];
         segment.blur_duration = 0.0;
     }
+    scene
+}
+
+/// Finds what is seen at a place of a frame of a [`sharp`] scene: `at` runs from 0 to 1, to the right and
+/// down. `None` if it is nothing.
+pub(crate) fn pick(scene: &SceneDescription, frame: &FrameScene, at: [f64; 2]) -> Option<Seen> {
+    let film = &scene.camera.film;
+    let whole = Area::whole(film.width, film.height);
+    let (x, y) = pixel_at(at, film.width, film.height);
     let block = Area { x0: x / BLOCK * BLOCK, y0: y / BLOCK * BLOCK, x1: x + 1, y1: y + 1 };
     let area = block.in_blocks(&whole);
-    let frame =
-        FrameScene::build_with(&scene, number, isa, Aids { before: remains, ..Aids::default() });
     let names = scene.layer_names();
-    let film = Film::new(area, false).and_then(|film| film.with_layers(&layers, &names)).ok()?;
-    let plan = Plan::new(&scene).in_steps(Steps::default());
-    let film = render(&frame.ok()?, &plan, film, &Alone).film;
+    let film = Film::new(area, false).and_then(|film| film.with_layers(&LAYERS, &names)).ok()?;
+    let plan = Plan::new(scene).in_steps(Steps::default());
+    let film = render(frame, &plan, film, &Alone).film;
     let pixel = Area { x0: x, y0: y, x1: x + 1, y1: y + 1 };
     let i = ((y - area.y0) * area.width() + x - area.x0) as usize;
     let id = |kind| Some(film.first_hits().ids(kind, i)?.ranked(0)?.0);
@@ -71,6 +66,13 @@ pub(crate) fn pick(
             .and_then(|id| materials.into_iter().find(|name| called(id, name)))
             .map(str::to_owned),
     })
+}
+
+/// The pixel at a place of a picture, whose coordinates run from 0 to 1.
+pub(crate) fn pixel_at(at: [f64; 2], width: u32, height: u32) -> (u32, u32) {
+    let pixel =
+        |at: f64, pixels: u32| ((at.clamp(0.0, 1.0) * f64::from(pixels)) as u32).min(pixels - 1);
+    (pixel(at[0], width), pixel(at[1], height))
 }
 
 /// Nobody watches one sample.

@@ -3,8 +3,8 @@
 use std::io;
 use std::path::Path;
 
-use slo_scene::Loaded;
 use slo_scene::files::Opened;
+use slo_scene::{KnownFiles, Loaded};
 
 /// A scene that can be read again, and whose text can be changed.
 pub trait Source: Send {
@@ -20,6 +20,7 @@ pub trait Source: Send {
     /// Any I/O error.
     fn read(&self) -> io::Result<Vec<u8>>;
 
-    /// Loads the scene that a text describes, and notes the files that it names.
-    fn load(&self, text: &[u8], opened: &Opened) -> Loaded;
+    /// Loads the scene that a text describes, and notes the files that it names. `known` is what scenes
+    /// before it have left.
+    fn load(&self, text: &[u8], opened: &Opened, known: &KnownFiles) -> Loaded;
 }

@@ -34,6 +34,8 @@ pub(crate) enum Command {
     Why(WhyArgs),
     /// Show a scene in the browser: look at it from anywhere while it renders
     View(ViewArgs),
+    /// Print a manual page or the completions of a shell
+    Generate(GenerateArgs),
 }
 
 /// `merge`
@@ -432,4 +434,31 @@ pub(crate) struct SheetArgs {
     /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]
     help: (),
+}
+
+/// `generate`
+#[derive(Debug, clap::Args)]
+pub(crate) struct GenerateArgs {
+    /// What to print
+    #[arg(value_name = "WHAT")]
+    pub(crate) what: GenerateWhat,
+
+    /// The command whose manual page to print [default: the page of the program]
+    #[arg(value_name = "COMMAND")]
+    pub(crate) command: Option<String>,
+
+    /// Print help
+    #[arg(short, long, action = clap::ArgAction::Help)]
+    help: (),
+}
+
+/// What `generate` prints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum GenerateWhat {
+    Man,
+    Bash,
+    Elvish,
+    Fish,
+    Powershell,
+    Zsh,
 }

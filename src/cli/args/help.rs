@@ -44,6 +44,7 @@ Exit codes:
     2  the command line is wrong, or the scene has no such frame
    65  the scene, a mesh or a texture has errors; or a picture or a part is damaged
    66  an input file is missing or can't be read
+   69  the GPU that the accelerator needs is missing or can't take the scene
    73  the picture can't be created, or a file that slo-rt did not make has its name
    74  the picture can't be written
    75  stopped by Ctrl-C or a signal; the same command continues
@@ -51,7 +52,8 @@ Exit codes:
 
 Environment:
   NO_COLOR, CLICOLOR_FORCE, TERM=dumb   colours as usual; --color overrides them
-  SLO_RT_ISA=avx512|avx2|neon|portable  instruction set; the picture is the same";
+  SLO_RT_ISA=avx512|avx2|neon|portable  instruction set; the picture is the same
+  SLO_RT_GPU=NAME                       a part of the name of the GPU to use";
 
 /// Heading of the options that replace settings of the scene.
 pub(super) const SETTINGS: &str = "Overrides of the scene's settings";

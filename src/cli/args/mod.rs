@@ -11,9 +11,9 @@ mod tests;
 mod tips;
 
 pub(crate) use commands::{
-    BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs, SheetArgs,
-    VerifyArgs, ViewArgs, WhyArgs,
+    BakeArgs, Command, CompareArgs, DenoiseArgs, GenerateArgs, GenerateWhat, ImportArgs, MergeArgs,
+    RelightArgs, SheetArgs, VerifyArgs, ViewArgs, WhyArgs,
 };
-pub(crate) use parse::parse;
+pub(crate) use parse::{command_line, parse};
 pub(crate) use program::Args;
 pub(crate) use settings::{LookArgs, SettingArgs};

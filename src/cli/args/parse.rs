@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::io::{self, Write};
 
 use clap::error::ErrorKind;
-use clap::{ColorChoice, CommandFactory, Error, FromArgMatches};
+use clap::{ColorChoice, Command, CommandFactory, Error, FromArgMatches};
 
 use super::program::Args;
 use super::short_forms::written_out;
@@ -35,8 +35,13 @@ pub(crate) fn parse(args: &[OsString]) -> Result<Args, Exit> {
     })
 }
 
+/// The command line, as clap knows it.
+pub(crate) fn command_line() -> Command {
+    Args::command()
+}
+
 fn try_parse(args: &[OsString]) -> Result<Args, Error> {
-    let command = Args::command().color(color_choice(args));
+    let command = command_line().color(color_choice(args));
     let args = written_out(args.iter().cloned(), &command);
     let matches = command.clone().try_get_matches_from(&args);
     let parsed = matches.and_then(|matches| Args::from_arg_matches(&matches));

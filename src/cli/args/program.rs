@@ -237,6 +237,14 @@ pub(crate) struct Args {
     #[arg(value_parser = threads)]
     pub(crate) threads: Option<Threads>,
 
+    /// Most memory to take, such as 8GB [default: what the machine has]
+    ///
+    /// What would need more is refused before it is begun, with a message that says
+    /// what it is. Without it, the limit is that of the control group or the machine.
+    #[arg(long, value_name = "SIZE", help_heading = HOW, value_parser = bytes)]
+    #[arg(verbatim_doc_comment)]
+    pub(crate) memory_limit: Option<u64>,
+
     /// Keep what large meshes take long to work out in DIR
     ///
     /// The next run that needs the same meshes starts sooner, on all machines that

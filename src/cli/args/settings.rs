@@ -67,7 +67,8 @@ pub(crate) struct SettingArgs {
     /// Structure: bvh, kdtree, cwbvh, none, or one to study
     ///
     /// To study: grid, octree, median, rtree, binary, kd and boxes. All find the same
-    /// hits but cwbvh, which may miss some; bvh is the fastest.
+    /// hits but cwbvh, which may miss some; bvh is the fastest. By a GPU, if the
+    /// program is built with the feature `gpu`: gpu_grid, gpu_kd and gpu_bvh.
     #[arg(long, value_name = "NAME", help_heading = SETTINGS, hide_possible_values = true)]
     #[arg(ignore_case = true, verbatim_doc_comment)]
     pub(crate) accelerator: Option<AcceleratorName>,

@@ -192,6 +192,7 @@ fn options_with_values() -> Vec<(Vec<&'static str>, String)> {
         "bake" => vec!["bake", "a.txt"],
         "why" => vec!["why", "0,0"],
         "view" => vec!["view", "a.txt"],
+        "generate" => vec!["generate", "man"],
         other => panic!("a command without a test: {other}"),
     };
     let of = |command: &clap::Command, typed: Vec<&'static str>| -> Vec<_> {

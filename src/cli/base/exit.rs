@@ -16,6 +16,8 @@ pub enum Exit {
     BadInput = 65,
     /// An input file is missing or can't be read.
     NoInput = 66,
+    /// The GPU that the settings ask for is missing, or cannot take the scene.
+    Unavailable = 69,
     /// The output can't be created, or a file that slo-rt did not make has its name.
     CantCreate = 73,
     /// Writing failed.

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use super::note::{Note, path_of};
 
@@ -38,14 +38,29 @@ impl Left {
     /// Removes the claims that have not changed since, if their owners are dead by now. All
     /// pictures are finished, so no process waits for these claims.
     pub(crate) fn sweep(&self) {
+        let Some((first, _)) = self.claims.first() else { return };
         let passed = self.at.elapsed();
+        let now = now_beside(first);
         for (path, note) in &self.claims {
-            let is_dead = passed >= note.least_silence();
+            // It changed before the run began, and both times are of the file system's clock.
+            let silence = now.and_then(|now| now.duration_since(changed(path)?).ok());
+            let is_dead = passed.max(silence.unwrap_or_default()) >= note.least_silence();
             if is_dead && Note::read(path).is_ok_and(|there| there == *note) {
                 let _ = fs::remove_file(path);
             }
         }
     }
+}
+
+/// When a file was last changed.
+fn changed(path: &Path) -> Option<SystemTime> {
+    fs::metadata(path).and_then(|data| data.modified()).ok()
+}
+
+/// The time that a file changed now has, by the clock of its file system.
+fn now_beside(path: &Path) -> Option<SystemTime> {
+    let file = tempfile::Builder::new().prefix(".slo-rt-now-").tempfile_in(path.parent()?).ok()?;
+    changed(file.path())
 }
 
 /// Returns the claim that a file is or was meant to replace, and the file's own name.

@@ -20,4 +20,4 @@ mod tests;
 
 pub(crate) use claim::{Claim, Claims, Taken};
 pub(crate) use left::Left;
-pub(crate) use note::Worker;
+pub(crate) use note::{Worker, owner_of};

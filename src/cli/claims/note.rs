@@ -142,6 +142,14 @@ impl Note {
     }
 }
 
+/// Reads who made the claim at `path`.
+///
+/// # Errors
+/// As [`Note::read`].
+pub(crate) fn owner_of(path: &Path) -> io::Result<Worker> {
+    Note::read(path).map(|note| note.worker)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

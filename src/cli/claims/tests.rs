@@ -184,6 +184,20 @@ fn a_claim_of_another_version_is_told_from_ours() {
 }
 
 #[test]
+fn claims_that_were_dead_long_before_are_swept_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let [old, new] = [PICTURE, "ball_00002.png"].map(|name| folder.path().join(name));
+    for picture in [&old, &new] {
+        abandoned(picture);
+    }
+    let file = File::options().write(true).open(path_of(&old)).unwrap();
+    file.set_modified(std::time::SystemTime::now() - Duration::from_secs(3600)).unwrap();
+    let left = Left::look(folder.path(), [&*old, &*new].into_iter());
+    left.sweep();
+    assert_eq!(names(folder.path()), [".slo-rt-ball_00002.png.claim"]);
+}
+
+#[test]
 fn claims_that_nobody_holds_are_swept_and_no_others() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);

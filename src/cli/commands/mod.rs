@@ -4,6 +4,7 @@ pub(crate) mod bake;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod denoise;
+pub(crate) mod generate;
 pub(crate) mod import;
 pub(crate) mod merge;
 pub(crate) mod recipe;

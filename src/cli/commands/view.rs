@@ -10,8 +10,8 @@ use crate::cli::files::load;
 use crate::cli::files::scene_file::{self, SceneFile};
 use crate::cli::options::Job;
 use crate::cli::system::threads;
-use slo_scene::Loaded;
 use slo_scene::files::Opened;
+use slo_scene::{KnownFiles, Loaded};
 use slo_view::{Error, Options, Source, serve};
 
 /// Prints the address of a page that shows the job's scene, and serves it until a signal comes.
@@ -19,8 +19,8 @@ pub(crate) fn run(args: &ViewArgs, job: Job, terminal: Terminal) -> Result<(), P
     // The scene may have errors, which the page shows, but it must be there.
     let file = load::file(&job)?;
     let listen = args.listen.unwrap_or(SocketAddr::from((Ipv4Addr::LOCALHOST, 0)));
-    let frame = args.frame.unwrap_or(0);
-    let options = Options { listen, frame, pool: threads::pool(job.threads)?, isa: job.isa };
+    let options =
+        Options { listen, frame: args.frame, pool: threads::pool(job.threads)?, isa: job.isa };
     if !listen.ip().is_loopback() {
         terminal.warn(
             "other machines can reach the page; whoever has its address can change the scene",
@@ -40,6 +40,7 @@ pub(crate) fn run(args: &ViewArgs, job: Job, terminal: Terminal) -> Result<(), P
             let message = format!("can't listen on {listen}: {error}");
             Problem::new(Exit::CantCreate, message).with_help("choose another one with `--listen`")
         }
+        Error::Frame(error) => load::no_segment(&error),
         error => Problem::new(Exit::Failed, error),
     })
 }
@@ -66,9 +67,9 @@ impl Source for OfJob {
         }
     }
 
-    fn load(&self, text: &[u8], opened: &Opened) -> Loaded {
+    fn load(&self, text: &[u8], opened: &Opened, known: &KnownFiles) -> Loaded {
         let SceneFile { path, root, .. } = &self.file;
         let file = SceneFile { path: path.clone(), root: root.clone(), text: text.to_owned() };
-        load::load(&file, &self.job, opened.clone())
+        load::load(&file, &self.job, opened.clone(), Some(known))
     }
 }

@@ -14,8 +14,8 @@ use crate::cli::system::patience;
 use slo_picture::film::Steps;
 use slo_picture::film::{Film, State, Subject, TooLarge};
 use slo_picture::output::{
-    continues, has_same_samples, made_by_others, read_state, remove_leftovers, steps_of,
-    with_steps, write_state,
+    continues, has_same_samples, made_by_others, read_state, remove_abandoned, remove_leftovers,
+    steps_of, with_steps, write_state,
 };
 
 /// Checkpoints take at most one part in so many of the time: larger ones are written less often.
@@ -291,6 +291,7 @@ impl Checkpoint {
         for path in spent.iter().chain([&self.unfinished]) {
             let _ = fs::remove_file(path);
         }
+        remove_abandoned(&self.unfinished);
     }
 }
 
@@ -299,6 +300,14 @@ impl Checkpoint {
 pub(crate) fn unfinished(path: &Path, subject: &Subject, is_timed: bool) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".slo-rt-{name}.{}.state", &recipe_hash(subject, is_timed)[..8]))
+}
+
+/// The names of all states of unfinished runs in a folder.
+pub(crate) fn states_in(folder: &Path) -> Vec<String> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let names = fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = names.filter_map(|entry| entry.file_name().into_string().ok());
+    names.filter(|name| name.starts_with(".slo-rt-") && name.ends_with(".state")).collect()
 }
 
 /// Returns a hash of what a picture is rendered from, in hexadecimal.

@@ -11,7 +11,7 @@ use slo_picture::output::check_prefix;
 use slo_render::frame::{Aids, FrameError, FrameScene};
 use slo_scene::animation::NoSegment;
 use slo_scene::files::Opened;
-use slo_scene::{Files, Loaded, SceneDescription, ShapeError, load_adapted};
+use slo_scene::{Files, KnownFiles, Loaded, SceneDescription, ShapeError, load_adapted};
 
 /// Loads the job's scene, and applies the settings of the command line. Prints the errors of the
 /// scene, and warnings about what these settings make of it.
@@ -32,7 +32,7 @@ pub(crate) fn noted(
 }
 
 fn read(job: &Job, terminal: Terminal, opened: &Opened) -> Result<SceneDescription, Problem> {
-    let loaded = load(&file(job)?, job, opened.clone());
+    let loaded = load(&file(job)?, job, opened.clone(), None);
     let Loaded { scene, diagnostics } = loaded;
     terminal.show(&diagnostics);
     let exit = if diagnostics.missing_input() { Exit::NoInput } else { Exit::BadInput };
@@ -52,8 +52,13 @@ pub(crate) fn file(job: &Job) -> Result<SceneFile, Problem> {
 }
 
 /// Loads the scene that a text describes, and applies the settings of the command line. Notes the files
-/// on disk that it names.
-pub(crate) fn load(file: &SceneFile, job: &Job, opened: Opened) -> Loaded {
+/// on disk that it names. `known` is what scenes before it have left.
+pub(crate) fn load(
+    file: &SceneFile,
+    job: &Job,
+    opened: Opened,
+    known: Option<&KnownFiles>,
+) -> Loaded {
     let files = match &job.scene {
         None => Files::built_in(built_in::FOLDER, built_in::FILES),
         Some(_) => {
@@ -61,6 +66,10 @@ pub(crate) fn load(file: &SceneFile, job: &Job, opened: Opened) -> Loaded {
             let files = Files::on_disk(folder, &file.root, job.allow_outside);
             files.with_cache(job.cache.clone()).noted_in(opened)
         }
+    };
+    let files = match known {
+        Some(known) => files.with_known(known.clone()),
+        None => files,
     };
     let adapt = |scene: &mut SceneDescription| job.overrides.apply(scene);
     load_adapted(&file.path.to_string_lossy(), &file.text, &files, &adapt)
@@ -95,6 +104,9 @@ fn no_frame(error: FrameError) -> Problem {
         FrameError::Shape { reason: ShapeError::Unreadable { .. }, .. } => {
             Problem::new(Exit::NoInput, error)
         }
+        FrameError::Device { .. } => Problem::new(Exit::Unavailable, error)
+            .with_help("`--accelerator BVH` renders the same picture on the CPU"),
+        FrameError::Memory { help, .. } => Problem::new(Exit::Failed, error).with_help(help),
         other => Problem::new(Exit::BadInput, other),
     }
 }

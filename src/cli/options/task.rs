@@ -7,8 +7,8 @@ use std::time::Duration;
 use super::job::{Existing, Job};
 use super::overrides::Overrides;
 use crate::cli::args::{
-    Args, BakeArgs, Command, CompareArgs, DenoiseArgs, ImportArgs, MergeArgs, RelightArgs,
-    SettingArgs, SheetArgs, VerifyArgs, ViewArgs, WhyArgs,
+    Args, BakeArgs, Command, CompareArgs, DenoiseArgs, GenerateArgs, ImportArgs, MergeArgs,
+    RelightArgs, SettingArgs, SheetArgs, VerifyArgs, ViewArgs, WhyArgs,
 };
 use crate::cli::base::{Exit, Problem, Terminal, Verbosity};
 use crate::cli::values::{FrameChoice, Frames, Maps, Threads};
@@ -22,6 +22,8 @@ pub(crate) struct Options {
     /// The task, or what is wrong with it.
     pub(crate) task: Result<Task, Problem>,
     pub(crate) terminal: Terminal,
+    /// Most bytes of memory.
+    pub(crate) memory_limit: Option<u64>,
 }
 
 /// What the program is to do.
@@ -51,13 +53,15 @@ pub(crate) enum Task {
     Why(WhyArgs, Box<Job>),
     /// Show a scene in the browser. The job names it.
     View(ViewArgs, Box<Job>),
+    /// Print a manual page, or completions of a shell.
+    Generate(GenerateArgs),
     /// Print the recipe of a picture.
     Recipe(PathBuf),
 }
 
 impl From<Args> for Options {
     fn from(args: Args) -> Self {
-        let Args { quiet, verbose, .. } = args;
+        let Args { quiet, verbose, memory_limit, .. } = args;
         let quiet = match &args.command {
             Some(Command::Merge(merge)) => merge.quiet,
             Some(Command::Denoise(denoise)) => denoise.quiet,
@@ -73,7 +77,7 @@ impl From<Args> for Options {
             _ => Verbosity::Normal,
         };
         let terminal = Terminal::new(args.color, verbosity);
-        Self { terminal, task: task(args, terminal) }
+        Self { terminal, task: task(args, terminal), memory_limit }
     }
 }
 
@@ -127,6 +131,7 @@ fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
                 args.threads = why.threads;
                 Task::Why(why, Box::new(job(args, terminal)?))
             }
+            Command::Generate(generate) => Task::Generate(generate),
             Command::View(view) => {
                 args.scene = view.scene.clone();
                 args.indir = view.indir.clone();

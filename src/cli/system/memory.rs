@@ -2,6 +2,7 @@
 //! what the machine has left.
 
 use std::fmt::{self, Display};
+use std::sync::OnceLock;
 
 use crate::cli::base::megabytes;
 
@@ -25,6 +26,29 @@ enum Limit {
     Group,
     /// The memory that other processes have left.
     Machine,
+    /// What the command line allows.
+    Option,
+}
+
+/// Most bytes that the command line allows the program.
+static ALLOWED: OnceLock<u64> = OnceLock::new();
+
+/// Limits the memory of the program to so many bytes, if there is a number, and has everything that
+/// allocates by the size of an input ask first.
+pub(crate) fn limit(bytes: Option<u64>) {
+    if let Some(bytes) = bytes {
+        let _ = ALLOWED.set(bytes);
+    }
+    slo_scene::memory::ask_first(|| {
+        let left = left()?;
+        Some(slo_scene::memory::Left { bytes: left.bytes, said: left.to_string() })
+    });
+}
+
+/// What the command line allows, and of that what the program has not taken yet.
+fn allowed(used: u64) -> Option<Left> {
+    let bytes = ALLOWED.get()?.saturating_sub(used);
+    Some(Left { bytes, of: Limit::Option })
 }
 
 impl Left {
@@ -41,6 +65,7 @@ impl Display for Left {
             Limit::Data => "the limit on data (`ulimit -d`)",
             Limit::Group => "the memory limit of the control group",
             Limit::Machine => "the memory of the machine",
+            Limit::Option => "the limit of `--memory-limit`",
         };
         write!(f, "{of} leaves {}", megabytes(self.bytes))
     }
@@ -65,7 +90,9 @@ pub(crate) fn left() -> Option<Left> {
         let bytes = group::left(&read("/proc/self/cgroup")?, "/sys/fs/cgroup", read)?;
         Some(Left { bytes, of: Limit::Group })
     };
+    let option = || allowed(kibibytes(&status, "VmRSS:").unwrap_or(0));
     let limits = [
+        option(),
         of_process(Resource::As, "VmSize:", Limit::AddressSpace),
         of_process(Resource::Data, "VmData:", Limit::Data),
         group(),
@@ -76,7 +103,7 @@ pub(crate) fn left() -> Option<Left> {
 
 #[cfg(not(target_os = "linux"))]
 pub(crate) fn left() -> Option<Left> {
-    None
+    allowed(0)
 }
 
 /// Returns the number after a name in a file of `/proc`, in bytes.

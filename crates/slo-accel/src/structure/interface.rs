@@ -7,6 +7,7 @@ use crate::isa::Isa;
 use crate::math::Bounds;
 use crate::primitives::{Curved, Primitives, Triangle};
 use crate::rays::{Coherence, Hits, Rays};
+use crate::structure::device::Device;
 use crate::structure::study::{Counts, Parameters, Statistics};
 
 /// How a structure is built. No option changes a hit.
@@ -83,6 +84,12 @@ pub(crate) trait SpatialIndex: Debug + Sized + Send + Sync {
     /// Builds the structure, on all threads of the current rayon pool; it is the same for any
     /// number of threads.
     fn build(primitives: Primitives, options: BuildOptions) -> Self;
+
+    /// Gives the structure to a device, which answers from then on.
+    fn upload(&mut self, device: &dyn Device) -> Result<(), String> {
+        let _ = device;
+        Err("no device traverses this structure".to_owned())
+    }
 
     /// What was built over the primitives, for [`restore`](Self::restore); `None` if it can't be kept.
     fn kept(&self) -> Option<Vec<Cow<'_, [u8]>>> {

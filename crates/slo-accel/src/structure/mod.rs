@@ -8,6 +8,7 @@ mod bending;
 mod brute;
 pub(crate) mod bvh;
 mod cwbvh;
+mod device;
 pub(crate) mod interface;
 mod kdtree;
 pub(crate) mod shared;
@@ -20,6 +21,7 @@ mod tests;
 use std::borrow::Cow;
 
 pub use self::bending::{Bending, Moment};
+pub use self::device::{Answer, Device, Uploaded};
 pub use self::interface::{BuildOptions, Sections};
 use self::interface::{Geometry, SpatialIndex};
 use self::study::Rendered;
@@ -175,6 +177,26 @@ impl Structure {
         let primitives = primitives.into();
         assert!(primitives.len() <= Self::MAX_PRIMITIVES, "at most 2^28 primitives");
         Self { built: Built::new(accelerator, primitives, options.into()) }
+    }
+
+    /// Builds a structure [to study](study) that a device traverses: `GRID`, `KD` or a hierarchy of boxes,
+    /// without mailboxes. Hits are those of the CPU, which also answers for the device if it fails, and
+    /// about curved surfaces. Counts are the CPU's.
+    ///
+    /// # Errors
+    /// Why the device cannot take the structure, in words for the user.
+    ///
+    /// # Panics
+    /// If there are more primitives than [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES).
+    pub fn build_on(
+        device: &dyn Device,
+        accelerator: Accelerator,
+        primitives: impl Into<Primitives>,
+        options: impl Into<BuildOptions>,
+    ) -> Result<Self, String> {
+        let mut structure = Self::build(accelerator, primitives, options);
+        ask!(&mut structure.built, index => index.upload(device))?;
+        Ok(structure)
     }
 
     /// Returns the bytes of all triangles, as they lie in memory: the corners one after the other, each

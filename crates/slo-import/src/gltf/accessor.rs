@@ -3,6 +3,7 @@
 use gltf::accessor::{Accessor, DataType, sparse::IndexType};
 use gltf::buffer::View;
 
+use super::buffers::{Bytes, Left};
 use crate::error::ImportError;
 use crate::files::Source;
 
@@ -14,7 +15,8 @@ const MOST_ZEROS: usize = 1 << 24;
 #[derive(Clone, Copy)]
 pub(super) struct Buffers<'a> {
     pub(super) source: &'a Source,
-    pub(super) bytes: &'a [Vec<u8>],
+    pub(super) bytes: &'a [Bytes],
+    pub(super) left: &'a Left,
 }
 
 impl<'a> Buffers<'a> {
@@ -70,6 +72,7 @@ impl<'a> Buffers<'a> {
         let bad =
             || self.source.bad(format!("accessor {} lies outside of its bytes", accessor.index()));
         let (count, size) = (accessor.count(), accessor.size());
+        self.left.take(self.source, count.saturating_mul(size_of::<T>()))?;
         let mut elements = match accessor.view() {
             Some(view) => {
                 let stride = view.stride().unwrap_or(size);

@@ -1,5 +1,9 @@
 //! The bytes of buffers and images.
 
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::rc::Rc;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf::Document;
@@ -8,25 +12,65 @@ use percent_encoding::percent_decode_str;
 use crate::error::ImportError;
 use crate::files::Source;
 
-/// Reads all buffers.
+/// Bytes that the parts of any file may take, and how many times the bytes of its buffers.
+const LEAST: usize = 64 << 20;
+const TIMES: usize = 32;
+
+/// The bytes of a buffer. Several buffers may be one file.
+pub(super) type Bytes = Rc<Vec<u8>>;
+
+/// How many bytes numbers and images may still take. A part of a file may be named many times, and is a copy
+/// each time.
+#[derive(Debug)]
+pub(super) struct Left(Cell<usize>);
+
+impl Left {
+    /// Takes some of them.
+    ///
+    /// # Errors
+    /// There are not so many left.
+    pub(super) fn take(&self, source: &Source, bytes: usize) -> Result<(), ImportError> {
+        let Some(left) = self.0.get().checked_sub(bytes) else {
+            let message = format!(
+                "its parts are used so often that they take more than {TIMES} times its size"
+            );
+            return Err(source.bad(message));
+        };
+        self.0.set(left);
+        Ok(())
+    }
+}
+
+/// Reads all buffers, each file once. Returns also how much their parts may take.
 pub(super) fn load(
     source: &Source,
     document: &Document,
     blob: Option<&[u8]>,
-) -> Result<Vec<Vec<u8>>, ImportError> {
+) -> Result<(Vec<Bytes>, Left), ImportError> {
     let mut buffers = Vec::new();
+    let mut known: HashMap<Option<&str>, Bytes> = HashMap::new();
+    let mut all = source.bytes.len();
     for buffer in document.buffers() {
-        let bytes = match buffer.source() {
-            gltf::buffer::Source::Bin => blob.map(<[u8]>::to_vec),
-            gltf::buffer::Source::Uri(uri) => Some(bytes_of(source, uri)?),
+        let uri = match buffer.source() {
+            gltf::buffer::Source::Bin => None,
+            gltf::buffer::Source::Uri(uri) => Some(uri),
         };
-        let Some(bytes) = bytes.filter(|bytes| bytes.len() >= buffer.length()) else {
+        let bytes = match (known.get(&uri), uri) {
+            (Some(bytes), _) => bytes.clone(),
+            (None, Some(name)) => Rc::new(bytes_of(source, name)?),
+            (None, None) => Rc::new(blob.unwrap_or_default().to_vec()),
+        };
+        if bytes.len() < buffer.length() {
             let message = format!("buffer {} is shorter than the file says", buffer.index());
             return Err(source.bad(message));
-        };
+        }
+        if known.insert(uri, bytes.clone()).is_none() {
+            all = all.saturating_add(bytes.len());
+        }
         buffers.push(bytes);
     }
-    Ok(buffers)
+    let left = Left(Cell::new(all.saturating_mul(TIMES).saturating_add(LEAST)));
+    Ok((buffers, left))
 }
 
 /// Reads what a URI names: a file beside this one, or the URI itself.

@@ -7,7 +7,7 @@ use gltf::texture::{Info, MagFilter, Texture, TextureTransform, WrappingMode};
 use serde_json::Value;
 
 use super::accessor::Buffers;
-use super::buffers::bytes_of;
+use super::buffers::{Bytes, Left, bytes_of};
 use crate::error::ImportError;
 use crate::files::Source;
 use crate::model::{Image, ImageUse, Material, Model, Notes};
@@ -17,10 +17,11 @@ use crate::model::{Image, ImageUse, Material, Model, Notes};
 pub(super) fn read(
     source: &Source,
     document: &Document,
-    bytes: &[Vec<u8>],
+    bytes: &[Bytes],
+    left: &Left,
     model: &mut Model,
 ) -> Result<Vec<u32>, ImportError> {
-    let buffers = Buffers { source, bytes };
+    let buffers = Buffers { source, bytes, left };
     // Images of kinds that can't be read have no place in the model.
     let mut places = Vec::new();
     for image in document.images() {
@@ -31,6 +32,7 @@ pub(super) fn read(
                 (bytes_of(source, uri)?, name)
             }
         };
+        left.take(source, bytes.len())?;
         let Some(ending) = ending(&bytes) else {
             model.notes.leave_out("an image that is neither PNG nor JPEG");
             places.push(None);

@@ -11,7 +11,8 @@ mod material;
 mod mesh;
 mod nodes;
 
-use ::gltf::Gltf;
+use ::gltf::json::validation::Checked;
+use ::gltf::{Gltf, json};
 
 use crate::error::ImportError;
 use crate::files::Source;
@@ -49,9 +50,9 @@ pub(crate) fn read(source: &Source) -> Result<Model, ImportError> {
     let file = checked(source, file)?;
     let mut model = Model::default();
     let blob = file.blob.as_deref();
-    let buffers = buffers::load(source, &file.document, blob)?;
-    let sets = material::read(source, &file.document, &buffers, &mut model)?;
-    nodes::read(source, &file.document, &buffers, &sets, &mut model)?;
+    let (buffers, left) = buffers::load(source, &file.document, blob)?;
+    let sets = material::read(source, &file.document, &buffers, &left, &mut model)?;
+    nodes::read(source, &file.document, &buffers, &left, &sets, &mut model)?;
     for name in file.extensions_used().filter(|name| !UNDERSTOOD.contains(name)) {
         model.notes.leave_out(format!("the extension {name}"));
     }
@@ -87,7 +88,44 @@ fn checked(source: &Source, file: Gltf) -> Result<Gltf, ImportError> {
     let mut json = file.document.into_json();
     // The crate takes them for errors if it does not know them.
     json.extensions_required.clear();
+    if let Some(message) = unchecked(&json) {
+        return Err(source.bad(format!("it is damaged: {message}")));
+    }
     let document = ::gltf::Document::from_json(json)
         .map_err(|error| source.bad(format!("it is damaged: {error}")))?;
     Ok(Gltf { document, blob })
+}
+
+/// What the crate relies on without checking it; `None` if all of that is right.
+fn unchecked(json: &json::Root) -> Option<&'static str> {
+    let accessors = json.accessors.len();
+    let positions = Checked::Valid(json::mesh::Semantic::Positions);
+    let has_no_positions = |primitive: &json::mesh::Primitive| {
+        primitive.attributes.get(&positions).is_some_and(|index| index.value() >= accessors)
+    };
+    let has_no_target = |channel: &json::animation::Channel| {
+        let target = &channel.target;
+        target.node.value() >= json.nodes.len() || target.path == Checked::Invalid
+    };
+    let has_no_view = |camera: &json::Camera| match camera.type_ {
+        Checked::Valid(json::camera::Type::Perspective) => camera.perspective.is_none(),
+        Checked::Valid(json::camera::Type::Orthographic) => camera.orthographic.is_none(),
+        Checked::Invalid => true,
+    };
+    let has_no_data = |image: &json::Image| match image.buffer_view {
+        Some(_) => image.mime_type.is_none(),
+        None => image.uri.is_none(),
+    };
+    let mut channels = json.animations.iter().flat_map(|animation| &animation.channels);
+    if json.meshes.iter().flat_map(|mesh| &mesh.primitives).any(has_no_positions) {
+        Some("a mesh names an accessor that does not exist")
+    } else if channels.any(has_no_target) {
+        Some("an animation changes a node that does not exist, or nothing of it that is known")
+    } else if json.cameras.iter().any(has_no_view) {
+        Some("a camera lacks what its type asks for")
+    } else if json.images.iter().any(has_no_data) {
+        Some("an image has no data, or does not say of what kind it is")
+    } else {
+        None
+    }
 }

@@ -10,6 +10,7 @@ use gltf::{Document, Node};
 
 use super::accessor::Buffers;
 use super::animation::{Animation, STEPS};
+use super::buffers::{Bytes, Left};
 use super::mesh::{Part, parts};
 use crate::error::ImportError;
 use crate::files::Source;
@@ -29,11 +30,12 @@ const MOST_SHAPE_VERTICES: usize = 40_000_000;
 pub(super) fn read(
     source: &Source,
     document: &Document,
-    bytes: &[Vec<u8>],
+    bytes: &[Bytes],
+    left: &Left,
     sets: &[u32],
     model: &mut Model,
 ) -> Result<(), ImportError> {
-    let buffers = Buffers { source, bytes };
+    let buffers = Buffers { source, bytes, left };
     let animation = Animation::read(buffers, document, &mut model.notes)?;
     model.duration = animation.duration;
     let count = document.nodes().count();

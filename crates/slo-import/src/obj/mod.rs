@@ -10,6 +10,9 @@ use crate::error::ImportError;
 use crate::files::Source;
 use crate::model::{Material, Model, Object, Shape, Space};
 
+/// Most libraries of materials that a file names.
+const MOST_LIBRARIES: usize = 256;
+
 /// Reads a file. Most programs write y up.
 pub(crate) fn read(source: &Source) -> Result<Model, ImportError> {
     let mut reader = Reader::new(source);
@@ -91,6 +94,11 @@ impl<'a> Reader<'a> {
                 self.object = if rest.is_empty() { self.source.stem() } else { rest.to_owned() };
             }
             "usemtl" => self.material = rest.to_owned(),
+            // Each once: what is known already stays.
+            "mtllib" if self.libraries.iter().any(|library| library == rest) => {}
+            "mtllib" if self.libraries.len() >= MOST_LIBRARIES => {
+                self.model.notes.leave_out("a library of materials, since there are too many");
+            }
             "mtllib" => self.libraries.push(rest.to_owned()),
             "l" | "p" => self.model.notes.leave_out("points or lines"),
             _ => self.model.notes.leave_out(format!("`{}` of OBJ", shortened(keyword))),

@@ -227,6 +227,12 @@ impl Drop for Filter<'_> {
 }
 
 fn open(path: Option<&Path>) -> Result<Library, String> {
+    // A second C library would be loaded with it, which may be another version: that can crash.
+    if cfg!(target_feature = "crt-static") {
+        return Err("this slo-rt is linked statically, so it can't load libraries; use the \
+                    program of the release that is not static"
+            .into());
+    }
     let names: Vec<&Path> =
         path.map_or_else(|| NAMES.iter().map(Path::new).collect(), |path| vec![path]);
     let mut why = Vec::new();

@@ -16,14 +16,16 @@ mod recipe;
 mod state;
 
 pub use existing::{Found, find_picture, find_state, find_timed_picture, made_by_others};
-pub use file::{check_free, check_writable, open_regular, remove_leftovers, write_atomically};
+pub use file::{
+    check_free, check_writable, open_regular, remove_abandoned, remove_leftovers, write_atomically,
+};
 pub use format::{
     Crop, KEYWORD, Picture, Raster, ReadError, RecipeError, Values, claimed_pixels,
     memory_to_write, read_layers, read_recipe,
 };
 pub use map::{
-    check_companion, is_companion, map_format, write_cost_map, write_difference_map,
-    write_error_map, write_sample_map, write_sheet,
+    ERRORS, check_companion, is_companion, map_color, map_format, write_cost_map,
+    write_difference_map, write_error_map, write_sample_map, write_sheet,
 };
 pub use name::{Info, check_prefix, file_name};
 pub use recipe::{

@@ -10,6 +10,7 @@ use super::error::FrameError;
 use super::kept::{Aids, structure};
 use super::lists::{crowd, not_placed};
 use super::looks::{Look, Looks};
+use super::needs;
 use super::parts::{Parts, Seen};
 use super::sampled_camera::SampledCamera;
 use super::scene::FrameScene;
@@ -61,17 +62,24 @@ impl FrameScene {
         isa: Isa,
         aids: impl Into<Aids>,
     ) -> Result<Self, FrameError> {
-        let Aids { before, cache, parameters } = aids.into();
+        let Aids { before, cache, parameters, stays, apart } = aids.into();
         let shutter = Clock::new(&scene.camera).shutter(number).map_err(FrameError::NoSegment)?;
         let segment = &scene.camera.segments[shutter.segment];
         let film = &scene.camera.film;
         let per_ms = scene.settings.transform_samples_per_ms;
         let path = SampledCamera::new(segment, &shutter, film, per_ms);
-        let origin = origin(segment, &path);
+        let origin = match &before {
+            Some(before) if stays && is_near(&path, before.origin) => before.origin,
+            _ => origin(segment, &path),
+        };
         let camera = Camera::new(path.views(), origin, film.width, film.height)
             .map_err(|reason| FrameError::View { segment: segment.name.clone(), reason })?;
 
         let shown = Shown::of(scene)?;
+        // What the frame before left is not made again.
+        if before.is_none() {
+            needs::check(scene, &shown)?;
+        }
         let spaces = &shown.spaces;
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
         let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
@@ -79,7 +87,19 @@ impl FrameScene {
             |&(object, _, count): &(u32, _, u64)| (&scene.objects[object as usize].shape, count);
         let shapes = shown.objects.iter().map(|shown| (&shown.object.shape, 1));
         let shared = Shared::new(shapes.chain(shown.casts.iter().map(cast)));
-        let mut parts = Parts { before: moving, cache, parameters, shared, ..Parts::default() };
+        let before =
+            before.filter(|of| of.made.as_ref().is_none_or(|made| made.is_by(&scene.settings)));
+        let made = before.as_ref().and_then(|before| before.made.clone());
+        let kept = (moving, made);
+        let mut parts = Parts {
+            before: kept.0,
+            made: kept.1,
+            apart,
+            cache,
+            parameters,
+            shared,
+            ..Parts::default()
+        };
         for object in &shown.objects {
             parts.add(object, scene, &seen, isa)?;
         }
@@ -130,7 +150,9 @@ impl FrameScene {
         let sends = uses_photons || is_photon_map;
         let targets = sends.then(|| targets(&sharp_objects(scene, &shown.objects, &parts)));
         let still = match before {
-            Some(before) if *before.places == parts.places => before.still,
+            Some(before) if *before.places == parts.places && parts.still_is_as_before() => {
+                before.still
+            }
             // Free the old structure before building the new one.
             other => {
                 drop(other);
@@ -139,7 +161,7 @@ impl FrameScene {
                     &scene.settings,
                     isa,
                     (parts.cache.as_deref(), parameters),
-                ))
+                )?)
             }
         };
         let still_objects = parts.still_objects();
@@ -254,6 +276,11 @@ fn softens(scene: &SceneDescription, parts: &Parts) -> bool {
         let is_physical = |index| Kind::of(&scene.materials[index as usize]) != Kind::Phong;
         !object.normals.is_empty() && look.material().is_some_and(is_physical)
     })
+}
+
+/// Whether the camera is not farther from the origin of render space than it may be.
+pub(super) fn is_near(path: &SampledCamera, origin: DVec3) -> bool {
+    (path.views()[0].position - origin).abs().max_element() <= ORIGIN_STEP
 }
 
 /// Chooses the origin of render space, in scene space: near the camera, where precision matters. It

@@ -29,6 +29,12 @@ pub(super) struct Compositing {
 }
 
 impl Compositing {
+    /// Of a frame without layers.
+    pub(super) fn without_layers(origin: DVec3) -> Self {
+        let (moves, objects, materials) = (Vec::new(), Vec::new(), Vec::new());
+        Self { origin, eyes: None, moves, objects, materials }
+    }
+
     /// Of frame `number` of a scene, with its shutter. `looks` are those of the objects.
     pub(super) fn new(
         scene: &SceneDescription,
@@ -38,13 +44,7 @@ impl Compositing {
         looks: &[Look],
     ) -> Result<Self, FrameError> {
         let has = |layer| scene.camera.film.layers.contains(&layer);
-        let mut all = Self {
-            origin,
-            eyes: None,
-            moves: Vec::new(),
-            objects: Vec::new(),
-            materials: Vec::new(),
-        };
+        let mut all = Self::without_layers(origin);
         let things = || (0..looks.len()).map(|number| Thing::of(scene, shown, number, looks));
         if has(Layer::CryptoObject) {
             all.objects = things().map(|thing| mask_id(thing.name)).collect();

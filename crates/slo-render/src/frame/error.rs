@@ -49,10 +49,26 @@ pub enum FrameError {
     },
     /// There are too many copies.
     Copies,
+    /// There is not enough memory.
+    Memory {
+        /// What needs it, with its verb.
+        what: &'static str,
+        /// How much it needs, and how much there is.
+        why: String,
+        /// What would need less.
+        help: &'static str,
+    },
     /// An object is scaled so much, or so little, that numbers cannot hold it.
     Extent {
         /// Name of the object or lamp.
         object: String,
+    },
+    /// The GPU that the settings ask for is missing, or cannot take the scene.
+    Device {
+        /// Name of the structure.
+        accelerator: &'static str,
+        /// What is wrong.
+        reason: String,
     },
 }
 
@@ -95,11 +111,15 @@ impl fmt::Display for FrameError {
                  {MOST_COPIED} that are no plain copies: lamps, things that glow or change shape, \
                  and things that move by themselves"
             ),
+            Self::Memory { what, why, .. } => write!(f, "{what} {why}"),
             Self::Extent { object } => write!(
                 f,
                 "`{object}` is too large or too small in this frame: all its scales together must \
                  be from 1e-12 to 1e12, and its coordinates below 1e10"
             ),
+            Self::Device { accelerator, reason } => {
+                write!(f, "accelerator {accelerator}: {reason}")
+            }
         }
     }
 }

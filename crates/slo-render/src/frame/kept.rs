@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use super::device;
+use super::error::FrameError;
 use super::remains::Remains;
-use slo_accel::study::Parameters;
+use slo_accel::study::{Parameters, Traversal};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Sections, Structure};
 use slo_scene::Settings;
 use slo_scene::cache::{Cache, Entry, Key, hash_of};
@@ -11,11 +13,18 @@ use slo_scene::cache::{Cache, Entry, Key, hash_of};
 /// Structures over fewer primitives are built as fast as they are found.
 const LEAST: usize = 1 << 16;
 
-/// What the building of a frame may start from. None of it changes the picture.
+/// What the building of a frame may start from. Of it, only `stays` and `apart` change the picture, in the
+/// last bits of its numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Aids {
     /// What another frame of the same scene left.
     pub before: Option<Remains>,
+    /// Whether render space stays that of the other frame as long as the camera is near: structures then
+    /// fit wherever the camera goes.
+    pub stays: bool,
+    /// Name of an object or a lamp that has a structure of its own, so that those of others fit when it
+    /// moves.
+    pub apart: Option<String>,
     /// A cache of structures.
     pub cache: Option<Arc<Cache>>,
     /// Parameters of structures to study.
@@ -41,20 +50,26 @@ impl Sections for Kept<'_> {
     }
 }
 
-/// Returns the structure that the settings ask for: from the cache, or built and put there.
+/// Returns the structure that the settings ask for: from the cache, or built and put there, or built and
+/// given to a GPU.
 pub(super) fn structure(
     primitives: Primitives,
     settings: &Settings,
     isa: Isa,
     (cache, parameters): (Option<&Cache>, Parameters),
-) -> Structure {
+) -> Result<Structure, FrameError> {
+    if settings.accelerator.needs_gpu() {
+        return on_gpu(primitives, settings, isa, parameters);
+    }
     let options = BuildOptions::new(isa)
         .with_spatial_splits(settings.spatial_splits)
         .with_parameters(parameters);
     let accelerator = accelerator(settings.accelerator);
     let build = |primitives| Structure::build(accelerator, primitives, options);
     let pays = accelerator == Accelerator::Bvh && primitives.len() >= LEAST;
-    let Some(cache) = cache.filter(|_| pays) else { return build(primitives) };
+    let Some(cache) = cache.filter(|_| pays) else {
+        return Ok(build(primitives));
+    };
     let key = key(&primitives, accelerator, options);
     let mut given = Some(primitives);
     let found = cache.get(&key, |entry| {
@@ -66,13 +81,34 @@ pub(super) fn structure(
             }
         }
     });
-    found.unwrap_or_else(|| {
+    Ok(found.unwrap_or_else(|| {
         let built = build(given.unwrap_or_default());
         if let Some(sections) = built.kept() {
             let sections: Vec<&[u8]> = sections.iter().map(|section| &**section).collect();
             cache.put(&key, &sections);
         }
         built
+    }))
+}
+
+/// Builds the structure that a GPU is to traverse.
+fn on_gpu(
+    primitives: Primitives,
+    settings: &Settings,
+    isa: Isa,
+    mut parameters: Parameters,
+) -> Result<Structure, FrameError> {
+    if parameters.traversal == Traversal::Stack {
+        parameters.traversal = Traversal::ShortStack;
+    }
+    let options = BuildOptions::new(isa).with_parameters(parameters);
+    let built = device::get().and_then(|device| {
+        Structure::build_on(device, accelerator(settings.accelerator), primitives, options)
+    });
+    built.map_err(|reason| {
+        let named = |(_, accelerator): &&(&str, _)| *accelerator == settings.accelerator;
+        let name = slo_scene::Accelerator::NAMES.iter().find(named).map_or("", |(name, _)| name);
+        FrameError::Device { accelerator: name, reason }
     })
 }
 
@@ -93,12 +129,12 @@ fn accelerator(name: slo_scene::Accelerator) -> Accelerator {
         slo_scene::Accelerator::Bvh => Accelerator::Bvh,
         slo_scene::Accelerator::Cwbvh => Accelerator::Cwbvh,
         slo_scene::Accelerator::None => Accelerator::None,
-        slo_scene::Accelerator::Grid => Accelerator::Grid,
+        slo_scene::Accelerator::Grid | slo_scene::Accelerator::GpuGrid => Accelerator::Grid,
         slo_scene::Accelerator::Octree => Accelerator::Octree,
         slo_scene::Accelerator::Median => Accelerator::Median,
         slo_scene::Accelerator::RTree => Accelerator::RTree,
-        slo_scene::Accelerator::Binary => Accelerator::Binary,
-        slo_scene::Accelerator::Kd => Accelerator::Kd,
+        slo_scene::Accelerator::Binary | slo_scene::Accelerator::GpuBvh => Accelerator::Binary,
+        slo_scene::Accelerator::Kd | slo_scene::Accelerator::GpuKd => Accelerator::Kd,
         slo_scene::Accelerator::Boxes => Accelerator::Boxes,
     }
 }
@@ -121,25 +157,43 @@ mod tests {
     }
 
     #[test]
+    fn a_gpu_that_nobody_offers_is_an_error() {
+        let mut settings = Settings::default();
+        settings.accelerator = slo_scene::Accelerator::GpuBvh;
+        let usual = Parameters::default();
+        let error = structure(grid(0.1), &settings, Isa::best(), (None, usual)).unwrap_err();
+        assert!(error.to_string().starts_with("accelerator GPU_BVH: this program has no support"));
+    }
+
+    #[test]
     fn structures_are_built_once_for_all_instruction_sets() {
         let folder = tempfile::tempdir().expect("a folder");
         let open = || Cache::new(folder.path(), 1 << 30, |warning| panic!("{warning}"));
-        let (settings, usual) = (Settings::default(), Parameters::default());
-        let built = structure(grid(0.1), &settings, Isa::best(), (None, usual));
+        let settings = Settings::default();
+        fn of(
+            primitives: Primitives,
+            settings: &Settings,
+            isa: Isa,
+            cache: Option<&Cache>,
+        ) -> Structure {
+            structure(primitives, settings, isa, (cache, Parameters::default()))
+                .expect("no GPU is asked for")
+        }
+        let built = of(grid(0.1), &settings, Isa::best(), None);
         let expected = built.kept().expect("it can be kept");
         for (round, isa) in Isa::available().into_iter().chain([Isa::best()]).enumerate() {
             let cache = open();
-            let found = structure(grid(0.1), &settings, isa, (Some(&cache), usual));
+            let found = of(grid(0.1), &settings, isa, Some(&cache));
             assert!(found.kept().expect("it can be kept") == expected, "{isa}");
             let uses = cache.uses();
             assert_eq!((uses.made, uses.found), if round == 0 { (1, 0) } else { (0, 1) });
         }
         let cache = open();
-        structure(grid(0.2), &settings, Isa::best(), (Some(&cache), usual));
+        of(grid(0.2), &settings, Isa::best(), Some(&cache));
         let mut split = settings.clone();
         split.spatial_splits = true;
-        structure(grid(0.1), &split, Isa::best(), (Some(&cache), usual));
-        structure(Primitives::default(), &settings, Isa::best(), (Some(&cache), usual));
+        of(grid(0.1), &split, Isa::best(), Some(&cache));
+        of(Primitives::default(), &settings, Isa::best(), Some(&cache));
         let uses = cache.uses();
         assert_eq!((uses.made, uses.found), (2, 0));
     }

@@ -39,7 +39,8 @@ pub(super) fn crowd(
     let first_cast = parts.objects.len() as u32;
     let (mut casts, mut numbers) = (Vec::new(), HashMap::new());
     for (number, &(object, material, _)) in (0..).zip(&shown.casts) {
-        let (cast, about) = parts.add_cast(&scene.objects[object as usize], material, scene, isa);
+        let (cast, about) =
+            parts.add_cast(&scene.objects[object as usize], material, scene, isa)?;
         casts.push((cast, about));
         numbers.insert((object, material), number);
     }

@@ -14,6 +14,7 @@ use super::instance::{Body, Instance};
 use super::kept::structure;
 use super::lamps::carried;
 use super::looks::Look;
+use super::remains::Made;
 use super::sampled_camera::SampledCamera;
 use super::sampled_motion::{ObjectBox, SampledMotion};
 use super::scene::FrameObject;
@@ -101,6 +102,10 @@ pub(super) struct Parts {
     pub(super) stretches: bool,
     /// Existing structures of instances, by the index of the object.
     pub(super) before: HashMap<u32, Arc<Structure>>,
+    /// What they, and the structure of all still objects, were made of, if the scene may be another one.
+    pub(super) made: Option<Arc<Made>>,
+    /// Name of the thing that has a structure of its own.
+    pub(super) apart: Option<String>,
     /// Where structures may be found.
     pub(super) cache: Option<Arc<Cache>>,
     /// Parameters of structures to study.
@@ -123,6 +128,15 @@ impl Parts {
             add_primitives(&mut still, &self.objects[*number as usize].geometry, place);
         }
         still
+    }
+
+    /// Whether the still objects have the shapes that they had in the frame before.
+    pub(super) fn still_is_as_before(&self) -> bool {
+        let is_same = |made: &Arc<Made>| {
+            let mut still = self.places.iter().map(|(number, _)| *number);
+            still.all(|number| made.is(number, &self.objects[number as usize].geometry))
+        };
+        self.made.as_ref().is_none_or(is_same)
     }
 
     /// Returns the primitives of an object, in render space, if it is still.
@@ -173,14 +187,18 @@ impl Parts {
                 Shaped::AtRest(mesh) => {
                     let geometry = Geometry::Mesh(mesh, *smooth);
                     let poses = seen.poses(&object.name, &path, &self.shared.about(&geometry))?;
-                    self.add_instance(look, geometry, &poses, scene, seen, isa);
+                    self.add_instance(look, geometry, &poses, scene, seen, isa)?;
                 }
             }
         } else {
             let geometry = geometry(&object.shape);
             let about = self.shared.about(&geometry);
             let poses = seen.poses(&object.name, &path, &about)?;
-            self.add_surface(look, geometry, &poses, scene, seen, isa);
+            if self.apart.as_ref() == Some(&object.name) {
+                self.add_instance(look, geometry, &poses, scene, seen, isa)?;
+            } else {
+                self.add_surface(look, geometry, &poses, scene, seen, isa)?;
+            }
         }
         if let Some(added) = self.objects.last_mut() {
             added.tint = shown.tint.into();
@@ -204,8 +222,12 @@ impl Parts {
         };
         let light = shown.light;
         if shown.at.key_frames.is_empty() && shown.at.parent.is_none() {
-            if let Some(surface) = lamp_geometry(&light.kind) {
-                self.add_still(look, surface, &DAffine::IDENTITY, seen);
+            match lamp_geometry(&light.kind) {
+                Some(surface) if self.apart.as_ref() == Some(&light.name) => {
+                    self.add_instance(look, surface, &[DAffine::IDENTITY], scene, seen, isa)?;
+                }
+                Some(surface) => self.add_still(look, surface, &DAffine::IDENTITY, seen),
+                None => {}
             }
             return Ok((ready(light, seen.origin), Vec::new()));
         }
@@ -231,7 +253,7 @@ impl Parts {
             (light, about_zero, surface, poses)
         };
         if let Some(surface) = surface {
-            self.add_surface(look, surface, &poses, scene, seen, isa);
+            self.add_surface(look, surface, &poses, scene, seen, isa)?;
         }
         let is_distant = about_zero.is_distant();
         let center = if is_distant { DVec3::ZERO } else { box_of(&about_zero).center() };
@@ -253,15 +275,18 @@ impl Parts {
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
-    ) {
+    ) -> Result<(), FrameError> {
         match (poses, &geometry) {
             // A curved surface is what it is in its own space only.
             ([place], Geometry::Curved(_)) if place.growth.is_none() => {}
             ([_], _) if self.shared.is_placed(&geometry) => {}
-            ([place], _) => return self.add_still(look, geometry, place, seen),
+            ([place], _) => {
+                self.add_still(look, geometry, place, seen);
+                return Ok(());
+            }
             _ => {}
         }
-        self.add_instance(look, geometry, poses, scene, seen, isa);
+        self.add_instance(look, geometry, poses, scene, seen, isa)
     }
 
     /// Adds something that moves during the shutter, that is stretched, or of which there are many.
@@ -273,9 +298,9 @@ impl Parts {
         scene: &SceneDescription,
         seen: &Seen<'_>,
         isa: Isa,
-    ) {
+    ) -> Result<(), FrameError> {
         let center = self.shared.about(&geometry).center();
-        let (structure, normals) = self.made_of(&geometry, center, scene, isa);
+        let (structure, normals) = self.made_of(&geometry, center, scene, isa)?;
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
             body: Body::Still(structure),
@@ -285,6 +310,7 @@ impl Parts {
         });
         self.looks.push(look);
         self.objects.push(FrameObject::placed(geometry, normals));
+        Ok(())
     }
 
     /// Adds an object of a crowd. Returns what it is made of, and its box in object space.
@@ -294,13 +320,13 @@ impl Parts {
         material: MaterialId,
         scene: &SceneDescription,
         isa: Isa,
-    ) -> (Cast, ObjectBox) {
+    ) -> Result<(Cast, ObjectBox), FrameError> {
         let geometry = geometry(&object.shape);
         let about = self.shared.about(&geometry);
-        let (structure, normals) = self.made_of(&geometry, about.center(), scene, isa);
+        let (structure, normals) = self.made_of(&geometry, about.center(), scene, isa)?;
         self.looks.push(Look::Material(material.0));
         self.objects.push(FrameObject::placed(geometry, normals));
-        (Cast { body: Body::Still(structure), center: about.center().as_vec3() }, about)
+        Ok((Cast { body: Body::Still(structure), center: about.center().as_vec3() }, about))
     }
 
     /// Returns the structure of the next object, translated by `-center`, and the normals of its
@@ -311,29 +337,35 @@ impl Parts {
         center: DVec3,
         scene: &SceneDescription,
         isa: Isa,
-    ) -> (Arc<Structure>, Arc<[Vec3]>) {
+    ) -> Result<(Arc<Structure>, Arc<[Vec3]>), FrameError> {
         let number = self.objects.len() as u32;
-        let there = self.before.get(&number).cloned();
+        let is_same = self.made.as_ref().is_none_or(|made| made.is(number, geometry));
+        let there = self.before.get(&number).filter(|_| is_same).cloned();
         let (cache, parameters) = (self.cache.clone(), self.parameters);
-        let build = || {
+        let get = || {
+            if let Some(there) = there {
+                return Ok(there);
+            }
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, geometry, &place);
-            Arc::new(structure(local, &scene.settings, isa, (cache.as_deref(), parameters)))
+            structure(local, &scene.settings, isa, (cache.as_deref(), parameters)).map(Arc::new)
         };
         let normals = || vertex_normals(geometry, &DAffine::IDENTITY).into();
         match self.shared.of(geometry) {
             Some(common) => {
-                let structure = &mut common.structure;
-                let structure = structure.get_or_insert_with(|| there.unwrap_or_else(build));
+                let structure = match &common.structure {
+                    Some(structure) => structure.clone(),
+                    None => common.structure.insert(get()?).clone(),
+                };
                 let is_smooth = matches!(geometry, Geometry::Mesh(_, true));
                 let normals = match is_smooth {
                     true => common.normals.get_or_insert_with(normals).clone(),
                     false => Arc::default(),
                 };
-                (structure.clone(), normals)
+                Ok((structure, normals))
             }
-            None => (there.unwrap_or_else(build), normals()),
+            None => Ok((get()?, normals())),
         }
     }
 

@@ -3,17 +3,28 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::instance::Body;
 use super::scene::FrameScene;
+use super::shapes::Geometry;
 use super::world::World;
 use crate::shading::light::ImageSky;
-use slo_accel::Structure;
+use slo_accel::{Curved, Structure};
 use slo_scene::animation::DAffine;
+use slo_scene::{Accelerator, Mesh, Settings};
+
+/// Most vertices of meshes that are compared one by one.
+const MOST_COMPARED: usize = 64;
 
 /// What another frame of the same scene may use again: structures, and tables of skies. It shares
 /// them with the frame that it comes from.
 #[derive(Clone, Debug)]
 pub struct Remains {
+    /// Origin of render space, in scene space.
+    pub(super) origin: DVec3,
+    /// What the structures were made of, if the scene may be another one.
+    pub(super) made: Option<Arc<Made>>,
     pub(super) still: Arc<Structure>,
     /// Index and place of each object of the still structure.
     pub(super) places: Arc<Vec<(u32, DAffine)>>,
@@ -25,6 +36,17 @@ pub struct Remains {
 impl FrameScene {
     /// Returns what another frame of the same scene may use again.
     pub fn remains(&self) -> Remains {
+        self.left(None)
+    }
+
+    /// Returns the same for a frame of another scene, which may have other objects, materials and
+    /// settings: what fits is used again.
+    pub fn remains_for_others(&self) -> Remains {
+        let shapes = self.objects.iter().map(|object| Known::of(&object.geometry)).collect();
+        self.left(Some(Arc::new(Made { shapes, by: by(&self.settings) })))
+    }
+
+    fn left(&self, made: Option<Arc<Made>>) -> Remains {
         let World { still, instances, crowd, .. } = &self.world;
         let structure = |object, body: &Body| Some((object, body.structure()?.clone()));
         let mut moving: HashMap<_, _> =
@@ -32,12 +54,69 @@ impl FrameScene {
         let casts = (crowd.first_cast..).zip(&crowd.casts);
         moving.extend(casts.filter_map(|(object, cast)| structure(object, &cast.body)));
         Remains {
+            origin: self.compositing.origin,
+            made,
             still: still.clone(),
             places: self.still_places.clone(),
             moving,
             skies: self.lights.image_skies().to_vec(),
         }
     }
+}
+
+/// What structures were made of, and how.
+#[derive(Debug)]
+pub(super) struct Made {
+    /// By the number of the object.
+    shapes: Vec<Known>,
+    by: (Accelerator, bool),
+}
+
+/// What is needed to tell whether a shape is another one.
+#[derive(Debug)]
+enum Known {
+    Mesh(Arc<Mesh>),
+    Curved(Curved),
+}
+
+impl Known {
+    fn of(geometry: &Geometry) -> Self {
+        match geometry {
+            Geometry::Mesh(mesh, _) => Self::Mesh(mesh.clone()),
+            Geometry::Curved(surface) => Self::Curved(surface.primitive(&DAffine::IDENTITY)),
+        }
+    }
+
+    fn is(&self, geometry: &Geometry) -> bool {
+        match (self, geometry) {
+            (Self::Mesh(known), Geometry::Mesh(mesh, _)) => {
+                let is_small = mesh.positions.len() <= MOST_COMPARED;
+                let is_equal = || known.positions == mesh.positions && known.faces == mesh.faces;
+                Arc::ptr_eq(known, mesh) || (is_small && is_equal())
+            }
+            (Self::Curved(known), Geometry::Curved(surface)) => {
+                *known == surface.primitive(&DAffine::IDENTITY)
+            }
+            _ => false,
+        }
+    }
+}
+
+impl Made {
+    /// Whether the object with a number had this shape.
+    pub(super) fn is(&self, number: u32, geometry: &Geometry) -> bool {
+        self.shapes.get(number as usize).is_some_and(|known| known.is(geometry))
+    }
+
+    /// Whether these settings build the same structures.
+    pub(super) fn is_by(&self, settings: &Settings) -> bool {
+        self.by == by(settings)
+    }
+}
+
+/// The settings that structures depend on.
+fn by(settings: &Settings) -> (Accelerator, bool) {
+    (settings.accelerator, settings.spatial_splits)
 }
 
 #[cfg(test)]
@@ -99,6 +178,52 @@ mod tests {
                 assert_eq!(of(&first, 0), of(&second, 0));
             }
         }
+    }
+
+    #[test]
+    fn another_scene_takes_what_fits() {
+        let scene = |text: &str| {
+            let loaded = load("scene.txt", text, &Files::built_in("", FILES));
+            loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)))
+        };
+        let start = SCENE.find("mesh turning").expect("it is there");
+        let text = SCENE[..start].to_owned()
+            + "sphere ball { center { 0 0 0 } radius 1 material matte }
+               box crate { vertex0 { 0 0 0 } vertex1 { 1 0 0 } vertex2 { 1 1 0 } height 1
+                   material matte }";
+        let before = scene(&text);
+        let aids = |before: Option<super::Remains>| super::super::kept::Aids {
+            before,
+            stays: true,
+            apart: Some("ball".into()),
+            ..Default::default()
+        };
+        let build = |scene: &slo_scene::SceneDescription, before| {
+            FrameScene::build_with(scene, 0, Isa::best(), aids(before)).expect("a frame")
+        };
+        let first = build(&before, None);
+        let mut scene = before.clone();
+        let remains = || Some(first.remains_for_others());
+        let keeps = |scene: &slo_scene::SceneDescription| {
+            let second = build(scene, remains());
+            Arc::ptr_eq(&first.world.still, &second.world.still)
+        };
+        // The camera goes elsewhere, and the ball, which stands apart, changes.
+        scene.camera.segments[0].positions[0] += DVec3::new(3.0, -2.0, 1.0);
+        assert!(keeps(&scene));
+        let slo_scene::Shape::Sphere(ball) = &mut scene.objects[1].shape else { panic!("no ball") };
+        ball.radius = 2.0;
+        assert!(keeps(&scene));
+        let second = build(&scene, remains());
+        let of = |frame: &FrameScene| frame.world.instances[0].body.bounds();
+        assert_ne!(of(&first), of(&second), "the ball has grown");
+        // A box changes, or the way in which structures are built.
+        let slo_scene::Shape::Box(cuboid) = &mut scene.objects[2].shape else { panic!("no box") };
+        cuboid.height = 2.0;
+        assert!(!keeps(&scene));
+        let mut scene = before.clone();
+        scene.settings.accelerator = slo_scene::Accelerator::KdTree;
+        assert!(!keeps(&scene));
     }
 
     #[test]

@@ -13,7 +13,7 @@ use slo_scene::{Mesh, Shape};
 /// Still objects of one mesh are copied into the structure of all still objects, unless they have
 /// more triangles than this together. Then they become instances, which take about as much memory
 /// for each as two triangles do.
-const MOST_COPIED: usize = 1 << 20;
+pub(super) const MOST_COPIED: usize = 1 << 20;
 
 /// What the objects of each mesh share, by the address of the mesh: meshes live as long as the
 /// scene does.

@@ -10,6 +10,7 @@ use slo_scene::{
 
 use super::error::FrameError;
 use super::members::Members;
+use super::needs;
 use super::survey::{Found, Survey};
 
 /// An object, or a copy of one.
@@ -222,6 +223,10 @@ impl<'a> Expansion<'a, '_> {
 
     fn check_count(&self) -> Result<(), FrameError> {
         let count = self.shown.objects.len() + self.shown.lights.len();
-        if count as u64 > MOST_COPIED { Err(FrameError::Copies) } else { Ok(()) }
+        if count as u64 > MOST_COPIED {
+            return Err(FrameError::Copies);
+        }
+        // Asked now and then: there may be ever more of them.
+        if count.is_power_of_two() { needs::check_things(count as u64) } else { Ok(()) }
     }
 }

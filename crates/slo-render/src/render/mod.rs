@@ -19,7 +19,7 @@ mod whole;
 pub use crate::integrator::Statistics;
 pub use crate::photons::PhotonCounts;
 pub use budget::{Budget, render_until};
-pub use explain::explain;
+pub use explain::{Bright, Names, Share, Step, Tally, explain, luminance, rays_of, word};
 pub use light_map::light_map;
 pub use observer::{Exposed, Observer};
 pub use plan::{Part, Plan};

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::Edit;
 use super::layout;
+use crate::diagnostics::Span;
 use crate::format::parse_number;
 use crate::format::syntax::{Block, Entry, Form, Item, Word};
 
@@ -16,11 +17,15 @@ pub struct Part<'t, 'a> {
 }
 
 impl<'t, 'a> Part<'t, 'a> {
+    /// `None` if it has no braces, or lacks one of them: it is not known then where it ends.
     pub(super) fn of(text: &'a str, item: &'t Item<'a>) -> Option<Self> {
-        match &item.form {
-            Form::Element(_, block) | Form::Block(block) => Some(Self { text, item, block }),
-            _ => None,
-        }
+        let (Form::Element(_, block) | Form::Block(block)) = &item.form else { return None };
+        let is = |span: Span, brace| text.get(span.start..span.end) == Some(brace);
+        let is_whole = is(block.open, "{")
+            && is(block.close, "}")
+            && item.keyword.span.end <= block.open.start
+            && block.open.end <= block.close.start;
+        is_whole.then_some(Self { text, item, block })
     }
 
     /// Its first word.
@@ -112,6 +117,7 @@ impl<'t, 'a> Part<'t, 'a> {
     /// Adds something behind everything that stands in it.
     pub fn add(&self, what: &str) -> Edit {
         let last = self.block.entries.last().map(|entry| self.end_of(entry));
+        let last = last.filter(|last| (self.inside().start..=self.inside().end).contains(last));
         layout::add(self.text, self.block.open.end, last, self.block.close.start, what)
     }
 

@@ -132,3 +132,23 @@ fn changes_that_overlap_are_refused() {
     assert_eq!(applied("abc", vec![edit(2..9)]), None);
     assert_eq!(applied("aß", vec![edit(2..3)]), None);
 }
+
+#[test]
+fn what_lacks_a_brace_is_no_element() {
+    for text in [
+        "light_point l {\n color { 1 1 1 }\n position { 0 0 0 }\nsphere s { radius 1 }",
+        "light_point l {\n color { 1 1 1 \n position { 0 0 0 } }",
+        "sphere s radius 1 }",
+        "sphere s { radius 1 ",
+    ] {
+        for part in Outline::new(text).elements() {
+            for edit in
+                [vec![part.add("radius 2")], part.set("color", "1 2 3"), vec![part.remove()]]
+            {
+                assert!(applied(text, edit).is_some(), "{text}");
+            }
+        }
+    }
+    let text = "light_point l {\n color { 1 1 1 }\n position { 0 0 0 }\n";
+    assert!(Outline::new(text).element("light_point", "l").is_none());
+}

@@ -17,6 +17,9 @@ mod tangent;
 mod tangents;
 mod warnings;
 
+/// Bytes that reading a mesh takes for each byte of its file, at most. Measured.
+pub(crate) const BYTES_OF_BYTE: u64 = 4;
+
 pub use data::{LoadedMesh, Mesh};
 pub(crate) use load::{BYTE_ORDER_MARK, extension, kind, load_placements};
 pub use load::{load, load_shape};

@@ -9,6 +9,9 @@ use crate::settings::Repeat;
 /// Most members of a ring that are named.
 const MOST_NAMED: usize = 8;
 
+/// Most elements that may hang in one another.
+const MOST_DEEP: usize = 1000;
+
 /// An element that may hang in another one, and others in it: a group, an object or a light.
 #[derive(Clone, Debug)]
 pub(super) struct Hanging {
@@ -143,9 +146,31 @@ impl Hangings {
         self.0.get(number)?.as_ref()?.parent
     }
 
+    /// Reports elements that hang too deep in one another: everything in them moves by the product of all.
+    fn report_depth(&self, diagnostics: &mut Diagnostics) -> bool {
+        // From 1; 0: not known yet.
+        let mut depths = vec![0; self.count()];
+        for number in 0..depths.len() {
+            let (mut chain, mut next) = (Vec::new(), Some(number));
+            while let Some(number) = next.filter(|number| depths[*number] == 0) {
+                chain.push(number);
+                next = self.parent_of(number);
+            }
+            let above = next.map_or(0, |number| depths[number]);
+            for (number, depth) in chain.into_iter().rev().zip(above + 1..) {
+                depths[number] = depth;
+            }
+        }
+        let first = depths.iter().position(|depth| *depth > MOST_DEEP);
+        let Some(first) = first.and_then(|number| self.get(number)) else { return false };
+        let message = format!("more than {MOST_DEEP} elements hang in one another");
+        diagnostics.push(Diagnostic::error(message).at(first.place, "this is too deep"));
+        true
+    }
+
     /// Gives each group, and everything that has children, a space. Reports rings.
     pub(super) fn hang(&self, diagnostics: &mut Diagnostics) -> Hung {
-        if self.report_rings(diagnostics) {
+        if self.report_rings(diagnostics) || self.report_depth(diagnostics) {
             return Hung::default();
         }
         let mut has_children = vec![false; self.0.len()];

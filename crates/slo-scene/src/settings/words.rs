@@ -57,6 +57,19 @@ choices! {
         Kd = "KD",
         /// The boxes of all primitives, to study.
         Boxes = "BOXES",
+        /// `Grid`, traversed by a GPU.
+        GpuGrid = "GPU_GRID",
+        /// `Kd` with a short stack, traversed by a GPU.
+        GpuKd = "GPU_KD",
+        /// `Binary`, traversed by a GPU.
+        GpuBvh = "GPU_BVH",
+    }
+}
+
+impl Accelerator {
+    /// Whether a GPU traverses the structure.
+    pub const fn needs_gpu(self) -> bool {
+        matches!(self, Self::GpuGrid | Self::GpuKd | Self::GpuBvh)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::image::{Alpha, Texture};
 use super::texels::{Layout, Samples};
 use crate::format::FileError;
+use crate::memory;
 
 /// Texels that an image may have: 16384 x 16384, which takes 0.8 GB at 8 bits a channel.
 const MAX_TEXELS: u64 = 1 << 28;
@@ -20,11 +21,17 @@ pub struct LoadedTexture {
 pub(crate) const NEVER_SHOWN: &str =
     "it has transparent pixels, but alpha is not used: they show their colour";
 
-/// Refuses images that would take more memory than a texture is worth.
-pub(super) fn check_size(width: u32, height: u32) -> Result<(), FileError> {
+/// Refuses images that would take more memory than a texture is worth, or than there is; decoding takes
+/// so many bytes for each texel.
+pub(super) fn check_size(width: u32, height: u32, bytes: u64) -> Result<(), FileError> {
     let texels = u64::from(width) * u64::from(height);
     if texels <= MAX_TEXELS {
-        return Ok(());
+        return memory::check(texels * bytes).map_err(|refusal| {
+            FileError::whole_file(format!(
+                "the image has {width} x {height} pixels and needs {refusal}"
+            ))
+            .with_help("scale it down")
+        });
     }
     Err(FileError::whole_file(format!(
         "the image has {width} x {height} pixels, more than {MAX_TEXELS}"

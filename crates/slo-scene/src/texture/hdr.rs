@@ -43,7 +43,7 @@ pub(super) fn load(bytes: &[u8]) -> Result<LoadedTexture, FileError> {
         damaged("HDR", "the line with its size, such as `-Y 512 +X 1024`, is wrong")
     })?;
     let (width, height) = order.size();
-    check_size(width, height)?;
+    check_size(width, height, 12)?;
     let data = &bytes[lines.position..];
     if u64::from(width) * u64::from(height) > data.len() as u64 * MOST_PIXELS_PER_BYTE {
         let reason = format!("{} bytes can't be {width} x {height} pixels", data.len());

@@ -18,7 +18,8 @@ use structure::{Structure, unsupported};
 /// The image is damaged, too large, or of a kind that is not read.
 pub(super) fn load(bytes: &[u8]) -> Result<LoadedTexture, FileError> {
     let structure = Structure::of(bytes)?;
-    check_size(structure.width, structure.height)?;
+    // Samples, and the coefficients of all of them at once in a progressive image.
+    check_size(structure.width, structure.height, 12)?;
     structure.check_data()?;
     // The decoder takes zeros for data that is missing: the stream that it gets ends in errors.
     let mut decoder = Decoder::new(&structure.stream[..]);

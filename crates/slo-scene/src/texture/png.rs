@@ -26,7 +26,8 @@ pub(super) fn load(bytes: &[u8]) -> Result<LoadedTexture, FileError> {
     decoder.set_transformations(Transformations::EXPAND);
     let info = decoder.read_header_info().map_err(failed)?;
     let (width, height) = (info.width, info.height);
-    check_size(width, height)?;
+    let each = if info.bit_depth == BitDepth::Sixteen { 16 } else { 4 };
+    check_size(width, height, each)?;
     if u64::from(width) * u64::from(height) > bytes.len() as u64 * MOST_PIXELS_PER_BYTE {
         let reason = format!("{} bytes can't be {width} x {height} pixels", bytes.len());
         return Err(damaged("PNG", &reason));

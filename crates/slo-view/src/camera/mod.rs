@@ -4,4 +4,4 @@ mod hold;
 mod moves;
 
 pub(crate) use hold::{Held, hold};
-pub(crate) use moves::{Move, moved};
+pub(crate) use moves::{Move, axes, moved};

@@ -69,7 +69,7 @@ fn turned(view: &View, yaw: f64, pitch: f64, about: DVec3) -> View {
 }
 
 /// Unit vectors to the right, up and forward.
-fn axes(view: &View) -> [DVec3; 3] {
+pub(crate) fn axes(view: &View) -> [DVec3; 3] {
     let forward = (view.target - view.position).normalize_or(DVec3::Y);
     let side = forward.cross(view.sky);
     let right = side.normalize_or(forward.any_orthonormal_vector());

@@ -15,7 +15,8 @@ pub(crate) fn thing<'t, 'a>(outline: &'t Outline<'a>, name: &str) -> Option<Part
     })
 }
 
-fn find<'t, 'a>(outline: &'t Outline<'a>, name: &str) -> Result<Part<'t, 'a>, String> {
+/// The same, or why it can't be changed.
+pub(crate) fn find<'t, 'a>(outline: &'t Outline<'a>, name: &str) -> Result<Part<'t, 'a>, String> {
     thing(outline, name).ok_or_else(|| {
         format!("`{name}` stands in a file that the scene includes, not in its text")
     })

@@ -53,6 +53,13 @@ impl History {
         self.done = self.steps.len();
     }
 
+    /// No later change joins the last one.
+    pub(super) fn seal(&mut self) {
+        if let Some(last) = self.steps.last_mut() {
+            last.join = false;
+        }
+    }
+
     /// Takes a change back; false if there is none.
     pub(super) fn undo(&mut self, text: &mut String) -> bool {
         let Some(index) = self.done.checked_sub(1) else { return false };

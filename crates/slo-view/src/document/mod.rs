@@ -116,6 +116,17 @@ impl Document {
         Ok(())
     }
 
+    /// Takes another text. Changes with the same words that follow one another are one step if they
+    /// `join`.
+    pub(crate) fn replace(&mut self, text: String, what: &str, join: bool) {
+        self.become_text(text, what, join);
+    }
+
+    /// No later change joins the last one.
+    pub(crate) fn seal(&mut self) {
+        self.history.seal();
+    }
+
     /// Takes a change back; false if there is none.
     pub(crate) fn undo(&mut self) -> bool {
         self.history.undo(&mut self.text)

@@ -1,9 +1,12 @@
 //! The picture that is looked at: coarse at first, then better and better.
 
+mod frames;
+mod overlay;
 mod screen;
 mod shot;
 mod watch;
 
+use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -11,10 +14,12 @@ use rayon::ThreadPool;
 use slo_accel::Isa;
 use slo_picture::film::{Area, Film, Image, Steps};
 use slo_picture::output::Outcome;
-use slo_render::frame::{FrameError, FrameScene, Remains};
+use slo_render::frame::{FrameError, FrameScene};
 use slo_render::render::{Exposed, Plan, Statistics, render};
-use slo_scene::{Integrator, SceneDescription};
+use slo_scene::SceneDescription;
 
+use frames::{Frames, Purpose};
+pub(crate) use overlay::{Map, Overlay};
 pub(crate) use screen::bytes;
 pub(crate) use shot::Shot;
 use watch::Watch;
@@ -45,15 +50,28 @@ pub(crate) enum Fault {
     TooLarge,
 }
 
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frame(error) => error.fmt(f),
+            Self::TooLarge => f.write_str("there is no memory for a picture of this size"),
+        }
+    }
+}
+
 /// Renders the picture piece by piece.
 #[derive(Debug)]
 pub(crate) struct Looker {
     pool: Arc<ThreadPool>,
     isa: Isa,
-    remains: Option<Remains>,
+    frames: Frames,
+    /// Number of the scene that is looked at, see [`Purpose`].
+    content: u64,
+    overlay: Overlay,
     stage: Stage,
-    frame: Option<FrameScene>,
     film: Film,
+    /// Steps and tests of its pixels, if they are counted.
+    costs: Vec<[u64; 2]>,
     /// What is seen where the film has no samples.
     coarse: Option<Image>,
     /// Seconds that a sample took, by the last measurement.
@@ -71,10 +89,12 @@ impl Looker {
         Self {
             pool,
             isa,
-            remains: None,
+            frames: Frames::default(),
+            content: 0,
+            overlay: Overlay::None,
             stage: Stage::Done,
-            frame: None,
             film: Film::default(),
+            costs: Vec::new(),
             coarse: None,
             cost: 1e-6,
             since: Instant::now(),
@@ -94,14 +114,31 @@ impl Looker {
         self.isa
     }
 
-    /// What frames that have been built leave to others.
-    pub(crate) fn remains(&self) -> Option<Remains> {
-        self.remains.clone()
+    /// The scene is another one, and not only its camera.
+    pub(crate) fn change_content(&mut self) {
+        self.content += 1;
     }
 
-    /// Forgets what frames have left: the scene is another one.
-    pub(crate) fn forget(&mut self) {
-        self.remains = None;
+    /// An object or a lamp is likely to be moved.
+    pub(crate) fn set_apart(&mut self, name: Option<&str>) {
+        self.frames.set_apart(name);
+    }
+
+    /// What is laid over the picture.
+    pub(crate) fn overlay(&self) -> Overlay {
+        self.overlay
+    }
+
+    /// Why the overlay can't be shown.
+    pub(crate) fn overlay_fault(&self) -> Option<&'static str> {
+        self.frames.uncounted()
+    }
+
+    /// Lays something else over the picture. Returns whether the picture must be begun again.
+    pub(crate) fn set_overlay(&mut self, overlay: Overlay) -> bool {
+        let counted = self.overlay == Overlay::Cost;
+        self.overlay = overlay;
+        counted != (overlay == Overlay::Cost)
     }
 
     /// Number of the change that is being rendered.
@@ -128,7 +165,6 @@ impl Looker {
         }
         self.stage = if by == 1 { Stage::Step(0) } else { Stage::Coarse(by) };
         self.film = Film::default();
-        self.frame = None;
         self.since = Instant::now();
         self.picture += 1;
         self.coarse = None;
@@ -165,19 +201,13 @@ impl Looker {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Shot>, Fault> {
         let whole = (scene.camera.film.width, scene.camera.film.height);
-        let settings = scene.settings.clone();
         let film = &mut scene.camera.film;
         (film.width, film.height) = (whole.0.div_ceil(by), whole.1.div_ceil(by));
         let (width, height) = (film.width, film.height);
-        // What takes long to prepare is for later.
-        scene.settings.photons = 0.0;
-        if scene.settings.integrator == Integrator::PhotonMap {
-            scene.settings.integrator = Integrator::Path;
-        }
         let plan = Plan::new(scene).in_steps(Steps::default());
-        let built = self.build(scene, number);
+        let purpose = self.purpose(scene, true);
+        let built = self.frames.make(scene, number, self.isa, purpose).map_err(Fault::Frame);
         (scene.camera.film.width, scene.camera.film.height) = whole;
-        scene.settings = settings;
         let built = built?;
         let film = Film::new(Area::whole(width, height), false).map_err(|_| Fault::TooLarge)?;
         let start = Instant::now();
@@ -186,7 +216,7 @@ impl Looker {
         let never = || false;
         let is_first = self.coarse.is_none();
         let watch = Watch::new(if is_first { &never } else { stop });
-        let exposed = render(&built, &plan, film, &watch);
+        let exposed = render(built, &plan, film, &watch);
         if !exposed.is_complete {
             return Ok(None);
         }
@@ -209,12 +239,19 @@ impl Looker {
         let whole = (scene.camera.film.width, scene.camera.film.height);
         let area = Area::whole(whole.0, whole.1);
         let plan = Plan::new(scene);
-        if self.frame.is_none() {
-            self.frame = Some(self.build(scene, number)?);
+        if self.film.area() != area {
             self.film = Film::new(area, false).map_err(|_| Fault::TooLarge)?;
         }
-        let Some(frame) = &self.frame else { return Ok(None) };
         let before = std::mem::take(&mut self.film);
+        let purpose = self.purpose(scene, false);
+        let mut frames = std::mem::take(&mut self.frames);
+        let frame = match frames.make(scene, number, self.isa, purpose) {
+            Ok(frame) => frame,
+            Err(error) => {
+                self.frames = frames;
+                return Err(Fault::Frame(error));
+            }
+        };
         let had = samples(&before);
         let start = Instant::now();
         let partly = |film: &Film| show(self.shot(self.over_coarse(film), whole, None));
@@ -224,7 +261,10 @@ impl Looker {
         let exposed =
             render(frame, &plan.clone().in_steps(Steps { done: step, tiles: 0 }), before, &watch);
         let took = samples(&exposed.film) - had;
-        if step == 0 && exposed.is_complete {
+        let costs = frame.costs();
+        self.frames = frames;
+        // Counting takes longer than rendering.
+        if step == 0 && exposed.is_complete && costs.is_empty() {
             self.measure(start.elapsed(), took);
         }
         self.count(&exposed, start);
@@ -236,20 +276,78 @@ impl Looker {
         if took == 0.0 && step >= 3 && self.has_all(&plan) {
             self.stage = Stage::Done;
         }
-        let outcome = Outcome::of(&self.film, area, plan.display(), self.isa);
-        Ok(Some(self.shot(self.film.image(), whole, Some(outcome))))
+        self.costs = costs;
+        Ok(Some(self.shot_of_film(scene)))
+    }
+
+    /// The picture once more, for another overlay; `None` if it is still coarse.
+    pub(crate) fn again(&self, scene: &SceneDescription) -> Option<Shot> {
+        (!self.film.area().is_empty() && samples(&self.film) > 0.0)
+            .then(|| self.shot_of_film(scene))
+    }
+
+    fn shot_of_film(&self, scene: &SceneDescription) -> Shot {
+        let (film, display) = (&self.film, Plan::new(scene).display());
+        let outcome = Outcome::of(film, film.area(), display, self.isa);
+        let map = match self.overlay {
+            Overlay::None => None,
+            Overlay::Error => Some(Map::of_errors(film, display, self.isa)),
+            Overlay::Samples => Some(Map::of_samples(film)),
+            Overlay::Cost if self.costs.is_empty() => None,
+            Overlay::Cost => Some(Map::of_costs(film, &self.costs)),
+        };
+        let size = (film.area().width(), film.area().height());
+        Shot { map: map.map(Arc::new), ..self.shot(film.image(), size, Some(outcome)) }
+    }
+
+    /// Explains what is seen at a pixel of the picture: `work` gets its frame.
+    pub(crate) fn explained<T>(
+        &mut self,
+        scene: &SceneDescription,
+        number: i64,
+        work: impl FnOnce(&FrameScene) -> T + Send,
+    ) -> Result<T, Fault>
+    where
+        T: Send,
+    {
+        let pool = self.pool.clone();
+        let purpose = self.purpose(scene, false);
+        let (frames, isa) = (&mut self.frames, self.isa);
+        pool.install(|| frames.make(scene, number, isa, purpose).map(work)).map_err(Fault::Frame)
+    }
+
+    /// Lends a frame without photons, of a scene that is looked at with other layers or another lens.
+    pub(crate) fn lend<T>(
+        &mut self,
+        scene: &SceneDescription,
+        number: i64,
+        work: impl FnOnce(&FrameScene) -> T + Send,
+    ) -> Result<T, Fault>
+    where
+        T: Send,
+    {
+        let pool = self.pool.clone();
+        let purpose = Purpose { is_sharp: true, ..self.purpose(scene, true) };
+        let (frames, isa) = (&mut self.frames, self.isa);
+        pool.install(|| frames.make(scene, number, isa, purpose).map(work)).map_err(Fault::Frame)
+    }
+
+    fn purpose(&self, scene: &SceneDescription, is_draft: bool) -> Purpose {
+        let camera = &scene.camera;
+        Purpose {
+            content: self.content,
+            picture: self.picture,
+            size: [camera.film.width, camera.film.height],
+            shutters: camera.segments.iter().map(|segment| segment.blur_duration).collect(),
+            is_draft,
+            is_sharp: false,
+            counts: self.overlay == Overlay::Cost && !is_draft,
+        }
     }
 
     /// Whether every pixel has as many samples as the scene allows.
     fn has_all(&self, plan: &Plan) -> bool {
         self.film.pixels().iter().all(|pixel| pixel.samples >= plan.most())
-    }
-
-    fn build(&mut self, scene: &SceneDescription, number: i64) -> Result<FrameScene, Fault> {
-        let aids = slo_render::frame::Aids { before: self.remains.take(), ..Default::default() };
-        let built = FrameScene::build_with(scene, number, self.isa, aids).map_err(Fault::Frame)?;
-        self.remains = Some(built.remains());
-        Ok(built)
     }
 
     fn measure(&mut self, time: Duration, samples: f64) {
@@ -286,6 +384,7 @@ impl Looker {
             error: outcome.and_then(|outcome| outcome.error),
             rays: [camera_rays, shadow_rays, bounce_rays],
             seconds: self.seconds,
+            map: None,
             is_done: self.stage == Stage::Done,
         }
     }

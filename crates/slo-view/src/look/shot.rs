@@ -6,6 +6,8 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use slo_picture::film::Image;
 
+use super::overlay::Map;
+
 /// One state of the picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Shot {
@@ -25,6 +27,8 @@ pub(crate) struct Shot {
     pub(crate) rays: [u64; 3],
     /// Seconds that these rays took.
     pub(crate) seconds: f64,
+    /// What is laid over it.
+    pub(crate) map: Option<Arc<Map>>,
     /// Whether it has all of its samples.
     pub(crate) is_done: bool,
 }
@@ -41,6 +45,8 @@ impl Shot {
             "ms": self.since.as_secs_f64() * 1e3,
             "samples": self.samples,
             "error": self.error,
+            "seconds": self.seconds,
+            "map": self.map.as_ref().map(|map| map.legend()),
             "rays": self.rays.map(per_second),
             "done": self.is_done,
         })

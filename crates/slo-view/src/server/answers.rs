@@ -97,7 +97,11 @@ fn png(shown: &Shown) -> Option<Vec<u8>> {
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fastest);
     let mut writer = encoder.write_header().ok()?;
-    writer.write_image_data(&bytes(image, shown.look)).ok()?;
+    let mut pixels = bytes(image, shown.look);
+    if let Some(map) = &shown.shot.map {
+        map.over(&mut pixels);
+    }
+    writer.write_image_data(&pixels).ok()?;
     writer.finish().ok()?;
     Some(file)
 }

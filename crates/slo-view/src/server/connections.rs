@@ -1,7 +1,10 @@
 //! Connections: few, and none for ever.
 
 use std::convert::Infallible;
+use std::future::{Future, poll_fn};
+use std::pin::pin;
 use std::sync::Arc;
+use std::task::{Context, Poll};
 use std::time::Duration;
 
 use hyper::server::conn::http1;
@@ -12,6 +15,7 @@ use tokio::sync::Semaphore;
 
 use super::answers::answer;
 use super::guard::Guard;
+use super::idle::Idle;
 use crate::studio::Link;
 
 /// Most connections at once.
@@ -23,6 +27,8 @@ const HEAD: Duration = Duration::from_secs(60);
 const LONGEST_HEAD: usize = 16 << 10;
 /// Most headers of a request.
 const HEADERS: usize = 64;
+/// How long a new connection waits for the place of one that makes room.
+const ROOM: Duration = Duration::from_secs(1);
 /// Time before the next try if the system has no connection.
 const PAUSE: Duration = Duration::from_millis(50);
 
@@ -33,25 +39,47 @@ pub(super) async fn accept(
     link: &Arc<Link>,
 ) -> Infallible {
     let free = Arc::new(Semaphore::new(CONNECTIONS));
+    let idle = Arc::new(Idle::default());
     loop {
         let Ok((stream, _)) = listener.accept().await else {
             tokio::time::sleep(PAUSE).await;
             continue;
         };
-        // One too many is closed at once.
-        let Ok(place) = free.clone().try_acquire_owned() else { continue };
+        let place = match free.clone().try_acquire_owned() {
+            Ok(place) => place,
+            // If all are busy, one too many is closed at once.
+            Err(_) if !idle.make_room() => continue,
+            Err(_) => match tokio::time::timeout(ROOM, free.clone().acquire_owned()).await {
+                Ok(Ok(place)) => place,
+                _ => continue,
+            },
+        };
         let _ = stream.set_nodelay(true);
         let (guard, link) = (guard.clone(), link.clone());
+        let connection = idle.enter();
         tokio::spawn(async move {
+            let connection = &connection;
             let service = service_fn(|request| {
                 let (guard, link) = (guard.clone(), link.clone());
-                async move { Ok::<_, Infallible>(answer(request, &guard, &link).await) }
+                async move {
+                    connection.is_busy();
+                    let answer = answer(request, &guard, &link).await;
+                    connection.waits();
+                    Ok::<_, Infallible>(answer)
+                }
             });
             let mut http = http1::Builder::new();
             http.timer(TokioTimer::new()).header_read_timeout(HEAD);
             http.max_buf_size(LONGEST_HEAD).max_headers(HEADERS);
             // Whatever goes wrong with a connection is its own matter.
-            let _ = http.serve_connection(TokioIo::new(stream), service).await;
+            let served = http.serve_connection(TokioIo::new(stream), service);
+            let (mut served, mut closed) = (pin!(served), pin!(connection.must_close()));
+            let either = |context: &mut Context<'_>| {
+                let is_over = served.as_mut().poll(context).is_ready()
+                    || closed.as_mut().poll(context).is_ready();
+                if is_over { Poll::Ready(()) } else { Poll::Pending }
+            };
+            poll_fn(either).await;
             drop(place);
         });
     }

@@ -17,7 +17,7 @@ const OTHERS: f64 = 20.0;
 
 /// Decides which requests are answered.
 #[derive(Debug)]
-pub(super) struct Guard {
+pub(crate) struct Guard {
     token: Token,
     address: SocketAddr,
     page: Mutex<Rate>,
@@ -31,11 +31,18 @@ impl Guard {
         Self { token, address, page, others }
     }
 
+    /// For a server that nobody connects to, with its token.
+    pub(crate) fn apart() -> Option<(Self, String)> {
+        let token = Token::random().ok()?;
+        let text = token.text().to_owned();
+        Some((Self::new(token, SocketAddr::from(([127, 0, 0, 1], 8000))), text))
+    }
+
     /// Returns what a request asks for, behind the token.
     ///
     /// # Errors
     /// How it is refused. Whoever does not know the token learns nothing else.
-    pub(super) fn admit<'r, B>(&self, request: &'r Request<B>) -> Result<&'r str, StatusCode> {
+    pub(crate) fn admit<'r, B>(&self, request: &'r Request<B>) -> Result<&'r str, StatusCode> {
         let (token, path) = split(request.uri().path());
         if !self.token.is(token) || !self.is_ours(request.headers()) {
             let looked_at = allows(&self.others);

@@ -3,6 +3,7 @@
 mod answers;
 mod connections;
 mod guard;
+mod idle;
 mod page;
 mod rate;
 mod token;
@@ -15,13 +16,14 @@ use std::sync::mpsc;
 
 use rayon::ThreadPool;
 use slo_accel::Isa;
+use slo_scene::animation::NoSegment;
 use tokio::net::TcpListener;
 use tokio::runtime::Builder;
 use tokio::sync::oneshot;
 
 use crate::source::Source;
 use crate::studio::{Link, Studio};
-use guard::Guard;
+pub(crate) use guard::Guard;
 use token::Token;
 
 /// How a scene is shown.
@@ -29,8 +31,9 @@ use token::Token;
 pub struct Options {
     /// Where to listen: an address of this machine, and a port or 0 for any.
     pub listen: SocketAddr,
-    /// The first frame to be shown.
-    pub frame: i64,
+    /// The first frame to be shown: it must be one of the scene's, if that has no errors. `None`: the
+    /// scene's first.
+    pub frame: Option<i64>,
     /// The threads that render.
     pub pool: ThreadPool,
     /// Their instruction set.
@@ -42,6 +45,8 @@ pub struct Options {
 pub enum Error {
     /// The address can't be listened on.
     Listen(io::Error),
+    /// The scene has no such frame.
+    Frame(NoSegment),
     /// The system has no threads or random numbers.
     System(String),
 }
@@ -50,6 +55,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Listen(error) => write!(f, "can't listen: {error}"),
+            Self::Frame(error) => error.fmt(f),
             Self::System(why) => f.write_str(why),
         }
     }
@@ -78,12 +84,24 @@ pub fn serve(
         let link = Arc::new(Link::new(sender));
         let (ended, end) = oneshot::channel();
         let studio_link = link.clone();
+        let (loaded, load) = oneshot::channel();
         let work = move || {
-            Studio::new(source, frame, Arc::new(pool), isa, studio_link, inbox).run();
+            let studio = Studio::new(source, frame, Arc::new(pool), isa, studio_link, inbox);
+            let fault = frame.and_then(|frame| studio.lacks(frame));
+            let is_there = fault.is_none();
+            let _ = loaded.send(fault);
+            if is_there {
+                studio.run();
+            }
             let _ = ended.send(());
         };
         let studio = std::thread::Builder::new().name("studio".into()).spawn(work);
         let studio = studio.map_err(|e| system(&e))?;
+        if frame.is_some()
+            && let Ok(Some(fault)) = load.await
+        {
+            return Err(Error::Frame(fault));
+        }
         ready(&format!("http://{}/{}/", reachable(address), token.text()));
         let guard = Arc::new(Guard::new(token, address));
         tokio::spawn(async move { connections::accept(&listener, &guard, &link).await });

@@ -1,7 +1,10 @@
 //! The thread that owns the scene: it does what the page asks for, and renders in between.
 
+mod explain;
+mod handles;
 mod link;
 mod loading;
+mod path;
 mod requests;
 mod stage;
 mod state;
@@ -12,14 +15,17 @@ use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
 use slo_accel::Isa;
+use slo_scene::animation::{Clock, NoSegment};
 
+use handles::Dragging;
 pub(crate) use link::{Link, Message, Shown};
 use loading::Loading;
 use stage::Stage;
 
 use crate::changes;
-use crate::look::{Fault, Looker};
+use crate::look::Looker;
 use crate::pick::Seen;
+use crate::placing::Placed;
 use crate::source::Source;
 
 /// Time between two looks at the files of the scene.
@@ -39,6 +45,15 @@ pub(crate) struct Studio {
     stage: Option<Stage>,
     looker: Looker,
     picked: Option<Seen>,
+    /// Where the selected thing is, if it can be moved.
+    placed: Option<Placed>,
+    dragging: Option<Dragging>,
+    /// Number of the drag of a control point of the camera.
+    path_drag: Option<u64>,
+    /// Boxes around all objects, if the scene is shown from above.
+    plan: Option<serde_json::Value>,
+    /// What a pixel of this picture is made of, as JSON.
+    why: Option<serde_json::Value>,
     /// Why nothing can be shown, though the text has no errors.
     fault: Option<String>,
     /// Stops by which the picture is brightened, beside those of the scene.
@@ -58,19 +73,22 @@ struct Effects {
     picture: bool,
     /// The same light is shown in another way.
     exposure: bool,
+    /// Something else is laid over it.
+    overlay: bool,
 }
 
 impl Studio {
     /// Loads the scene and shows frame `frame`, or the scene's first if it has no such frame.
     pub(crate) fn new(
         source: Box<dyn Source>,
-        frame: i64,
+        frame: Option<i64>,
         pool: Arc<ThreadPool>,
         isa: Isa,
         link: Arc<Link>,
         inbox: Receiver<Message>,
     ) -> Self {
         let now = Instant::now();
+        let frame = frame.unwrap_or(0);
         let mut studio = Self {
             link,
             inbox,
@@ -78,6 +96,11 @@ impl Studio {
             stage: None,
             looker: Looker::new(pool, isa),
             picked: None,
+            placed: None,
+            dragging: None,
+            path_drag: None,
+            plan: None,
+            why: None,
             fault: None,
             exposure: 0.0,
             unwritten: None,
@@ -87,6 +110,12 @@ impl Studio {
         };
         studio.load(frame);
         studio
+    }
+
+    /// Why the scene does not have a frame; `None` if it has it, or has errors.
+    pub(crate) fn lacks(&self, frame: i64) -> Option<NoSegment> {
+        let scene = self.stage.as_ref()?.scene();
+        Clock::new(&scene.camera).shutter(frame).err()
     }
 
     /// Works until nobody can ask for anything any more.
@@ -121,9 +150,10 @@ impl Studio {
         while let Some(Message { command, reply }) = next {
             self.link.took();
             let refusal = match self.perform(command) {
-                Ok(Effects { picture, exposure }) => {
+                Ok(Effects { picture, exposure, overlay }) => {
                     effects.picture |= picture;
                     effects.exposure |= exposure;
+                    effects.overlay |= overlay;
                     None
                 }
                 Err(why) => Some(why),
@@ -133,8 +163,12 @@ impl Studio {
         }
         if effects.picture {
             self.begin();
-        } else if effects.exposure {
+        } else if effects.exposure || effects.overlay {
             self.link.tone(self.look());
+            let again = self.stage.as_ref().filter(|_| effects.overlay);
+            if let Some(shot) = again.and_then(|stage| self.looker.again(stage.shown())) {
+                self.link.show(shot, self.look());
+            }
         }
         self.tell();
         for (reply, refusal) in replies {
@@ -161,11 +195,13 @@ impl Studio {
         self.settle();
         let pool = self.looker.pool().clone();
         let Some(scene) = pool.install(|| self.loading.load()) else { return false };
-        self.looker.forget();
+        self.looker.change_content();
         self.stage = Some(match self.stage.take() {
             Some(before) => before.with_scene(scene),
             None => Stage::new(scene, frame),
         });
+        self.place();
+        self.plan = self.plan.is_some().then(|| self.boxes());
         true
     }
 
@@ -184,7 +220,7 @@ impl Studio {
     fn begin(&mut self) {
         let is_moving = self.last_change.elapsed() < MOVEMENT;
         self.last_change = Instant::now();
-        (self.fault, self.unwritten) = (None, None);
+        (self.fault, self.unwritten, self.why) = (None, None, None);
         if let Some(stage) = &self.stage {
             self.looker.begin(stage.shown(), is_moving);
         }
@@ -203,10 +239,7 @@ impl Studio {
             Ok(None) => {}
             Err(fault) => {
                 self.looker.end();
-                self.fault = Some(match fault {
-                    Fault::Frame(error) => error.to_string(),
-                    Fault::TooLarge => "there is no memory for a picture of this size".into(),
-                });
+                self.fault = Some(fault.to_string());
                 self.tell();
             }
         }
@@ -227,6 +260,10 @@ impl Studio {
             loading: &self.loading,
             stage: self.stage.as_ref(),
             picked: self.picked.as_ref(),
+            placed: self.placed.as_ref(),
+            why: self.why.as_ref(),
+            plan: self.plan.as_ref(),
+            looker: &self.looker,
             fault: self.fault.as_deref(),
             unwritten: self.unwritten.as_deref(),
             exposure: self.exposure,

@@ -8,7 +8,10 @@ use crate::changes;
 use crate::command::{Command, Lens, Show, TextEdit};
 use crate::document::Document;
 use crate::finished::Finishing;
-use crate::pick::{Seen, pick};
+use crate::pick::{Seen, pick, sharp};
+
+/// Size of a new thing, as a share of what is seen.
+const NEW_SHARE: f64 = 0.3;
 
 impl Studio {
     /// Does what is asked for.
@@ -29,6 +32,9 @@ impl Studio {
                 // The camera that was moved belongs to the frame before.
                 self.settle();
                 let effects = self.change(|stage| stage.set_frame(frame))?;
+                self.looker.change_content();
+                self.place();
+                self.plan = self.plan.is_some().then(|| self.boxes());
                 self.frame = self.stage.as_ref().map_or(frame, |stage| stage.frame());
                 Ok(effects)
             }
@@ -36,12 +42,18 @@ impl Studio {
             Command::Move(by) => self.move_camera(by),
             Command::Lens(lens) => self.set_lens(lens),
             Command::Pick(at) => {
-                self.picked = self.seen_at(at);
+                let seen = self.seen_at(at);
+                self.set_picked(seen);
                 if let (Some(seen), Some(stage)) = (&self.picked, &mut self.stage) {
                     stage.set_pivot(seen.point);
                 }
                 Ok(Effects::default())
             }
+            Command::Select(name) => self.select(&name),
+            Command::Why(at) => self.explain(at),
+            Command::Drag(drag) => self.drag(&drag),
+            Command::Point(point) => self.move_point(&point),
+            Command::OrbitOnce(seconds) => self.orbit_once(seconds),
             Command::Focus(at) => {
                 let seen = self.seen_at(at).ok_or("there is nothing to focus on")?;
                 self.set_lens(Lens { dof: Some(seen.depth), ..Lens::default() })
@@ -58,9 +70,13 @@ impl Studio {
             Command::Edit(edit) => {
                 return Some(self.edit(edit));
             }
-            Command::Save => {
+            Command::Save(with_errors) => {
                 self.settle();
-                return Some(self.loading.save().map(|()| Effects::default()));
+                let effects = match self.loading.is_stale() {
+                    true => self.load_again(),
+                    false => Effects::default(),
+                };
+                return Some(self.loading.save(*with_errors).map(|()| effects));
             }
             Command::Reset => {
                 // All movements since another change are one step.
@@ -85,6 +101,7 @@ impl Studio {
     fn edit(&mut self, edit: &TextEdit) -> Result<Effects, String> {
         self.settle();
         let text = self.loading.document().text();
+        let mut added = None;
         let (edits, what) = match edit {
             TextEdit::Set(field) => {
                 (changes::set(text, field)?, format!("{} of {}", field.attribute, field.place.name))
@@ -92,6 +109,16 @@ impl Studio {
             TextEdit::Hide(name) => (changes::hide(text, name)?, format!("{name} hidden")),
             TextEdit::Remove(name) => (changes::remove(text, name)?, format!("{name} removed")),
             TextEdit::Copy(name) => (changes::copy(text, name)?, format!("{name} copied")),
+            TextEdit::Add(new) => {
+                let stage = self.stage.as_ref().ok_or("the scene has errors")?;
+                let view = stage.held().ok_or("the scene has no such frame")?.view;
+                let at = stage.pivot().unwrap_or(view.target);
+                let size = (at - view.position).length() * view.fov * NEW_SHARE;
+                let material = self.picked.as_ref().and_then(|picked| picked.material.as_deref());
+                let (edits, name) = changes::add(text, new, at, size, material)?;
+                added = Some(name.clone());
+                (edits, format!("{name} added"))
+            }
             TextEdit::KeyFrame(name) => {
                 let place = self.stage.as_ref().and_then(|stage| stage.place_of(name));
                 let (time, place) = place.ok_or("it is no object, or its size changes")?;
@@ -101,16 +128,21 @@ impl Studio {
         };
         // A slider that is dragged is one step.
         self.loading.change(edits, &what, matches!(edit, TextEdit::Set(_)))?;
-        Ok(self.load_again())
+        let effects = self.load_again();
+        if let Some(name) = added {
+            // If the text has errors, there is nothing to select.
+            let _ = self.select(&name);
+        }
+        Ok(effects)
     }
 
-    fn load_again(&mut self) -> Effects {
-        Effects { picture: self.load(self.frame), exposure: false }
+    pub(super) fn load_again(&mut self) -> Effects {
+        Effects { picture: self.load(self.frame), ..Effects::default() }
     }
 
     fn change(&mut self, change: impl FnOnce(&mut super::Stage)) -> Result<Effects, String> {
         self.stage.as_mut().map(change).ok_or("the scene has errors")?;
-        Ok(Effects { picture: true, exposure: false })
+        Ok(Effects { picture: true, ..Effects::default() })
     }
 
     fn held(&self) -> Result<Held, String> {
@@ -137,17 +169,23 @@ impl Studio {
 
     fn seen_at(&mut self, at: [f64; 2]) -> Option<Seen> {
         let stage = self.stage.as_ref()?;
-        let (remains, isa) = (self.looker.remains(), self.looker.isa());
-        let pool = self.looker.pool().clone();
-        pool.install(|| pick(stage.shown(), stage.frame(), at, remains, isa))
+        let scene = sharp(stage.shown());
+        self.looker.lend(&scene, stage.frame(), |frame| pick(&scene, frame, at)).ok()?
     }
 
     fn set_show(&mut self, show: Show) -> Result<Effects, String> {
-        let Show { exposure, share, accelerator } = show;
+        let Show { exposure, share, accelerator, overlay, plan } = show;
         let mut effects = Effects::default();
         if let Some(exposure) = exposure {
             self.exposure = exposure;
             effects.exposure = true;
+        }
+        if let Some(plan) = plan {
+            self.set_plan(plan);
+        }
+        if let Some(overlay) = overlay {
+            effects.overlay = true;
+            effects.picture |= self.looker.set_overlay(overlay);
         }
         let Some(stage) = &mut self.stage else { return Ok(effects) };
         if let Some(share) = share {
@@ -161,7 +199,7 @@ impl Studio {
                 return Err(format!("there is no structure `{word}`"));
             }
             stage.set_accelerator(chosen);
-            self.looker.forget();
+            self.looker.change_content();
             effects.picture = true;
         }
         Ok(effects)

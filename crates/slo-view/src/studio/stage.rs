@@ -118,6 +118,12 @@ impl Stage {
         Some(Held { view: view_at(segment, parameter), shutter: segment.blur_duration })
     }
 
+    /// The path of the camera of this frame.
+    pub(crate) fn path(&self) -> Option<&CamSegment> {
+        let (segment, _) = self.place()?;
+        self.shown.camera.segments.get(segment)
+    }
+
     /// Moves the camera of this frame, and its path with it.
     pub(super) fn hold(&mut self, to: &Held) {
         let (Some((segment, _)), Some(from)) = (self.place(), self.held()) else { return };

@@ -1,22 +1,29 @@
 //! What there is to know about the scene, for the page.
 
+use glam::DVec3;
 use serde_json::{Value, json};
-use slo_scene::Accelerator;
 use slo_scene::animation::Clock;
 use slo_scene::diagnostics::{Diagnostic, Diagnostics, Severity};
+use slo_scene::{Accelerator, CamSegment, SceneDescription};
 
 use super::loading::Loading;
 use super::stage::Stage;
 use crate::camera::Held;
 use crate::changes::parts_of;
 use crate::document::Hunk;
+use crate::look::Looker;
 use crate::pick::Seen;
+use crate::placing::Placed;
 
 /// What the state is made from.
 pub(super) struct Known<'a> {
     pub(super) loading: &'a Loading,
     pub(super) stage: Option<&'a Stage>,
     pub(super) picked: Option<&'a Seen>,
+    pub(super) placed: Option<&'a Placed>,
+    pub(super) why: Option<&'a Value>,
+    pub(super) plan: Option<&'a Value>,
+    pub(super) looker: &'a Looker,
     pub(super) fault: Option<&'a str>,
     pub(super) unwritten: Option<&'a str>,
     pub(super) exposure: f32,
@@ -24,6 +31,8 @@ pub(super) struct Known<'a> {
 
 /// Most messages that the page shows.
 const MOST_MESSAGES: usize = 50;
+/// Most objects and lamps that the page lists.
+const MOST_THINGS: usize = 500;
 /// Most places of differences that the page shows.
 const MOST_HUNKS: usize = 100;
 /// Most characters of a line that the page shows.
@@ -31,18 +40,30 @@ const LONGEST_LINE: usize = 300;
 
 /// Returns what there is to know.
 pub(super) fn of(known: &Known<'_>) -> Value {
-    let Known { loading, stage, picked, fault, unwritten, exposure } = known;
+    let Known { loading, stage, picked, placed, why, plan, looker, fault, unwritten, exposure } =
+        known;
     json!({
         "name": loading.name(),
         "messages": messages(loading),
         "fault": fault,
         "exposure": exposure,
-        "accelerators": Accelerator::NAMES.map(|(name, _)| name),
+        "accelerators": accelerators(),
         "unwritten": unwritten,
-        "picked": picked.map(|picked| seen(picked, loading)),
+        "picked": picked.map(|picked| seen(picked, *placed, loading)),
+        "why": why,
+        "plan": plan,
+        "files": loading.files(),
+        "overlay": { "shown": looker.overlay().word(), "fault": looker.overlay_fault() },
         "text": text(loading),
         "stage": stage.map(of_stage),
     })
+}
+
+/// Returns the names of the structures that this program can use.
+fn accelerators() -> Vec<&'static str> {
+    let has_gpu = slo_render::frame::offers_device();
+    let usable = Accelerator::NAMES.iter().filter(|(_, kind)| has_gpu || !kind.needs_gpu());
+    usable.map(|(name, _)| *name).collect()
 }
 
 fn of_stage(stage: &Stage) -> Value {
@@ -62,6 +83,8 @@ fn of_stage(stage: &Stage) -> Value {
         "share": stage.share(),
         "accelerator": stage.accelerator().map(|of| of.to_string()),
         "integrator": scene.settings.integrator.to_string(),
+        "things": things(scene),
+        "path": stage.path().map(path),
         "camera": stage.held().map(|held| camera(&held)),
         "moved": stage.is_moved(),
     })
@@ -71,6 +94,7 @@ fn camera(Held { view, shutter }: &Held) -> Value {
     json!({
         "position": view.position.to_array(),
         "target": view.target.to_array(),
+        "sky": view.sky.to_array(),
         "fov": view.fov,
         "dof": view.dof,
         "radius": view.lens_radius,
@@ -93,10 +117,39 @@ fn text(loading: &Loading) -> Value {
     })
 }
 
-fn seen(seen: &Seen, loading: &Loading) -> Value {
+/// Names of objects and lamps.
+fn things(scene: &SceneDescription) -> Vec<&str> {
+    let objects = scene.objects.iter().map(|object| &*object.name);
+    let lights = scene.lights.iter().map(|light| &*light.name);
+    objects.chain(lights).take(MOST_THINGS).collect()
+}
+
+/// The camera's path.
+fn path(segment: &CamSegment) -> Value {
+    let points = |points: &[DVec3]| -> Vec<[f64; 3]> {
+        points.iter().map(|point| point.to_array()).collect()
+    };
+    json!({
+        "segment": segment.name,
+        "positions": points(&segment.positions),
+        "targets": points(&segment.targets),
+    })
+}
+
+/// Where handles stand.
+fn handle(placed: &Placed) -> Value {
+    json!({
+        "at": placed.at().to_array(),
+        "axes": placed.axes().map(|axis| axis.to_array()),
+        "radius": placed.radius,
+    })
+}
+
+fn seen(seen: &Seen, placed: Option<&Placed>, loading: &Loading) -> Value {
     let object = seen.object.as_deref().unwrap_or_default();
     let parts = parts_of(loading.document().text(), object, seen.material.as_deref());
     json!({
+        "handle": placed.filter(|_| !parts.is_empty()).map(handle),
         "parts": parts,
         "point": seen.point.to_array(),
         "depth": seen.depth,
@@ -110,8 +163,19 @@ fn messages(loading: &Loading) -> Vec<Value> {
         return vec![json!({ "severity": "error", "message": why })];
     }
     let diagnostics = loading.diagnostics();
-    let sorted = diagnostics.sorted();
-    sorted.into_iter().take(MOST_MESSAGES).map(|one| message(one, diagnostics)).collect()
+    let all = |diagnostics: &Diagnostics| -> Vec<Value> {
+        diagnostics.sorted().into_iter().map(|one| message(one, diagnostics)).collect()
+    };
+    let mut messages = all(diagnostics);
+    for mut message in loading.of_file().map(all).unwrap_or_default() {
+        // What the text and the file have in common is said once.
+        if !messages.contains(&message) {
+            message["of"] = json!("file");
+            messages.push(message);
+        }
+    }
+    messages.truncate(MOST_MESSAGES);
+    messages
 }
 
 fn message(diagnostic: &Diagnostic, all: &Diagnostics) -> Value {

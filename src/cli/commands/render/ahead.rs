@@ -82,7 +82,7 @@ impl Ahead {
         let (sender, receiver) = sync_channel(1);
         let (pool, scene, isa) = (self.pool.clone(), self.scene.clone(), self.isa);
         let (before, cache) = (Some(before.remains()), self.cache.clone());
-        let aids = Aids { before, cache, parameters: self.parameters };
+        let aids = Aids { before, cache, parameters: self.parameters, ..Aids::default() };
         let build = move || {
             let start = Instant::now();
             let frame = pool.install(|| load::frame(isa, &scene, number, aids));

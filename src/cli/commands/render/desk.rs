@@ -60,7 +60,8 @@ impl<'a> Desk<'a> {
         }
         self.written()?;
         let before = self.before.take().map(|frame| frame.remains());
-        let aids = Aids { before, cache: job.cache.clone(), parameters: job.parameters() };
+        let (cache, parameters) = (job.cache.clone(), job.parameters());
+        let aids = Aids { before, cache, parameters, ..Aids::default() };
         interrupt::while_building(|| load::frame(job.isa, scene, number, aids))
     }
 

@@ -1,5 +1,6 @@
 //! Renders one frame to a file.
 
+use std::fs;
 use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -11,7 +12,7 @@ use super::guide_file::GuideFile;
 use super::target::{Target, in_the_way};
 use super::watch::Watcher;
 use crate::cli::base::{Exit, Problem, Terminal, counted};
-use crate::cli::files::checkpoint::{Checkpoint, recipe_hash};
+use crate::cli::files::checkpoint::{Checkpoint, recipe_hash, states_in, unfinished};
 use crate::cli::options::Job;
 use crate::cli::progress::{FrameProgress, Progress};
 use crate::cli::system::display::{Display, DisplayedImage};
@@ -276,6 +277,25 @@ impl Studio<'_> {
     /// Removes the state of a finished frame.
     pub(super) fn remove_checkpoint(&self, frame: i64) {
         self.checkpoint(frame).remove();
+    }
+
+    /// Removes the states of unfinished runs of these frames, which are all finished: another process
+    /// has finished what such a run began, or it was killed between writing the picture and removing
+    /// the state.
+    pub(super) fn sweep_checkpoints(&self, frames: &[i64]) {
+        let left = states_in(&self.job.outdir);
+        if left.is_empty() {
+            return;
+        }
+        for &frame in frames {
+            let path = self.target.plain_path(frame);
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let beginning = format!(".slo-rt-{name}.");
+            if left.iter().any(|name| name.starts_with(&beginning)) {
+                let of_frame = unfinished(&path, &self.target.subject(frame), self.job.is_timed());
+                let _ = fs::remove_file(of_frame);
+            }
+        }
     }
 
     /// Returns a hash of what a frame is rendered from.

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
@@ -56,6 +56,14 @@ impl Ledger {
     pub(super) fn remove(&self) {
         let _ = fs::remove_file(&self.path);
     }
+}
+
+/// How many frames the ledger at `path` knows, whatever scene it belongs to.
+pub(crate) fn frames_of_ledger(path: &Path) -> usize {
+    let text = open_regular(path).and_then(io::read_to_string).unwrap_or_default();
+    let value: Value = serde_json::from_str(&text).unwrap_or_default();
+    let of = value["of"].as_str().unwrap_or_default().to_owned();
+    Ledger { path: path.to_owned(), of }.read().len()
 }
 
 #[cfg(test)]

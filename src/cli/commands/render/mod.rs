@@ -29,6 +29,7 @@ use crate::cli::system::display::Display;
 use crate::cli::system::interrupt::Guard;
 use crate::cli::system::threads;
 use frame::Studio;
+pub(crate) use ledger::frames_of_ledger;
 use plan::Step;
 use run::Run;
 use slo_scene::Accelerator;
@@ -84,7 +85,7 @@ fn render(
         return dry_run::tell(steps, terminal);
     }
     let studio = Studio { job, scene, target, terminal, display: None, watcher };
-    let (frames, to_render) = (steps.len(), to_render(&steps));
+    let (count, to_render) = (steps.len(), to_render(&steps));
     if let Some(first) = steps.iter().find(|step| step.is_to_render()) {
         let needs = studio.needs(first.frame, to_render);
         let needs = if job.total_time.is_some() { needs.with_states(to_render) } else { needs };
@@ -93,9 +94,10 @@ fn render(
     }
     let pictures = steps.iter().filter(|step| step.is_to_render());
     maps::check(&job.maps, pictures.map(|step| (step.frame, &*step.path)))?;
-    let mut run = Run::new(studio, frames, to_render, loading);
+    let mut run = Run::new(studio, count, to_render, loading);
     let claimed: Vec<_> =
         steps.iter().map(|step| run.studio.target.plain_path(step.frame)).collect();
+    let frames: Vec<i64> = steps.iter().map(|step| step.frame).collect();
     let left = Left::look(&job.outdir, claimed.iter().map(|path| &**path));
     Guard::begin_work();
     if let Some(address) = job.display_server.as_ref().filter(|_| to_render > 0) {
@@ -109,9 +111,13 @@ fn render(
     };
     let result = result.map(|()| run.look_once_more());
     run.ended(start.elapsed());
+    if let Some(reason) = crate::gpu::failure() {
+        terminal.warn(format_args!("the GPU failed, and the CPU took over: {reason}"));
+    }
     result?;
-    run.end()?;
+    let studio = run.end()?;
     left.sweep();
+    studio.sweep_checkpoints(&frames);
     Ok(())
 }
 

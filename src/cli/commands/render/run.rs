@@ -264,7 +264,7 @@ impl<'a> Run<'a> {
     }
 
     /// Reports how the run went. Returns an error if frames failed or a path could not be printed.
-    pub(super) fn end(self) -> Result<(), Problem> {
+    pub(super) fn end(self) -> Result<Studio<'a>, Problem> {
         drop(self.progress);
         let record = self.record.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
         let Record { mut summary, found, mut failures, unprinted, .. } = record;
@@ -281,7 +281,7 @@ impl<'a> Run<'a> {
             terminal.note(why);
         }
         match failures.len() {
-            0 => unprinted.map_or(Ok(()), |error| Err(cant_print(&error))),
+            0 => unprinted.map_or(Ok(self.studio), |error| Err(cant_print(&error))),
             1 if !self.is_sequence => Err(failures.remove(0).1),
             _ => {
                 let frames: BTreeSet<i64> = failures.iter().map(|failure| failure.0).collect();

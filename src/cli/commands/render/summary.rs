@@ -127,6 +127,7 @@ impl Summary {
             human(rendering),
             human(writing)
         );
+        let gpu = crate::gpu::name().map(|name| format!(" on {name}"));
         let rest = [
             format!(
                 "{}, {}; structures {}",
@@ -140,11 +141,12 @@ impl Summary {
                 camera_rays as f64 / pixels.max(1.0)
             ),
             format!(
-                "{}, {} instructions, {} structure{}",
+                "{}, {} instructions, {} structure{}{}",
                 counted(rayon::current_num_threads(), "thread"),
                 self.isa,
                 scene.settings.accelerator,
-                if has_spatial_splits { " with spatial splits" } else { "" }
+                if has_spatial_splits { " with spatial splits" } else { "" },
+                gpu.unwrap_or_default()
             ),
         ];
         let photons = photons(&self.statistics.photons);

@@ -2,10 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::tally::{Bright, Share, Tally, rays_of};
-use super::text::word;
-use super::way::{Names, Step};
 use slo_render::integrator::{Account, AccountRay, Gain};
+use slo_render::render::{Bright, Names, Share, Step, Tally, rays_of, word};
 
 /// What a pixel is made of. `account` is that of the only sample, if there is one.
 pub(super) fn answer(

@@ -1,12 +1,7 @@
 //! `why`: what a pixel is made of.
 
 mod json;
-mod tally;
 mod text;
-mod way;
-
-use tally::Tally;
-use way::Names;
 
 use crate::cli::args::WhyArgs;
 use crate::cli::base::{Exit, Problem, Terminal, print};
@@ -16,7 +11,7 @@ use crate::cli::system::interrupt::{self, Guard};
 use crate::cli::system::threads;
 use slo_render::frame::Aids;
 use slo_render::integrator::Account;
-use slo_render::render::{Plan, explain};
+use slo_render::render::{Names, Plan, Tally, explain};
 use slo_scene::SceneDescription;
 
 /// Explains a pixel on standard output.

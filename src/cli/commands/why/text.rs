@@ -2,10 +2,9 @@
 
 use std::fmt::Write;
 
-use super::tally::{Bright, Share, Tally, luminance, rays_of};
-use super::way::{Names, Step};
 use crate::cli::base::counted;
-use slo_render::integrator::{Account, Source};
+use slo_render::integrator::Account;
+use slo_render::render::{Names, Share, Tally, luminance, rays_of, word};
 
 /// Most lines of a table.
 const MOST_LINES: usize = 12;
@@ -44,7 +43,7 @@ pub(super) fn summary(tally: &Tally, title: &str, replay: &str) -> String {
     let all = tally.luminance() * f64::from(tally.samples);
     for bright in &tally.brightest {
         let share = if all > 0.0 { bright.luminance / all } else { 0.0 };
-        let _ = writeln!(text, "{}  sample {}: {}", percent(share), bright.sample, way(bright));
+        let _ = writeln!(text, "{}  sample {}: {}", percent(share), bright.sample, bright);
     }
     if let Some(first) = tally.brightest.first().filter(|_| tally.samples > 1) {
         let _ = writeln!(text, "\nall rays of one sample: {replay} --sample {}", first.sample);
@@ -64,44 +63,6 @@ fn table(text: &mut String, heading: &str, shares: &[Share]) {
         let name = format!("{} others", rest.len());
         let _ = writeln!(text, "  {name:<42} {share} {noise}");
     }
-}
-
-/// Writes the way of some light, from the camera on.
-fn way(bright: &Bright) -> String {
-    let mut text = String::new();
-    for step in &bright.steps {
-        if !text.is_empty() {
-            text += " > ";
-        }
-        text += &leg(step);
-    }
-    text + match bright.source {
-        Source::Asked => "",
-        Source::Arrived if bright.steps.last().is_some_and(|step| step.object.is_none()) => {
-            " > sky"
-        }
-        Source::Arrived => " (lamp)",
-        Source::Emitted => " (emits)",
-        Source::Ambient => " (ambient)",
-        Source::Photons => " (photons)",
-    }
-}
-
-/// Writes a ray: what sent it, and what it hit.
-fn leg(step: &Step) -> String {
-    let mut text = step.leg.to_owned();
-    if let Some(light) = &step.light {
-        let _ = write!(text, " {light}");
-    }
-    if let Some(object) = step.object.as_ref().filter(|object| step.light.as_ref() != Some(object))
-    {
-        let arrow = if step.leg == "camera" { ": " } else { " to " };
-        let _ = write!(text, "{arrow}{object}");
-    }
-    if let Some(material) = &step.material {
-        let _ = write!(text, " [{material}]");
-    }
-    text
 }
 
 /// Writes all rays of a sample as a tree.
@@ -127,7 +88,7 @@ pub(super) fn tree(account: &Account, names: &Names<'_>) -> String {
         lines += 1;
         let (ray, gains) = &listed[number as usize];
         let step = names.step(ray);
-        let _ = write!(text, "{:indent$}{}", "", leg(&step), indent = 2 + 2 * depth);
+        let _ = write!(text, "{:indent$}{}", "", step, indent = 2 + 2 * depth);
         let _ = write!(text, "  x {}", rgb(step.weight.map(f64::from)));
         for gain in gains {
             let light = gain.light.map(|light| light.to_f64());
@@ -138,17 +99,6 @@ pub(super) fn tree(account: &Account, names: &Names<'_>) -> String {
         waiting.extend(children[number as usize].iter().rev().map(|child| (*child, depth + 1)));
     }
     text
-}
-
-/// The word of a source.
-pub(super) fn word(source: Source) -> &'static str {
-    match source {
-        Source::Arrived => "arrived",
-        Source::Emitted => "emitted",
-        Source::Ambient => "ambient",
-        Source::Asked => "asked",
-        Source::Photons => "photons",
-    }
 }
 
 fn rgb(light: [f64; 3]) -> String {

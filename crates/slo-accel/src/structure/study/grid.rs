@@ -17,6 +17,7 @@
 //! An object belongs to all cells that its box overlaps; on a plane, the cell above owns the points.
 
 use super::counting::Counting;
+use super::layout::Layout;
 use super::memory::{Memory, Tests};
 use super::parameters::Parameters;
 use super::ray::{Cell, Line, Ray, solid};
@@ -149,6 +150,17 @@ impl Study for Grid {
         }
         statistics.cells = Some(self.planes.cells);
         statistics.finish(self.planes.bounds.area(), self.bytes(), self.bytes_of_building)
+    }
+
+    fn layout(&self) -> Option<Layout<'_>> {
+        let Planes { bounds, side, cells } = self.planes;
+        (!self.mailbox).then_some(Layout::Grid {
+            ends: [bounds.min, bounds.max],
+            side,
+            cells,
+            starts: &self.starts,
+            references: &self.references,
+        })
     }
 
     fn bytes(&self) -> usize {

@@ -11,6 +11,7 @@ use std::marker::PhantomData;
 
 use super::Study;
 use super::counting::Counting;
+use super::layout::{BoxNode as Node, Layout};
 use super::memory::{Memory, Tests, Visit};
 use super::overlap::{Part, end_point_overlap};
 use super::parameters::Parameters;
@@ -34,15 +35,6 @@ pub struct Hierarchy<B> {
     references: Vec<u32>,
     bytes_of_building: usize,
     builder: PhantomData<B>,
-}
-
-/// A node: its box, and its children or its objects, which are neighbours.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    bounds: Bounds,
-    start: u32,
-    count: u32,
-    is_leaf: bool,
 }
 
 /// A hierarchy that is being built. The root is node 0.
@@ -144,6 +136,10 @@ impl<B: Builder> Study for Hierarchy<B> {
         }
         let area = self.nodes.first().map_or(0.0, area);
         statistics.finish(area, self.bytes(), self.bytes_of_building)
+    }
+
+    fn layout(&self) -> Option<Layout<'_>> {
+        Some(Layout::Hierarchy { nodes: &self.nodes, references: &self.references })
     }
 
     fn end_point_overlap(&self, surfaces: &[(u32, Triangle)]) -> Option<f64> {

@@ -16,6 +16,7 @@
 
 use super::Study;
 use super::counting::Counting;
+use super::layout::{KdNode as Node, Layout};
 use super::memory::{Memory, Tests, Visit};
 use super::parameters::{Parameters, Traversal};
 use super::ray::{Cell, Line, Ray, solid};
@@ -42,15 +43,6 @@ pub struct Kd {
     nodes: Vec<Node>,
     references: Vec<u32>,
     bytes_of_building: usize,
-}
-
-/// A node.
-#[derive(Clone, Copy, Debug)]
-enum Node {
-    /// The children are `first`, below the plane, and the next one.
-    Interior { axis: u8, plane: f32, first: u32 },
-    /// References.
-    Leaf { start: u32, count: u32 },
 }
 
 impl Study for Kd {
@@ -122,6 +114,22 @@ impl Study for Kd {
         }
         let area = if self.nodes.is_empty() { 0.0 } else { self.bounds.area() };
         statistics.finish(area, self.bytes(), self.bytes_of_building)
+    }
+
+    fn layout(&self) -> Option<Layout<'_>> {
+        let stack = match self.traversal {
+            Traversal::Stack => None,
+            Traversal::ShortStack => Some(self.stack),
+            Traversal::Restart | Traversal::PushDown => Some(0),
+        };
+        let pushes_down = self.traversal != Traversal::Restart;
+        (!self.mailbox).then_some(Layout::Kd {
+            ends: [self.bounds.min, self.bounds.max],
+            nodes: &self.nodes,
+            references: &self.references,
+            stack,
+            pushes_down,
+        })
     }
 
     fn bytes(&self) -> usize {

@@ -1,6 +1,7 @@
 //! Working memory of a traversal, and the tests of the objects in a leaf.
 
 use super::counting::Counting;
+use crate::structure::device::Answer;
 
 /// Working memory of traversals, one for each thread. It holds nothing between calls, so any
 /// structure may use it next.
@@ -8,6 +9,8 @@ use super::counting::Counting;
 pub struct Memory {
     pub(super) stack: Vec<Visit>,
     boxes: Mailboxes,
+    /// What a device has answered.
+    pub(super) answers: Vec<Answer>,
 }
 
 /// A node that is still to be visited, and the span in which the ray may find hits in it.
@@ -57,7 +60,7 @@ impl Memory {
         counting: &'a mut C,
         visit: V,
     ) -> (&'a mut Vec<Visit>, Tests<'a, C, V>) {
-        let Self { stack, boxes } = self;
+        let Self { stack, boxes, .. } = self;
         stack.clear();
         let boxes = mailbox.then(|| {
             boxes.begin(objects);

@@ -41,6 +41,7 @@ mod counting;
 mod grid;
 mod hierarchy;
 mod kd;
+mod layout;
 mod median;
 mod memory;
 mod octree;
@@ -60,6 +61,7 @@ pub use self::counting::{Counting, Counts, Totals};
 pub use self::grid::Grid;
 pub use self::hierarchy::{Builder, Hierarchy};
 pub use self::kd::Kd;
+pub use self::layout::{BoxNode, KdNode, Layout};
 pub use self::memory::Memory;
 pub use self::octree::Octree;
 pub use self::parameters::{Parameters, Traversal};
@@ -105,6 +107,12 @@ pub trait Study: Debug + Sized + Send + Sync {
     /// If there is no such object.
     fn end_point_overlap(&self, surfaces: &[(u32, Triangle)]) -> Option<f64> {
         let _ = surfaces;
+        None
+    }
+
+    /// The arrays of the structure, for [devices](crate::Device) that traverse it by programs of their
+    /// own; `None` if it has none that they could, or uses mailboxes.
+    fn layout(&self) -> Option<Layout<'_>> {
         None
     }
 

@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
+use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile};
 
@@ -51,7 +52,8 @@ fn not_regular() -> io::Error {
 }
 
 /// Lets `write` fill a new file beside `path`, then renames it to `path`. An older file stays as it is
-/// until then, and for good if anything fails.
+/// until then, and for good if anything fails. Removes what writers of `path` that were killed have
+/// left.
 ///
 /// # Errors
 /// Those of `write`, and what the system says of creating, syncing or renaming.
@@ -65,20 +67,43 @@ pub fn write_atomically(
     temporary.as_file().sync_all()?;
     temporary.persist(path).map_err(|error| error.error)?;
     sync_folder(folder(path));
+    remove_abandoned(path);
     Ok(())
+}
+
+/// Removes the temporary files of writers of `path` that were killed: those that nobody has locked, and
+/// that have not changed for a minute.
+pub fn remove_abandoned(path: &Path) {
+    let is_abandoned = |file: &Path| {
+        let Ok(file) = File::open(file) else { return false };
+        let age = file.metadata().and_then(|data| data.modified()).map(|time| time.elapsed());
+        // Its writer may be about to lock it.
+        let is_old = age.is_ok_and(|age| age.is_ok_and(|age| age > STARTING));
+        is_old && file.try_lock().is_ok()
+    };
+    remove(path, is_abandoned);
 }
 
 /// Removes the temporary files of writers of `path` that were killed. A writer that is still at work
 /// fails, as if the folder were gone.
 pub fn remove_leftovers(path: &Path) {
+    remove(path, |_| true);
+}
+
+/// Removes those temporary files of writers of `path` for which `is_one` holds.
+fn remove(path: &Path, is_one: impl Fn(&Path) -> bool) {
     let beginning = temporary_beginning(path);
-    let is_leftover = |name: &str| name.starts_with(&beginning) && name.ends_with(TEMPORARY_END);
+    let is_temporary = |name: &str| name.starts_with(&beginning) && name.ends_with(TEMPORARY_END);
     for entry in fs::read_dir(folder(path)).into_iter().flatten().flatten() {
-        if entry.file_name().to_str().is_some_and(is_leftover) {
+        let is_temporary = entry.file_name().to_str().is_some_and(is_temporary);
+        if is_temporary && is_one(&entry.path()) {
             let _ = fs::remove_file(entry.path());
         }
     }
 }
+
+/// Time in which a writer has locked its new file for sure.
+const STARTING: Duration = Duration::from_secs(60);
 
 const TEMPORARY_END: &str = ".part";
 
@@ -93,7 +118,11 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     // `tempfile_in` would make a file for its owner only, and put its name into every error.
     let create = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
     let beginning = temporary_beginning(path);
-    Builder::new().prefix(&beginning).suffix(TEMPORARY_END).make_in(folder(path), create)
+    let temporary =
+        Builder::new().prefix(&beginning).suffix(TEMPORARY_END).make_in(folder(path), create)?;
+    // Others see by it that the file is in use. Where there are no locks, they remove nothing.
+    let _ = temporary.as_file().try_lock();
+    Ok(temporary)
 }
 
 fn folder(path: &Path) -> &Path {
@@ -159,6 +188,24 @@ mod tests {
         assert_eq!(names(folder.path()).len(), 2);
         remove_leftovers(&other);
         assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn what_nobody_writes_any_more_goes_away() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let long_ago = std::time::SystemTime::now() - 2 * STARTING;
+        // Of a writer that was killed long ago, of one that is slow, and of one that has just begun.
+        let killed = temporary_beside(&path).unwrap().keep().unwrap().0;
+        killed.set_modified(long_ago).unwrap();
+        drop(killed);
+        let slow = temporary_beside(&path).unwrap();
+        slow.as_file().set_modified(long_ago).unwrap();
+        drop(temporary_beside(&path).unwrap().keep().unwrap());
+        assert_eq!(names(folder.path()).len(), 3);
+        write_atomically(&path, |file| file.write_all(b"new")).unwrap();
+        assert_eq!(names(folder.path()).len(), 3);
+        assert!(slow.path().exists() && path.exists());
     }
 
     #[test]

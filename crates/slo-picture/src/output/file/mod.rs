@@ -3,5 +3,7 @@
 mod atomic;
 mod candid;
 
-pub use atomic::{check_free, check_writable, open_regular, remove_leftovers, write_atomically};
+pub use atomic::{
+    check_free, check_writable, open_regular, remove_abandoned, remove_leftovers, write_atomically,
+};
 pub(super) use candid::Candid;

@@ -13,7 +13,7 @@ use crate::output::format::Crop;
 
 /// The errors of the darkest and the brightest colour: a quarter of a step of 8 bits, and an eighth of
 /// the range.
-const ERRORS: [f32; 2] = [1.0 / 1024.0, 1.0 / 8.0];
+pub const ERRORS: [f32; 2] = [1.0 / 1024.0, 1.0 / 8.0];
 
 /// Writes how many samples each pixel of an area of a picture took: as numbers to an `.exr` file, or to a `.png`
 /// file in colours from dark blue for the fewest to yellow for the most, by their logarithm.
@@ -57,7 +57,7 @@ pub fn write_cost_map(path: &Path, area: Area, whole: Area, costs: &[[f32; 3]]) 
     let sums = costs.iter().map(|cost| cost[2]).filter(|&sum| sum > 0.0);
     let least = sums.clone().fold(f32::INFINITY, f32::min).min(1e9);
     let most = sums.fold(least, f32::max);
-    let shown = |&[_, _, sum]: &[f32; 3]| color(sum, [least, most]);
+    let shown = |&[_, _, sum]: &[f32; 3]| map_color(sum, [least, most]);
     save_pixels(path, area, whole, costs, |&cost| cost, shown)
 }
 
@@ -82,7 +82,7 @@ pub fn write_difference_map(
 
 /// Writes numbers that are not negative.
 fn write(path: &Path, area: Area, whole: Area, values: &[f32], range: [f32; 2]) -> io::Result<()> {
-    save(path, area, whole, values, |value| color(value, range))
+    save(path, area, whole, values, |value| map_color(value, range))
 }
 
 fn save(
@@ -117,8 +117,8 @@ fn save_pixels<T>(
     companion::save(path, &image, format, Crop::of(area, whole))
 }
 
-/// The colour of a number between the ends of a range, by its logarithm.
-fn color(value: f32, [low, high]: [f32; 2]) -> [f32; 3] {
+/// The colour of a number between the ends of a range in a map, by its logarithm.
+pub fn map_color(value: f32, [low, high]: [f32; 2]) -> [f32; 3] {
     let octaves = libm::log2f(high / low).max(1e-6);
     let place = (libm::log2f(value.max(1e-30) / low) / octaves).clamp(0.0, 1.0);
     heat(place)
@@ -165,11 +165,11 @@ mod tests {
 
     #[test]
     fn colours_go_from_dark_to_light() {
-        let light = |value: f32| color(value, [16.0, 256.0]).iter().sum::<f32>();
+        let light = |value: f32| map_color(value, [16.0, 256.0]).iter().sum::<f32>();
         let values = [1.0, 16.0, 24.0, 32.0, 64.0, 128.0, 256.0, 1e9].map(light);
         assert_eq!((values[0], values[6]), (values[1], values[7]));
         assert!(values[1..7].windows(2).all(|w| w[0] < w[1]), "{values:?}");
-        assert_eq!(color(7.0, [7.0, 7.0]), heat(0.0), "all the same");
-        assert_eq!(color(f32::INFINITY, ERRORS), heat(1.0));
+        assert_eq!(map_color(7.0, [7.0, 7.0]), heat(0.0), "all the same");
+        assert_eq!(map_color(f32::INFINITY, ERRORS), heat(1.0));
     }
 }

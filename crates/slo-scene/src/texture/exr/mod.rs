@@ -49,7 +49,8 @@ fn decode(bytes: &[u8]) -> Result<LoadedTexture, FileError> {
     let choice = channels::choose(parts)?;
     let part = &parts[choice.part];
     let [width, height] = sides(part.layer_size)?;
-    check_size(width, height)?;
+    // Four floats at most, of which the blocks of the file are unpacked one by one.
+    check_size(width, height, 16)?;
     let mut warnings = oddities(part);
     let is_half = channels::are_halves(part, &choice.channels);
     let is_wanted = |part, level| part == choice.part && level == Vec2(0, 0);

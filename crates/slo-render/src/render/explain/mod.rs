@@ -1,4 +1,7 @@
-//! Accounts of the samples of one pixel.
+//! Accounts of the samples of one pixel, and what they add up to.
+
+mod tally;
+mod way;
 
 use std::ops::Range;
 
@@ -9,6 +12,9 @@ use crate::frame::FrameScene;
 use crate::integrator::{Account, Beside, Tracer, Work};
 use crate::photons::pass_of;
 use slo_scene::Integrator;
+
+pub use tally::{Bright, Share, Tally, luminance, rays_of};
+pub use way::{Names, Step, word};
 
 /// Traces samples of the pixel in a column and row once more, and passes each with its account to
 /// `tell`, in order. Its light is, bit by bit, the one that a picture holds of the sample. Returns `None` if

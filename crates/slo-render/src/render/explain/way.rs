@@ -1,58 +1,83 @@
 //! What a ray's light is called, and the way it came.
 
-use slo_render::frame::{FrameScene, Things};
-use slo_render::integrator::{Account, AccountRay, Gain, Leg, Source};
+use std::fmt;
+
+use crate::frame::{FrameScene, Things};
+use crate::integrator::{Account, AccountRay, Gain, Leg, Source};
 
 /// Most legs of the name of a kind of way.
 const MOST_LEGS: usize = 6;
 
 /// One ray of a way.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Step {
+pub struct Step {
     /// What sent the ray: a word.
-    pub(super) leg: &'static str,
+    pub leg: &'static str,
     /// The light that the ray asks.
-    pub(super) light: Option<String>,
+    pub light: Option<String>,
     /// The object that it hit, or the lamp.
-    pub(super) object: Option<String>,
+    pub object: Option<String>,
     /// The material that it hit.
-    pub(super) material: Option<String>,
+    pub material: Option<String>,
     /// Its time, from 0 to 1 over the shutter.
-    pub(super) time: f32,
+    pub time: f32,
     /// Where it hit, in scene space.
-    pub(super) position: Option<[f64; 3]>,
+    pub position: Option<[f64; 3]>,
     /// Factor of the radiance that arrives along it.
-    pub(super) weight: [f32; 3],
+    pub weight: [f32; 3],
+}
+
+/// What sent the ray, and what it hit.
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.leg)?;
+        if let Some(light) = &self.light {
+            write!(f, " {light}")?;
+        }
+        if let Some(object) =
+            self.object.as_ref().filter(|object| self.light.as_ref() != Some(object))
+        {
+            let arrow = if self.leg == "camera" { ": " } else { " to " };
+            write!(f, "{arrow}{object}")?;
+        }
+        if let Some(material) = &self.material {
+            write!(f, " [{material}]")?;
+        }
+        Ok(())
+    }
 }
 
 /// What some light is.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Named {
     /// The lamp, sky or object that it comes from.
-    pub(super) light: String,
+    pub light: String,
     /// The kind of way that it took.
-    pub(super) kind: String,
+    pub kind: String,
     /// The object that the camera sees first.
-    pub(super) seen: String,
+    pub seen: String,
     /// The object that scattered it first after it left its source.
-    pub(super) lit: String,
+    pub lit: String,
 }
 
 /// Names of the things of a frame.
-pub(super) struct Names<'a> {
-    pub(super) frame: &'a FrameScene,
-    pub(super) things: &'a Things,
+#[derive(Clone, Copy, Debug)]
+pub struct Names<'a> {
+    /// The frame.
+    pub frame: &'a FrameScene,
+    /// Its objects and lights.
+    pub things: &'a Things,
 }
 
 impl Names<'_> {
     /// The rays from the camera to a ray.
-    pub(super) fn steps(&self, account: &Account, ray: u32) -> Vec<Step> {
+    pub fn steps(&self, account: &Account, ray: u32) -> Vec<Step> {
         let rays = account.way(ray);
         rays.into_iter().map(|ray| self.step(&account.rays[ray as usize])).collect()
     }
 
     /// One ray.
-    pub(super) fn step(&self, ray: &AccountRay) -> Step {
+    pub fn step(&self, ray: &AccountRay) -> Step {
         let thing = ray.hit.and_then(|hit| self.things.objects.get(hit.thing as usize));
         let light = match ray.leg {
             Leg::ToLight(number) => Some(self.light(number)),
@@ -60,7 +85,7 @@ impl Names<'_> {
         };
         let position = ray.hit.map(|hit| ray.origin + ray.direction * hit.distance);
         Step {
-            leg: word(ray.leg),
+            leg: leg_word(ray.leg),
             light,
             object: thing.map(|thing| thing.name.clone()),
             material: thing.and_then(|thing| thing.material.clone()),
@@ -128,7 +153,18 @@ impl Names<'_> {
     }
 }
 
-fn word(leg: Leg) -> &'static str {
+/// The word of a source.
+pub fn word(source: Source) -> &'static str {
+    match source {
+        Source::Arrived => "arrived",
+        Source::Emitted => "emitted",
+        Source::Ambient => "ambient",
+        Source::Asked => "asked",
+        Source::Photons => "photons",
+    }
+}
+
+fn leg_word(leg: Leg) -> &'static str {
     match leg {
         Leg::Camera => "camera",
         Leg::Diffuse => "diffuse",
@@ -144,7 +180,7 @@ fn word(leg: Leg) -> &'static str {
 fn kind(rays: &[&AccountRay], source: Source) -> String {
     let is_bounce =
         |ray: &&&AccountRay| !matches!(ray.leg, Leg::Camera | Leg::Behind | Leg::ToLight(_));
-    let mut words: Vec<&str> = rays.iter().filter(is_bounce).map(|ray| word(ray.leg)).collect();
+    let mut words: Vec<&str> = rays.iter().filter(is_bounce).map(|ray| leg_word(ray.leg)).collect();
     let more = words.len().saturating_sub(MOST_LEGS);
     words.truncate(MOST_LEGS);
     let more = if more > 0 { format!("{more} more") } else { String::new() };

@@ -1,17 +1,19 @@
 //! What the samples of a pixel add up to.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use super::way::{Names, Step};
-use slo_render::integrator::{Account, AccountRay, Gain, Source};
+use crate::integrator::{Account, AccountRay, Gain, Source};
 
 /// Weights of red, green and blue in the luminance (Rec. 709).
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// All that is known of a pixel.
-#[derive(Default)]
-pub(super) struct Tally {
-    pub(super) samples: u32,
+#[derive(Debug, Default)]
+pub struct Tally {
+    /// Number of samples.
+    pub samples: u32,
     /// Sum of the samples.
     sum: [f64; 3],
     /// Sums over the samples of the luminance and of its square.
@@ -20,13 +22,14 @@ pub(super) struct Tally {
     /// Sums by lamp, by kind of way, by the object that is seen, and by the object that is lit.
     by: [BTreeMap<String, Part>; 4],
     /// The brightest ways, brightest first.
-    pub(super) brightest: Vec<Bright>,
+    pub brightest: Vec<Bright>,
     most: usize,
-    /// Numbers of rays, and of those that brought light.
-    pub(super) rays: u64,
-    pub(super) bringing: u64,
+    /// Number of rays.
+    pub rays: u64,
+    /// Number of rays that brought light.
+    pub bringing: u64,
     /// Rays that were too many to be listed.
-    pub(super) unlisted: u64,
+    pub unlisted: u64,
 }
 
 /// A part of the light, over all samples.
@@ -42,35 +45,60 @@ struct Part {
 
 /// A way that light took.
 #[derive(Clone, Debug)]
-pub(super) struct Bright {
-    pub(super) sample: u32,
-    pub(super) source: Source,
+pub struct Bright {
+    /// The sample that it is a part of.
+    pub sample: u32,
+    /// How the light was found.
+    pub source: Source,
     /// The light, as one sample has it.
-    pub(super) light: [f64; 3],
-    pub(super) luminance: f64,
-    pub(super) steps: Vec<Step>,
+    pub light: [f64; 3],
+    /// Luminance of the light.
+    pub luminance: f64,
+    /// The rays, from the camera on.
+    pub steps: Vec<Step>,
+}
+
+/// The way of the light, from the camera on.
+impl fmt::Display for Bright {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, step) in self.steps.iter().enumerate() {
+            let arrow = if i == 0 { "" } else { " > " };
+            write!(f, "{arrow}{step}")?;
+        }
+        f.write_str(match self.source {
+            Source::Asked => "",
+            Source::Arrived if self.steps.last().is_some_and(|step| step.object.is_none()) => {
+                " > sky"
+            }
+            Source::Arrived => " (lamp)",
+            Source::Emitted => " (emits)",
+            Source::Ambient => " (ambient)",
+            Source::Photons => " (photons)",
+        })
+    }
 }
 
 /// A part of the mean.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Share {
-    pub(super) name: String,
+pub struct Share {
+    /// What the part is of.
+    pub name: String,
     /// Radiance, RGB.
-    pub(super) mean: [f64; 3],
+    pub mean: [f64; 3],
     /// Its part of the luminance.
-    pub(super) share: f64,
+    pub share: f64,
     /// Its part of the variance of the samples' luminance; less than 0 if it evens the rest out.
-    pub(super) noise: f64,
+    pub noise: f64,
 }
 
 impl Tally {
     /// Nothing yet; keeps the `most` brightest ways.
-    pub(super) fn new(most: usize) -> Self {
+    pub fn new(most: usize) -> Self {
         Self { most, ..Self::default() }
     }
 
     /// Adds a sample.
-    pub(super) fn add(&mut self, sample: u32, account: &Account, names: &Names<'_>) {
+    pub fn add(&mut self, sample: u32, account: &Account, names: &Names<'_>) {
         self.samples += 1;
         self.rays += account.rays.len() as u64 + account.unlisted;
         self.unlisted += account.unlisted;
@@ -123,18 +151,18 @@ impl Tally {
     }
 
     /// The pixel: radiance, RGB.
-    pub(super) fn mean(&self) -> [f64; 3] {
+    pub fn mean(&self) -> [f64; 3] {
         self.sum.map(|sum| sum / self.count())
     }
 
     /// Luminance of the pixel.
-    pub(super) fn luminance(&self) -> f64 {
+    pub fn luminance(&self) -> f64 {
         self.luminance / self.count()
     }
 
     /// Estimates the standard error of the luminance as if samples were independent; `None` of a
     /// single sample. Samples of one pixel are stratified, so the true error is less.
-    pub(super) fn standard_error(&self) -> Option<f64> {
+    pub fn standard_error(&self) -> Option<f64> {
         let variance = self.variance() / (self.count() - 1.0);
         (self.samples > 1).then(|| variance.max(0.0).sqrt())
     }
@@ -145,22 +173,22 @@ impl Tally {
     }
 
     /// The parts by lamp.
-    pub(super) fn lights(&self) -> Vec<Share> {
+    pub fn lights(&self) -> Vec<Share> {
         self.parts(0)
     }
 
     /// The parts by kind of way.
-    pub(super) fn ways(&self) -> Vec<Share> {
+    pub fn ways(&self) -> Vec<Share> {
         self.parts(1)
     }
 
     /// The parts by the object that the camera sees.
-    pub(super) fn seen(&self) -> Vec<Share> {
+    pub fn seen(&self) -> Vec<Share> {
         self.parts(2)
     }
 
     /// The parts by the object that the light falls on first.
-    pub(super) fn lit(&self) -> Vec<Share> {
+    pub fn lit(&self) -> Vec<Share> {
         self.parts(3)
     }
 
@@ -183,7 +211,7 @@ impl Tally {
 }
 
 /// The rays of one sample, with the light that each brought.
-pub(super) fn rays_of(account: &Account) -> impl Iterator<Item = (&AccountRay, Vec<&Gain>)> {
+pub fn rays_of(account: &Account) -> impl Iterator<Item = (&AccountRay, Vec<&Gain>)> {
     let mut gains: BTreeMap<u32, Vec<&Gain>> = BTreeMap::new();
     for gain in &account.gains {
         gains.entry(gain.ray).or_default().push(gain);
@@ -192,7 +220,8 @@ pub(super) fn rays_of(account: &Account) -> impl Iterator<Item = (&AccountRay, V
     rays.map(move |(number, ray)| (ray, gains.remove(&number).unwrap_or_default()))
 }
 
-pub(super) fn luminance(light: [f64; 3]) -> f64 {
+/// Luminance of a radiance (Rec. 709).
+pub fn luminance(light: [f64; 3]) -> f64 {
     light.iter().zip(LUMINANCE).map(|(light, weight)| light * weight).sum()
 }
 

@@ -1,0 +1,46 @@
+//! What a browser sends, without a server: for fuzzing.
+
+use hyper::Request;
+use slo_scene::edit::{Edit, applied};
+
+use crate::changes;
+use crate::command::{Command, TextEdit};
+use crate::document;
+use crate::server::Guard;
+
+/// Reads the body of a request; returns a text as the request changes it.
+pub fn request(text: &str, body: &[u8]) -> Option<String> {
+    let Command::Edit(edit) = Command::read(&serde_json::from_slice(body).ok()?)? else {
+        return None;
+    };
+    let edits: Result<Vec<Edit>, String> = match &edit {
+        TextEdit::Set(field) => changes::set(text, field),
+        TextEdit::Hide(name) => changes::hide(text, name),
+        TextEdit::Remove(name) => changes::remove(text, name),
+        TextEdit::Copy(name) => changes::copy(text, name),
+        TextEdit::Add(new) => {
+            changes::add(text, new, glam::DVec3::ONE, 0.5, None).map(|(edits, _)| edits)
+        }
+        TextEdit::KeyFrame(name) => changes::key_frame(text, name, 0.5, [glam::DVec3::X; 3]),
+    };
+    applied(text, edits.ok()?)
+}
+
+/// Whether a request with an address and headers, one on each line, is answered. `TOKEN` stands for the
+/// token of the server.
+pub fn admits(head: &[u8]) -> bool {
+    let Some((guard, token)) = Guard::apart() else { return false };
+    let head = String::from_utf8_lossy(head).replace("TOKEN", &token);
+    let mut lines = head.lines();
+    let mut request = Request::builder().uri(lines.next().unwrap_or_default());
+    for (name, value) in lines.filter_map(|line| line.split_once(": ")) {
+        request = request.header(name, value);
+    }
+    request.body(()).is_ok_and(|request| guard.admit(&request).is_ok())
+}
+
+/// Brings the changes of two people together, if they are in different lines.
+pub fn merged(base: &str, ours: &str, theirs: &str) -> Option<String> {
+    document::differences(base, ours);
+    document::merged(base, ours, theirs)
+}

@@ -1,0 +1,16 @@
+//! A scene text with the files that it names: everything up to a resolved scene.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use slo_fuzz::{pieces, within_limits};
+use slo_scene::{Files, load};
+
+fuzz_target!(|data: &[u8]| {
+    within_limits(data, |data| {
+        let (text, files) = pieces::files(data);
+        let loaded = load("scene.txt", text, &Files::in_memory("", files));
+        assert_eq!(loaded.scene.is_none(), loaded.diagnostics.has_errors());
+        let plain = loaded.diagnostics.render(false);
+        assert!(!plain.contains('\u{1b}'), "no escape of the text reaches the terminal");
+    });
+});

@@ -1,0 +1,95 @@
+//! What all fuzzers share: limits on time and memory, and a folder for readers that want files.
+//!
+//! Each fuzzer is a file in `fuzz_targets`: a function from bytes to nothing, which panics if a promise is
+//! broken. libFuzzer looks for bytes that reach new code.
+
+use std::alloc::System;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Once, OnceLock};
+
+use cap::Cap;
+use rustix::time::{ClockId, clock_gettime};
+
+pub mod pieces;
+pub mod readers;
+
+/// Counts the memory that is in use.
+#[global_allocator]
+static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
+
+/// Most bytes of memory that an input may take.
+const MOST_BYTES: usize = 256 << 20;
+/// Most seconds of processor time that an input may take.
+const MOST_SECONDS: f64 = 1.0;
+/// Bytes of an input in [`is_repeated`] mode.
+const REPEATED: usize = 1 << 20;
+
+/// Runs a reader on an input, within the limits.
+///
+/// With `SLO_FUZZ_LONG=1` in the environment, a part of the input is repeated until there is 1 MB of it,
+/// which finds what takes more time or memory than in proportion.
+///
+/// # Panics
+/// If the reader panics, or takes too long or too much.
+pub fn within_limits(data: &[u8], read: impl FnOnce(&[u8])) {
+    prepare();
+    static IS_LONG: OnceLock<bool> = OnceLock::new();
+    let is_long = IS_LONG.get_or_init(|| std::env::var_os("SLO_FUZZ_LONG").is_some());
+    let long = is_long.then(|| repeated(data));
+    let (begin, used) = (seconds(), MEMORY.allocated());
+    let most = MEMORY.max_allocated();
+    read(long.as_deref().unwrap_or(data));
+    let (took, more) = (seconds() - begin, MEMORY.max_allocated());
+    assert!(took < MOST_SECONDS, "took {took} s");
+    // The most of all inputs so far; only if it grew does it say something about this one.
+    let peak = if more > most { more - used } else { 0 };
+    assert!(peak < MOST_BYTES, "took {} MB", peak >> 20);
+}
+
+/// Makes this thread the only one that works: it finds the same things again, and no time goes into waiting.
+/// To be called before anything else uses threads.
+///
+/// # Panics
+/// If something else has.
+pub fn prepare() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+        pool.build_global().expect("a pool");
+    });
+}
+
+/// The processor time of this thread.
+fn seconds() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// The input with a part of it many times; the last two bytes say which part.
+fn repeated(data: &[u8]) -> Vec<u8> {
+    let [data @ .., begin, end] = data else { return data.to_vec() };
+    let place = |byte: &u8| data.len() * usize::from(*byte) / 255;
+    let (begin, end) = (place(begin).min(place(end)), place(begin).max(place(end)));
+    let part = &data[begin..end];
+    let times = REPEATED.saturating_sub(data.len()).checked_div(part.len()).unwrap_or(0);
+    [&data[..begin], &part.repeat(times + 1), &data[end..]].concat()
+}
+
+/// Writes a file for a reader that wants a path; every call replaces the last file of this name.
+pub fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder().join(name);
+    fs::write(&path, bytes).expect("a file");
+    path
+}
+
+/// A folder in memory.
+pub fn folder() -> &'static Path {
+    static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let made = FOLDER.get_or_init(|| {
+        let memory = Path::new("/dev/shm");
+        let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
+        tempfile::Builder::new().prefix("slo-fuzz-").tempdir_in(folder).expect("a folder")
+    });
+    made.path()
+}

@@ -1,0 +1,58 @@
+//! `--memory-limit`: what would take more is refused before it is begun.
+
+use super::{Folder, SCENE};
+
+fn check(folder: &Folder, typed: &str, exit: i32, expected: &[&str]) {
+    let run = folder.run(typed);
+    assert_eq!(run.exit, exit, "{}", run.said);
+    for part in expected {
+        assert!(run.said.contains(part), "{part}: {}", run.said);
+    }
+    assert_eq!(run.printed, "");
+}
+
+#[test]
+fn a_picture_that_is_too_large_is_refused() {
+    let folder = Folder::with_scene(SCENE);
+    let expected = ["the picture needs", "the limit of `--memory-limit` leaves", "--size"];
+    check(&folder, "-s scene.txt --size 4000x4000 --memory-limit 200MB", 1, &expected);
+    let run = folder.run("-s scene.txt --memory-limit 2GiB");
+    assert_eq!(run.exit, 0, "{}", run.said);
+}
+
+#[test]
+fn an_image_that_is_too_large_is_refused() {
+    let scene = SCENE.replace(
+        "sphere ball",
+        "texture wood { filename wood.png } material_principled wood { base_color wood }
+         rectangle board { vertex0 { 0 0 0 } vertex1 { 1 0 0 } vertex2 { 1 1 0 } material wood }
+         sphere ball",
+    );
+    let folder = Folder::with_scene(&scene);
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, 8192, 8192);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().unwrap().write_image_data(&vec![7; 8192 * 8192]).unwrap();
+    assert!(file.len() < 1 << 20, "a small file");
+    folder.write("wood.png", file);
+    let expected = ["wood.png", "8192 x 8192 pixels and needs 269 MB", "scale it down"];
+    check(&folder, "-s scene.txt --memory-limit 200MB", 65, &expected);
+}
+
+#[test]
+fn lamps_that_are_too_many_are_refused() {
+    let mut scene = SCENE.to_owned();
+    scene += "\ngroup g { }\nlamp_point l { power { 1 1 1 } position { 0 0 3 } parent g }\n";
+    for level in 1..=6 {
+        let of = if level == 1 { "g".to_owned() } else { format!("g{}", level - 1) };
+        scene += &format!("group g{level} {{ }}\n");
+        for i in 0..10 {
+            scene += &format!(
+                "copy c{level}_{i} {{ of {of} parent g{level} addKframe {{ time 0 key {{ pivot {{ {i} 0 {level} }} }} }} }}\n"
+            );
+        }
+    }
+    let folder = Folder::with_scene(&scene);
+    let expected = ["the lamps of the frame", "`--memory-limit` leaves", "fewer copies"];
+    check(&folder, "-s scene.txt --memory-limit 300MB", 1, &expected);
+}
