@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! trace_rays MESH.tri RAYS.rays [--accelerator BVH|KDTREE|CWBVH|NONE] [--spatial-splits]
-//!            [--isa auto|avx512|avx2|portable] [--threads N] [--repeat N] [--shapes MESH2.tri]
+//!            [--isa auto|avx512|avx2|neon|portable] [--threads N] [--repeat N] [--shapes MESH2.tri]
 //!            [--copies FILE]
 //! ```
 //!
@@ -59,7 +59,7 @@ struct Options {
     /// Cut triangles where boxes of the BVH would overlap
     #[arg(long)]
     spatial_splits: bool,
-    /// The instruction set: auto, avx512, avx2, or portable
+    /// The instruction set: auto, avx512, avx2, neon, or portable
     #[arg(long, default_value = "auto")]
     isa: String,
     /// Threads that build and trace

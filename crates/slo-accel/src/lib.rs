@@ -43,8 +43,8 @@
 //! Coordinates, distances and weights are f32. A structure holds up to
 //! [`MAX_PRIMITIVES`](Structure::MAX_PRIMITIVES) primitives. A batch may have any length; about a
 //! thousand rays hide the latency of memory, and [`math::columns`] have room for exactly
-//! [`BATCH`](math::columns::BATCH) entries. Kernels exist for AVX2 and AVX-512; on other CPUs the
-//! same algorithms run in plain Rust.
+//! [`BATCH`](math::columns::BATCH) entries. Kernels exist for AVX2 and AVX-512, and those of the
+//! BVH for NEON; elsewhere the same algorithms run in plain Rust.
 //!
 //! The crate knows no materials, no scene and no file.
 

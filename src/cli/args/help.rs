@@ -52,7 +52,7 @@ Exit codes:
 
 Environment:
   NO_COLOR, CLICOLOR_FORCE, TERM=dumb   colours as usual; --color overrides them
-  SLO_RT_ISA=avx512|avx2|portable       instruction set; the picture is the same
+  SLO_RT_ISA=avx512|avx2|neon|portable  instruction set; the picture is the same
   SLO_RT_GPU=NAME                       a part of the name of the GPU to use";
 
 /// Heading of the options that replace settings of the scene.

@@ -30,6 +30,9 @@ impl Isa {
             // SAFETY: the CPU has AVX-512, and the assertion above checks the room.
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => unsafe { compress_avx512(bits, from, to, count) },
+            // SAFETY: the assertion above checks the room.
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => unsafe { compress_neon(bits, from, to, count) },
             _ => compress_portable(bits, from, to),
         }
         count
@@ -81,6 +84,31 @@ unsafe fn compress_avx512<T: Word>(bits: &[u16], from: &[T], to: &mut [T], count
             (from, to) = (from.add(GROUP), to.add(count as usize));
         }
         left -= count as usize;
+    }
+}
+
+/// As on AVX-512, eight entries at a time.
+///
+/// # Safety
+/// `from` has 16 entries for each of `bits`, and `to` one for each bit that is set: `count`.
+#[cfg(target_arch = "aarch64")]
+unsafe fn compress_neon<T: Word>(bits: &[u16], from: &[T], to: &mut [T], count: usize) {
+    use crate::simd::{Lanes, SetLanes, neon::Eight};
+    let (mut from, mut to) = (from.as_ptr().cast::<f32>(), to.as_mut_ptr().cast::<f32>());
+    let mut left = count;
+    for half in bits.iter().flat_map(|group| group.to_le_bytes()) {
+        let count = half.count_ones() as usize;
+        // SAFETY: 8 entries are there to be read, and as many as are left to be written.
+        unsafe {
+            let packed = Eight::load(from).packed(u32::from(half));
+            if left >= 8 {
+                packed.store(to);
+            } else {
+                packed.store_set(to, (1 << count) - 1);
+            }
+            (from, to) = (from.add(8), to.add(count));
+        }
+        left -= count;
     }
 }
 

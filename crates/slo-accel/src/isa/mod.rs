@@ -13,9 +13,12 @@ pub(crate) mod compress;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Isa {
-    /// Plain Rust, the reference of the others. Fused operations are calls of a library here, which
-    /// is several times slower.
+    /// Plain Rust, the reference of the others. On x86-64, fused operations are calls of a library
+    /// here, which is several times slower.
     Portable,
+    /// NEON with fused operations, which every AArch64 CPU has: 8 lanes in two registers.
+    #[non_exhaustive]
+    Neon,
     /// AVX2, FMA, BMI, LZCNT and POPCNT: 8 lanes.
     #[non_exhaustive]
     Avx2,
@@ -71,6 +74,7 @@ impl Isa {
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => unsafe { run_avx2(work) },
+            // On AArch64 all code is compiled for NEON.
             _ => work.run(),
         }
     }
@@ -92,6 +96,7 @@ impl std::fmt::Display for Isa {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Portable => "portable",
+            Self::Neon => "NEON",
             Self::Avx2 => "AVX2",
             Self::Avx512 => "AVX-512",
         })
@@ -112,7 +117,7 @@ impl Isa {
         }
     }
 
-    /// The set of a name: `avx512`, `avx2`, `portable`, or `auto` for the best.
+    /// The set of a name: `avx512`, `avx2`, `neon`, `portable`, or `auto` for the best.
     ///
     /// # Errors
     /// If the name is none of these, or the CPU lacks the set.
@@ -122,9 +127,10 @@ impl Isa {
             "portable" => Self::Portable,
             "avx2" => Self::Avx2,
             "avx512" => Self::Avx512,
+            "neon" => Self::Neon,
             _ => {
                 return Err(format!(
-                    "unknown instruction set `{name}`, expected avx512, avx2, portable or auto"
+                    "unknown instruction set `{name}`, expected avx512, avx2, neon, portable or auto"
                 ));
             }
         };
@@ -137,7 +143,7 @@ impl Isa {
 
     /// The best set that this CPU has.
     pub fn best() -> Self {
-        [Self::Avx512, Self::Avx2]
+        [Self::Avx512, Self::Avx2, Self::Neon]
             .into_iter()
             .find(|isa| isa.is_available())
             .unwrap_or(Self::Portable)
@@ -145,7 +151,7 @@ impl Isa {
 
     /// All sets that this CPU has, [`Portable`](Self::Portable) first.
     pub fn available() -> Vec<Self> {
-        [Self::Portable, Self::Avx2, Self::Avx512]
+        [Self::Portable, Self::Neon, Self::Avx2, Self::Avx512]
             .into_iter()
             .filter(|isa| isa.is_available())
             .collect()
@@ -155,6 +161,7 @@ impl Isa {
     pub(crate) fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
+            Self::Neon => cfg!(target_arch = "aarch64"),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => {
                 is_x86_feature_detected!("avx2")
@@ -173,7 +180,7 @@ impl Isa {
                     && is_x86_feature_detected!("avx512vl")
             }
             #[cfg(not(target_arch = "x86_64"))]
-            _ => false,
+            Self::Avx2 | Self::Avx512 => false,
         }
     }
 }

@@ -3,11 +3,16 @@
 //! Nothing is reordered or approximated: a lane has the bits that the same operations give in plain
 //! Rust.
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(target_arch = "aarch64")]
+pub(crate) mod neon;
+mod prefetch;
 pub(crate) mod sets;
+#[cfg(all(test, any(target_arch = "x86_64", target_arch = "aarch64")))]
+mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub(crate) use self::prefetch::prefetch;
 use crate::rays::{Hits, LANES};
 
 /// A vector of `COUNT` numbers.
@@ -15,8 +20,8 @@ use crate::rays::{Hits, LANES};
 /// Functions are inlined into a kernel that is compiled for the CPU's instruction set.
 ///
 /// # Safety
-/// That set must have the type's instructions: AVX2 and FMA for 8 lanes, AVX-512 F, DQ and VL
-/// for 16. Pointers must be valid for all lanes; they need no alignment.
+/// That set must have the type's instructions: AVX2 and FMA or NEON for 8 lanes, AVX-512 F, DQ and
+/// VL for 16. Pointers must be valid for all lanes; they need no alignment.
 pub(crate) trait Lanes: Copy {
     const COUNT: usize;
 

@@ -3,6 +3,7 @@
 use super::layout::{Child, Node, Stop};
 use super::ray::Ray;
 use super::steps::Steps;
+use crate::simd::prefetch;
 
 /// Lines of a [`Ray`].
 pub(super) const RAY_LINES: usize = 2;
@@ -126,25 +127,12 @@ impl Memory {
     /// Prefetches the memory of a node or a block.
     #[inline(always)]
     fn prefetch<S: Steps>(&self, child: Child) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
-            let node = self.nodes.wrapping_add(child.0 as usize).cast::<i8>();
-            let block = self.rows.wrapping_add(child.index() * S::ROWS).cast::<i8>();
-            let at = if child.is_leaf() { block } else { node };
-            for line in 0..if S::MOVES { 7 } else { 4 } {
-                let line = at.wrapping_add(64 * line);
-                // SAFETY: a prefetch reads nothing.
-                unsafe {
-                    if S::IS_FAR {
-                        _mm_prefetch::<_MM_HINT_T1>(line);
-                    } else {
-                        _mm_prefetch::<_MM_HINT_T0>(line);
-                    }
-                }
-            }
+        let node = self.nodes.wrapping_add(child.0 as usize).cast::<u8>();
+        let block = self.rows.wrapping_add(child.index() * S::ROWS).cast::<u8>();
+        let at = if child.is_leaf() { block } else { node };
+        for line in 0..if S::MOVES { 7 } else { 4 } {
+            let line = at.wrapping_add(64 * line);
+            if S::IS_FAR { prefetch::<true>(line) } else { prefetch::<false>(line) }
         }
-        #[cfg(not(target_arch = "x86_64"))]
-        let _ = child;
     }
 }

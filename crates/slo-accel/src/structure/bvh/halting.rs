@@ -11,18 +11,19 @@
 
 use glam::Vec3;
 
-use super::builder;
-use super::careful;
 use super::flights::{Line, RAY_LINES};
 use super::layout::{BOX_ERROR, Child, Node, WIDTH, stack_size};
+#[cfg(target_arch = "aarch64")]
+use super::neon;
 use super::ray::{Prepared, Ray, TAME_COORDINATE};
 use super::steps::{self, Steps};
 #[cfg(target_arch = "x86_64")]
 use super::x86;
+use super::{builder, careful};
 use crate::isa::{Isa, Lanewise};
 use crate::math::Bounds;
 use crate::rays::{LANES, Rays};
-use crate::simd::lanes_of;
+use crate::simd::{lanes_of, prefetch};
 use crate::structure::shared::pages::Array;
 
 /// Most rays that are on their way together.
@@ -369,6 +370,10 @@ impl Walks {
             Isa::Avx2 => {
                 boxes.isa.run(Going::<T, OfStream<x86::Avx2<false, false>>>::new(self, boxes, step))
             }
+            #[cfg(target_arch = "aarch64")]
+            Isa::Neon => boxes
+                .isa
+                .run(Going::<T, OfStream<neon::Neon<false, false>>>::new(self, boxes, step)),
             _ => Going::<T, Portable>::new(self, boxes, step).run(),
         }
     }
@@ -549,16 +554,11 @@ impl<T> Boxes<T> {
             (*ray).top = (*ray).top.sub(1);
             *(*ray).top.add(self.stack).cast::<Child>()
         };
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            let node = self.nodes.as_ptr().wrapping_add(child.0 as usize).cast::<i8>();
-            let content = self.contents.as_ptr().wrapping_add(child.index()).cast::<i8>();
-            let (at, step) = if child.is_leaf() { (content, 0) } else { (node, 64) };
-            for line in 0..4 {
-                // SAFETY: a prefetch reads nothing.
-                unsafe { _mm_prefetch::<_MM_HINT_T0>(at.wrapping_add(line * step)) };
-            }
+        let node = self.nodes.as_ptr().wrapping_add(child.0 as usize).cast::<u8>();
+        let content = self.contents.as_ptr().wrapping_add(child.index()).cast::<u8>();
+        let (at, step) = if child.is_leaf() { (content, 0) } else { (node, 64) };
+        for line in 0..4 {
+            prefetch::<false>(at.wrapping_add(line * step));
         }
         child
     }

@@ -11,8 +11,12 @@ mod flights;
 pub(crate) mod halting;
 mod hierarchy;
 mod layout;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod packet;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod quads;
 mod query;
 mod ray;
 mod steps;
@@ -161,51 +165,15 @@ impl Bvh {
         let stream = &mut scratch.stream;
         // SAFETY: the set is one that the CPU has.
         unsafe {
-            match (self.isa, self.is_far) {
+            match self.isa {
                 #[cfg(target_arch = "x86_64")]
-                (Isa::Avx512, false) => {
-                    stream_avx512::<Q, false, MOVES>(self, batch, coherence, query, stream)
+                Isa::Avx512 | Isa::Avx2 => {
+                    x86::trace::<_, MOVES>(self, batch, coherence, query, stream)
                 }
-                #[cfg(target_arch = "x86_64")]
-                (Isa::Avx512, true) => {
-                    stream_avx512::<Q, true, MOVES>(self, batch, coherence, query, stream)
-                }
-                #[cfg(target_arch = "x86_64")]
-                (Isa::Avx2, false) => {
-                    stream_avx2::<Q, false, MOVES>(self, batch, coherence, query, stream)
-                }
-                #[cfg(target_arch = "x86_64")]
-                (Isa::Avx2, true) => {
-                    stream_avx2::<Q, true, MOVES>(self, batch, coherence, query, stream)
-                }
-                _ => stream::trace::<Portable<MOVES>, Q>(self, batch, coherence, query, stream),
+                #[cfg(target_arch = "aarch64")]
+                Isa::Neon => neon::trace::<_, MOVES>(self, batch, coherence, query, stream),
+                _ => stream::trace::<Portable<MOVES>, _>(self, batch, coherence, query, stream),
             }
         }
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
-unsafe fn stream_avx512<Q: Query, const FAR: bool, const MOVES: bool>(
-    bvh: &Bvh,
-    batch: (&Rays, &[f32]),
-    coherence: Coherence,
-    query: &mut Q,
-    stream: &mut stream::Stream,
-) -> Coherence {
-    // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx512<FAR, MOVES>, Q>(bvh, batch, coherence, query, stream) }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn stream_avx2<Q: Query, const FAR: bool, const MOVES: bool>(
-    bvh: &Bvh,
-    batch: (&Rays, &[f32]),
-    coherence: Coherence,
-    query: &mut Q,
-    stream: &mut stream::Stream,
-) -> Coherence {
-    // SAFETY: the caller's.
-    unsafe { stream::trace::<x86::Avx2<FAR, MOVES>, Q>(bvh, batch, coherence, query, stream) }
 }

@@ -2,15 +2,16 @@
 
 use std::arch::x86_64::*;
 
-use super::layout::{BLOCK, Child, FIRST_CHANGE, Node, triangle_at};
+use super::hierarchy::Bvh;
+use super::layout::{Child, Node};
 use super::packet::{self, Beam, PacketSteps, Packets, Surroundings};
+use super::quads::blocks;
 use super::query::Query;
 use super::ray::{Prepared, Ray};
 use super::steps::{BlockHits, MOST_BLOCKS, Meeting, Steps};
-use crate::primitives::triangle::lanes::Tested;
-use crate::primitives::triangle::{ShearedRay, Triangle};
-use crate::rays::LANES;
-use crate::simd::Quads;
+use super::stream::{self, Stream};
+use crate::isa::Isa;
+use crate::rays::{Coherence, LANES, Rays};
 use crate::simd::sets::LANES_OF;
 use crate::structure::shared::order::x86 as order;
 
@@ -19,6 +20,56 @@ pub(super) struct Avx2<const FAR: bool, const MOVES: bool>;
 
 /// AVX-512 on 8 lanes.
 pub(super) struct Avx512<const FAR: bool, const MOVES: bool>;
+
+/// Traces a batch of rays, as [`stream::trace`].
+///
+/// # Safety
+/// The hierarchy's set is one of these two, and the CPU has it.
+pub(super) unsafe fn trace<Q: Query, const MOVES: bool>(
+    bvh: &Bvh,
+    batch: (&Rays, &[f32]),
+    coherence: Coherence,
+    query: &mut Q,
+    stream: &mut Stream,
+) -> Coherence {
+    // SAFETY: the caller's.
+    unsafe {
+        match (bvh.isa, bvh.is_far) {
+            (Isa::Avx512, false) => {
+                trace_avx512::<Q, false, MOVES>(bvh, batch, coherence, query, stream)
+            }
+            (Isa::Avx512, true) => {
+                trace_avx512::<Q, true, MOVES>(bvh, batch, coherence, query, stream)
+            }
+            (_, false) => trace_avx2::<Q, false, MOVES>(bvh, batch, coherence, query, stream),
+            (_, true) => trace_avx2::<Q, true, MOVES>(bvh, batch, coherence, query, stream),
+        }
+    }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
+unsafe fn trace_avx512<Q: Query, const FAR: bool, const MOVES: bool>(
+    bvh: &Bvh,
+    batch: (&Rays, &[f32]),
+    coherence: Coherence,
+    query: &mut Q,
+    stream: &mut Stream,
+) -> Coherence {
+    // SAFETY: the caller's.
+    unsafe { stream::trace::<Avx512<FAR, MOVES>, Q>(bvh, batch, coherence, query, stream) }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+unsafe fn trace_avx2<Q: Query, const FAR: bool, const MOVES: bool>(
+    bvh: &Bvh,
+    batch: (&Rays, &[f32]),
+    coherence: Coherence,
+    query: &mut Q,
+    stream: &mut Stream,
+) -> Coherence {
+    // SAFETY: the caller's.
+    unsafe { stream::trace::<Avx2<FAR, MOVES>, Q>(bvh, batch, coherence, query, stream) }
+}
 
 /// Distances where a ray enters and leaves the eight boxes.
 ///
@@ -369,108 +420,5 @@ impl<const FAR: bool, const MOVES: bool> Steps for Avx2<FAR, MOVES> {
     unsafe fn blocks(meetings: &[Meeting; MOST_BLOCKS], any: bool, hits: &mut BlockHits) -> u32 {
         // SAFETY: the caller's.
         unsafe { blocks::<__m256, MOVES>(meetings, any, hits) }
-    }
-}
-
-/// As [`Steps::blocks`].
-///
-/// # Safety
-/// The CPU has the instructions of `L`; otherwise as [`Steps::blocks`].
-#[inline(always)]
-unsafe fn blocks<L: Quads, const MOVES: bool>(
-    meetings: &[Meeting; MOST_BLOCKS],
-    any: bool,
-    hits: &mut BlockHits,
-) -> u32 {
-    let quads = L::COUNT / BLOCK;
-    // SAFETY: rows and what is read beyond the last are readable, as the caller promises; arrays
-    // of hits have as many places as there are lanes, or more.
-    unsafe {
-        let time = if MOVES {
-            let mut times = [std::ptr::null::<f32>(); MOST_BLOCKS];
-            for (time, meeting) in times.iter_mut().zip(&meetings[..quads]) {
-                *time = &raw const (*meeting.ray).time;
-            }
-            L::splat_quads(&times)
-        } else {
-            L::splat(0.0)
-        };
-        let mut corners = [[L::splat(0.0); 3]; 3];
-        let mut lines = [[std::ptr::null::<f32>(); MOST_BLOCKS]; 3];
-        let mut lanes = 0;
-        for (i, meeting) in meetings[..quads].iter().enumerate() {
-            let axes = &(*meeting.ray).axes;
-            for k in 0..3 {
-                lines[k][i] = meeting.block.add(axes[k] as usize * meeting.count);
-            }
-            lanes |= ((1 << meeting.count) - 1) << (BLOCK * i);
-        }
-        for (c, corner) in corners.iter_mut().enumerate() {
-            for (k, row) in corner.iter_mut().enumerate() {
-                let mut rows = lines[k];
-                for i in 0..quads {
-                    rows[i] = rows[i].add(3 * c * meetings[i].count);
-                }
-                *row = L::quads(&rows);
-                if MOVES {
-                    for i in 0..quads {
-                        rows[i] = rows[i].add(FIRST_CHANGE * meetings[i].count);
-                    }
-                    *row = row.add(L::quads(&rows).mul(time));
-                }
-            }
-        }
-        let mut fields = [[std::ptr::null::<f32>(); MOST_BLOCKS]; 3];
-        for (i, meeting) in meetings[..quads].iter().enumerate() {
-            fields[0][i] = (&raw const (*meeting.ray).origin).cast();
-            fields[1][i] = (&raw const (*meeting.ray).shear).cast();
-            fields[2][i] = &raw const (*meeting.ray).t;
-        }
-        let (origin, shear) = (L::quads(&fields[0]), L::quads(&fields[1]));
-        let origin = [
-            origin.splat_in_quads::<0>(),
-            origin.splat_in_quads::<0x55>(),
-            origin.splat_in_quads::<0xaa>(),
-        ];
-        let shear = [
-            shear.splat_in_quads::<0>(),
-            shear.splat_in_quads::<0x55>(),
-            shear.splat_in_quads::<0xaa>(),
-        ];
-        let t_max = L::splat_quads(&fields[2]);
-        let tested = Tested::new(corners, origin, shear, t_max, lanes);
-        let mut set = tested.hits;
-        if set == 0 {
-            return 0;
-        }
-        let tested = tested.settle(|lane| pair_at::<MOVES>(meetings, lane));
-        set = tested.hits;
-        if any {
-            return set & tested.t.lt(t_max);
-        }
-        tested.t.store(hits.t.as_mut_ptr());
-        let [u, v, sum] = tested.parts();
-        u.store(hits.weights[0].as_mut_ptr());
-        v.store(hits.weights[1].as_mut_ptr());
-        sum.store(hits.sum.as_mut_ptr());
-        set
-    }
-}
-
-/// The ray and the triangle of a lane. Only doubtful hits need them, so this stays out of loops.
-///
-/// # Safety
-/// As [`Steps::blocks`]; there is such a lane.
-#[cold]
-#[inline(never)]
-unsafe fn pair_at<const MOVES: bool>(
-    meetings: &[Meeting; MOST_BLOCKS],
-    lane: usize,
-) -> (ShearedRay, Triangle) {
-    let Meeting { block, count, ray } = meetings[lane / BLOCK];
-    // SAFETY: the caller's.
-    unsafe {
-        let time = MOVES.then_some((*ray).time);
-        ((*ray).sheared(), triangle_at(block, count, lane % BLOCK, time))
     }
 }

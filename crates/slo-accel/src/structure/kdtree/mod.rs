@@ -15,7 +15,7 @@
 //!   if they are small. Neighbours that start next to each other are brought down to there together
 //!   first (`descent`). It also takes over the lanes that packets leave alone, and what is left of
 //!   a coherent batch whose packets fall apart, or wait for memory that is far away.
-//! - One ray at a time in plain Rust, as the twin of the others.
+//! - One ray at a time in plain Rust, as the twin of the others; the only one on AArch64.
 
 mod builder;
 #[cfg(target_arch = "x86_64")]

@@ -6,6 +6,7 @@ use rand::{Rng, RngExt, SeedableRng, rngs::StdRng};
 use super::tree::MAX_DEPTH;
 use super::treelet::{Child, Stand};
 use super::*;
+use crate::isa::Isa;
 use crate::math::Bounds;
 use crate::primitives::{Curved, Triangle};
 use crate::structure::brute::Brute;

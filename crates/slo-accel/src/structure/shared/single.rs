@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use crate::isa::Isa;
+use crate::primitives::Primitives;
 use crate::primitives::triangle::{self, ShearedRay, TriangleHit};
-use crate::primitives::{Primitives, Triangle};
 
 /// A ray for tests of primitives.
 pub(crate) struct Single {
@@ -28,11 +28,9 @@ impl Single {
             return Some(TriangleHit { t, u: part.to_u(), v: 0.0 });
         };
         match self.isa {
-            Isa::Portable => triangle::intersect(&self.sheared, triangle, t_max),
             // SAFETY: the set is one that the CPU has.
             #[cfg(target_arch = "x86_64")]
-            _ => unsafe { intersect_by_fma(&self.sheared, triangle, t_max) },
-            #[cfg(not(target_arch = "x86_64"))]
+            Isa::Avx2 | Isa::Avx512 => unsafe { intersect_by_fma(&self.sheared, triangle, t_max) },
             _ => triangle::intersect(&self.sheared, triangle, t_max),
         }
     }
@@ -41,7 +39,11 @@ impl Single {
 /// The same bits as without the instruction, for which a library is called otherwise.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "fma")]
-fn intersect_by_fma(ray: &ShearedRay, triangle: &Triangle, t_max: f32) -> Option<TriangleHit> {
+fn intersect_by_fma(
+    ray: &ShearedRay,
+    triangle: &crate::primitives::Triangle,
+    t_max: f32,
+) -> Option<TriangleHit> {
     triangle::intersect(ray, triangle, t_max)
 }
 

@@ -1,5 +1,7 @@
 //! The order in which the rays of a batch are prepared, so that sixteen of them go the same way.
 
+#[cfg(target_arch = "aarch64")]
+pub(crate) mod neon;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 
@@ -247,6 +249,8 @@ mod tests {
                 Isa::Avx512 => order.sort::<x86::Avx512>(rays),
                 #[cfg(target_arch = "x86_64")]
                 Isa::Avx2 => order.sort::<x86::Avx2>(rays),
+                #[cfg(target_arch = "aarch64")]
+                Isa::Neon => order.sort::<neon::Neon>(rays),
                 _ => order.sort::<Portable>(rays),
             }
         }
