@@ -284,7 +284,8 @@ const tests = {
     await page.locator("#finish").click();
     await page.waitForFunction(() => !document.getElementById("download").hidden, null, waits);
     const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#download").click()]);
-    assert.equal(download.suggestedFilename(), "ball_00000.png");
+    const frame = await page.locator("#frame").inputValue();
+    assert.equal(download.suggestedFilename(), `ball_${frame.padStart(5, "0")}.png`);
     assert.deepEqual([...readFileSync(await download.path()).subarray(0, 4)], [0x89, 0x50, 0x4e, 0x47]);
   },
 

@@ -53,7 +53,7 @@ fn pictures_are_those_of_the_cpu() {
             assert!(output.status.success(), "{scene}, {accelerator}: {}", said(&output));
             assert!(picture == expected, "{scene}, {accelerator}");
             let said = said(&output);
-            assert!(said.contains(&format!("{accelerator} on ")), "{scene}: {said}");
+            assert!(said.contains(&format!("{accelerator} structure on ")), "{scene}: {said}");
             assert!(!said.contains("failed"), "{scene}: {said}");
         }
     }
