@@ -66,8 +66,8 @@ pub use isa::{Isa, Lanewise};
 pub use primitives::{Curved, Primitives, Triangle, curved, triangle};
 pub use rays::{Coherence, Hits, LANES, NO_HIT, Rays};
 pub use structure::{
-    Accelerator, Answer, Bending, BuildOptions, Device, Moment, Scratch, Sections, Structure,
-    Uploaded, study,
+    Accelerator, Bending, BuildOptions, Device, Moment, Scratch, Sections, Structure, Uploaded,
+    study,
 };
 
 /// The examples of the README, compiled and run.

@@ -16,9 +16,11 @@ use std::time::{Duration, Instant};
 
 use slo_accel::glam::Vec3;
 use slo_accel::math::Bounds;
-use slo_accel::study::{BinaryTree, Counts, Grid, Kd, Memory, Parameters, Ray, Study, Traversal};
+use slo_accel::study::{
+    Answer, BinaryTree, Counts, Grid, Kd, Memory, Parameters, Ray, Study, Traversal,
+};
 use slo_accel::triangle::{self, ShearedRay, TriangleHit};
-use slo_accel::{Answer, Device, NO_HIT, Rays, Triangle, Uploaded};
+use slo_accel::{Device, NO_HIT, Rays, Triangle, Uploaded};
 use slo_gpu::Gpu;
 
 fn main() -> ExitCode {

@@ -10,6 +10,8 @@
 #[cfg(feature = "device")]
 mod adapter;
 #[cfg(feature = "device")]
+mod desk;
+#[cfg(feature = "device")]
 mod failure;
 #[cfg(feature = "device")]
 mod gpu;
@@ -19,6 +21,8 @@ mod packed;
 mod program;
 #[cfg(feature = "device")]
 mod resident;
+#[cfg(feature = "device")]
+mod shared;
 
 #[cfg(feature = "device")]
 pub use adapter::{Adapter, adapters};

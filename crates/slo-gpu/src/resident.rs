@@ -5,22 +5,15 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use slo_accel::glam::Vec3;
-use slo_accel::study::Counts;
+use slo_accel::study::{Answer, Counts};
 use slo_accel::triangle::ShearedRay;
-use slo_accel::{Answer, Rays, Triangle, Uploaded};
-use wgpu::{
-    BindGroupDescriptor, BindGroupEntry, Buffer, BufferUsages, ComputePipeline, Device, MapMode,
-};
+use slo_accel::{Rays, Triangle, Uploaded};
+use wgpu::{BindGroupDescriptor, BindGroupEntry, Buffer, ComputePipeline, MapMode};
 
-use crate::gpu::Shared;
+use crate::desk::{Desk, WORDS};
 use crate::packed::{Frame, Packed};
 use crate::program::GROUP;
-
-/// Words of a ray and of an answer, as kernels/rays.wgsl has them.
-const WORDS: usize = 12;
-
-/// Bytes of a `Query`.
-const QUERY: u64 = 160;
+use crate::shared::Shared;
 
 /// Most rays of a dispatch: fewer than its groups may be, and little enough for any GPU's patience.
 const MOST_RAYS: usize = 1 << 18;
@@ -34,36 +27,6 @@ pub(crate) struct Resident {
     triangles: Buffer,
     references: Buffer,
     nodes: Buffer,
-}
-
-/// Buffers of a batch: one thread uses them at a time.
-#[derive(Debug)]
-pub(crate) struct Desk {
-    query: Buffer,
-    rays: Buffer,
-    answers: Buffer,
-    read_back: Buffer,
-}
-
-impl Desk {
-    pub(crate) fn new(device: &Device, rays: usize) -> Self {
-        let buffer = |size: u64, usage: BufferUsages| {
-            let (label, mapped_at_creation) = (None, false);
-            device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation })
-        };
-        let size = (rays * WORDS * 4) as u64;
-        Self {
-            query: buffer(QUERY, BufferUsages::UNIFORM | BufferUsages::COPY_DST),
-            rays: buffer(size, BufferUsages::STORAGE | BufferUsages::COPY_DST),
-            answers: buffer(size, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
-            read_back: buffer(size, BufferUsages::MAP_READ | BufferUsages::COPY_DST),
-        }
-    }
-
-    /// Number of rays for which there is room.
-    pub(crate) fn rays(&self) -> usize {
-        self.rays.size() as usize / (WORDS * 4)
-    }
 }
 
 impl Resident {

@@ -7,7 +7,7 @@
 
 use std::fmt::Debug;
 
-use super::study::{Counts, Layout};
+use super::study::{Answer, Layout};
 use crate::primitives::Triangle;
 use crate::rays::Rays;
 
@@ -38,29 +38,13 @@ pub trait Uploaded: Debug + Send + Sync {
     fn bytes(&self) -> usize;
 }
 
-/// What a device found out about a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
-    /// Number of the object; [`NO_HIT`](crate::NO_HIT) if nothing is hit.
-    pub object: u32,
-    /// Distance in lengths of the direction.
-    pub t: f32,
-    /// Weight of the second corner.
-    pub u: f32,
-    /// Weight of the third corner.
-    pub v: f32,
-    /// What the traversal took. Nothing counts boxes or mailboxes that has none.
-    pub counts: Counts,
-    /// Whether the answer is that of the CPU's arithmetic. The others mean nothing.
-    pub is_certain: bool,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::isa::Isa;
     use crate::primitives::{Primitives, triangle};
     use crate::rays::{Coherence, Hits, NO_HIT};
+    use crate::structure::study::Counts;
     use crate::structure::testing::Random;
     use crate::structure::{Accelerator, Scratch, Structure};
 

@@ -21,7 +21,7 @@ mod tests;
 use std::borrow::Cow;
 
 pub use self::bending::{Bending, Moment};
-pub use self::device::{Answer, Device, Uploaded};
+pub use self::device::{Device, Uploaded};
 pub use self::interface::{BuildOptions, Sections};
 use self::interface::{Geometry, SpatialIndex};
 use self::study::Rendered;

@@ -3,9 +3,9 @@
 use std::sync::OnceLock;
 
 use slo_accel::math::Bounds;
-use slo_accel::study::{Counts, Memory, Parameters, Ray, Study};
+use slo_accel::study::{Answer, Counts, Memory, Parameters, Ray, Study};
 use slo_accel::triangle::{self, ShearedRay, TriangleHit};
-use slo_accel::{Answer, Device, NO_HIT, Rays, Triangle};
+use slo_accel::{Device, NO_HIT, Rays, Triangle};
 use slo_gpu::Gpu;
 
 /// The GPU of all tests; `None` if there is none and none is asked for.

@@ -25,18 +25,6 @@ const OF_OBJECT: u64 = 400;
 /// Bytes of each photon in a map, with what sorts it.
 const OF_PHOTON: u64 = 80;
 
-/// Bytes of each copy that is no plain copy. Measured with a million lamps.
-const OF_THING: u64 = 1700;
-
-/// Checks that there is memory for so many things that are shown one by one.
-pub(super) fn check_things(count: u64) -> Result<(), FrameError> {
-    memory::check(count * OF_THING).map_err(|refusal| FrameError::Memory {
-        what: "the lamps of the frame, and copies of things that glow, move or change shape, need",
-        why: refusal.to_string(),
-        help: "make fewer copies of them",
-    })
-}
-
 /// Checks that there is memory for the structures of what a frame shows, and for its photons.
 pub(super) fn check(scene: &SceneDescription, shown: &Shown<'_>) -> Result<(), FrameError> {
     let refused = |what: &'static str, help: &'static str| {

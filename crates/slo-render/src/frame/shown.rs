@@ -5,12 +5,11 @@ use std::collections::HashMap;
 use slo_scene::animation::{Spaces, placed};
 use slo_scene::{
     Copy, KeyFrame, Light, MOST_COPIED, MOST_NESTED, MaterialId, Object, Original, Repeat,
-    SceneDescription, SpaceId,
+    SceneDescription, SpaceId, memory,
 };
 
 use super::error::FrameError;
 use super::members::Members;
-use super::needs;
 use super::survey::{Found, Survey};
 
 /// An object, or a copy of one.
@@ -227,6 +226,18 @@ impl<'a> Expansion<'a, '_> {
             return Err(FrameError::Copies);
         }
         // Asked now and then: there may be ever more of them.
-        if count.is_power_of_two() { needs::check_things(count as u64) } else { Ok(()) }
+        if count.is_power_of_two() { check_things(count as u64) } else { Ok(()) }
     }
+}
+
+/// Bytes of each copy that is no plain copy. Measured with a million lamps.
+const OF_THING: u64 = 1700;
+
+/// Checks that there is memory for so many things that are shown one by one.
+fn check_things(count: u64) -> Result<(), FrameError> {
+    memory::check(count * OF_THING).map_err(|refusal| FrameError::Memory {
+        what: "the lamps of the frame, and copies of things that glow, move or change shape, need",
+        why: refusal.to_string(),
+        help: "make fewer copies of them",
+    })
 }

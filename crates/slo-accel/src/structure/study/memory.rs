@@ -1,7 +1,7 @@
 //! Working memory of a traversal, and the tests of the objects in a leaf.
 
+use super::answer::Answer;
 use super::counting::Counting;
-use crate::structure::device::Answer;
 
 /// Working memory of traversals, one for each thread. It holds nothing between calls, so any
 /// structure may use it next.

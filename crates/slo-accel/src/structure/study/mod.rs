@@ -35,6 +35,7 @@
 //! assert!(counts.tests < 10);
 //! ```
 
+mod answer;
 mod binary;
 mod boxes;
 mod counting;
@@ -56,6 +57,7 @@ mod tests;
 
 use std::fmt::Debug;
 
+pub use self::answer::Answer;
 pub use self::boxes::Boxes;
 pub use self::counting::{Counting, Counts, Totals};
 pub use self::grid::Grid;

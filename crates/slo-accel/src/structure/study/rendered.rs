@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 
+use super::answer::Answer;
 use super::counting::{Counting, Counts};
 use super::memory::Memory;
 use super::ray::Ray;
@@ -14,7 +15,7 @@ use crate::math::Bounds;
 use crate::primitives::Primitives;
 use crate::primitives::triangle::TriangleHit;
 use crate::rays::{Coherence, Hits, NO_HIT, Rays};
-use crate::structure::device::{Answer, Device, Uploaded};
+use crate::structure::device::{Device, Uploaded};
 use crate::structure::interface::{BuildOptions, SpatialIndex};
 use crate::structure::shared::single::{Single, can_be_hit};
 
