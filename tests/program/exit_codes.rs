@@ -52,6 +52,7 @@ fn a_gpu_without_support_for_it() {
     for name in ["GPU_BVH", "gpu_kd", "GPU_GRID"] {
         let typed = format!("-s scene.txt --accelerator {name}");
         check(&folder, &typed, 69, &["--features gpu", "--accelerator BVH"]);
+        check(&folder, &format!("{typed} --check"), 69, &["--features gpu"]);
     }
 }
 

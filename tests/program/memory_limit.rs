@@ -56,3 +56,20 @@ fn lamps_that_are_too_many_are_refused() {
     let expected = ["the lamps of the frame", "`--memory-limit` leaves", "fewer copies"];
     check(&folder, "-s scene.txt --memory-limit 300MB", 1, &expected);
 }
+
+#[test]
+fn photons_that_are_too_many_are_refused() {
+    let scene = SCENE.replace(
+        "sphere ball",
+        "lamp_point lamp { power { 1 1 1 } position { 0 0 3 } radius .1 }
+         material_principled glass { transmission 1 roughness 0 }
+         sphere lens { center { 0 0 1 } radius .3 material glass }
+         sphere ball",
+    );
+    let folder = Folder::with_scene(&scene);
+    let typed = "-s scene.txt --integrator path --size 400x300 --samples 20 --memory-limit 100MB";
+    let expected = ["the photons of a pass need", "`--memory-limit` leaves", "lower `photons`"];
+    check(&folder, &format!("{typed} --photons 40"), 1, &expected);
+    let run = folder.run(&format!("{typed} --photons .1"));
+    assert_eq!(run.exit, 0, "{}", run.said);
+}

@@ -133,6 +133,19 @@ impl Diagnostic {
     }
 }
 
+/// Most characters of a message.
+const LONGEST: usize = 1000;
+
+/// Leaves out the middle of a message that is too long to be read.
+fn shorten(text: &mut String) {
+    if text.len() > LONGEST {
+        let half = LONGEST / 2;
+        let begin = text.floor_char_boundary(half);
+        let end = text.ceil_char_boundary(text.len() - half);
+        *text = format!("{}...{}", &text[..begin], &text[end..]);
+    }
+}
+
 /// The errors and warnings of one run, with the texts that they point into.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
@@ -156,7 +169,11 @@ impl Diagnostics {
     }
 
     /// Adds an error or warning.
-    pub fn push(&mut self, diagnostic: Diagnostic) {
+    pub fn push(&mut self, mut diagnostic: Diagnostic) {
+        // They quote the text, whose words may be of any length.
+        let labels = diagnostic.primary.iter_mut().chain(&mut diagnostic.secondary);
+        let texts = labels.map(|label| &mut label.text).chain(&mut diagnostic.help);
+        texts.chain([&mut diagnostic.message]).for_each(shorten);
         match diagnostic.severity {
             Severity::Error => self.errors += 1,
             Severity::Warning => self.warnings += 1,
@@ -329,4 +346,21 @@ fn char_range(text: &str, span: Span) -> (usize, usize) {
 
 fn floor_char_boundary(text: &str, at: usize) -> usize {
     (0..=at).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_of_any_length_can_be_read() {
+        let mut diagnostics = Diagnostics::default();
+        let long = "\u{e9}".repeat(1 << 20);
+        diagnostics.push(Diagnostic::error(format!("begin {long} end")).help(long));
+        let kept = diagnostics.sorted()[0];
+        assert!(kept.message.starts_with("begin ") && kept.message.ends_with(" end"));
+        assert!(
+            kept.message.len() < 1010 && kept.help.as_ref().is_some_and(|help| help.len() < 1010)
+        );
+    }
 }

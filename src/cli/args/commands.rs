@@ -440,7 +440,7 @@ pub(crate) struct SheetArgs {
 #[derive(Debug, clap::Args)]
 pub(crate) struct GenerateArgs {
     /// What to print
-    #[arg(value_name = "WHAT")]
+    #[arg(value_name = "WHAT", ignore_case = true)]
     pub(crate) what: GenerateWhat,
 
     /// The command whose manual page to print [default: the page of the program]

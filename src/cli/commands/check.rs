@@ -16,6 +16,9 @@ pub(crate) fn run(job: &Job, terminal: Terminal) -> Result<(), Problem> {
             clock.shutter(frame).map_err(|error| load::no_segment(&error))?;
         }
     }
+    if scene.settings.accelerator.needs_gpu() {
+        slo_render::frame::check_device(scene.settings.accelerator).map_err(load::no_frame)?;
+    }
     terminal.note("the scene has no errors");
     for line in report(&scene) {
         terminal.note(line);

@@ -10,6 +10,10 @@ const PROGRAM: &str = "slo-rt";
 
 /// Prints what is asked for to standard output.
 pub(crate) fn run(args: &GenerateArgs) -> Result<(), Problem> {
+    if let (Some(command), true) = (&args.command, args.what != GenerateWhat::Man) {
+        let message = format!("completions are for all commands; `{command}` can't be chosen");
+        return Err(Problem::new(Exit::Usage, message));
+    }
     let text = match args.what {
         GenerateWhat::Man => manual(args.command.as_deref())?,
         GenerateWhat::Bash => completions(Shell::Bash),
@@ -31,7 +35,10 @@ fn manual(command: Option<&str>) -> Result<Vec<u8>, Problem> {
         Some(name) => {
             let found = program.find_subcommand(name).cloned();
             // Its name is that of the page: `man slo-rt-merge`.
-            found.map(|found| found.name(format!("{PROGRAM}-{name}"))).ok_or_else(|| {
+            let named = |found: clap::Command| {
+                found.name(format!("{PROGRAM}-{name}")).version(env!("CARGO_PKG_VERSION"))
+            };
+            found.map(named).ok_or_else(|| {
                 let names: Vec<_> =
                     program.get_subcommands().map(clap::Command::get_name).collect();
                 Problem::new(Exit::Usage, format!("slo-rt has no command `{name}`"))
@@ -65,6 +72,7 @@ mod tests {
         }
         let page = String::from_utf8(manual(None).unwrap()).unwrap();
         assert!(page.contains(".TH slo-rt 1") && page.contains("Exit codes"), "{page}");
+        assert!(page.contains(concat!("\"slo-rt ", env!("CARGO_PKG_VERSION"))), "{page}");
         assert_eq!(manual(Some("bakes")).unwrap_err().exit, Exit::Usage);
     }
 

@@ -98,7 +98,7 @@ pub(crate) fn light_map(
 }
 
 /// Makes the problem that a frame can't be built.
-fn no_frame(error: FrameError) -> Problem {
+pub(crate) fn no_frame(error: FrameError) -> Problem {
     match error {
         FrameError::NoSegment(error) => no_segment(&error),
         FrameError::Shape { reason: ShapeError::Unreadable { .. }, .. } => {

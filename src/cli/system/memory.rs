@@ -52,6 +52,11 @@ fn allowed(used: u64) -> Option<Left> {
 }
 
 impl Left {
+    /// Whether it is the command line that limits the program.
+    pub(crate) fn is_of_option(self) -> bool {
+        self.of == Limit::Option
+    }
+
     /// Whether the program is limited in the memory that it may reserve, not in what it may use.
     pub(crate) fn is_of_address_space(self) -> bool {
         self.of == Limit::AddressSpace

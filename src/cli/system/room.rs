@@ -117,6 +117,10 @@ impl Needs {
         };
         let problem = Problem::new(Exit::Failed, message)
             .with_help("make it smaller with `--size`, or render a region of it with `--region`");
+        let problem = match left.is_some_and(|left| left.is_of_option()) {
+            true => problem.with_help("fewer `--threads` take less; or raise `--memory-limit`"),
+            false => problem,
+        };
         match left.is_some_and(|left| left.is_of_address_space()) {
             true => problem.with_help(
                 "fewer `--threads`, or MALLOC_ARENA_MAX=1 in the environment, take less of the \

@@ -15,6 +15,9 @@ const UNITS: [(&str, f64); 9] = [
     ("B", 1.0),
 ];
 
+/// More is a mistake.
+const MOST: f64 = 1e18;
+
 /// Parses a number of bytes with its unit.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let text = text.trim();
@@ -23,11 +26,13 @@ pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let number = unit.and_then(|(unit, bytes)| {
         let number = lower[..lower.len() - unit.len()].trim();
         let number = real(number).filter(|_| !number.ends_with('%'))?;
-        Some(number * bytes).filter(|bytes| (0.0..1e18).contains(bytes))
+        Some(number * bytes).filter(|bytes| *bytes >= 0.0)
     });
-    number
-        .map(|bytes| bytes as u64)
-        .ok_or_else(|| "expected a size with its unit, such as 20GB or 500 MiB".into())
+    match number {
+        Some(bytes) if bytes < MOST => Ok(bytes as u64),
+        Some(_) => Err("expected at most 1000000TB, such as 20GB".into()),
+        None => Err("expected a size with its unit (B, KB to TB, KiB to TiB), such as 20GB".into()),
+    }
 }
 
 #[cfg(test)]

@@ -189,6 +189,9 @@ impl FrameScene {
             Some(all) => (None, Some(PhotonLamps { all, aimed: emission })),
             None => (emission.filter(|_| uses_photons), None),
         };
+        if emission.is_some() {
+            needs::check_pass(scene)?;
+        }
         let photon_frame = match scene.settings.photon_seed {
             PhotonSeed::Frame => number,
             PhotonSeed::Fixed => 0,

@@ -3,6 +3,9 @@
 use std::sync::{Arc, OnceLock};
 
 use slo_accel::Device;
+use slo_scene::Accelerator;
+
+use super::error::FrameError;
 
 /// Opens a GPU, or tells why there is none, in words for the user.
 pub type OpenDevice = fn() -> Result<Arc<dyn Device>, String>;
@@ -19,6 +22,16 @@ pub fn offer_device(open: OpenDevice) {
 /// Whether a GPU has been offered.
 pub fn offers_device() -> bool {
     OFFER.get().is_some()
+}
+
+/// Opens the GPU, if it has not been opened.
+///
+/// # Errors
+/// There is none, or it can't be used.
+pub fn check_device(accelerator: Accelerator) -> Result<(), FrameError> {
+    get()
+        .map(|_| ())
+        .map_err(|reason| FrameError::Device { accelerator: accelerator.name(), reason })
 }
 
 /// Returns the GPU, opened.

@@ -105,11 +105,8 @@ fn on_gpu(
     let built = device::get().and_then(|device| {
         Structure::build_on(device, accelerator(settings.accelerator), primitives, options)
     });
-    built.map_err(|reason| {
-        let named = |(_, accelerator): &&(&str, _)| *accelerator == settings.accelerator;
-        let name = slo_scene::Accelerator::NAMES.iter().find(named).map_or("", |(name, _)| name);
-        FrameError::Device { accelerator: name, reason }
-    })
+    let accelerator = settings.accelerator.name();
+    built.map_err(|reason| FrameError::Device { accelerator, reason })
 }
 
 /// Returns the key of a structure. Instruction sets build the same one.

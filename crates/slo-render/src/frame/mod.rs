@@ -41,7 +41,7 @@ mod things;
 mod world;
 
 pub use counted::CountedStructure;
-pub use device::{OpenDevice, offer_device, offers_device};
+pub use device::{OpenDevice, check_device, offer_device, offers_device};
 pub use error::FrameError;
 pub use kept::Aids;
 pub use lamps::LampFault;

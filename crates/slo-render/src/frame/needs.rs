@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::error::FrameError;
 use super::shared::MOST_COPIED;
 use super::shown::Shown;
+use crate::photons::{MOST_PATHS, Photon, pass_of, samples_of};
 use slo_scene::settings::{Accelerator, Integrator};
 use slo_scene::{SceneDescription, Shape, memory};
 
@@ -25,6 +26,9 @@ const OF_OBJECT: u64 = 400;
 /// Bytes of each photon in a map, with what sorts it.
 const OF_PHOTON: u64 = 80;
 
+/// Bytes of each photon of a pass, while its map is made.
+const OF_PASS: u64 = 2 * (size_of::<Photon>() as u64 + 16);
+
 /// Checks that there is memory for the structures of what a frame shows, and for its photons.
 pub(super) fn check(scene: &SceneDescription, shown: &Shown<'_>) -> Result<(), FrameError> {
     let refused = |what: &'static str, help: &'static str| {
@@ -36,6 +40,22 @@ pub(super) fn check(scene: &SceneDescription, shown: &Shown<'_>) -> Result<(), F
     ))?;
     memory::check(photons(scene))
         .map_err(refused("the photons need", "lower `photonMapSize` and `causticMapSize`"))
+}
+
+/// Checks that there is memory for the largest pass of photons that a sample of `PATH` uses, of a frame that
+/// has something to send photons to.
+pub(super) fn check_pass(scene: &SceneDescription) -> Result<(), FrameError> {
+    let settings = &scene.settings;
+    let samples = settings.image_samples.saturating_mul(settings.dof_samples).max(1);
+    let film = &scene.camera.film;
+    let pixels = f64::from(film.width) * f64::from(film.height);
+    let served = samples_of(pass_of(samples - 1)).len() as f64;
+    let paths = (f64::from(settings.photons) * pixels * served).min(MOST_PATHS as f64) as u64;
+    memory::check(paths * OF_PASS).map_err(|refusal| FrameError::Memory {
+        what: "the photons of a pass need",
+        why: refusal.to_string(),
+        help: "lower `photons`",
+    })
 }
 
 fn structures(scene: &SceneDescription, shown: &Shown<'_>) -> u64 {

@@ -1,7 +1,7 @@
 //! How many light paths a pass of photons has.
 
 use crate::frame::FrameScene;
-use crate::photons::{Photon, samples_of};
+use crate::photons::{MOST_PATHS, Photon, samples_of};
 
 /// The light paths of one pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,10 +13,6 @@ pub struct PhotonPass {
     /// Number of slabs of time that they are dealt to.
     pub(super) slabs: u32,
 }
-
-/// Most light paths of a pass, and so most photons of a slab: they are numbered by 32 bits, and take
-/// 48 bytes each.
-const MOST_PATHS: u64 = 1 << 23;
 
 /// Slabs of time of the first pass, if anything moves.
 const SLABS: f64 = 4.0;

@@ -28,7 +28,7 @@ pub use flux_map::{Deposit, FluxMap, Irradiance, Rule};
 pub use irradiance::{IrradianceMap, PhotonLight, irradiance_at};
 pub use map::{Photon, PhotonMap, PhotonMaps, Slab};
 pub use nearest::Nearest;
-pub use schedule::{pass_of, radius_share, samples_of};
+pub use schedule::{MOST_PATHS, pass_of, radius_share, samples_of};
 pub use targets::{Sharp, Target, targets};
 
 /// Where the light paths of `PHOTON_MAP` start.

@@ -5,6 +5,10 @@
 
 use std::ops::Range;
 
+/// Most light paths of a pass, and so most photons of a slab: they are numbered by 32 bits, and take
+/// 48 bytes each.
+pub const MOST_PATHS: u64 = 1 << 23;
+
 /// Samples of the first passes: one each.
 const SINGLE: u32 = 8;
 /// Samples up to which a pass serves two.

@@ -36,6 +36,15 @@ const FACTS: HeaderName = HeaderName::from_static("slo-facts");
 
 type Answer = Response<Full<Bytes>>;
 
+/// Sends the browser to another address.
+fn moved(to: &str) -> Answer {
+    let mut answer = empty(StatusCode::PERMANENT_REDIRECT);
+    if let Ok(to) = HeaderValue::from_str(to) {
+        answer.headers_mut().insert(hyper::header::LOCATION, to);
+    }
+    answer
+}
+
 /// Answers a request.
 pub(super) async fn answer(request: Request<Incoming>, guard: &Guard, link: &Arc<Link>) -> Answer {
     let path = match guard.admit(&request) {
@@ -50,6 +59,8 @@ pub(super) async fn answer(request: Request<Incoming>, guard: &Guard, link: &Arc
     };
     let after = after(request.uri().query());
     match (request.method(), path.as_str()) {
+        // The address, copied without its end.
+        (&Method::GET, "/") => moved(&format!("{}/", request.uri().path())),
         (&Method::GET, "picture") => picture(after, link).await,
         (&Method::GET, "state") => state(after, link).await,
         (&Method::GET, "finished") => finished(link),
