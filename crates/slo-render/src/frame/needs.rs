@@ -10,8 +10,8 @@ use crate::photons::{MOST_PATHS, Photon, pass_of, samples_of};
 use slo_scene::settings::{Accelerator, Integrator};
 use slo_scene::{SceneDescription, Shape, memory};
 
-/// Bytes of each triangle while a structure is built, beside the mesh itself: measured with ten million
-/// triangles.
+/// Bytes of each triangle while a structure is built, beside the mesh itself. Those of `BVH` and `KDTREE` were
+/// measured with ten million triangles; the others are at least what their structures hold.
 fn bytes_of_triangle(accelerator: Accelerator, cuts: bool) -> u64 {
     match accelerator {
         Accelerator::Bvh if cuts => 160,
@@ -23,8 +23,8 @@ fn bytes_of_triangle(accelerator: Accelerator, cuts: bool) -> u64 {
 
 /// Bytes of each object that has a place of its own.
 const OF_OBJECT: u64 = 400;
-/// Bytes of each photon in a map, with what sorts it.
-const OF_PHOTON: u64 = 80;
+/// Bytes of each photon in a map, with what sorts it and the estimates of irradiance.
+const OF_PHOTON: u64 = 100;
 
 /// Bytes of each photon of a pass, while its map is made.
 const OF_PASS: u64 = 2 * (size_of::<Photon>() as u64 + 16);

@@ -301,33 +301,35 @@ impl Looker {
     }
 
     /// Explains what is seen at a pixel of the picture: `work` gets its frame.
-    pub(crate) fn explained<T>(
+    pub(crate) fn explained<T: Send>(
         &mut self,
         scene: &SceneDescription,
         number: i64,
         work: impl FnOnce(&FrameScene) -> T + Send,
-    ) -> Result<T, Fault>
-    where
-        T: Send,
-    {
-        let pool = self.pool.clone();
-        let purpose = self.purpose(scene, false);
-        let (frames, isa) = (&mut self.frames, self.isa);
-        pool.install(|| frames.make(scene, number, isa, purpose).map(work)).map_err(Fault::Frame)
+    ) -> Result<T, Fault> {
+        self.with_frame(scene, number, self.purpose(scene, false), work)
     }
 
     /// Lends a frame without photons, of a scene that is looked at with other layers or another lens.
-    pub(crate) fn lend<T>(
+    pub(crate) fn lend<T: Send>(
         &mut self,
         scene: &SceneDescription,
         number: i64,
         work: impl FnOnce(&FrameScene) -> T + Send,
-    ) -> Result<T, Fault>
-    where
-        T: Send,
-    {
-        let pool = self.pool.clone();
+    ) -> Result<T, Fault> {
         let purpose = Purpose { is_sharp: true, ..self.purpose(scene, true) };
+        self.with_frame(scene, number, purpose, work)
+    }
+
+    /// Makes a frame, on the threads that render, and does `work` with it.
+    fn with_frame<T: Send>(
+        &mut self,
+        scene: &SceneDescription,
+        number: i64,
+        purpose: Purpose,
+        work: impl FnOnce(&FrameScene) -> T + Send,
+    ) -> Result<T, Fault> {
+        let pool = self.pool.clone();
         let (frames, isa) = (&mut self.frames, self.isa);
         pool.install(|| frames.make(scene, number, isa, purpose).map(work)).map_err(Fault::Frame)
     }
