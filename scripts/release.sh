@@ -69,7 +69,9 @@ for kind in dynamic static; do
     cp "$(built "$root" $kind)" "$folder/"
     program=$folder/slo-rt
     "$program" generate man >"$folder/man/man1/slo-rt.1"
-    for command in $("$program" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+    commands=$("$program" --help | sed -n '/^Other commands:/,/^$/s/^  \([a-z]*\) .*/\1/p')
+    [[ -n $commands ]] || { echo 'release.sh: the help names no commands' >&2 && exit 1; }
+    for command in $commands; do
         "$program" generate man "$command" >"$folder/man/man1/slo-rt-$command.1"
     done
     "$program" generate bash >"$folder/completions/slo-rt.bash"
