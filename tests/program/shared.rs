@@ -82,6 +82,24 @@ fn each_frame_is_rendered_by_one_of_several_processes() {
 }
 
 #[test]
+fn processes_build_ahead_and_write_beside_rendering() {
+    let folder = folder();
+    let typed = "-s scene.txt -f 0-7 -v --threads 2 --share";
+    let start = || {
+        let mut command = folder.command(typed);
+        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let children = [start(), start()];
+    for child in children {
+        let run = Run::of(child.wait_with_output().unwrap());
+        assert_eq!(run.exit, 0, "{}", run.said);
+        let rendered = run.said.contains("frames rendered");
+        assert_eq!(rendered, run.said.contains("beside rendering: building "), "{}", run.said);
+    }
+    check_all(&folder, "0-7");
+}
+
+#[test]
 fn killed_at_random_moments_and_started_again() {
     let folder = folder();
     let typed = "-f 0-15 --share=4 --checkpoint 1";

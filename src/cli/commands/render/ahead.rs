@@ -93,6 +93,11 @@ impl Ahead {
         self.under_way = thread.ok().map(|_| (number, receiver));
     }
 
+    /// Returns the number of the frame that was begun.
+    pub(super) fn frame(&self) -> Option<i64> {
+        self.under_way.as_ref().map(|(number, _)| *number)
+    }
+
     /// Returns the frame that was begun, with its number, if it is ready.
     pub(super) fn ready(&mut self) -> Option<(i64, Result<FrameScene, Problem>)> {
         let (number, receiver) = self.under_way.as_ref()?;

@@ -53,9 +53,14 @@ impl<'a> Desk<'a> {
                 }
                 ready => ready,
             };
-            if let Some((_, frame)) = ready.filter(|(built, _)| *built == number) {
-                self.before = None;
-                return frame;
+            match ready {
+                Some((built, frame)) if built == number => {
+                    self.before = None;
+                    return frame;
+                }
+                // Another frame came first. What was built for this one may still fit.
+                Some((_, Ok(frame))) => self.before = Some(frame),
+                _ => {}
             }
         }
         self.written()?;
@@ -63,6 +68,11 @@ impl<'a> Desk<'a> {
         let (cache, parameters) = (job.cache.clone(), job.parameters());
         let aids = Aids { before, cache, parameters, ..Aids::default() };
         interrupt::while_building(|| load::frame(job.isa, scene, number, aids))
+    }
+
+    /// Returns the frame that is under construction, or ready.
+    pub(super) fn built(&self) -> Option<i64> {
+        self.ahead.as_ref().and_then(Ahead::frame)
     }
 
     /// Begins to build the next frame. Its structures are those of `built` if they fit.

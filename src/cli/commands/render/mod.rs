@@ -8,6 +8,7 @@ mod dry_run;
 mod frame;
 mod guide_file;
 mod ledger;
+mod line;
 mod maps;
 mod plan;
 mod run;

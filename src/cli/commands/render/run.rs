@@ -155,29 +155,6 @@ impl<'a> Run<'a> {
         self.print(path);
     }
 
-    /// Renders a frame as long as it belongs to this process. Returns false if it no longer does.
-    pub(super) fn render(
-        &mut self,
-        frame: i64,
-        path: &Path,
-        is_lost: &(dyn Fn() -> bool + Sync),
-    ) -> Result<bool, Problem> {
-        may_begin(frame)?;
-        let (studio, before) = (&self.studio, &mut self.before);
-        match studio.render(frame, path, studio.limit(), &self.progress, before, is_lost) {
-            Ok(done) => {
-                self.progress.over();
-                self.finish(frame, done, Place::Between);
-            }
-            Err(problem) if problem.exit == Exit::Stopped && interrupt::requested() => {
-                return Err(problem);
-            }
-            Err(problem) if problem.exit == Exit::Stopped => return Ok(false),
-            Err(problem) => self.fail(frame, problem, true),
-        }
-        Ok(true)
-    }
-
     /// Makes the files of a frame that is over, in between or beside rendering.
     ///
     /// # Errors

@@ -1,11 +1,13 @@
 //! `--share`: processes that see the same folder divide the frames among themselves, on one
 //! machine or on many.
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::thread::sleep;
 use std::time::Duration;
 
 use super::frame::find_out_if_writable;
+use super::line::Line;
 use super::plan::{State, Step};
 use super::run::Run;
 use crate::cli::base::{Exit, Problem};
@@ -29,75 +31,102 @@ struct Theirs {
     worker: Option<Worker>,
 }
 
+/// Frames that several processes render.
+struct Share<'a, 'scope, 'env> {
+    run: &'a Run<'a>,
+    line: &'a mut Line<'scope, 'env>,
+    claims: &'a Claims,
+    /// Frames at which this process has not looked yet.
+    unseen: VecDeque<Step>,
+    /// Number of frames that other processes held when they were last looked at.
+    held_by_others: usize,
+    /// Frames of others that were told to be waited for.
+    told: Vec<i64>,
+}
+
 impl Run<'_> {
     /// Renders all frames that no other process renders, and returns when every frame is done.
     ///
     /// # Errors
     /// Another process renders one of the frames from another scene or with other settings.
-    pub(super) fn share(&mut self, steps: Vec<Step>, lease: Duration) -> Result<(), Problem> {
-        let claims = Claims::new(lease).map_err(|error| {
+    pub(super) fn share(&self, steps: Vec<Step>, lease: Duration) -> Result<(), Problem> {
+        let claims = &Claims::new(lease).map_err(|error| {
             Problem::new(Exit::Failed, format!("can't start a thread: {error}"))
         })?;
-        let mut steps = steps.into_iter();
+        let to_render = steps.iter().filter(|step| step.is_to_render()).count();
+        self.in_line(to_render, |line| {
+            let (unseen, told) = (steps.into(), Vec::new());
+            Share { run: line.run, line, claims, unseen, held_by_others: 0, told }.render()
+        })
+    }
+}
+
+impl Share<'_, '_, '_> {
+    fn render(&mut self) -> Result<(), Problem> {
         let mut theirs = Vec::new();
-        let mut told = Vec::new();
         loop {
-            theirs = self.look_again(theirs, &claims)?;
-            let rendered = self.first_free(&mut steps, &mut theirs, &claims)?;
+            theirs = self.look_again(theirs)?;
+            let rendered = self.next_free(&mut theirs)?;
             if !rendered && theirs.is_empty() {
                 return Ok(());
             }
             if !rendered {
-                self.tell_waiting(&theirs, &mut told);
+                self.line.written()?;
+                self.tell_waiting(&theirs);
                 let frames: Vec<i64> = theirs.iter().map(|theirs| theirs.step.frame).collect();
-                wait_for(&frames, claims.pause())?;
+                wait_for(&frames, self.claims.pause())?;
             }
         }
     }
 
     /// Looks again at frames of other processes, and returns the frames that they still hold.
-    fn look_again(&mut self, theirs: Vec<Theirs>, claims: &Claims) -> Result<Vec<Theirs>, Problem> {
+    fn look_again(&mut self, theirs: Vec<Theirs>) -> Result<Vec<Theirs>, Problem> {
         let mut left = Vec::new();
+        self.held_by_others = theirs.len();
         for Theirs { step, .. } in theirs {
-            if let Look::Theirs(worker) = self.look(&step, claims)? {
+            if let Look::Theirs(worker) = self.look(&step)? {
                 left.push(Theirs { step, worker });
             }
         }
+        self.held_by_others = left.len();
         Ok(left)
     }
 
-    /// Renders the first frame that is still to do and unclaimed. Returns false if there is none.
-    fn first_free(
-        &mut self,
-        steps: &mut impl Iterator<Item = Step>,
-        theirs: &mut Vec<Theirs>,
-        claims: &Claims,
-    ) -> Result<bool, Problem> {
-        for step in steps {
-            match self.look(&step, claims)? {
+    /// Renders a frame that is still to do and unclaimed: the one that was built ahead, or the first
+    /// one. Returns false if there is none.
+    fn next_free(&mut self, theirs: &mut Vec<Theirs>) -> Result<bool, Problem> {
+        let built = self.line.built();
+        let place = self.unseen.iter().position(|step| Some(step.frame) == built);
+        let mut next = place.and_then(|place| self.unseen.remove(place));
+        while let Some(step) = next.or_else(|| self.unseen.pop_front()) {
+            next = None;
+            match self.look(&step)? {
                 Look::Settled => {}
                 Look::Rendered => return Ok(true),
-                Look::Theirs(worker) => theirs.push(Theirs { step, worker }),
+                Look::Theirs(worker) => {
+                    self.held_by_others += 1;
+                    theirs.push(Theirs { step, worker });
+                }
             }
         }
         Ok(false)
     }
 
     /// Renders a frame that is still to do, if it is unclaimed.
-    fn look(&mut self, step: &Step, claims: &Claims) -> Result<Look, Problem> {
+    fn look(&mut self, step: &Step) -> Result<Look, Problem> {
+        let run = self.run;
         if let State::None(_) | State::Foreign(_) = step.state {
-            self.settle(step.frame, &step.path, &step.state, false);
+            run.settle(step.frame, &step.path, &step.state, false);
             return Ok(Look::Settled);
         }
         // A process that died while releasing a finished frame has left its claim, which is taken
         // over below.
-        if !claims.is_taken(&self.claimed(step)) && self.keep_if_there(step) {
+        if !self.claims.is_taken(&self.claimed(step)) && self.keep_if_there(step) {
             return Ok(Look::Settled);
         }
-        let claimed = self.claim_ours(step, claims)?;
-        match claimed {
+        match self.claim_ours(step)? {
             Err(problem) => {
-                self.fail(step.frame, problem, true);
+                run.fail(step.frame, problem, true);
                 Ok(Look::Settled)
             }
             Ok(None) => Ok(Look::Settled),
@@ -107,20 +136,61 @@ impl Run<'_> {
         }
     }
 
+    /// Continues a frame that now belongs to this process, from wherever others have left it.
+    fn go_on(&mut self, step: &Step, claim: Claim) -> Result<Look, Problem> {
+        let (frame, run) = (step.frame, self.run);
+        let dead = claim.dead.is_some();
+        if let Some(dead) = &claim.dead {
+            run.note(format_args!("taking over frame {frame}: {dead} has stopped responding"));
+            run.studio.clean_up(frame, &step.path);
+        }
+        if self.keep_if_there(step) {
+            if dead {
+                run.studio.remove_checkpoint(frame);
+            }
+            return Ok(Look::Settled);
+        }
+        self.line.expect(self.probably_next());
+        if self.line.render(step, Some(claim))? {
+            return Ok(Look::Rendered);
+        }
+        run.note(format_args!("another process has taken over frame {frame}"));
+        Ok(Look::Theirs(None))
+    }
+
+    /// Returns the frame that is probably free when this one is done: until then, each of the other
+    /// processes takes one of those before it.
+    fn probably_next(&self) -> Option<i64> {
+        let mut open = self.unseen.iter().filter(|step| step.is_to_render());
+        open.nth(self.held_by_others).map(|step| step.frame)
+    }
+
+    /// Reports the frames that the run waits for, if they have changed since the last report.
+    fn tell_waiting(&mut self, theirs: &[Theirs]) {
+        let frames: Vec<i64> = theirs.iter().map(|theirs| theirs.step.frame).collect();
+        if frames == self.told {
+            return;
+        }
+        self.run.progress.waiting(&frames);
+        let first =
+            theirs.iter().find_map(|theirs| Some((theirs.step.frame, theirs.worker.as_ref()?)));
+        let who =
+            first.map_or_else(String::new, |(frame, who)| format!("; {who} renders frame {frame}"));
+        self.run
+            .note(format_args!("waiting for other processes to finish {}{who}", named(&frames)));
+        self.told = frames;
+    }
+
     /// Claims a frame. If a process that renders another scene holds it, waits until that process
     /// is known to be dead. Returns `None` if the frame is finished.
     ///
     /// # Errors
     /// The process that renders another scene is alive: two versions of a scene can't share a
     /// folder.
-    fn claim_ours(
-        &mut self,
-        step: &Step,
-        claims: &Claims,
-    ) -> Result<Result<Option<Taken>, Problem>, Problem> {
+    fn claim_ours(&self, step: &Step) -> Result<Result<Option<Taken>, Problem>, Problem> {
         let mut other: Option<Worker> = None;
         loop {
-            let taken = match self.claim(step, claims) {
+            let taken = match self.claim(step) {
                 Ok(taken) => taken,
                 Err(problem) if problem.exit == Exit::Stopped => return Err(problem),
                 Err(problem) => return Ok(Err(problem)),
@@ -142,40 +212,20 @@ impl Run<'_> {
             }
             if other.is_none() {
                 let frame = step.frame;
-                self.warn(format_args!(
+                self.run.warn(format_args!(
                     "{worker} has claimed frame {frame} for another scene or other settings; \
                      waiting to see whether it is alive"
                 ));
                 other = Some(worker);
             }
-            wait_for(&[step.frame], claims.pause())?;
+            wait_for(&[step.frame], self.claims.pause())?;
         }
     }
 
-    /// Continues a frame that now belongs to this process, from wherever others have left it.
-    fn go_on(&mut self, step: &Step, claim: Claim) -> Result<Look, Problem> {
-        let frame = step.frame;
-        if let Some(dead) = &claim.dead {
-            self.note(format_args!("taking over frame {frame}: {dead} has stopped responding"));
-            self.studio.clean_up(frame, &step.path);
-        }
-        if self.keep_if_there(step) {
-            if claim.dead.is_some() {
-                self.studio.remove_checkpoint(frame);
-            }
-            return Ok(Look::Settled);
-        }
-        if self.render(frame, &step.path, &|| claim.is_lost())? {
-            return Ok(Look::Rendered);
-        }
-        self.note(format_args!("another process has taken over frame {frame}"));
-        Ok(Look::Theirs(None))
-    }
-
-    fn keep_if_there(&mut self, step: &Step) -> bool {
+    fn keep_if_there(&self, step: &Step) -> bool {
         match step.state {
-            State::Finished => self.keep(step.frame, &step.path, false),
-            _ => return self.is_there_now(step),
+            State::Finished => self.run.keep(step.frame, &step.path, false),
+            _ => return self.run.is_there_now(step),
         }
         true
     }
@@ -183,31 +233,16 @@ impl Run<'_> {
     /// Returns the path that is claimed. With the render time in its name, a picture would have
     /// another path each time.
     fn claimed(&self, step: &Step) -> PathBuf {
-        self.studio.target.plain_path(step.frame)
+        self.run.studio.target.plain_path(step.frame)
     }
 
-    fn claim(&self, step: &Step, claims: &Claims) -> Result<Taken, Problem> {
-        find_out_if_writable(&step.path, self.before.is_none())?;
+    fn claim(&self, step: &Step) -> Result<Taken, Problem> {
+        find_out_if_writable(&step.path, self.line.is_first())?;
         let path = self.claimed(step);
-        let recipe = self.studio.recipe_hash(step.frame);
-        let take = || claims.take(&path, &recipe);
-        patience::write(&path, self.studio.terminal, take)
+        let recipe = self.run.studio.recipe_hash(step.frame);
+        let take = || self.claims.take(&path, &recipe);
+        patience::write(&path, self.run.studio.terminal, take)
             .map_err(|error| patience::problem(format_args!("claim `{}`", path.display()), &error))
-    }
-
-    /// Reports the frames that the run waits for, if they have changed since the last report.
-    fn tell_waiting(&self, theirs: &[Theirs], told: &mut Vec<i64>) {
-        let frames: Vec<i64> = theirs.iter().map(|theirs| theirs.step.frame).collect();
-        if frames == *told {
-            return;
-        }
-        self.progress.waiting(&frames);
-        let first =
-            theirs.iter().find_map(|theirs| Some((theirs.step.frame, theirs.worker.as_ref()?)));
-        let who =
-            first.map_or_else(String::new, |(frame, who)| format!("; {who} renders frame {frame}"));
-        self.note(format_args!("waiting for other processes to finish {}{who}", named(&frames)));
-        *told = frames;
     }
 }
 
