@@ -108,6 +108,18 @@ pub(crate) trait SpatialIndex: Debug + Sized + Send + Sync {
         Err(primitives)
     }
 
+    /// Makes of this structure the one over the same primitives where they are now. `None`: it can't
+    /// be done, or a ray would cost more than `most_growth` times as much as in one that was built.
+    fn refitted(
+        &self,
+        primitives: &Primitives,
+        most_growth: f64,
+        options: BuildOptions,
+    ) -> Option<Self> {
+        let _ = (primitives, most_growth, options);
+        None
+    }
+
     /// The primitives, as they were given.
     fn geometry(&self) -> &Self::Geometry;
 

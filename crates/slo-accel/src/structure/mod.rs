@@ -58,6 +58,19 @@ macro_rules! structures {
                 }
             }
 
+            fn refitted(
+                &self,
+                primitives: &Primitives,
+                most_growth: f64,
+                options: BuildOptions,
+            ) -> Option<Self> {
+                match self {
+                    $(Self::$name(index) => {
+                        index.refitted(primitives, most_growth, options).map(Self::$name)
+                    })*
+                }
+            }
+
             fn restored(
                 accelerator: Accelerator,
                 primitives: Primitives,
@@ -177,6 +190,31 @@ impl Structure {
         let primitives = primitives.into();
         assert!(primitives.len() <= Self::MAX_PRIMITIVES, "at most 2^28 primitives");
         Self { built: Built::new(accelerator, primitives, options.into()) }
+    }
+
+    /// Makes of this structure one over the same primitives in other places, such as those of a mesh
+    /// that has changed its shape from frame to frame. This takes a fraction of the time of building,
+    /// but boxes overlap more, and rays take longer. `most_growth` limits how much: it is the ratio of
+    /// what a ray is expected to cost, by the surface area heuristic, to what it would have cost in
+    /// the structure that was built; 1 and above.
+    ///
+    /// Hits are those of any structure over the primitives.
+    ///
+    /// # Errors
+    /// The primitives, which are to be built over instead: rays would cost more, or the primitives are
+    /// others, or include curved surfaces, or the structure is not a [`Bvh`](Accelerator::Bvh) without
+    /// spatial splits.
+    pub fn refitted(
+        &self,
+        primitives: Primitives,
+        most_growth: f64,
+        options: impl Into<BuildOptions>,
+    ) -> Result<Self, Primitives> {
+        let options = options.into();
+        match self.built.refitted(&primitives, most_growth, options) {
+            Some(built) => Ok(Self { built }),
+            None => Err(primitives),
+        }
     }
 
     /// Builds a structure [to study](study) that a device traverses: `GRID`, `KD` or a hierarchy of boxes,

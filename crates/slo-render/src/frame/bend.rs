@@ -59,15 +59,26 @@ impl Bent {
         ObjectBox::about(self.positions.iter().flatten().copied())
     }
 
-    /// Builds the structure over the triangles, translated by `-center`.
-    pub(super) fn structure(&self, center: DVec3, isa: Isa) -> Bending {
+    /// Builds the structure over the triangles, translated by `-center`. It starts from the structure
+    /// of another frame, if there is one, and lets rays cost so much more.
+    pub(super) fn structure(
+        &self,
+        center: DVec3,
+        isa: Isa,
+        like: Option<(&Bending, f64)>,
+    ) -> Bending {
         let shape = |positions: &Vec<DVec3>| -> Vec<Triangle> {
             let local: Vec<Vec3> = positions.iter().map(|&p| (p - center).as_vec3()).collect();
             let triangle = |face: &[u32; 3]| face.map(|vertex| local[vertex as usize]);
             self.mesh.faces.iter().map(triangle).collect()
         };
         let shapes: Vec<_> = self.positions.iter().map(shape).collect();
-        Bending::build(&shapes, &self.times, isa)
+        match like {
+            Some((before, growth)) => {
+                Bending::build_like(before, growth, &shapes, &self.times, isa)
+            }
+            None => Bending::build(&shapes, &self.times, isa),
+        }
     }
 }
 

@@ -82,18 +82,17 @@ impl FrameScene {
         }
         let spaces = &shown.spaces;
         let seen = Seen { shutter: &shutter, camera: &path, per_ms, origin, spaces };
-        let moving = before.as_ref().map(|before| before.moving.clone()).unwrap_or_default();
         let cast =
             |&(object, _, count): &(u32, _, u64)| (&scene.objects[object as usize].shape, count);
         let shapes = shown.objects.iter().map(|shown| (&shown.object.shape, 1));
         let shared = Shared::new(shapes.chain(shown.casts.iter().map(cast)));
         let before =
             before.filter(|of| of.made.as_ref().is_none_or(|made| made.is_by(&scene.settings)));
-        let made = before.as_ref().and_then(|before| before.made.clone());
-        let kept = (moving, made);
+        let left = before.as_ref();
         let mut parts = Parts {
-            before: kept.0,
-            made: kept.1,
+            before: left.map(|before| before.moving.clone()).unwrap_or_default(),
+            bending: left.map(|before| before.bending.clone()).unwrap_or_default(),
+            made: left.and_then(|before| before.made.clone()),
             apart,
             cache,
             parameters,
@@ -136,7 +135,9 @@ impl FrameScene {
             LightSampling::One => 0,
         };
         let first_shaded = add_emitters(scene, &shown.objects, &mut parts, &mut lights, &mut poses);
-        let crowd = crowd(&shown, &mut parts, scene, &seen, isa)?;
+        let resting = before.as_ref().filter(|of| of.made.is_none() && of.origin == origin);
+        let resting = resting.and_then(|before| before.crowd.as_ref());
+        let crowd = crowd(&shown, &mut parts, scene, &seen, isa, resting)?;
         let light_groups = light_groups(scene, &shown, &mut parts, lights.len());
         for flags in [&mut hidden, &mut passable] {
             if !flags.contains(&true) {

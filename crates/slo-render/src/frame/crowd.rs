@@ -14,13 +14,34 @@ use slo_accel::{Instances, Structure};
 #[derive(Debug, Default)]
 pub(super) struct Crowd {
     /// What is placed, and where, until it is.
-    pub(super) to_place: Option<(Vec<Child>, Placements)>,
-    pub(super) top: Level,
+    pub(super) to_place: Option<ToPlace>,
+    pub(super) top: Arc<Level>,
     /// What objects are made of, from number `first_cast` on.
     pub(super) casts: Vec<Cast>,
     pub(super) first_cast: u32,
     /// Number of instances that move within the shutter.
     pub(super) moving: usize,
+    /// Whether everything is at the same place in all frames.
+    pub(super) rests: bool,
+}
+
+/// Instances of a crowd, and of what is not in it.
+#[derive(Debug)]
+pub(super) enum ToPlace {
+    /// What is placed, and where.
+    List(Vec<Child>, Placements),
+    /// The instances of another frame.
+    Placed(Arc<Instances>),
+}
+
+/// A crowd at rest that has been placed.
+#[derive(Clone, Debug)]
+pub(super) struct Resting {
+    all: Arc<Instances>,
+    top: Arc<Level>,
+    first_cast: u32,
+    /// Addresses of what the objects are made of, which the instances keep.
+    bodies: Vec<usize>,
 }
 
 /// What the children of [`Instances`] are.
@@ -60,8 +81,34 @@ impl Crowd {
     }
 
     /// Returns what is to be placed, once.
-    pub(super) fn take(&mut self) -> Option<(Vec<Child>, Placements)> {
+    pub(super) fn take(&mut self) -> Option<ToPlace> {
         self.to_place.take()
+    }
+
+    /// Returns what another frame may use if the crowd is at rest, and is all that `all` has.
+    pub(super) fn resting(&self, all: &Arc<Instances>) -> Option<Resting> {
+        let bodies = self.casts.iter().map(|cast| cast.body.address().addr()).collect();
+        (self.rests && !self.is_empty()).then(|| Resting {
+            all: all.clone(),
+            top: self.top.clone(),
+            first_cast: self.first_cast,
+            bodies,
+        })
+    }
+
+    /// Returns a crowd that stands where another one does, if it is made of the same objects.
+    pub(super) fn again(
+        before: &Resting,
+        first_cast: u32,
+        casts: Vec<Cast>,
+    ) -> Result<Self, Vec<Cast>> {
+        let bodies = casts.iter().map(|cast| cast.body.address().addr());
+        if first_cast != before.first_cast || !bodies.eq(before.bodies.iter().copied()) {
+            return Err(casts);
+        }
+        let to_place = Some(ToPlace::Placed(before.all.clone()));
+        let top = before.top.clone();
+        Ok(Self { to_place, top, casts, first_cast, moving: 0, rests: true })
     }
 
     /// Goes from all instances to the object of one. Visits its placement on each level.
@@ -72,7 +119,7 @@ impl Crowd {
         mut number: u32,
         mut visit: impl FnMut(&'a Placements, u32, &'a Level),
     ) -> u32 {
-        let mut level = &self.top;
+        let mut level = &*self.top;
         loop {
             let (placement, rest) = instances.placement(number);
             let placements = instances.placements();
@@ -146,7 +193,7 @@ impl Crowd {
     /// Returns all that is nested, each once.
     fn nested(&self) -> Vec<&Arc<Nested>> {
         let (mut known, mut found) = (HashSet::new(), Vec::new());
-        let mut waiting = vec![&self.top];
+        let mut waiting = vec![&*self.top];
         while let Some(level) = waiting.pop() {
             for member in &level.members {
                 if let Member::Nested(nested) = member

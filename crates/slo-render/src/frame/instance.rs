@@ -56,7 +56,7 @@ impl Body {
         }
     }
 
-    fn address(&self) -> *const () {
+    pub(super) fn address(&self) -> *const () {
         match self {
             Self::Still(structure) => Arc::as_ptr(structure).cast(),
             Self::Bending(bending) => Arc::as_ptr(bending).cast(),

@@ -7,8 +7,8 @@ use super::error::FrameError;
 use super::remains::Remains;
 use slo_accel::study::{Parameters, Traversal};
 use slo_accel::{Accelerator, BuildOptions, Isa, Primitives, Sections, Structure};
-use slo_scene::Settings;
 use slo_scene::cache::{Cache, Entry, Key, hash_of};
+use slo_scene::{SceneDescription, Settings};
 
 /// Structures over fewer primitives are built as fast as they are found.
 const LEAST: usize = 1 << 16;
@@ -50,6 +50,40 @@ impl Sections for Kept<'_> {
     }
 }
 
+/// Returns how much more rays may cost in a structure that is fitted to triangles which have moved, and not
+/// built. Few samples are traced faster than a structure is built: building a triangle takes about as long
+/// as tracing a sample with its rays.
+pub(super) fn most_growth(scene: &SceneDescription, triangles: usize) -> Option<f64> {
+    /// With more growth, rays soon take longer than building would have taken.
+    const MOST: f64 = 1.4;
+    /// With less growth, hardly any structure would be fitted.
+    const LEAST: f64 = 1.005;
+    let film = &scene.camera.film;
+    let pixels = f64::from(film.width) * f64::from(film.height);
+    let samples = pixels * scene.settings.camera_samples() as f64;
+    let growth = 1.0 + triangles as f64 / samples.max(1.0);
+    (growth >= LEAST).then_some(growth.min(MOST))
+}
+
+/// Returns the structure that the settings ask for: `before`, fitted to where its primitives are now, if
+/// rays may [cost as much more](most_growth); otherwise as [`structure`] does.
+pub(super) fn structure_like(
+    before: Option<&Structure>,
+    primitives: Primitives,
+    scene: &SceneDescription,
+    isa: Isa,
+    (cache, parameters): (Option<&Cache>, Parameters),
+) -> Result<Structure, FrameError> {
+    let settings = &scene.settings;
+    let fitted = match (before, most_growth(scene, primitives.triangles.len())) {
+        (Some(before), Some(growth)) => {
+            before.refitted(primitives, growth, options(settings, isa, parameters))
+        }
+        _ => Err(primitives),
+    };
+    fitted.or_else(|primitives| structure(primitives, settings, isa, (cache, parameters)))
+}
+
 /// Returns the structure that the settings ask for: from the cache, or built and put there, or built and
 /// given to a GPU.
 pub(super) fn structure(
@@ -61,9 +95,7 @@ pub(super) fn structure(
     if settings.accelerator.needs_gpu() {
         return on_gpu(primitives, settings, isa, parameters);
     }
-    let options = BuildOptions::new(isa)
-        .with_spatial_splits(settings.spatial_splits)
-        .with_parameters(parameters);
+    let options = options(settings, isa, parameters);
     let accelerator = accelerator(settings.accelerator);
     let build = |primitives| Structure::build(accelerator, primitives, options);
     let pays = accelerator == Accelerator::Bvh && primitives.len() >= LEAST;
@@ -89,6 +121,10 @@ pub(super) fn structure(
         }
         built
     }))
+}
+
+fn options(settings: &Settings, isa: Isa, parameters: Parameters) -> BuildOptions {
+    BuildOptions::new(isa).with_spatial_splits(settings.spatial_splits).with_parameters(parameters)
 }
 
 /// Builds the structure that a GPU is to traverse.
@@ -151,6 +187,19 @@ mod tests {
             [[a, corner(x + 1, y), b], [a, b, corner(x, y + 1)]]
         });
         triangles.collect::<Vec<_>>().into()
+    }
+
+    #[test]
+    fn structures_are_fitted_where_few_samples_would_be_slower() {
+        let text = "settings s { imageSamples 4 } Camera c { fps 1
+            Film f { width 100 height 100 prefix a_ output PNG_IMAGE }
+            CamSegment only { videoStart 0 videoEnd 1 sceneStart 0 sceneEnd 1
+                addPosition { 0 -5 1 } addTarget { 0 0 0 } skyStart { 0 0 1 } fovStart 0.4 } }";
+        let loaded = slo_scene::load("scene.txt", text, &slo_scene::Files::built_in("", &[]));
+        let scene = loaded.scene.expect("it has no error");
+        assert_eq!(most_growth(&scene, 4_000), Some(1.1));
+        assert_eq!(most_growth(&scene, 4_000_000), Some(1.4));
+        assert_eq!(most_growth(&scene, 100), None);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::affine::Affine;
-use super::crowd::{Cast, Crowd, Level, Member, Nested};
+use super::crowd::{Cast, Crowd, Level, Member, Nested, Resting, ToPlace};
 use super::error::FrameError;
 use super::instance::all_of;
 use super::parts::{Parts, Seen, fits};
@@ -25,13 +25,15 @@ const TOGETHER: usize = 1 << 16;
 /// Something that copies show: an original, with the material that they give it.
 type Part = (Original, Option<MaterialId>);
 
-/// Places the crowds of a frame. Their objects are added to the others.
+/// Places the crowds of a frame. Their objects are added to the others. `before` is a crowd about the same
+/// origin, of another frame of the same scene.
 pub(super) fn crowd(
     shown: &Shown<'_>,
     parts: &mut Parts,
     scene: &SceneDescription,
     seen: &Seen<'_>,
     isa: Isa,
+    before: Option<&Resting>,
 ) -> Result<Crowd, FrameError> {
     if shown.crowds.is_empty() {
         return Ok(Crowd::default());
@@ -44,9 +46,19 @@ pub(super) fn crowd(
         casts.push((cast, about));
         numbers.insert((object, material), number);
     }
+    // Crowds are placed together with all other instances.
+    if let Some(before) = before.filter(|_| parts.instances.is_empty()) {
+        let (bare, abouts): (Vec<_>, Vec<_>) = casts.into_iter().unzip();
+        casts = match Crowd::again(before, first_cast, bare) {
+            Ok(crowd) => return Ok(crowd),
+            Err(bare) => bare.into_iter().zip(abouts).collect(),
+        };
+    }
     let time = seen.shutter.scene_time(0.0);
     let nested = HashMap::new();
-    let mut lists = Lists { shown, scene, seen, isa, time, casts, numbers, first_cast, nested };
+    let rests = parts.instances.is_empty();
+    let mut lists =
+        Lists { shown, scene, seen, isa, time, casts, numbers, first_cast, nested, rests };
     let mut top = List::default();
     (top.children, top.placements) = all_of(&parts.instances);
     // Nobody asks for these: they are kept one by one.
@@ -55,9 +67,11 @@ pub(super) fn crowd(
     for &number in &shown.crowds {
         moving += lists.add_copy(number, &mut top)?;
     }
+    let rests = lists.rests;
     let casts = lists.casts.into_iter().map(|(cast, _)| cast).collect();
     let List { children, placements, level, .. } = top;
-    Ok(Crowd { to_place: Some((children, placements)), top: level, casts, first_cast, moving })
+    let (to_place, top) = (Some(ToPlace::List(children, placements)), Arc::new(level));
+    Ok(Crowd { to_place, top, casts, first_cast, moving, rests })
 }
 
 /// Why a frame cannot be built if the instances of a copy cannot.
@@ -119,6 +133,9 @@ struct Lists<'a, 's> {
     first_cast: u32,
     /// With boxes and origins.
     nested: HashMap<Part, (Arc<Nested>, ObjectBox, DVec3)>,
+    /// Whether all copies so far are at the same place in all frames, and nothing else is placed with
+    /// them.
+    rests: bool,
 }
 
 impl Lists<'_, '_> {
@@ -134,6 +151,7 @@ impl Lists<'_, '_> {
             self.fill(top, copy, kinds, &outer, self.seen.origin)?;
             return Ok(0);
         }
+        self.rests = false;
         let target = Target::Nested((Original::Copy(number), None));
         let (child, about, center) = self.child(target, top)?;
         let poses = self.seen.poses(name, &path, &about)?;

@@ -11,7 +11,7 @@ use super::bend::{Bent, Shaped};
 use super::crowd::Cast;
 use super::error::FrameError;
 use super::instance::{Body, Instance};
-use super::kept::structure;
+use super::kept::{most_growth, structure_like};
 use super::lamps::carried;
 use super::looks::Look;
 use super::remains::Made;
@@ -24,7 +24,7 @@ use super::shown::{ShownLight, ShownObject, Whereabouts};
 use crate::shading::Light;
 use crate::shading::light::{Pose, Skies};
 use slo_accel::study::Parameters;
-use slo_accel::{Isa, Primitives, Structure};
+use slo_accel::{Bending, Isa, Primitives, Structure};
 use slo_scene::animation::{DAffine, Path, Shutter, Spaces};
 use slo_scene::cache::Cache;
 use slo_scene::shape::MeshSurface;
@@ -102,6 +102,10 @@ pub(super) struct Parts {
     pub(super) stretches: bool,
     /// Existing structures of instances, by the index of the object.
     pub(super) before: HashMap<u32, Arc<Structure>>,
+    /// Existing structures of meshes that have changed their shape, by the index of the object.
+    pub(super) reshaped: HashMap<u32, Arc<Structure>>,
+    /// Existing structures of meshes that bend, by the index of the object.
+    pub(super) bending: HashMap<u32, Arc<Bending>>,
     /// What they, and the structure of all still objects, were made of, if the scene may be another one.
     pub(super) made: Option<Arc<Made>>,
     /// Name of the thing that has a structure of its own.
@@ -175,13 +179,14 @@ impl Parts {
         let look = Look::Material(shown.material.0);
         if let Shape::Mesh(MeshSurface { mesh, smooth, shapes: Some(shapes) }) = &object.shape {
             // What another frame knows of this object is about another shape.
-            self.before.remove(&(self.objects.len() as u32));
+            let number = self.objects.len() as u32;
+            self.reshaped.extend(self.before.remove(&number).map(|before| (number, before)));
             let shaped = Shaped::new(mesh, shapes, seen.shutter)
                 .map_err(|reason| FrameError::Shape { object: object.name.clone(), reason })?;
             match shaped {
                 Shaped::Bends(bent) => {
                     let poses = seen.poses(&object.name, &path, &bent.about())?;
-                    self.add_bent(look, bent, *smooth, &poses, seen, isa);
+                    self.add_bent(look, bent, *smooth, &poses, (scene, seen), isa);
                 }
                 // It has a structure of its own, so that those of other objects fit the next frame.
                 Shaped::AtRest(mesh) => {
@@ -342,6 +347,7 @@ impl Parts {
         let is_same = self.made.as_ref().is_none_or(|made| made.is(number, geometry));
         let there = self.before.get(&number).filter(|_| is_same).cloned();
         let (cache, parameters) = (self.cache.clone(), self.parameters);
+        let reshaped = self.reshaped.remove(&number);
         let get = || {
             if let Some(there) = there {
                 return Ok(there);
@@ -349,7 +355,8 @@ impl Parts {
             let place = DAffine { translation: -center, ..DAffine::IDENTITY };
             let mut local = Primitives::default();
             add_primitives(&mut local, geometry, &place);
-            structure(local, &scene.settings, isa, (cache.as_deref(), parameters)).map(Arc::new)
+            let from = (cache.as_deref(), parameters);
+            structure_like(reshaped.as_deref(), local, scene, isa, from).map(Arc::new)
         };
         let normals = || vertex_normals(geometry, &DAffine::IDENTITY).into();
         match self.shared.of(geometry) {
@@ -376,13 +383,16 @@ impl Parts {
         bent: Bent,
         is_smooth: bool,
         poses: &[DAffine],
-        seen: &Seen<'_>,
+        (scene, seen): (&SceneDescription, &Seen<'_>),
         isa: Isa,
     ) {
         let center = bent.about().center();
+        let before = self.bending.remove(&(self.objects.len() as u32));
+        let growth = most_growth(scene, bent.mesh.faces.len());
+        let like = before.as_deref().zip(growth);
         let poses = poses.iter().map(|pose| Affine::relative(&pose.about(center), seen.origin));
         self.instances.push(Instance {
-            body: Body::Bending(Arc::new(bent.structure(center, isa))),
+            body: Body::Bending(Arc::new(bent.structure(center, isa, like))),
             center: center.as_vec3(),
             poses: poses.collect(),
             object: self.objects.len() as u32,

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::instance::Body;
+use super::crowd::Resting;
+use super::instance::{Body, Instance};
 use super::scene::FrameScene;
 use super::shapes::Geometry;
 use super::world::World;
 use crate::shading::light::ImageSky;
-use slo_accel::{Curved, Structure};
+use slo_accel::{Bending, Curved, Structure};
 use slo_scene::animation::DAffine;
 use slo_scene::{Accelerator, Mesh, Settings};
 
@@ -30,7 +31,10 @@ pub struct Remains {
     pub(super) places: Arc<Vec<(u32, DAffine)>>,
     /// Structures of instances, by the index of the object.
     pub(super) moving: HashMap<u32, Arc<Structure>>,
+    /// Structures of meshes that bend, by the index of the object.
+    pub(super) bending: HashMap<u32, Arc<Bending>>,
     pub(super) skies: Vec<ImageSky>,
+    pub(super) crowd: Option<Resting>,
 }
 
 impl FrameScene {
@@ -51,6 +55,10 @@ impl FrameScene {
         let structure = |object, body: &Body| Some((object, body.structure()?.clone()));
         let mut moving: HashMap<_, _> =
             instances.iter().filter_map(|of| structure(of.object, &of.body)).collect();
+        let bending = |of: &Instance| match &of.body {
+            Body::Bending(structure) => Some((of.object, structure.clone())),
+            Body::Still(_) => None,
+        };
         let casts = (crowd.first_cast..).zip(&crowd.casts);
         moving.extend(casts.filter_map(|(object, cast)| structure(object, &cast.body)));
         Remains {
@@ -59,7 +67,9 @@ impl FrameScene {
             still: still.clone(),
             places: self.still_places.clone(),
             moving,
+            bending: instances.iter().filter_map(bending).collect(),
             skies: self.lights.image_skies().to_vec(),
+            crowd: self.world.many.as_ref().and_then(|all| crowd.resting(all)),
         }
     }
 }
@@ -224,6 +234,51 @@ mod tests {
         let mut scene = before.clone();
         scene.settings.accelerator = slo_scene::Accelerator::KdTree;
         assert!(!keeps(&scene));
+    }
+
+    #[test]
+    fn a_crowd_at_rest_is_placed_once() {
+        const POINTS: &[u8] = b"ply
+format ascii 1.0
+element vertex 1
+property float x
+property float y
+property float z
+end_header
+0 0 0
+";
+        let start = SCENE.find("mesh still").expect("it is there");
+        let text = SCENE[..start].to_owned()
+            + "sphere ball { center { 0 0 0 } radius 1 material matte hidden 1 }
+               copies balls { of ball placements points.ply }";
+        let scene = |text: &str| {
+            let files = Files::built_in("", &[("points.ply", POINTS)]);
+            let loaded = load("scene.txt", text, &files);
+            let mut scene =
+                loaded.scene.unwrap_or_else(|| panic!("{}", loaded.diagnostics.render(false)));
+            let positions = (0..17_000).map(|i| DVec3::new(f64::from(i), 0.0, 0.0)).collect();
+            let places = slo_scene::Placements { positions, ..Default::default() };
+            scene.copies[0].placements = Some(Arc::new(places));
+            scene
+        };
+        let many = |frame: &FrameScene| frame.world.many.clone().expect("a crowd");
+        let at_rest = scene(&text);
+        let first = FrameScene::build(&at_rest, 0, Isa::best()).expect("frame 0");
+        let second = FrameScene::build_with(&at_rest, 1, Isa::best(), first.remains());
+        let second = second.expect("frame 1");
+        assert!(Arc::ptr_eq(&many(&first), &many(&second)));
+        assert!(second.world.crowd.resting(&many(&second)).is_some(), "for the frame after");
+        // Another scene may have other copies, and other instances would be placed with them.
+        let other = FrameScene::build_with(&at_rest, 1, Isa::best(), first.remains_for_others());
+        assert!(!Arc::ptr_eq(&many(&first), &many(&other.expect("frame 1"))));
+        let text = text
+            + "sphere egg { center { 0 0 0 } radius 1 material matte
+            addKframe { time 0 key { scale { 1 1 2 } pivot { 0 0 5 } } } }";
+        let with_egg = scene(&text);
+        let [first, second] = [0, 1].map(|number| {
+            FrameScene::build(&with_egg, number, Isa::best()).expect("a frame").remains()
+        });
+        assert!(first.crowd.is_none() && second.crowd.is_none());
     }
 
     #[test]

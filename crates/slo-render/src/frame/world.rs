@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::affine::Affine;
-use super::crowd::Crowd;
+use super::crowd::{Crowd, ToPlace};
 use super::instance::{Body, Instance, all_of};
 use slo_accel::instances::{self, NO_INSTANCE};
 use slo_accel::math::Bounds;
@@ -34,7 +34,7 @@ pub(crate) struct World {
     /// Boxes of few instances.
     boxes: BoxTree,
     /// All instances, if they are many.
-    many: Option<Instances>,
+    pub(super) many: Option<Arc<Instances>>,
     isa: Isa,
 }
 
@@ -73,11 +73,14 @@ impl World {
         isa: Isa,
     ) -> Result<Self, instances::BuildError> {
         let many = match crowd.take() {
-            Some((children, placements)) => Some(Instances::build(children, placements, isa)?),
+            Some(ToPlace::Placed(all)) => Some(all),
+            Some(ToPlace::List(children, placements)) => {
+                Some(Instances::build(children, placements, isa)?.into())
+            }
             None if instances.len() < MANY => None,
             None => {
                 let (children, placements) = all_of(&instances);
-                Instances::build(children, placements, isa).ok()
+                Instances::build(children, placements, isa).ok().map(Arc::new)
             }
         };
         let boxes: Vec<_> = match many {
@@ -234,7 +237,7 @@ impl World {
     pub(super) fn bounds(&self) -> Bounds {
         let instances = self.instances.iter().map(Instance::bounds);
         let crowd = (!self.crowd.is_empty()).then_some(self.many.as_ref()).flatten();
-        let crowd = crowd.map_or(Bounds::EMPTY, Instances::bounds);
+        let crowd = crowd.map_or(Bounds::EMPTY, |all| all.bounds());
         instances.fold(self.still.bounds(), Bounds::union).union(crowd)
     }
 
@@ -244,7 +247,7 @@ impl World {
         self.structures().map(|structure| structure.memory()).sum::<usize>()
             + self.bending().map(|bending| bending.memory()).sum::<usize>()
             + self.instances.iter().map(of).sum::<usize>()
-            + self.many.as_ref().map_or(0, Instances::memory)
+            + self.many.as_ref().map_or(0, |all| all.memory())
             + self.crowd.memory()
     }
 

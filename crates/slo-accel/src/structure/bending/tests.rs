@@ -42,7 +42,8 @@ fn brute(shapes: &[Vec<Triangle>], ray: (Vec3, Vec3, f32), at: Moment) -> ([f32;
     best
 }
 
-/// Asks for the same hits as brute force; returns how many there are.
+/// Asks for the same hits as brute force, of what was built and of what was fitted from the reverse;
+/// returns how many there are.
 fn check(shapes: &[Vec<Triangle>], of_shapes: &[f32], rays: &Rays, times: &[f32]) -> usize {
     let any = Bending::build(shapes, of_shapes, Isa::Portable);
     let expected: Vec<_> = (0..rays.len())
@@ -53,8 +54,15 @@ fn check(shapes: &[Vec<Triangle>], of_shapes: &[f32], rays: &Rays, times: &[f32]
         .collect();
     let mut scratch = Scratch::default();
     let (mut hits, mut blocked) = (Hits::default(), vec![]);
-    for isa in Isa::available() {
-        let mut bending = Bending::build(shapes, of_shapes, isa);
+    let reverse: Vec<_> = shapes.iter().rev().cloned().collect();
+    let ways = Isa::available().into_iter().flat_map(|isa| [(isa, false), (isa, true)]);
+    for (isa, fits) in ways {
+        let mut bending = if fits {
+            let before = Bending::build(&reverse, of_shapes, isa);
+            Bending::build_like(&before, f64::INFINITY, shapes, of_shapes, isa)
+        } else {
+            Bending::build(shapes, of_shapes, isa)
+        };
         for (coherence, is_far) in [
             (Coherence::Coherent, false),
             (Coherence::Incoherent, false),
@@ -65,7 +73,7 @@ fn check(shapes: &[Vec<Triangle>], of_shapes: &[f32], rays: &Rays, times: &[f32]
             bending.occluded(rays, times, coherence, &mut blocked, &mut scratch);
             for (i, &(hit, id)) in expected.iter().enumerate() {
                 let found = [hits.t[i], hits.u[i], hits.v[i]];
-                let name = || format!("{isa} {coherence:?} ray {i} at {}", times[i]);
+                let name = || format!("{isa} {fits} {coherence:?} ray {i} at {}", times[i]);
                 assert_eq!(hits.primitive[i], id, "{}", name());
                 assert_eq!(found.map(f32::to_bits), hit.map(f32::to_bits), "{}", name());
                 assert_eq!(blocked[i], id != NO_HIT, "{}", name());
@@ -262,6 +270,49 @@ fn triangles_are_where_their_shapes_say() {
         }
         assert_eq!(bending.triangle(id, -1.0), a);
     }
+}
+
+#[test]
+fn a_hierarchy_stays_as_long_as_rays_do_not_cost_too_much() {
+    let mut random = Random::new(11);
+    let first = random.triangles(3_000, 0.05);
+    let isa = Isa::best();
+    let moving = |by: f32| first.iter().map(|t| t.map(|p| p * (1.0 + by))).collect::<Vec<_>>();
+    let built = Bending::build(&[first.clone(), moving(0.1)], &[0.0, 1.0], isa);
+    let piece = &built.pieces[0];
+    // What grows evenly costs the same: the hierarchy is that of the first shapes.
+    let grown = piece.refitted_moving(&moving(0.1), &moving(0.21), 1.01, isa).expect("it fits");
+    // Whatever is built anew over the same shapes has the boxes that it had.
+    let again = piece.refitted_moving(&first, &moving(0.1), 1.0, isa).expect("nothing moved");
+    super::super::bvh::tests::assert_same(&again, piece);
+    // Chaos costs, and the cost is that of the hierarchy which was built, however often it is fitted.
+    let mut shaken = grown;
+    let mut fitted = 0;
+    let mut shapes = [moving(0.1), moving(0.2)];
+    loop {
+        shapes = shapes.map(|shape| {
+            shape
+                .iter()
+                .map(|t| {
+                    let by = random.vector(0.1);
+                    t.map(|p| p + by)
+                })
+                .collect()
+        });
+        match shaken.refitted_moving(&shapes[0], &shapes[1], 1.5, isa) {
+            Some(next) => shaken = next,
+            None => break,
+        }
+        fitted += 1;
+        assert!(fitted < 50, "the cost grows without end");
+    }
+    assert!(fitted > 0);
+    // Other triangles, or others without area, do not fit.
+    let fewer = &first[1..];
+    assert!(piece.refitted_moving(fewer, fewer, f64::INFINITY, isa).is_none());
+    let mut flat = first.clone();
+    flat[7] = [flat[7][0]; 3];
+    assert!(piece.refitted_moving(&flat, &flat, f64::INFINITY, isa).is_none());
 }
 
 #[test]

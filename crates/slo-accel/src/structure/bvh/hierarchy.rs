@@ -31,6 +31,9 @@ pub(crate) struct Bvh {
     pub(in crate::structure) is_far: bool,
     /// Whether its triangles move: see [`Corners`] and [`nodes_per_node`](super::layout::nodes_per_node).
     pub(super) moves: bool,
+    /// Expected cost of a ray in the hierarchy that was built, if this one was fitted to triangles
+    /// that have moved since.
+    pub(super) built_cost: Option<f64>,
 }
 
 impl Geometry for Bvh {

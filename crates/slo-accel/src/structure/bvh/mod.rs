@@ -28,6 +28,7 @@ mod x86;
 
 use std::borrow::Cow;
 
+use self::builder::Shapes;
 #[cfg(test)]
 pub(super) use self::builder::is_never_hit;
 pub(super) use self::hierarchy::Bvh;
@@ -64,6 +65,17 @@ impl SpatialIndex for Bvh {
         sections: &dyn Sections,
     ) -> Result<Self, Primitives> {
         builder::restore(primitives, options, sections)
+    }
+
+    fn refitted(
+        &self,
+        primitives: &Primitives,
+        most_growth: f64,
+        options: BuildOptions,
+    ) -> Option<Self> {
+        let shapes = Shapes { starts: &primitives.triangles, ends: None };
+        let is_plain = primitives.curved.is_empty() && !options.spatial_splits;
+        if is_plain { builder::refit(self, &shapes, most_growth, options.isa) } else { None }
     }
 
     #[inline]
@@ -124,6 +136,17 @@ impl Bvh {
     /// shape to where it is in the second. Queries are those with a time.
     pub(super) fn build_moving(starts: &[Triangle], ends: &[Triangle], isa: Isa) -> Self {
         builder::build_moving(starts, ends, isa)
+    }
+
+    /// The same, made of this one, unless rays would cost more than `most_growth` times as much.
+    pub(super) fn refitted_moving(
+        &self,
+        starts: &[Triangle],
+        ends: &[Triangle],
+        most_growth: f64,
+        isa: Isa,
+    ) -> Option<Self> {
+        builder::refit(self, &Shapes { starts, ends: Some(ends) }, most_growth, isa)
     }
 
     /// As [`SpatialIndex::intersect`], for a hierarchy that moves: each ray has a time from 0 to 1.

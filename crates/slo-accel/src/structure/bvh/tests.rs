@@ -15,11 +15,26 @@ use crate::structure::testing::{Answers, Random};
 pub(crate) fn check(primitives: Primitives, rays: &Rays) -> usize {
     let oracle = Brute::build(primitives.clone(), Isa::Portable.into());
     let expected = Answers::of(&oracle, rays, Coherence::Incoherent);
+    // The same triangles elsewhere.
+    let mirrored = |p: Vec3| Vec3::new(p.y, -0.5 * p.z, p.x);
+    let elsewhere = primitives.triangles.iter().map(|t| t.map(mirrored)).collect();
+    let elsewhere = Primitives { triangles: elsewhere, curved: primitives.curved.clone() };
     let ways = Isa::available().into_iter().flat_map(|isa| {
-        [false, true].map(|splits| BuildOptions::new(isa).with_spatial_splits(splits))
+        [(false, false), (true, false), (false, true)]
+            .map(|(splits, fits)| (BuildOptions::new(isa).with_spatial_splits(splits), fits))
     });
-    for options in ways {
-        let mut bvh = Bvh::build(primitives.clone(), options);
+    for (options, fits) in ways {
+        let mut bvh = match fits {
+            true => match Bvh::build(elsewhere.clone(), options).refitted(
+                &primitives,
+                f64::INFINITY,
+                options,
+            ) {
+                Some(fitted) => fitted,
+                None => continue,
+            },
+            false => Bvh::build(primitives.clone(), options),
+        };
         for (coherence, is_far) in [
             (Coherence::Coherent, false),
             (Coherence::Incoherent, false),
@@ -29,7 +44,11 @@ pub(crate) fn check(primitives: Primitives, rays: &Rays) -> usize {
             let answers = Answers::of(&bvh, rays, coherence);
             for i in 0..rays.len() {
                 let (o, d) = (rays.origin(i), rays.direction(i));
-                assert_eq!(answers.bits(i), expected.bits(i), "{options:?} {coherence:?} {o} {d}");
+                assert_eq!(
+                    answers.bits(i),
+                    expected.bits(i),
+                    "{options:?} {fits} {coherence:?} {o} {d}"
+                );
             }
         }
     }
@@ -271,4 +290,29 @@ fn weighs_at_most_80_bytes_a_triangle() {
     let n = 50_000;
     let bvh = Bvh::build(of_triangles(Random::new(14).triangles(n, 0.01)), Isa::Portable.into());
     assert!(bvh.bytes() <= 80 * n, "{}", bvh.bytes() / n);
+}
+
+#[test]
+fn what_has_moved_keeps_its_hierarchy() {
+    let mut random = Random::new(31);
+    let mut triangles = random.triangles(3_000, 0.05);
+    triangles[5] = [triangles[5][0]; 3];
+    let isa = Isa::best();
+    let build = |triangles: &[Triangle], splits| {
+        let options = BuildOptions::new(isa).with_spatial_splits(splits);
+        Bvh::build(of_triangles(triangles.to_vec()), options)
+    };
+    let fit = |bvh: &Bvh, triangles: &[Triangle], growth| {
+        bvh.refitted(&of_triangles(triangles.to_vec()), growth, isa.into())
+    };
+    let built = build(&triangles, false);
+    let again = fit(&built, &triangles, 1.0).expect("nothing moved");
+    assert_same(&again, &built);
+    let moved: Vec<Triangle> = triangles.iter().map(|t| t.map(|p| p * 1.5 + Vec3::X)).collect();
+    let fitted = fit(&built, &moved, 1.001).expect("it has grown evenly");
+    assert_eq!(fitted.bounds, build(&moved, false).bounds);
+    let shuffled: Vec<Triangle> = triangles.iter().rev().copied().collect();
+    assert!(fit(&built, &shuffled, 1.5).is_none(), "it would be slow");
+    let curved = Primitives { triangles: moved.clone(), curved: random.curved(1, 0.1) };
+    assert!(built.refitted(&curved, f64::INFINITY, isa.into()).is_none());
 }

@@ -9,7 +9,7 @@ use slo_render::frame::FrameScene;
 use slo_scene::shape::MeshSurface;
 use slo_scene::{Mesh, Placements, SceneDescription, Shape};
 
-use crate::support::{Picture, Shot, describe};
+use crate::support::{Picture, Shot, describe, expose_frame};
 
 const LOOKS: &str = "material_principled red { base_color { .8 .2 .1 } roughness .3 }
     material_principled grey { base_color { .5 .5 .5 } }
@@ -132,8 +132,13 @@ fn a_crowd_at_rest_is_its_copies_to_the_last_bit() {
     let memory = |scene| FrameScene::build(scene, 0, Isa::best()).expect("it is built").memory();
     let [of_crowd, of_halves] = [&crowd, &halves].map(memory);
     assert!(3 * of_crowd < 2 * of_halves, "{of_crowd}, {of_halves}");
+    // The next frame finds the crowd placed.
+    let first = FrameScene::build(&crowd, 0, Isa::best()).expect("it is built");
+    let next = FrameScene::build_with(&crowd, 0, Isa::best(), first.remains());
+    let next = Picture(expose_frame(&crowd, &next.expect("it is built")).image());
     let [crowd, halves] = [&crowd, &halves].map(|scene| Picture(shot.film(scene).image()));
     assert_same(&crowd, &halves);
+    assert_same(&crowd, &next);
 }
 
 #[test]

@@ -4,9 +4,9 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::family::Family;
+use super::fit::fit;
 use super::rows::{self, Shapes};
 use super::tree::{BinaryTree, Branch};
-use crate::math::Bounds;
 use crate::structure::bvh::layout::{BLOCK, Child, Corners, Node, Place, WIDTH, nodes_per_node};
 use crate::structure::shared::pages::Array;
 
@@ -36,7 +36,10 @@ pub(super) fn collapse(mut tree: BinaryTree, shapes: &Shapes, left_out: &[u32]) 
     let (drafts, slots, depth) = draft(&mut tree, shapes.starts.len() as u32);
     let mut ids = Vec::with_capacity(slots + left_out.len());
     ids.resize(slots, 0);
-    let nodes = Writer { tree: &tree, shapes }.write_all(&drafts, &mut ids);
+    let mut nodes = Writer { tree: &tree, shapes }.write_all(&drafts, &mut ids);
+    if shapes.moves() {
+        fit(&mut nodes, shapes, &ids);
+    }
     ids.extend(left_out);
     // The corners take the place of what is not needed any more.
     let has_pieces = tree.has_pieces;
@@ -105,27 +108,15 @@ impl Writer<'_> {
     }
 
     fn write(&self, nodes: &mut [Node], family: &Family, blocks: &mut Blocks) {
-        if self.shapes.moves() {
-            nodes[1] = Node::AT_REST;
-        }
         for (place, &branch) in family.children.iter().enumerate() {
             let child = self.child(branch, blocks);
             if self.shapes.moves() {
-                Node::set_moving(nodes, place, child, self.moving_boxes(branch));
+                nodes[0].children[place] = child;
             } else {
                 nodes[0].set(place, child, self.tree.bounds(branch));
             }
         }
         nodes[0].order = self.order(family);
-    }
-
-    /// The boxes about a branch at the start and at the end. What moves straight from one to the
-    /// other stays between the planes that do, so both are as tight as they can be.
-    fn moving_boxes(&self, of: Branch) -> [Bounds; 2] {
-        self.tree
-            .ids(of)
-            .map(|id| self.shapes.boxes(id))
-            .fold([Bounds::EMPTY; 2], |[start, end], [a, b]| [start.union(a), end.union(b)])
     }
 
     fn child(&self, child: Branch, blocks: &mut Blocks) -> Child {

@@ -3,7 +3,7 @@
 //!
 //! First comes a binary hierarchy, built by binned SAH ([`binary`]); on request, triangles are cut
 //! ([`spatial`]). Dynamic programming decides the fate of its nodes ([`plan`]), which are then
-//! [collapsed](collapse).
+//! [collapsed](collapse). Triangles that have moved a little since may [keep](refit) their hierarchy.
 
 mod binary;
 mod bins;
@@ -11,8 +11,10 @@ mod boxes;
 mod collapse;
 mod family;
 mod few;
+mod fit;
 mod heuristic;
 mod plan;
+mod refit;
 mod restore;
 mod rows;
 mod spatial;
@@ -22,8 +24,9 @@ use rayon::prelude::*;
 
 use self::boxes::{Box8, Reference, extent};
 use self::collapse::Wide;
+pub(super) use self::refit::refit;
 pub(super) use self::restore::{kept, restore};
-use self::rows::Shapes;
+pub(super) use self::rows::Shapes;
 use super::hierarchy::{Bvh, FAR};
 use super::layout::{Node, stack_size};
 use super::ray::TAME_COORDINATE;
@@ -70,8 +73,7 @@ pub(super) fn build_moving(starts: &[Triangle], ends: &[Triangle], isa: Isa) -> 
     // Splits are chosen by boxes in the middle of the time.
     let (references, left_out, extent) = references(starts.len(), |id| {
         let [a, b] = shapes.boxes(id);
-        let is_hollow = is_never_hit(&starts[id as usize], &ends[id as usize]);
-        (!is_hollow)
+        (!is_hollow(&shapes, id))
             .then_some(Bounds { min: 0.5 * a.min + 0.5 * b.min, max: 0.5 * a.max + 0.5 * b.max })
     });
     let bounds = references
@@ -98,9 +100,19 @@ fn assemble(wide: Wide, curved: Vec<Curved>, bounds: Bounds, isa: Isa) -> Bvh {
         is_tame: largest <= TAME_COORDINATE,
         is_far: false,
         moves: false,
+        built_cost: None,
     };
     bvh.is_far = bvh.bytes() > FAR;
     bvh
+}
+
+/// Whether a triangle is left out: it has a coordinate that is not finite, or no area.
+fn is_hollow(shapes: &Shapes, id: u32) -> bool {
+    let start = &shapes.starts[id as usize];
+    match shapes.ends {
+        Some(ends) => is_never_hit(start, &ends[id as usize]),
+        None => triangle::is_degenerate(start) || shapes.boxes(id)[0].is_empty(),
+    }
 }
 
 /// Whether a triangle that moves is left out: it has a coordinate that is not finite, or no area

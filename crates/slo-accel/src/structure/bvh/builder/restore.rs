@@ -32,6 +32,12 @@ const MOST_LEVELS: u16 = 1024;
 /// Returns the nodes, and the ids of the triangles in the order of leaves, followed by those that are
 /// in no leaf.
 pub(in crate::structure::bvh) fn kept(bvh: &Bvh) -> Vec<Cow<'_, [u8]>> {
+    let (ids, _) = ids_by_slot(bvh);
+    vec![Cow::Borrowed(bytes_of(&bvh.nodes)), Cow::Owned(bytes_of(&ids).to_vec())]
+}
+
+/// Returns the ids of all triangles by slot, and how many slots are in leaves; the others follow.
+pub(super) fn ids_by_slot(bvh: &Bvh) -> (Vec<u32>, usize) {
     let children = bvh.nodes.iter().flat_map(|node| node.children);
     let blocks = children.filter(|child| child.is_block());
     let mut ids: Vec<u32> = Vec::with_capacity(bvh.corners.slots());
@@ -39,8 +45,9 @@ pub(in crate::structure::bvh) fn kept(bvh: &Bvh) -> Vec<Cow<'_, [u8]>> {
         let (slot, count) = (block.index(), block.block_len());
         ids.extend((0..count).map(|lane| bvh.corners.id(slot, count, lane)));
     }
-    ids.extend((ids.len()..bvh.corners.slots()).map(|slot| bvh.corners.id(slot, 1, 0)));
-    vec![Cow::Borrowed(bytes_of(&bvh.nodes)), Cow::Owned(bytes_of(&ids).to_vec())]
+    let in_leaves = ids.len();
+    ids.extend((in_leaves..bvh.corners.slots()).map(|slot| bvh.corners.id(slot, 1, 0)));
+    (ids, in_leaves)
 }
 
 /// See [`restore`](crate::structure::interface::SpatialIndex::restore).

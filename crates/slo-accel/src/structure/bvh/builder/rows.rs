@@ -14,10 +14,10 @@ use crate::structure::bvh::layout::{
 const TASK: usize = 256;
 
 /// The triangles that leaves hold.
-pub(super) struct Shapes<'a> {
-    pub(super) starts: &'a [Triangle],
+pub(in crate::structure::bvh) struct Shapes<'a> {
+    pub(in crate::structure::bvh) starts: &'a [Triangle],
     /// Where they move to, if they do.
-    pub(super) ends: Option<&'a [Triangle]>,
+    pub(in crate::structure::bvh) ends: Option<&'a [Triangle]>,
 }
 
 impl Shapes<'_> {
