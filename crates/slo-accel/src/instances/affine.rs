@@ -3,6 +3,7 @@
 use glam::{DMat3, Mat3, Vec3, Vec4};
 
 use crate::math::rounding::UNIT_ROUNDOFF;
+use crate::rays::{LANES, Rays};
 
 /// The map `x -> matrix x + translation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +63,28 @@ impl Inverse {
         let origin = (x * p.x + y * p.y) + z * p.z;
         let direction = (x * d.x + y * d.y) + z * d.z;
         (origin.truncate(), direction.truncate())
+    }
+}
+
+impl Inverse {
+    /// Takes sixteen rays, the neighbours from `first` on, as [`ray`](Self::ray) does each: x, y and z of
+    /// their origins, then of their directions.
+    #[inline(always)]
+    pub(super) fn neighbours(&self, rays: &Rays, first: usize, to: &mut [[f32; LANES]; 6]) {
+        let [x, y, z] = self.columns;
+        let lanes = |column: &Vec<f32>| -> [f32; LANES] {
+            column[first..first + LANES].try_into().unwrap_or([0.0; LANES])
+        };
+        let [ox, oy, oz] = [lanes(&rays.origin[0]), lanes(&rays.origin[1]), lanes(&rays.origin[2])];
+        let [dx, dy, dz] =
+            [lanes(&rays.direction[0]), lanes(&rays.direction[1]), lanes(&rays.direction[2])];
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                let p = [ox[lane] - x[3], oy[lane] - y[3], oz[lane] - z[3]];
+                to[axis][lane] = (x[axis] * p[0] + y[axis] * p[1]) + z[axis] * p[2];
+                to[3 + axis][lane] = (x[axis] * dx[lane] + y[axis] * dy[lane]) + z[axis] * dz[lane];
+            }
+        }
     }
 }
 

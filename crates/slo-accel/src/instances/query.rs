@@ -7,9 +7,14 @@
 
 use super::affine::Inverse;
 use super::{Child, Content, Instances, MAX_DEPTH, NO_INSTANCE, nearest};
+use crate::isa::Lanewise;
 use crate::rays::{Coherence, Hits, LANES, NO_HIT, Rays};
+use crate::simd::lanes_of;
 use crate::structure::Scratch;
-use crate::structure::bvh::halting::{TOGETHER, Walks};
+use crate::structure::bvh::halting::{Packets, TOGETHER, Walks};
+
+/// Rays that are the first to go in packets: they show whether packets are worthwhile.
+const PROBE: usize = 64;
 
 /// Rays of one round before a child from which its kernels may choose: fewer have nothing in
 /// common.
@@ -27,7 +32,9 @@ pub struct InstancesScratch {
 #[derive(Debug, Default)]
 struct Level {
     walks: Walks,
-    /// Who asks which child in this round: its index, then the place of the ray.
+    packets: Packets,
+    /// Who asks which child in this round: its index, then the place of the ray, or the number of the
+    /// packet.
     turns: Vec<u64>,
     local: Local,
     answers: Answers,
@@ -178,28 +185,103 @@ impl Instances {
         let Batch { rays, reach, .. } = batch;
         let (level, deeper) = levels.split_first_mut().expect("a scratch for each level");
         let mut habit = Habit { expected: coherence, alike: 0, unlike: 0 };
-        for first in (0..rays.len()).step_by(TOGETHER) {
-            let count = (rays.len() - first).min(TOGETHER);
-            level.walks.start(&self.boxes, (rays, reach), first, count);
-            while !level.walks.halted().is_empty() {
-                self.round(batch, first, question, &mut habit, level, deeper, structures);
-                level.walks.go_on(&self.boxes);
+        let mut in_packets = coherence == Coherence::Coherent && Packets::exist(self.boxes.isa());
+        let mut first = 0;
+        while first < rays.len() {
+            let most = if in_packets && first == 0 { PROBE } else { TOGETHER };
+            let count = (rays.len() - first).min(most);
+            if in_packets {
+                level.packets.start(&self.boxes, (rays, reach), first, count);
+                while !level.packets.halted().is_empty() {
+                    self.packets(batch, question, &mut habit, level, deeper, structures);
+                    level.packets.go_on(&self.boxes);
+                }
+                in_packets = level.packets.were_worthwhile(&self.boxes);
+                for k in 0..level.packets.wild().len() {
+                    let i = first + level.packets.wild()[k] as usize;
+                    self.visit(batch, i, question, level, deeper, structures);
+                }
+            } else {
+                level.walks.start(&self.boxes, (rays, reach), first, count);
+                while !level.walks.halted().is_empty() {
+                    self.round(batch, first, question, &mut habit, level, deeper, structures);
+                    level.walks.go_on(&self.boxes);
+                }
+                for k in 0..level.walks.wild().len() {
+                    let i = first + level.walks.wild()[k] as usize;
+                    self.visit(batch, i, question, level, deeper, structures);
+                }
             }
-            for k in 0..level.walks.wild().len() {
-                let i = first + level.walks.wild()[k] as usize;
-                let Level { local, answers, .. } = &mut *level;
-                self.boxes.visit((rays.origin(i), rays.direction(i)), reach[i], |leaf| {
-                    let content = self.boxes.content(leaf);
-                    let child = &self.children[content.child as usize];
-                    local.clear();
-                    self.take_over(batch, i, content, question, local);
-                    question.ask(child, local, Coherence::Incoherent, answers, deeper, structures);
-                    question.take(answers, 0, i, (child, content.number));
-                    question.end(i, 0)
-                });
-            }
+            first += count;
         }
         habit.found(coherence)
+    }
+
+    /// Takes one ray by itself through all boxes.
+    #[cold]
+    fn visit<Q: Question>(
+        &self,
+        batch: Batch,
+        i: usize,
+        question: &mut Q,
+        Level { local, answers, .. }: &mut Level,
+        deeper: &mut [Level],
+        structures: &mut Scratch,
+    ) {
+        let Batch { rays, reach, .. } = batch;
+        self.boxes.visit((rays.origin(i), rays.direction(i)), reach[i], |leaf| {
+            let content = self.boxes.content(leaf);
+            let child = &self.children[content.child as usize];
+            local.clear();
+            self.take_over(batch, i, content, question, local);
+            question.ask(child, local, Coherence::Incoherent, answers, deeper, structures);
+            question.take(answers, 0, i, (child, content.number));
+            question.end(i, 0)
+        });
+    }
+
+    /// Asks children about all packets that stand before one.
+    fn packets<Q: Question>(
+        &self,
+        batch: Batch,
+        question: &mut Q,
+        habit: &mut Habit,
+        level: &mut Level,
+        deeper: &mut [Level],
+        structures: &mut Scratch,
+    ) {
+        let Level { packets, turns, local, answers, .. } = level;
+        turns.clear();
+        turns.extend(packets.halted().iter().map(|&packet| {
+            let content = self.boxes.content(packets.leaf(packet));
+            u64::from(content.child) << 32 | u64::from(packet)
+        }));
+        if self.children.len() > 1 {
+            turns.sort_unstable();
+        }
+        for turns in turns.chunk_by(|a, b| a >> 32 == b >> 32) {
+            let child = &self.children[(turns[0] >> 32) as usize];
+            let of = (&*packets, turns);
+            self.boxes.isa().run(TakePackets { instances: self, batch, of, question, local });
+            let count = local.rays.len();
+            let expected = habit.expected(count);
+            let found = question.ask(child, local, expected, answers, deeper, structures);
+            habit.learn(count, expected, found);
+            let mut j = 0;
+            for &turn in turns {
+                let packet = turn as u32;
+                let number = self.boxes.content(packets.leaf(packet)).number;
+                let (first, set) = packets.rays(packet);
+                for lane in lanes_of(set) {
+                    match question.take(answers, j, first + lane, (child, number)) {
+                        News::None => {}
+                        News::Shorter(t) => packets.shorten(packet, lane, t),
+                        News::Done => packets.shorten(packet, lane, -1.0),
+                    }
+                    j += 1;
+                }
+            }
+        }
     }
 
     /// Asks children about all rays that stand before one.
@@ -214,7 +296,7 @@ impl Instances {
         deeper: &mut [Level],
         structures: &mut Scratch,
     ) {
-        let Level { walks, turns, local, answers } = level;
+        let Level { walks, turns, local, answers, .. } = level;
         turns.clear();
         if self.children.len() == 1 {
             turns.extend(walks.halted().iter().map(|&place| u64::from(place)));
@@ -266,6 +348,50 @@ impl Instances {
         let (origin, direction) = inverse.ray(rays.origin(i), rays.direction(i));
         local.rays.push(origin, direction, question.end(i, content.number));
         local.time.push(time);
+    }
+}
+
+/// Takes the rays of packets to the space of the child before which they stand.
+struct TakePackets<'a, Q> {
+    instances: &'a Instances,
+    batch: Batch<'a>,
+    /// All packets, and those that go there.
+    of: (&'a Packets, &'a [u64]),
+    question: &'a Q,
+    local: &'a mut Local,
+}
+
+impl<Q: Question> Lanewise for TakePackets<'_, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { instances, batch, of: (packets, turns), question, local } = self;
+        local.clear();
+        let mut sixteen = [[0.0; LANES]; 6];
+        for &turn in turns {
+            let content = instances.boxes.content(packets.leaf(turn as u32));
+            let (first, set) = packets.rays(turn as u32);
+            if content.poses > 1 {
+                for neighbour in lanes_of(set) {
+                    instances.take_over(batch, first + neighbour, content, question, local);
+                }
+                continue;
+            }
+            content.inverse.neighbours(batch.rays, first, &mut sixteen);
+            let mut to = local.rays.len();
+            local.rays.set_len(to + set.count_ones() as usize);
+            let Rays { origin, direction, t_max, .. } = &mut local.rays;
+            for neighbour in lanes_of(set) {
+                for axis in 0..3 {
+                    origin[axis][to] = sixteen[axis][neighbour];
+                    direction[axis][to] = sixteen[3 + axis][neighbour];
+                }
+                t_max[to] = question.end(first + neighbour, content.number);
+                local.time.push(batch.time[first + neighbour]);
+                to += 1;
+            }
+        }
     }
 }
 

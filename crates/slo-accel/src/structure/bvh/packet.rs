@@ -30,7 +30,7 @@ const ENOUGH: u32 = 4;
 /// Number of rays of a packet that must enter a child on average for packets to be faster than a
 /// stream, in a hierarchy of `memory` bytes. A stream hides the latency of memory and a packet
 /// waits for it: the farther away the nodes, the fuller a packet must be.
-fn worthwhile(memory: usize) -> u32 {
+pub(super) fn worthwhile(memory: usize) -> u32 {
     const MIB: usize = 1 << 20;
     if memory <= 48 * MIB {
         4
@@ -49,10 +49,10 @@ pub(super) struct Stack {
 
 /// Children of a node that remain to be visited.
 #[derive(Clone, Copy, Debug, Default)]
-struct Rest {
-    node: u32,
+pub(super) struct Rest {
+    pub(super) node: u32,
     /// Bit `s` for the child that lies `s`-th from the near end.
-    set: u32,
+    pub(super) set: u32,
 }
 
 impl Stack {
@@ -129,12 +129,24 @@ pub(super) struct Beam {
 }
 
 impl Beam {
+    /// Bounds of no ray.
+    pub(super) const NONE: Self = Self {
+        least: [0.0; 3],
+        most: [0.0; 3],
+        near: [0.0; 3],
+        far: [0.0; 3],
+        t_max: -1.0,
+        order_shift: 0,
+        entries: [0; 3],
+        times: [0.0; 2],
+    };
+
     /// Bounds of the rays of a set, whose first lane is lane `base` of the prepared rays.
     ///
     /// # Safety
     /// The CPU has the instruction set; `base` leaves enough lanes.
     #[inline(always)]
-    unsafe fn new<S: PacketSteps>(rays: &Prepared, base: usize, set: u32) -> Self {
+    pub(super) unsafe fn new<S: PacketSteps>(rays: &Prepared, base: usize, set: u32) -> Self {
         let octant = rays.octant[base + set.trailing_zeros() as usize];
         // SAFETY: the caller's.
         unsafe {
