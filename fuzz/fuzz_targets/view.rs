@@ -16,6 +16,7 @@ fuzz_target!(|data: &[u8]| {
         if let [(_, one), (_, other), ..] = &files[..] {
             let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
             fuzzing::merged(&text(body), &text(one), &text(other));
+            fuzzing::taken(&text(one), &text(other));
         }
     });
 });

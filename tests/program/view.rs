@@ -316,6 +316,124 @@ fn handles_change_a_few_characters_and_each_drag_is_one_step() {
 }
 
 #[test]
+fn frames_that_are_not_there_are_refused() {
+    let folder = Folder::new();
+    let view = View::start(&folder, "scene.txt");
+    let answer = view.ask(&json!({ "do": "frame", "frame": 99 }));
+    assert_eq!(answer["refused"], "there is no frame 99: the scene has 0 to 25");
+    assert_eq!(view.state()["scene"]["stage"]["frame"], 0);
+    view.ask(&json!({ "do": "frame", "frame": 20 }));
+    assert!(view.state()["scene"]["missing"].is_null());
+    // A shorter scene does not have it any more.
+    folder.write("scene.txt", SCENE.replace("videoEnd 1", "videoEnd .4"));
+    let said = view.state_with(|state| Some(state["scene"]["missing"].as_str()?.to_owned()));
+    assert_eq!(said, "there is no frame 20: the scene has 0 to 10");
+    assert_eq!(view.state()["scene"]["stage"]["frame"], 10);
+}
+
+/// A triangle and a corner that belongs to nothing.
+const MESH: &str = "slo_mesh 1 vertices { -1 0 -1  1 0 -1  0 0 1  9 9 9 } faces { 0 1 2 }";
+
+#[test]
+fn things_of_another_scene_are_taken_over() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path().join("men")).unwrap();
+    folder.write("men/knight.slo", MESH);
+    let knight =
+        "phong_info matte { diffuse { .1 .2 .3 } }\nmaterial_phong matte { phong_info matte }
+# a knight\nmesh ball { filename knight.slo material matte }\n";
+    folder.write("men/knight.txt", knight);
+    let view = View::start(&folder, "scene.txt");
+    view.picture(1);
+    let refused = |path: &str| view.ask(&json!({ "do": "open", "file": path }))["refused"].clone();
+    let path = "men/knigt.txt";
+    assert_eq!(refused(path), "there is no `men/knigt.txt`; did you mean `men/knight.txt`?");
+    assert_eq!(refused("../scene.txt"), "`../scene.txt` leaves the input folder");
+    assert!(refused("men/knight.slo").as_str().unwrap().contains("is no scene"));
+    view.ask(&json!({ "do": "open", "file": "men/knight.txt" }));
+    let state = view.state();
+    assert_eq!(state["scene"]["scenes"], json!(["men/knight.txt"]));
+    let lists = &state["scene"]["other"]["lists"];
+    assert_eq!(lists[0]["things"], json!([{ "index": 2, "keyword": "mesh", "name": "ball" }]));
+    let answer = view.ask(&json!({ "do": "take", "things": [2] }));
+    assert!(answer["picture"].is_u64(), "{answer}");
+    let state = view.state();
+    let note = "Added 1, and 2 more that it needs; matte is now matte_2, ball is now ball_2";
+    assert_eq!(state["scene"]["other"]["note"], note);
+    assert_eq!(state["scene"]["messages"], json!([]));
+    view.ask(&json!({ "do": "save" }));
+    let added = "# From men/knight.txt\nphong_info matte_2 { diffuse { .1 .2 .3 } }
+material_phong matte_2 { phong_info matte_2 }
+# a knight\nmesh ball_2 { filename men/knight.slo material matte_2 }\n";
+    assert_eq!(String::from_utf8(folder.read("scene.txt")).unwrap(), format!("{SCENE}{added}"));
+    view.ask(&json!({ "do": "close" }));
+    assert!(view.state()["scene"]["other"].is_null());
+}
+
+#[test]
+fn vertices_are_moved_into_a_file_of_their_own() {
+    let folder = Folder::new();
+    folder.write("flag.slo", MESH);
+    folder.write("flag_2.slo", "taken");
+    let meshes = "mesh one { filename flag.slo material matte }
+mesh two { filename flag.slo material matte addKframe { time 0 key { pivot { 0 1 0 } } } }\n";
+    let text = format!("{SCENE}{meshes}").replace("sphere ball", "# sphere ball");
+    folder.write("scene.txt", &text);
+    let view = View::start(&folder, "scene.txt");
+    view.picture(1);
+    view.ask(&json!({ "do": "select", "name": "one" }));
+    assert_eq!(view.state()["scene"]["mesh"], 4);
+    view.ask(&json!({ "do": "vertices", "shown": true, "near": [0.5, 0.5] }));
+    let shown = view.state()["scene"]["vertices"].clone();
+    assert_eq!(shown["shown"].as_array().unwrap().len(), 3, "{shown}");
+    assert_eq!((&shown["all"], &shown["handle"]), (&json!(true), &Value::Null));
+    let drag = |number: u64, z: f64| {
+        let by = json!([0, 0, z]);
+        view.ask(
+            &json!({ "do": "move", "drag": number, "name": "one", "vertices": true, "by": by }),
+        )
+    };
+    assert_eq!(drag(1, 1.0)["refused"], "choose a vertex first");
+    view.ask(&json!({ "do": "vertex", "vertex": 2 }));
+    let at = || view.state()["scene"]["vertices"]["handle"]["at"][2].as_f64();
+    assert_eq!(at(), Some(1.0));
+    for z in [0.2, 0.5] {
+        assert!(drag(2, z)["picture"].is_u64());
+    }
+    drag(3, 0.25);
+    assert_eq!(at(), Some(1.75));
+    let old = "mesh one { filename flag.slo material matte }\n".to_owned();
+    let new = old.replace("flag", "flag_3");
+    assert_eq!(differences(&view), [(old, new)]);
+    assert!(!folder.path().join("flag_3.slo").exists(), "nothing is written before it is saved");
+    for (step, z) in [("undo", 1.5), ("undo", 1.0), ("redo", 1.5), ("redo", 1.75)] {
+        view.ask(&json!({ "do": step }));
+        assert_eq!(at(), Some(z), "{step}");
+    }
+    // Another program takes the name.
+    folder.write("flag_3.slo", "theirs");
+    let answer = view.ask(&json!({ "do": "save" }));
+    assert!(answer["picture"].is_u64(), "{answer}");
+    let saved = text.replacen("flag.slo", "flag_4.slo", 1);
+    assert_eq!(String::from_utf8(folder.read("scene.txt")).unwrap(), saved);
+    let mesh = String::from_utf8(folder.read("flag_4.slo")).unwrap();
+    assert!(mesh.contains("0 0 1.75\n"), "{mesh}");
+    for (name, content) in [("flag.slo", MESH), ("flag_2.slo", "taken"), ("flag_3.slo", "theirs")] {
+        assert_eq!(String::from_utf8(folder.read(name)).unwrap(), content);
+    }
+    assert_eq!(
+        (at(), view.state()["scene"]["text"]["changed"].clone()),
+        (Some(1.75), json!(false))
+    );
+    assert_eq!(folder.run("--check -s scene.txt").exit, 0);
+    // What is saved is a file like any other, so the next change gets a file of its own.
+    drag(4, 1.0);
+    assert!(differences(&view)[0].1.contains("flag_5.slo"));
+    view.ask(&json!({ "do": "select", "name": "two" }));
+    assert!(view.state()["scene"]["vertices"].is_null());
+}
+
+#[test]
 fn a_pixel_is_explained_as_the_program_does() {
     let folder = Folder::new();
     let view = View::start(&folder, "scene.txt");
@@ -323,9 +441,9 @@ fn a_pixel_is_explained_as_the_program_does() {
     view.ask(&json!({ "do": "why", "at": [0.5, 0.5] }));
     let why = view.state()["scene"]["why"].clone();
     assert_eq!((&why["pixel"], &why["frame"]), (&json!([8, 4]), &json!(0)));
-    assert_eq!(why["replay"], "slo-rt why 8,4 -s scene.txt -f 0");
+    assert_eq!(why["replay"], "slo-rt why 8,4 scene.txt -f 0");
     let told: Value =
-        serde_json::from_str(&folder.printed("why 8,4 -s scene.txt -f 0 --json")).unwrap();
+        serde_json::from_str(&folder.printed("why 8,4 scene.txt -f 0 --json")).unwrap();
     for (name, same) in [("samples", "samples"), ("rays", "rays"), ("mean", "mean")] {
         assert_eq!(why[name], told[same], "{why:#} {told:#}");
     }

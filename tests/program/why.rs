@@ -74,6 +74,43 @@ fn light_has_names_and_a_sample_can_be_replayed() {
 }
 
 #[test]
+fn equal_ways_are_one_and_the_command_names_the_scene() {
+    let folder = Folder::with_scene(SCENE);
+    let why = answer(&folder, "why 8,5 scene.txt --samples 32 --ways 1000 --json");
+    let ways = why["brightest"].as_array().unwrap();
+    let words = |way: &serde_json::Value| {
+        let steps = way["way"].as_array().unwrap().iter();
+        let steps: Vec<_> = steps
+            .map(|step| [&step["leg"], &step["light"], &step["object"], &step["material"]])
+            .collect();
+        format!("{steps:?} {}", way["source"])
+    };
+    let different: std::collections::BTreeSet<String> = ways.iter().map(words).collect();
+    assert_eq!(different.len(), ways.len());
+    assert!(ways.iter().any(|way| way["times"].as_u64() > Some(1)), "{ways:?}");
+    let sum: f64 = ways.iter().map(|way| way["sumOfLuminance"].as_f64().unwrap()).sum();
+    let all = why["luminance"].as_f64().unwrap() * 32.0;
+    assert!((sum - all).abs() < 1e-6 * all, "{sum} {all}");
+    for (typed, replay) in [
+        ("why 8,5 scene.txt --samples 4", "slo-rt why 8,5 scene.txt --sample "),
+        ("why 8,5 -s scene.txt -f 1 --samples 4", "slo-rt why 8,5 -s scene.txt -f 1 --sample "),
+    ] {
+        let text = folder.printed(typed);
+        assert!(text.contains(replay), "{typed}: {text}");
+    }
+    let run = folder.run("why 8,5 scene.txt -s scene.txt");
+    assert_eq!(run.exit, 2, "{}", run.said);
+}
+
+#[test]
+fn an_answer_shows_its_progress() {
+    let folder = Folder::with_scene(SCENE);
+    let run = folder.run("why 8,5 scene.txt --samples 64 --progress json");
+    assert!(run.said.contains("\"event\":\"started\""), "{}", run.said);
+    assert_eq!(folder.run("why 8,5 scene.txt -q --samples 64").said, "");
+}
+
+#[test]
 fn pixels_outside_are_refused() {
     let folder = Folder::with_scene(SCENE);
     for (typed, part) in [

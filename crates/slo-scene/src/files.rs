@@ -1,11 +1,11 @@
 //! Where the bytes of meshes and textures come from, and which of them a scene may read.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use crate::cache::Cache;
 use crate::known_files::{KnownFiles, Stamp};
@@ -18,6 +18,27 @@ pub struct Files {
     cache: Option<Arc<Cache>>,
     opened: Option<Opened>,
     known: Option<KnownFiles>,
+    drafts: Drafts,
+}
+
+/// Files that are not on disk yet.
+#[derive(Clone, Debug, Default)]
+pub struct Drafts(Arc<BTreeMap<String, Draft>>);
+
+/// The content of a file that is not on disk yet.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// The content.
+    pub bytes: Arc<[u8]>,
+    /// Another number for every other content of the same length.
+    pub version: u64,
+}
+
+impl FromIterator<(String, Draft)> for Drafts {
+    /// Files by their paths, as the scene writes them.
+    fn from_iter<I: IntoIterator<Item = (String, Draft)>>(files: I) -> Self {
+        Self(Arc::new(files.into_iter().collect()))
+    }
 }
 
 /// Notes which files on disk were asked for, whether they exist or not.
@@ -62,20 +83,35 @@ pub enum OpenError {
     Unreadable(io::Error),
 }
 
+impl OpenError {
+    /// What to say about the file at a path.
+    pub fn about(&self, path: &str) -> String {
+        match self {
+            Self::Spelling(better) => {
+                format!("a path is written with `/` on every system: write `{better}`")
+            }
+            Self::Outside => format!("`{path}` leaves the input folder"),
+            Self::Missing(Some(near)) => format!("there is no `{path}`; did you mean `{near}`?"),
+            Self::Missing(None) => format!("there is no `{path}`"),
+            Self::Unreadable(error) => format!("can't read `{path}`: {error}"),
+        }
+    }
+}
+
 impl Files {
     /// Files on disk: paths start from `folder`, which holds the scene, and must stay within
     /// `root`, unless `allow_outside`.
     pub fn on_disk(folder: &Path, root: &Path, allow_outside: bool) -> Self {
         let (folder, root) = (absolute(folder), absolute(root));
         let origin = Origin::Disk { folder, root, allow_outside };
-        Self { origin, cache: None, opened: None, known: None }
+        Self { origin, cache: None, opened: None, known: None, drafts: Drafts::default() }
     }
 
     /// Files compiled into the program: pairs of path and content, paths with `/` and from the
     /// root of the table; those in the scene start from `folder`, which may be empty.
     pub fn built_in(folder: &str, table: Table) -> Self {
         let origin = Origin::BuiltIn { folder: folder.to_owned(), table };
-        Self { origin, cache: None, opened: None, known: None }
+        Self { origin, cache: None, opened: None, known: None, drafts: Drafts::default() }
     }
 
     /// Files in memory: paths with `/` and their contents; those in the scene start from `folder`, which
@@ -83,7 +119,7 @@ impl Files {
     pub fn in_memory(folder: &str, files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Self {
         let files = files.into_iter().map(|(path, content)| (path, content.into())).collect();
         let origin = Origin::Memory { folder: folder.to_owned(), files };
-        Self { origin, cache: None, opened: None, known: None }
+        Self { origin, cache: None, opened: None, known: None, drafts: Drafts::default() }
     }
 
     /// The same files, with a cache of what was worked out from them.
@@ -96,6 +132,12 @@ impl Files {
     #[must_use]
     pub fn noted_in(self, opened: Opened) -> Self {
         Self { opened: Some(opened), ..self }
+    }
+
+    /// The same files, and some that are not on disk yet: they stand in front of those that are.
+    #[must_use]
+    pub fn with_drafts(self, drafts: Drafts) -> Self {
+        Self { drafts, ..self }
     }
 
     /// The same files, with what was made of them before.
@@ -111,6 +153,10 @@ impl Files {
 
     /// The time and the length of the file at a path as a scene writes it; `None` if they can't be told.
     pub(crate) fn stamp(&self, path: &str) -> Option<Stamp> {
+        if let Some(Draft { bytes, version }) = self.drafts.0.get(path) {
+            let time = SystemTime::UNIX_EPOCH.checked_add(Duration::from_nanos(*version));
+            return Some((time?, bytes.len() as u64));
+        }
         match &self.origin {
             Origin::Disk { folder, .. } => {
                 let data = resolve(folder, path).metadata().ok()?;
@@ -123,6 +169,9 @@ impl Files {
 
     /// Notes a file that is not read again, because it is known.
     pub(crate) fn note(&self, path: &str) {
+        if self.drafts.0.contains_key(path) {
+            return;
+        }
         if let (Origin::Disk { folder, .. }, Some(opened)) = (&self.origin, &self.opened) {
             opened.note(&resolve(folder, path));
         }
@@ -135,6 +184,9 @@ impl Files {
 
     /// The length of the file on disk at a path as a scene writes it; `None` if it can't be told.
     pub(crate) fn length(&self, path: &str) -> Option<u64> {
+        if self.drafts.0.contains_key(path) {
+            return None;
+        }
         match &self.origin {
             Origin::Disk { folder, .. } => Some(resolve(folder, path).metadata().ok()?.len()),
             Origin::BuiltIn { .. } | Origin::Memory { .. } => None,
@@ -148,6 +200,9 @@ impl Files {
     pub fn open(&self, path: &str) -> Result<Box<dyn Read>, OpenError> {
         if path.contains('\\') {
             return Err(OpenError::Spelling(path.replace('\\', "/")));
+        }
+        if let Some(draft) = self.drafts.0.get(path) {
+            return Ok(Box::new(io::Cursor::new(draft.bytes.clone())));
         }
         match &self.origin {
             Origin::Disk { folder, root, allow_outside } => {
@@ -470,6 +525,28 @@ mod tests {
         assert_eq!(
             outcome(&Files::on_disk(root.path(), root.path(), false), "tabel.slo"),
             "missing"
+        );
+    }
+
+    #[test]
+    fn drafts_stand_in_front_of_the_disk() {
+        let root = tempfile::tempdir().unwrap();
+        std::fs::write(root.path().join("a.slo"), "old").unwrap();
+        let draft = |text: &str, version| Draft { bytes: text.as_bytes().into(), version };
+        let opened = Opened::default();
+        let files = Files::on_disk(root.path(), root.path(), false).noted_in(opened.clone());
+        let drafts = [("b.slo".to_owned(), draft("new", 1)), ("a.slo".to_owned(), draft("x", 1))];
+        let with = files.clone().with_drafts(drafts.into_iter().collect());
+        assert_eq!((outcome(&with, "a.slo"), outcome(&with, "b.slo")), ("x".into(), "new".into()));
+        with.note("b.slo");
+        assert!(opened.paths().is_empty() && with.length("b.slo").is_none());
+        let again = files
+            .clone()
+            .with_drafts([("b.slo".to_owned(), draft("nwe", 2))].into_iter().collect());
+        assert_ne!(with.stamp("b.slo"), again.stamp("b.slo"));
+        assert_eq!(
+            (outcome(&files, "a.slo"), outcome(&files, "c")),
+            ("old".into(), "missing".into())
         );
     }
 

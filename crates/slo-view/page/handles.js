@@ -34,14 +34,17 @@ export class Handles {
     this.shapes = new Map();
     this.label = make("text", { class: "number", "aria-hidden": "true" });
     svg.append(this.label);
-    screen.placed = () => this.draw();
   }
 
-  /** Takes what is selected, and the camera. */
-  show(picked, camera) {
-    const handle = picked?.handle;
-    if (this.#drag && this.#drag.name !== picked?.object) this.#drag = null;
-    this.#shown = handle && camera ? { name: picked.object, handle, camera } : null;
+  /** Takes what is selected, the camera, and vertices of what is selected, if they are shown. */
+  show(picked, camera, vertices) {
+    const handle = vertices ? vertices.handle : picked?.handle;
+    const name = picked?.object;
+    const { chosen = [] } = vertices ?? {};
+    const what = chosen.length === 1 ? `vertex ${chosen[0]}` : `${chosen.length} vertices`;
+    const label = vertices ? `${what} of ${name}` : name;
+    if (this.#drag && this.#drag.label !== label) this.#drag = null;
+    this.#shown = handle && camera ? { name, label, handle, camera, vertices: Boolean(vertices) } : null;
     this.draw();
   }
 
@@ -52,8 +55,9 @@ export class Handles {
     this.draw();
   }
 
+  /** What handles do; vertices are only moved. */
   get mode() {
-    return this.#mode;
+    return this.#shown?.vertices ? "move" : this.#mode;
   }
 
   #eye() {
@@ -62,7 +66,7 @@ export class Handles {
   }
 
   #axes() {
-    return this.#own || this.#mode === "scale" ? this.#shown.handle.axes : SCENE_AXES;
+    return this.#own || this.mode === "scale" ? this.#shown.handle.axes : SCENE_AXES;
   }
 
   /** Where a point of space is on the stage, in pixels. */
@@ -82,10 +86,10 @@ export class Handles {
       if (center && pixel > 0) {
         const far = pixel * LENGTH;
         this.#axes().forEach((axis, i) => {
-          const line = this.#mode === "rotate" ? this.#ring(eye, axis, far) : this.#line(eye, axis, far, center);
+          const line = this.mode === "rotate" ? this.#ring(eye, axis, far) : this.#line(eye, axis, far, center);
           if (line) keep.add(this.#place(NAMES[i], line));
         });
-        if (this.#mode !== "rotate") {
+        if (this.mode !== "rotate") {
           const box = `M${center[0] - 7} ${center[1] - 7}h14v14h-14z`;
           keep.add(this.#place("all", { path: box, end: null, square: true }));
         }
@@ -140,8 +144,8 @@ export class Handles {
     group.classList.toggle("square", Boolean(square));
     tip.style.display = end ? "" : "none";
     if (end) [tip.cx.baseVal.value, tip.cy.baseVal.value] = end;
-    const way = name === "all" ? (this.#mode === "scale" ? "all axes" : "the plane of the picture") : name;
-    group.setAttribute("aria-label", `${MODES[this.#mode]} ${this.#shown.name}, ${way}`);
+    const way = name === "all" ? (this.mode === "scale" ? "all axes" : "the plane of the picture") : name;
+    group.setAttribute("aria-label", `${MODES[this.mode]} ${this.#shown.label}, ${way}`);
     const value = this.#drag?.handle === name ? this.#drag : null;
     group.setAttribute("aria-valuenow", value ? value.value : 0);
     group.setAttribute("aria-valuetext", value?.text ?? "at rest");
@@ -186,9 +190,9 @@ export class Handles {
 
   #begin(name) {
     this.#number += 1;
-    const { handle, name: thing } = this.#shown;
+    const { handle, name: thing, label, vertices } = this.#shown;
     this.#drag = {
-      number: this.#number, name: thing, handle: name, start: handle, eye: this.#eye(), axes: this.#axes(),
+      number: this.#number, name: thing, label, vertices, handle: name, start: handle, eye: this.#eye(), axes: this.#axes(),
       from: null, far: 0, value: 0, plane: [0, 0], text: "",
     };
   }
@@ -212,7 +216,7 @@ export class Handles {
     const snaps = event.ctrlKey !== this.snaps();
     const { fine, snap } = this.#steps();
     const axis = axes[NAMES.indexOf(handle)];
-    if (this.#mode === "rotate") {
+    if (this.mode === "rotate") {
       const [a, b] = [from, to].map((ray) => eye.meets(axis, start.at, ray)).map((at) => at && subtract(at, start.at));
       let degrees;
       if (a && b) {
@@ -227,7 +231,7 @@ export class Handles {
       const [a, b] = [from, to].map((ray) => eye.meets(eye.forward, start.at, ray));
       if (!a || !b) return;
       const way = subtract(b, a);
-      if (this.#mode === "scale") {
+      if (this.mode === "scale") {
         const far = (dot(way, eye.right) + dot(way, eye.up)) / (fine * LENGTH);
         this.#give(stepped(Math.exp(far * 0.5), snaps ? SNAP_SCALE : 0.01));
       } else {
@@ -236,7 +240,7 @@ export class Handles {
     } else {
       const [a, b] = [from, to].map((ray) => eye.along(axis, start.at, ray));
       if (a === null || b === null) return;
-      if (this.#mode === "scale") this.#give(stepped(Math.max(0.01, b / (a || 1)), snaps ? SNAP_SCALE : 0.01));
+      if (this.mode === "scale") this.#give(stepped(Math.max(0.01, b / (a || 1)), snaps ? SNAP_SCALE : 0.01));
       else this.#give(stepped(b - a, snaps ? snap : fine));
     }
   }
@@ -249,16 +253,16 @@ export class Handles {
     drag.value = value;
     const command = { drag: drag.number, name: drag.name };
     const signed = `${value < 0 ? "" : "+"}${value}`;
-    if (this.#mode === "rotate") {
+    if (this.mode === "rotate") {
       drag.text = `${handle} ${signed}°`;
       this.send({ do: "rotate", ...command, axis: axes[i], degrees: value });
-    } else if (this.#mode === "scale") {
+    } else if (this.mode === "scale") {
       const factor = Math.max(0.01, value);
       drag.text = `${handle === "all" ? "" : `${handle} `}× ${factor}`;
       this.send({ do: "scale", ...command, by: NAMES.map((name) => (name === handle || handle === "all" ? factor : 1)) });
     } else {
       drag.text = `${handle} ${signed}`;
-      this.send({ do: "move", ...command, by: times(axes[i], value) });
+      this.send({ do: "move", ...command, vertices: drag.vertices, by: times(axes[i], value) });
     }
     this.draw();
   }
@@ -266,7 +270,7 @@ export class Handles {
   #giveWay(way) {
     const drag = this.#drag;
     drag.text = way.map((part) => `${part < 0 ? "" : "+"}${part}`).join("  ");
-    this.send({ do: "move", drag: drag.number, name: drag.name, by: way });
+    this.send({ do: "move", drag: drag.number, name: drag.name, vertices: drag.vertices, by: way });
     this.draw();
   }
 
@@ -292,9 +296,9 @@ export class Handles {
   #nudge(key, sign, far) {
     const drag = this.#drag;
     const { snap } = this.#steps();
-    if (this.#mode === "rotate") {
+    if (this.mode === "rotate") {
       this.#give(stepped(drag.value + sign * (far ? SNAP_DEGREES : 1), 0.5));
-    } else if (this.#mode === "scale") {
+    } else if (this.mode === "scale") {
       this.#give(stepped((drag.value || 1) * (1 + sign * (far ? 0.1 : 0.01)), 0.01));
     } else if (drag.handle === "all") {
       drag.plane[key === "ArrowUp" || key === "ArrowDown" ? 1 : 0] += sign * snap * (far ? 1 : 0.1);
@@ -307,7 +311,7 @@ export class Handles {
 
   /** Returns to where the thing was taken hold of. */
   #giveNothing() {
-    if (this.#mode === "move") this.#giveWay([0, 0, 0]);
-    else this.#give(this.#mode === "scale" ? 1 : 0);
+    if (this.mode === "move") this.#giveWay([0, 0, 0]);
+    else this.#give(this.mode === "scale" ? 1 : 0);
   }
 }

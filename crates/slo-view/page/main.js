@@ -6,25 +6,32 @@ import { showFacts } from "./facts.js";
 import { Handles } from "./handles.js";
 import { Plan } from "./plan.js";
 import { showWhy } from "./why.js";
+import { Other } from "./other.js";
+import { Vertices } from "./vertices.js";
 import { along, follow as followHands } from "./moves.js";
 import { lens, showCamera, showFinish, showMessages, showPicked, showText } from "./panel.js";
 
 const $ = (id) => document.getElementById(id);
 const screen = new Screen($("screen"), $("stage"));
-const known = { stage: null, distance: 1, fps: 25, exposure: 0, note: "" };
+const known = { stage: null, frames: [], distance: 1, fps: 25, exposure: 0, note: "" };
 let playing = null;
 
 function say(text) {
   if ($("status").textContent !== text) $("status").textContent = text;
 }
 
+/** How long a refusal stays, whatever else there is to say, in milliseconds. */
+const REFUSAL = 4000;
+
 function answered(answer) {
+  known.refused = answer?.refused ? { text: answer.refused, at: performance.now() } : null;
   if (answer?.refused) say(answer.refused);
   return answer;
 }
 
 const moves = new Moves(answered);
 const request = async (command) => answered(await ask(command));
+const other = new Other(request);
 const plan = new Plan($("plan"), (command) => moves.send(command));
 const handles = new Handles($("handles"), screen, {
   send: (command) => moves.send(command),
@@ -38,6 +45,11 @@ const handles = new Handles($("handles"), screen, {
     $("axes").value = own ? "own" : "scene";
   },
 });
+const vertices = new Vertices($("vertices"), screen, request);
+screen.placed = () => {
+  handles.draw();
+  vertices.draw();
+};
 
 follow("picture", async (answer) => {
   const facts = await screen.draw(answer);
@@ -69,13 +81,18 @@ function show(scene) {
   known.errors = errors;
   if (scene.text.changed) known.note = "";
   const count = `${errors} error${errors > 1 ? "s" : ""}`;
-  say(errors ? `${count}; the picture is the last good one` : scene.unwritten ?? scene.overlay.fault ?? known.note);
+  const refused = known.refused && performance.now() - known.refused.at < REFUSAL ? known.refused.text : null;
+  if (refused) say(refused);
+  else say(errors ? `${count}; the picture is the last good one` : scene.unwritten ?? (known.note || scene.missing || scene.overlay.fault || ""));
   known.object = scene.picked?.object;
   showPicked(scene.picked, (command) => moves.send(command));
-  handles.show(scene.picked, scene.stage?.camera);
+  handles.show(scene.picked, scene.stage?.camera, scene.vertices);
+  vertices.show(scene.vertices, scene.mesh, scene.stage?.camera, known.object);
   showWhy(scene.why);
   plan.show(scene.plan, scene.stage?.path, scene.stage?.camera);
-  showFiles(scene.files ?? []);
+  showFiles($("files"), scene.files ?? []);
+  showFiles($("scenes"), scene.scenes ?? []);
+  other.show(scene.other);
   showText(scene.text);
   if (document.activeElement !== $("overlay")) $("overlay").value = scene.overlay.shown;
   known.exposure = scene.exposure;
@@ -95,7 +112,8 @@ function show(scene) {
   $("frame").min = Math.min(...full.map((segment) => segment.first));
   $("frame").max = Math.max(...full.map((segment) => segment.last));
   if (document.activeElement !== $("frame") || playing) $("frame").value = stage.frame;
-  $("frame-number").textContent = stage.frame;
+  known.frames = full.map(({ first, last }) => [first, last]).sort(([a], [b]) => a - b);
+  if (document.activeElement !== $("frame-number")) $("frame-number").value = stage.frame;
 }
 
 /** The list of objects and lamps. */
@@ -108,9 +126,8 @@ function showThings(things, selected) {
   if (document.activeElement !== list) list.value = things.includes(selected) ? selected : "";
 }
 
-/** Mesh files beside the scene. */
-function showFiles(files) {
-  const list = $("files");
+/** Files beside the scene, which a field offers. */
+function showFiles(list, files) {
   if (list.dataset.files === JSON.stringify(files)) return;
   list.dataset.files = JSON.stringify(files);
   list.replaceChildren(...files.map((name) => new Option(name, name)));
@@ -128,9 +145,17 @@ async function next() {
   if (!playing || !known.stage) return;
   const [first, last] = [Number($("frame").min), Number($("frame").max)];
   const passed = Math.round(((performance.now() - playing.since) / 1000) * known.fps);
-  const frame = first + ((playing.from - first + Math.max(1, passed)) % (last - first + 1));
+  const wanted = first + ((playing.from - first + Math.max(1, passed)) % (last - first + 1));
+  const frame = frameFrom(wanted, 1) ?? first;
   const answer = await request({ do: "frame", frame });
   if (playing) playing.picture = answer?.picture ?? -1;
+}
+
+/** The first frame that there is, from a number on, forwards or backwards; undefined if there is none. */
+function frameFrom(number, by) {
+  const ranges = by > 0 ? known.frames : known.frames.toReversed();
+  const range = ranges.find(([first, last]) => (by > 0 ? last >= number : first <= number));
+  return range && Math.min(Math.max(number, range[0]), range[1]);
 }
 
 function played(facts) {
@@ -145,12 +170,17 @@ const actions = {
   focus: (at) => request({ do: "focus", at }),
   why: (at) => request({ do: "why", at }),
   handles: (mode) => handles.set(mode),
+  vertices: () => vertices.toggle(),
   overlay: () => {
     const { options, selectedIndex } = $("overlay");
     $("overlay").selectedIndex = (selectedIndex + 1) % options.length;
     request({ do: "show", overlay: $("overlay").value });
   },
-  step: (by) => request({ do: "frame", frame: (known.stage?.frame ?? 0) + by }),
+  step: (by) => {
+    const next = (known.stage?.frame ?? 0) + by;
+    // Behind the last one there is none, which the program says.
+    request({ do: "frame", frame: frameFrom(next, by) ?? next });
+  },
   play,
   expose: (by) => request({ do: "show", exposure: known.exposure + by }),
 };
@@ -158,6 +188,10 @@ followHands(screen, moves, actions);
 
 $("play").addEventListener("click", play);
 $("frame").addEventListener("input", () => moves.send({ do: "frame", frame: Number($("frame").value) }));
+$("frame-number").addEventListener("change", async () => {
+  const answer = await request({ do: "frame", frame: Math.round(Number($("frame-number").value)) });
+  if (answer?.refused) $("frame-number").value = known.stage?.frame ?? 0;
+});
 $("exposure").addEventListener("input", () => moves.send({ do: "show", exposure: Number($("exposure").value) }));
 $("share").addEventListener("change", () => request({ do: "show", share: Number($("share").value) }));
 $("accelerator").addEventListener("change", () => request({ do: "show", accelerator: $("accelerator").value }));
@@ -170,6 +204,7 @@ for (const button of document.querySelectorAll("[data-zoom]")) {
 for (const button of document.querySelectorAll("[data-mode]")) {
   button.addEventListener("click", () => handles.set(button.dataset.mode));
 }
+$("vertices-button").addEventListener("click", () => vertices.toggle());
 $("axes").addEventListener("change", () => handles.set(handles.mode, $("axes").value === "own"));
 $("thing").addEventListener("change", () => $("thing").value && request({ do: "select", name: $("thing").value }));
 $("overlay").addEventListener("change", () => request({ do: "show", overlay: $("overlay").value }));

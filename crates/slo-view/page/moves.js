@@ -71,7 +71,7 @@ export function follow(screen, moves, actions) {
   const keys = {
     Enter: () => actions.click(here()), f: () => actions.focus(here()), "?": () => actions.why(here()),
     m: () => actions.handles("move"), t: () => actions.handles("rotate"), c: () => actions.handles("scale"),
-    o: actions.overlay,
+    o: actions.overlay, v: actions.vertices,
     w: () => walk(0, 0, KEY_STEP), s: () => walk(0, 0, -KEY_STEP),
     a: () => walk(-KEY_STEP, 0, 0), d: () => walk(KEY_STEP, 0, 0),
     e: () => walk(0, KEY_STEP, 0), q: () => walk(0, -KEY_STEP, 0),

@@ -17,10 +17,12 @@ export function showWhy(why) {
     ["Rays", `${why.rays}, of which ${why.bringing} brought light`],
   ]);
   $("why-tables").replaceChildren(...why.tables.filter((one) => one.shares.length > 0).map(table));
-  const ways = why.brightest.map((one) => element("li", `${percent(one.share)}, sample ${one.sample}: ${one.way}`));
+  const ways = why.brightest.map((one) => element("li", `${percent(one.share)}, ${often(one)}: ${one.way}`));
   $("why-ways").replaceChildren(...ways);
   $("why-replay").textContent = why.replay;
 }
+
+const often = ({ times, sample }) => (times === 1 ? `sample ${sample}` : `${times} times, most in sample ${sample}`);
 
 function table({ title, shares }) {
   const head = ["", "light", "noise"].map((text) => {

@@ -23,6 +23,10 @@ pub(crate) enum Command {
     Pick([f64; 2]),
     /// Select an object or a lamp by its name.
     Select(String),
+    /// Show vertices of the selected mesh near a place of the picture; `None`: show none.
+    Vertices(Option<[f64; 2]>),
+    /// Choose a vertex: `true`: beside those that are chosen.
+    Vertex(u32, bool),
     /// Explain what is seen at a place of the picture.
     Why([f64; 2]),
     /// Move, turn or scale a thing by a handle.
@@ -41,6 +45,12 @@ pub(crate) enum Command {
     Cancel,
     /// Change the text.
     Edit(TextEdit),
+    /// Open another scene, of which things are to be taken over.
+    Open(String),
+    /// Take things of it over, by their numbers.
+    Take(Vec<usize>),
+    /// Close it.
+    Close,
     /// Take the last change of the text back.
     Undo,
     /// Repeat a change that was taken back.
@@ -60,6 +70,8 @@ pub(crate) struct Drag {
     pub(crate) number: u64,
     pub(crate) name: String,
     pub(crate) motion: Motion,
+    /// Whether only its chosen vertices are moved.
+    pub(crate) is_of_vertices: bool,
 }
 
 /// A control point of the camera's path, and where it goes.
@@ -118,6 +130,8 @@ pub(crate) struct Show {
     pub(crate) overlay: Option<Overlay>,
 }
 
+/// Longest path of a file.
+const LONGEST_PATH: usize = 4096;
 /// Largest number of anything.
 const MOST: f64 = 1e12;
 
@@ -154,6 +168,14 @@ impl Command {
             "focus" => Self::Focus(place("at")?),
             "pick" => Self::Pick(place("at")?),
             "select" => Self::Select(word(value, "name")?),
+            "vertices" => match value.get("shown")?.as_bool()? {
+                true => Self::Vertices(Some(place("near")?)),
+                false => Self::Vertices(None),
+            },
+            "vertex" => Self::Vertex(
+                u32::try_from(value.get("vertex")?.as_u64()?).ok()?,
+                value.get("beside").and_then(Value::as_bool).unwrap_or(false),
+            ),
             "why" => Self::Why(place("at")?),
             "move" => drag(value, Motion::Move(vector("by")?))?,
             "rotate" => {
@@ -194,6 +216,13 @@ impl Command {
             "remove" => Self::Edit(TextEdit::Remove(word(value, "name")?)),
             "copy" => Self::Edit(TextEdit::Copy(word(value, "name")?)),
             "key" => Self::Edit(TextEdit::KeyFrame(word(value, "name")?)),
+            "open" => Self::Open(word(value, "file").filter(|path| path.len() <= LONGEST_PATH)?),
+            "take" => {
+                let number = |of: &Value| usize::try_from(of.as_u64()?).ok();
+                let things = value.get("things")?.as_array()?;
+                Self::Take(things.iter().map(number).collect::<Option<_>>()?)
+            }
+            "close" => Self::Close,
             "undo" => Self::Undo,
             "redo" => Self::Redo,
             "save" => Self::Save(value.get("anyway").and_then(Value::as_bool).unwrap_or(false)),
@@ -210,7 +239,8 @@ fn bounded(value: &Value) -> Option<f64> {
 
 fn drag(value: &Value, motion: Motion) -> Option<Command> {
     let number = value.get("drag")?.as_u64()?;
-    Some(Command::Drag(Drag { number, name: word(value, "name")?, motion }))
+    let is_of_vertices = value.get("vertices").and_then(Value::as_bool).unwrap_or(false);
+    Some(Command::Drag(Drag { number, name: word(value, "name")?, motion, is_of_vertices }))
 }
 
 fn word(value: &Value, name: &str) -> Option<String> {
@@ -266,6 +296,10 @@ mod tests {
             json!({ "do": "pick", "at": [0.5, 1.1] }),
             json!({ "do": "set", "keyword": "sphere", "name": "a", "attribute": "b", "value": "c" }),
             json!({ "do": "hide" }),
+            json!({ "do": "open", "file": "a".repeat(5000) }),
+            json!({ "do": "take", "things": [-1] }),
+            json!({ "do": "vertices", "shown": true, "near": [0.5, 2] }),
+            json!({ "do": "vertex", "vertex": 5e9 }),
             json!({ "do": "move", "drag": 1, "name": "a", "by": [1, 2] }),
             json!({ "do": "rotate", "drag": 1, "name": "a", "axis": [0, 0, 0], "degrees": 5 }),
             json!({ "do": "scale", "drag": 1, "name": "a", "by": [1, 0, 1] }),

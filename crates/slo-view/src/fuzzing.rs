@@ -6,6 +6,7 @@ use slo_scene::edit::{Edit, applied};
 use crate::changes;
 use crate::command::{Command, TextEdit};
 use crate::document;
+use crate::merging::{Catalog, merge};
 use crate::server::Guard;
 
 /// Reads the body of a request; returns a text as the request changes it.
@@ -24,6 +25,15 @@ pub fn request(text: &str, body: &[u8]) -> Option<String> {
         TextEdit::KeyFrame(name) => changes::key_frame(text, name, 0.5, [glam::DVec3::X; 3]),
     };
     applied(text, edits.ok()?)
+}
+
+/// Takes everything of another scene over into a text.
+pub fn taken(own: &str, other: &str) -> Option<String> {
+    let none = |path: &str| Err(format!("there is no `{path}`"));
+    let here = Catalog::of(own.to_owned(), "", &none).ok()?;
+    let other = Catalog::of(other.to_owned(), "b/", &none).ok()?;
+    let all: Vec<usize> = (0..other.things.len()).collect();
+    applied(own, merge(&here, &other, "b/c.txt", &all).ok()?.edits)
 }
 
 /// Whether a request with an address and headers, one on each line, is answered. `TOKEN` stands for the

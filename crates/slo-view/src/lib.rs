@@ -16,8 +16,10 @@ mod finished;
 #[doc(hidden)]
 pub mod fuzzing;
 mod look;
+mod merging;
 mod pick;
 mod placing;
+mod sculpting;
 mod server;
 mod source;
 mod studio;

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::Subcommand;
+use clap::{ArgGroup, Subcommand};
 
 use super::settings::{LookArgs, SettingArgs};
 use crate::cli::values::{
@@ -303,17 +303,22 @@ pub(crate) struct BakeArgs {
 
 /// `why`
 #[derive(Debug, clap::Args)]
+#[command(group = ArgGroup::new("any_scene").args(["file", "scene"]))]
 pub(crate) struct WhyArgs {
     /// Column and row of the pixel, from 0 at the upper left corner
     #[arg(value_name = "X,Y", value_parser = pixel_at)]
     pub(crate) pixel: PixelAt,
 
     /// Scene file [default: the built-in scene]
+    #[arg(value_name = "SCENE")]
+    pub(crate) file: Option<PathBuf>,
+
+    /// The same, by an option
     #[arg(short, long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,
 
     /// Folder that holds the scene file (short: -id)
-    #[arg(long, value_name = "DIR", requires = "scene")]
+    #[arg(long, value_name = "DIR", requires = "any_scene")]
     pub(crate) indir: Option<PathBuf>,
 
     /// Let paths in the scene lead anywhere
@@ -361,6 +366,15 @@ pub(crate) struct WhyArgs {
     /// Number of threads, or auto for all [default: all]
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<Threads>,
+
+    /// Form of the progress: auto, plain, json, openjd or none [default: auto]
+    #[arg(long, value_name = "FORM", hide_possible_values = true, ignore_case = true)]
+    #[arg(value_enum, default_value_t = ProgressForm::Auto, hide_default_value = true)]
+    pub(crate) progress: ProgressForm,
+
+    /// Print nothing but the answer, warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 
     /// Print help
     #[arg(short, long, action = clap::ArgAction::Help)]

@@ -8,9 +8,9 @@ use crate::cli::args::ViewArgs;
 use crate::cli::base::{Exit, Problem, Terminal, print};
 use crate::cli::files::load;
 use crate::cli::files::scene_file::{self, SceneFile};
-use crate::cli::options::Job;
+use crate::cli::options::{Job, Replay};
 use crate::cli::system::threads;
-use slo_scene::files::Opened;
+use slo_scene::files::{Drafts, Opened};
 use slo_scene::{KnownFiles, Loaded};
 use slo_view::{Error, Options, Source, serve};
 
@@ -35,7 +35,8 @@ pub(crate) fn run(args: &ViewArgs, job: Job, terminal: Terminal) -> Result<(), P
             terminal.warn(format_args!("can't print the address: {error}"));
         }
     };
-    serve(Box::new(OfJob { job, file }), options, ready).map_err(|error| match error {
+    let replay = Replay::of_view(args);
+    serve(Box::new(OfJob { job, file, replay }), options, ready).map_err(|error| match error {
         Error::Listen(error) => {
             let message = format!("can't listen on {listen}: {error}");
             Problem::new(Exit::CantCreate, message).with_help("choose another one with `--listen`")
@@ -49,6 +50,8 @@ pub(crate) fn run(args: &ViewArgs, job: Job, terminal: Terminal) -> Result<(), P
 struct OfJob {
     job: Job,
     file: SceneFile,
+    /// What the user typed.
+    replay: Replay,
 }
 
 impl Source for OfJob {
@@ -60,6 +63,15 @@ impl Source for OfJob {
         self.job.scene.as_ref().map(|_| &*self.file.path)
     }
 
+    fn replay(&self, pixel: [u32; 2], frame: i64, size: Option<[u32; 2]>) -> String {
+        let replay = self.replay.clone();
+        let replay = match size {
+            Some([width, height]) => replay.sized(width, height),
+            None => replay,
+        };
+        replay.command(pixel, Some(frame))
+    }
+
     fn read(&self) -> io::Result<Vec<u8>> {
         match &self.job.scene {
             None => Ok(self.file.text.clone()),
@@ -67,9 +79,14 @@ impl Source for OfJob {
         }
     }
 
-    fn load(&self, text: &[u8], opened: &Opened, known: &KnownFiles) -> Loaded {
+    fn open(&self, path: &str) -> Result<Vec<u8>, String> {
+        load::open(&self.file, &self.job, path)
+    }
+
+    fn load(&self, text: &[u8], opened: &Opened, known: &KnownFiles, drafts: &Drafts) -> Loaded {
         let SceneFile { path, root, .. } = &self.file;
         let file = SceneFile { path: path.clone(), root: root.clone(), text: text.to_owned() };
-        load::load(&file, &self.job, opened.clone(), Some(known))
+        let remains = load::Remains { known: known.clone(), drafts: drafts.clone() };
+        load::load(&file, &self.job, opened.clone(), Some(remains))
     }
 }

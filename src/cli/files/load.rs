@@ -1,5 +1,6 @@
 //! Loads the scene of a job, and builds its frames for rendering.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::scene_file::SceneFile;
@@ -10,7 +11,7 @@ use slo_accel::Isa;
 use slo_picture::output::check_prefix;
 use slo_render::frame::{Aids, FrameError, FrameScene};
 use slo_scene::animation::NoSegment;
-use slo_scene::files::Opened;
+use slo_scene::files::{Drafts, Opened};
 use slo_scene::{Files, KnownFiles, Loaded, SceneDescription, ShapeError, load_adapted};
 
 /// Loads the job's scene, and applies the settings of the command line. Prints the errors of the
@@ -51,28 +52,53 @@ pub(crate) fn file(job: &Job) -> Result<SceneFile, Problem> {
     }
 }
 
+/// What scenes have left that were loaded before.
+#[derive(Debug)]
+pub(crate) struct Remains {
+    /// Their files.
+    pub(crate) known: KnownFiles,
+    /// Files that are not on disk yet.
+    pub(crate) drafts: Drafts,
+}
+
 /// Loads the scene that a text describes, and applies the settings of the command line. Notes the files
-/// on disk that it names. `known` is what scenes before it have left.
+/// on disk that it names. `remains` is what scenes before it have left.
 pub(crate) fn load(
     file: &SceneFile,
     job: &Job,
     opened: Opened,
-    known: Option<&KnownFiles>,
+    remains: Option<Remains>,
 ) -> Loaded {
-    let files = match &job.scene {
-        None => Files::built_in(built_in::FOLDER, built_in::FILES),
-        Some(_) => {
-            let folder = file.path.parent().unwrap_or(Path::new(""));
-            let files = Files::on_disk(folder, &file.root, job.allow_outside);
-            files.with_cache(job.cache.clone()).noted_in(opened)
-        }
-    };
-    let files = match known {
-        Some(known) => files.with_known(known.clone()),
+    let files = files(file, job).noted_in(opened);
+    let files = match remains {
+        Some(Remains { known, drafts }) => files.with_known(known).with_drafts(drafts),
         None => files,
     };
     let adapt = |scene: &mut SceneDescription| job.overrides.apply(scene);
     load_adapted(&file.path.to_string_lossy(), &file.text, &files, &adapt)
+}
+
+/// Returns the files that a scene may name.
+fn files(file: &SceneFile, job: &Job) -> Files {
+    match &job.scene {
+        None => Files::built_in(built_in::FOLDER, built_in::FILES),
+        Some(_) => {
+            let folder = file.path.parent().unwrap_or(Path::new(""));
+            Files::on_disk(folder, &file.root, job.allow_outside).with_cache(job.cache.clone())
+        }
+    }
+}
+
+/// Reads a text file by its path as the scene of the job would write it.
+///
+/// # Errors
+/// It can't be read, or the scene may not read it; with what to say about it.
+pub(crate) fn open(file: &SceneFile, job: &Job, path: &str) -> Result<Vec<u8>, String> {
+    let reader = files(file, job).open(path).map_err(|error| error.about(path))?;
+    scene_file::limited(reader).map_err(|error| match error.kind() {
+        io::ErrorKind::FileTooLarge => format!("`{path}` is no scene: it is longer than 256 MiB"),
+        _ => format!("can't read `{path}`: {error}"),
+    })
 }
 
 /// Builds what a frame needs, on the threads of the current pool, with the help of what is there.

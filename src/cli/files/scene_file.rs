@@ -97,8 +97,13 @@ fn read_text(path: &Path) -> Result<Vec<u8>, Problem> {
 /// # Errors
 /// `FileTooLarge` for what can't be a scene, and any other I/O error.
 pub(crate) fn text(path: &Path) -> io::Result<Vec<u8>> {
+    limited(open(path)?)
+}
+
+/// Reads what may be the text of a scene to its end, as [`text`] does.
+pub(crate) fn limited(reader: impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open(path)?.take(LONGEST_TEXT + 1).read_to_end(&mut bytes)?;
+    reader.take(LONGEST_TEXT + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > LONGEST_TEXT {
         return Err(io::ErrorKind::FileTooLarge.into());
     }

@@ -68,6 +68,7 @@ impl From<Args> for Options {
             Some(Command::Relight(relight)) => relight.quiet,
             Some(Command::Import(import)) => import.quiet,
             Some(Command::Bake(bake)) => bake.quiet,
+            Some(Command::Why(why)) => why.quiet,
             Some(Command::View(view)) => view.quiet,
             _ => quiet,
         };
@@ -125,7 +126,8 @@ fn task(mut args: Args, terminal: Terminal) -> Result<Task, Problem> {
                 let &WhyArgs { size, integrator, photons, seed, .. } = &why;
                 args.settings =
                     SettingArgs { size, integrator, photons, seed, ..SettingArgs::default() };
-                args.scene = why.scene.clone();
+                args.scene = why.file.clone().or_else(|| why.scene.clone());
+                args.progress = why.progress;
                 args.indir = why.indir.clone();
                 args.allow_outside = why.allow_outside;
                 args.threads = why.threads;

@@ -29,7 +29,7 @@ pub(crate) use names::{
 pub(crate) use numbers::count;
 pub(crate) use order::Order;
 pub(crate) use part::{PartBy, part};
-pub(crate) use picture::{PixelAt, Region, SizeChoice, pixel_at, region, size};
+pub(crate) use picture::{PixelAt, Region, Size, SizeChoice, pixel_at, region, size};
 pub(crate) use progress::ProgressForm;
 pub(crate) use quality::{exposure, limit, noise, photons, samples, seed, steps};
 pub(crate) use server::server;

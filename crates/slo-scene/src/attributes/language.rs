@@ -50,7 +50,8 @@ impl Language {
         owners.map(|schema| schema.keyword).collect()
     }
 
-    fn all(&self) -> impl Iterator<Item = &'static Schema> {
+    /// All elements and blocks.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &'static Schema> {
         self.elements.iter().chain(&self.inner).copied()
     }
 }

@@ -45,6 +45,46 @@ pub(super) fn remove(text: &str, range: Range<usize>) -> Edit {
     Edit { range, text: String::new() }
 }
 
+/// Takes out a range as [`remove`] does; if it begins a line on which something else follows, that takes its
+/// place.
+pub(super) fn remove_word(text: &str, range: Range<usize>) -> Edit {
+    let before = &text[line_start(text, range.start)..range.start];
+    let rest = &text[range.end..line_end(text, range.end)];
+    let follows = rest.trim_start();
+    if before.trim().is_empty() && !follows.is_empty() {
+        let end = range.end + rest.len() - follows.len();
+        return Edit { range: range.start..end, text: String::new() };
+    }
+    remove(text, range)
+}
+
+/// A range with the comments that belong to it: those that fill the lines right above it, and one that
+/// fills the rest of its last line.
+pub(super) fn with_comments(text: &str, range: Range<usize>) -> Range<usize> {
+    let mut start = line_start(text, range.start);
+    if !text[start..range.start].trim().is_empty() {
+        start = range.start;
+    } else {
+        while start > 0 {
+            let above = line_start(text, start - 1);
+            if !is_comment(text[above..start].trim()) {
+                break;
+            }
+            start = above;
+        }
+    }
+    let end = line_end(text, range.end);
+    let end = if is_comment(text[range.end..end].trim()) { end } else { range.end };
+    start..end
+}
+
+/// Whether a text is one comment and nothing else.
+fn is_comment(text: &str) -> bool {
+    let is_block = |text: &str| text.find("*/") == Some(text.len() - 2);
+    text.starts_with('#')
+        || text.strip_prefix("/*").is_some_and(|rest| rest.len() > 1 && is_block(rest))
+}
+
 /// Where the line of a byte begins.
 fn line_start(text: &str, at: usize) -> usize {
     text[..at].rfind('\n').map_or(0, |i| i + 1)
@@ -63,6 +103,6 @@ fn indent(text: &str, at: usize) -> &str {
 }
 
 /// What ends lines in a text.
-fn newline(text: &str) -> &'static str {
+pub(super) fn newline(text: &str) -> &'static str {
     if text.contains("\r\n") { "\r\n" } else { "\n" }
 }

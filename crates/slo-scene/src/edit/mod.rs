@@ -12,6 +12,7 @@
 //! ```
 
 mod layout;
+mod links;
 mod number;
 mod outline;
 mod part;
@@ -20,6 +21,7 @@ mod tests;
 
 use std::ops::Range;
 
+pub use links::{Link, Target, path_in};
 pub use number::{number, numbers};
 pub use outline::Outline;
 pub use part::Part;
@@ -31,6 +33,14 @@ pub struct Edit {
     pub range: Range<usize>,
     /// What stands there afterwards.
     pub text: String,
+}
+
+/// Adds lines at the end of a text, with the line endings that the text has.
+pub fn append(text: &str, lines: &str) -> Edit {
+    let newline = layout::newline(text);
+    let before = if text.is_empty() || text.ends_with('\n') { "" } else { newline };
+    let lines = lines.replace("\r\n", "\n").replace('\n', newline);
+    Edit { range: text.len()..text.len(), text: format!("{before}{lines}{newline}") }
 }
 
 /// Returns a text after changes of different places, in any order. `None` if two of them overlap, or one

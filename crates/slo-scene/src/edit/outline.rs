@@ -1,9 +1,10 @@
 //! The elements of a text.
 
 use super::part::Part;
+use crate::attributes::INCLUDE;
 use crate::diagnostics::{Diagnostics, SourceId};
 use crate::format::parse;
-use crate::format::syntax::{Entry, Tree};
+use crate::format::syntax::{Entry, Form, Tree};
 use crate::resolve::LANGUAGE;
 
 /// The elements of a text, with their places.
@@ -25,6 +26,17 @@ impl<'a> Outline<'a> {
         self.tree.entries.iter().filter_map(|entry| match entry {
             Entry::Item(item) => Part::of(self.text, item),
             Entry::Number(_) => None,
+        })
+    }
+
+    /// The paths of the files that it includes, in order.
+    pub fn includes(&self) -> impl Iterator<Item = &'a str> {
+        self.tree.entries.iter().filter_map(|entry| match entry {
+            Entry::Item(item) if item.keyword.text == INCLUDE => match item.form {
+                Form::Value(path) => Some(path.text),
+                _ => None,
+            },
+            _ => None,
         })
     }
 

@@ -46,6 +46,19 @@ impl<'t, 'a> Part<'t, 'a> {
         self.item.keyword.span.start..self.block.close.end
     }
 
+    /// The bytes of its name, with its quotes; `None` if it is a block.
+    pub fn name_range(&self) -> Option<Range<usize>> {
+        match &self.item.form {
+            Form::Element(name, _) => Some(whole(self.text, *name)),
+            _ => None,
+        }
+    }
+
+    /// The bytes from its first word to its brace, with the comments right above it and behind it.
+    pub fn with_comments(&self) -> Range<usize> {
+        layout::with_comments(self.text, self.range())
+    }
+
     /// Its line, from 1.
     pub fn line(&self) -> usize {
         self.text[..self.item.keyword.span.start].matches('\n').count() + 1
@@ -131,6 +144,30 @@ impl<'t, 'a> Part<'t, 'a> {
         layout::remove(self.text, self.range())
     }
 
+    /// Takes out attributes of a name, but for the first so many of them.
+    pub fn without(&self, name: &str, kept: usize) -> Vec<Edit> {
+        let entries = self.block.entries.iter().filter(|entry| match entry {
+            Entry::Item(item) => item.keyword.text == name,
+            Entry::Number(_) => false,
+        });
+        let taken = entries.skip(kept).filter_map(|entry| match entry {
+            Entry::Item(item) => {
+                let range = item.keyword.span.start..self.end_of(entry);
+                self.text.get(range.clone()).map(|_| layout::remove_word(self.text, range))
+            }
+            Entry::Number(_) => None,
+        });
+        taken.collect()
+    }
+
+    pub(super) fn text(&self) -> &'a str {
+        self.text
+    }
+
+    pub(super) fn block(&self) -> &'t Block<'a> {
+        self.block
+    }
+
     fn inside(&self) -> Range<usize> {
         self.block.open.end..self.block.close.start
     }
@@ -198,7 +235,7 @@ fn replaced(text: &str, old: Word<'_>, new: &str) -> Option<Edit> {
 }
 
 /// The bytes of a word, with its quotes.
-fn whole(text: &str, word: Word<'_>) -> Range<usize> {
+pub(super) fn whole(text: &str, word: Word<'_>) -> Range<usize> {
     let Range { start, end } = word.span.start..word.span.end;
     let is_quoted = start > 0
         && text.as_bytes().get(start - 1) == Some(&b'"')

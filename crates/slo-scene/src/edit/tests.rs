@@ -152,3 +152,41 @@ fn what_lacks_a_brace_is_no_element() {
     let text = "light_point l {\n color { 1 1 1 }\n position { 0 0 0 }\n";
     assert!(Outline::new(text).element("light_point", "l").is_none());
 }
+
+#[test]
+fn attributes_can_be_taken_out() {
+    let text =
+        "mesh m { filename a.slo filename \"b c.slo\"\n  fit { 2 } # size\n  material red }\n";
+    let mesh = |text: &Outline<'_>, name: &str, kept| {
+        text.element("mesh", "m").expect("it is there").without(name, kept)
+    };
+    check_in(text, |text| mesh(text, "filename", 1), &[(" filename \"b c.slo\"", "")]);
+    check_in(text, |text| mesh(text, "fit", 0), &[("fit { 2 } # size", "# size")]);
+    check_in(text, |text| mesh(text, "axes", 0), &[]);
+}
+
+#[test]
+fn comments_belong_to_what_they_stand_at() {
+    let comments = |text: &str, keyword: &str| {
+        let outline = Outline::new(text);
+        let range = outline.first(keyword).expect("it is there").with_comments();
+        text[range].to_owned()
+    };
+    let text = "# of the file\n\n# above\n/* too */\nsphere a { } # behind\n# of b\nbox b { } cone c { }\n";
+    assert_eq!(comments(text, "sphere"), "# above\n/* too */\nsphere a { } # behind");
+    assert_eq!(comments(text, "box"), "# of b\nbox b { }");
+    assert_eq!(comments(text, "cone"), "cone c { }");
+    assert_eq!(comments("a */\nsphere a {}/**/ box b {}", "sphere"), "sphere a {}");
+}
+
+#[test]
+fn lines_are_added_at_the_end() {
+    let after = |text: &str| applied(text, vec![append(text, "a\nb")]).expect("it fits");
+    assert_eq!(after(""), "a\nb\n");
+    assert_eq!(after("x"), "x\na\nb\n");
+    assert_eq!(after("x\r\n"), "x\r\na\r\nb\r\n");
+    assert_eq!(
+        Outline::new("include a.txt\ninclude \"b c.txt\" sphere a {}").includes().count(),
+        2
+    );
+}

@@ -123,6 +123,11 @@ pub(super) static ELEMENTS: LazyLock<Vec<Known>> = LazyLock::new(|| {
 pub(crate) static LANGUAGE: LazyLock<Language> =
     LazyLock::new(|| Language::new(ELEMENTS.iter().map(|known| &known.schema).collect()));
 
+/// The kind of reference that leads to elements of a keyword, if there is one.
+pub(crate) fn referred(keyword: &str) -> Option<Referred> {
+    ELEMENTS.iter().find(|known| known.schema.keyword == keyword)?.role.referred()
+}
+
 /// The elements of all kinds of a thing.
 fn written<R: Copy>(
     kinds: &'static [Kind<R>],

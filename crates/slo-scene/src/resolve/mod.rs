@@ -19,5 +19,6 @@ mod tangents;
 mod texture;
 mod turns;
 
-pub(crate) use elements::LANGUAGE;
+pub(crate) use crate::attributes::Referred;
+pub(crate) use elements::{LANGUAGE, referred};
 pub(crate) use resolver::resolve;

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::sculpting::Sculptures;
+
 /// Most changes that are remembered.
 const MOST: usize = 1000;
 /// Most bytes that they may take.
@@ -15,6 +17,15 @@ struct Step {
     after: String,
     what: String,
     join: bool,
+    /// Meshes that were no files yet before it, and after it.
+    meshes: [Sculptures; 2],
+}
+
+/// What a history is about.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State<'a> {
+    pub(super) text: &'a str,
+    pub(super) meshes: &'a Sculptures,
 }
 
 /// Changes of a text.
@@ -34,15 +45,16 @@ impl History {
     }
 
     /// Remembers a change.
-    pub(super) fn add(&mut self, old: &str, new: &str, what: &str, join: bool) {
+    pub(super) fn add(&mut self, old: State<'_>, new: State<'_>, what: &str, join: bool) {
         self.steps.truncate(self.done);
         if join && let Some(last) = self.steps.last().filter(|last| last.join && last.what == what)
         {
             // Both changes are one: from the text before the first.
-            let mut first = old.to_owned();
-            last.go(&mut first, true);
+            let (mut first, mut meshes) = (old.text.to_owned(), Sculptures::default());
+            last.go(&mut first, &mut meshes, true);
             self.steps.pop();
-            self.steps.extend(Step::between(&first, new, what, join));
+            let first = State { text: &first, meshes: &meshes };
+            self.steps.extend(Step::between(first, new, what, join));
         } else {
             self.steps.extend(Step::between(old, new, what, join));
         }
@@ -61,17 +73,17 @@ impl History {
     }
 
     /// Takes a change back; false if there is none.
-    pub(super) fn undo(&mut self, text: &mut String) -> bool {
+    pub(super) fn undo(&mut self, text: &mut String, meshes: &mut Sculptures) -> bool {
         let Some(index) = self.done.checked_sub(1) else { return false };
-        self.steps[index].go(text, true);
+        self.steps[index].go(text, meshes, true);
         self.done = index;
         true
     }
 
     /// Repeats a change; false if there is none.
-    pub(super) fn redo(&mut self, text: &mut String) -> bool {
+    pub(super) fn redo(&mut self, text: &mut String, meshes: &mut Sculptures) -> bool {
         let Some(step) = self.steps.get(self.done) else { return false };
-        step.go(text, false);
+        step.go(text, meshes, false);
         self.done += 1;
         true
     }
@@ -79,7 +91,9 @@ impl History {
 
 impl Step {
     /// The change from one text to another; `None` if they are the same.
-    fn between(old: &str, new: &str, what: &str, join: bool) -> Option<Self> {
+    fn between(old: State<'_>, new: State<'_>, what: &str, join: bool) -> Option<Self> {
+        let meshes = [old.meshes.clone(), new.meshes.clone()];
+        let (old, new) = (old.text, new.text);
         let common =
             |pairs: &mut dyn Iterator<Item = (u8, u8)>| pairs.take_while(|(a, b)| a == b).count();
         let mut start = common(&mut old.bytes().zip(new.bytes()));
@@ -92,10 +106,13 @@ impl Step {
         }
         let part = |text: &str| text[start..text.len() - end].to_owned();
         let (before, after) = (part(old), part(new));
-        (before != after).then(|| Self { start, before, after, what: what.to_owned(), join })
+        let differs = before != after || meshes[0] != meshes[1];
+        let what = what.to_owned();
+        differs.then_some(Self { start, before, after, what, join, meshes })
     }
 
-    fn go(&self, text: &mut String, back: bool) {
+    fn go(&self, text: &mut String, meshes: &mut Sculptures, back: bool) {
+        *meshes = self.meshes[usize::from(!back)].clone();
         let (from, to) =
             if back { (&self.after, &self.before) } else { (&self.before, &self.after) };
         let range: Range<usize> = self.start..self.start + from.len();
@@ -104,7 +121,11 @@ impl Step {
     }
 
     fn bytes(&self) -> usize {
-        self.before.len() + self.after.len() + self.what.len() + size_of::<Self>()
+        self.before.len()
+            + self.after.len()
+            + self.what.len()
+            + self.meshes[1].bytes()
+            + size_of::<Self>()
     }
 }
 
@@ -112,17 +133,24 @@ impl Step {
 mod tests {
     use super::*;
 
+    /// Adds a change of the text alone.
+    fn add(history: &mut History, old: &str, new: &str, what: &str) {
+        let none = Sculptures::default();
+        let state = |text| State { text, meshes: &none };
+        history.add(state(old), state(new), what, false);
+    }
+
     #[test]
     fn only_so_much_is_remembered() {
         let mut history = History::default();
-        let mut text = String::new();
+        let (mut text, mut meshes) = (String::new(), Sculptures::default());
         for i in 0..MOST + 10 {
             let new = format!("{i}");
-            history.add(&text, &new, "number", false);
+            add(&mut history, &text, &new, "number");
             text = new;
         }
         let mut count = 0;
-        while history.undo(&mut text) {
+        while history.undo(&mut text, &mut meshes) {
             count += 1;
         }
         assert_eq!((count, &*text), (MOST, "9"));
@@ -131,13 +159,13 @@ mod tests {
     #[test]
     fn characters_stay_whole() {
         let mut history = History::default();
-        let mut text = "ä".to_owned();
+        let (mut text, mut meshes) = ("ä".to_owned(), Sculptures::default());
         for new in ["ö", "öä", "ä"] {
-            history.add(&text, new, "", false);
+            add(&mut history, &text, new, "");
             text = new.to_owned();
         }
         for old in ["öä", "ö", "ä"] {
-            assert!(history.undo(&mut text));
+            assert!(history.undo(&mut text, &mut meshes));
             assert_eq!(text, old);
         }
     }

@@ -9,7 +9,9 @@ use std::path::Path;
 use slo_picture::output::write_atomically;
 use slo_scene::edit::{Edit, applied};
 
-use history::History;
+use crate::sculpting::Sculptures;
+
+use history::{History, State};
 pub(crate) use lines::{Hunk, differences, merged};
 
 /// What text files of some programs begin with.
@@ -25,6 +27,8 @@ pub(crate) struct Document {
     is_marked: bool,
     /// What is on disk, if both it and the text have been changed in the same lines.
     conflict: Option<String>,
+    /// Meshes that the text names and that are no files yet.
+    meshes: Sculptures,
     history: History,
 }
 
@@ -51,9 +55,14 @@ impl Document {
         [mark, &self.text].concat().into_bytes()
     }
 
-    /// Whether the text differs from the file.
+    /// Whether the text differs from the file, or meshes of it are not saved.
     pub(crate) fn is_changed(&self) -> bool {
-        self.text != self.saved
+        self.text != self.saved || !self.meshes.is_empty()
+    }
+
+    /// Meshes that are no files yet.
+    pub(crate) fn meshes(&self) -> &Sculptures {
+        &self.meshes
     }
 
     /// Whether the person has to choose between the text and the file.
@@ -122,6 +131,11 @@ impl Document {
         self.become_text(text, what, join);
     }
 
+    /// Takes another text, and meshes that it names and that are no files yet.
+    pub(crate) fn sculpt(&mut self, text: String, meshes: Sculptures, what: &str, join: bool) {
+        self.become_state(text, meshes, what, join);
+    }
+
     /// No later change joins the last one.
     pub(crate) fn seal(&mut self) {
         self.history.seal();
@@ -129,12 +143,12 @@ impl Document {
 
     /// Takes a change back; false if there is none.
     pub(crate) fn undo(&mut self) -> bool {
-        self.history.undo(&mut self.text)
+        self.history.undo(&mut self.text, &mut self.meshes)
     }
 
     /// Repeats a change that was taken back; false if there is none.
     pub(crate) fn redo(&mut self) -> bool {
-        self.history.redo(&mut self.text)
+        self.history.redo(&mut self.text, &mut self.meshes)
     }
 
     /// Returns to what is on disk.
@@ -143,7 +157,7 @@ impl Document {
             self.saved = file;
         }
         let saved = self.saved.clone();
-        self.become_text(saved, "the return to the file", false);
+        self.become_state(saved, Sculptures::default(), "the return to the file", false);
     }
 
     /// Keeps the text, whatever is on disk.
@@ -153,27 +167,40 @@ impl Document {
         }
     }
 
-    /// Writes the text to its file, which is complete or as it was at any moment.
+    /// Checks whether the file is as it is known.
     ///
     /// # Errors
-    /// Somebody has changed the file meanwhile, or it can't be written.
-    pub(crate) fn save(&mut self, path: &Path) -> Result<(), String> {
+    /// Somebody has changed it meanwhile, or it can't be read or written.
+    pub(crate) fn check(&self, path: &Path) -> Result<(), String> {
         let cant = |error: io::Error| format!("can't save the scene: {error}");
         let now = match std::fs::read(path) {
             // The file is gone, so saving loses nothing of another program.
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return self.save_anew(path),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
             now => now.map_err(cant)?,
         };
         let now = String::from_utf8_lossy(&now);
         if self.has_conflict() || now.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&now) != self.saved {
             return Err("the file has been changed by another program".into());
         }
+        if path.metadata().map_err(cant)?.permissions().readonly() {
+            return Err("can't save the scene: the file is read-only".into());
+        }
+        Ok(())
+    }
+
+    /// Writes the text to its file, which is complete or as it was at any moment.
+    ///
+    /// # Errors
+    /// Somebody has changed the file meanwhile, or it can't be written.
+    pub(crate) fn save(&mut self, path: &Path) -> Result<(), String> {
+        self.check(path)?;
+        let cant = |error: io::Error| format!("can't save the scene: {error}");
+        if !path.exists() {
+            return self.save_anew(path);
+        }
         // A link stays a link, and the file keeps what its owner allows.
         let path = path.canonicalize().map_err(cant)?;
         let permissions = path.metadata().map_err(cant)?.permissions();
-        if permissions.readonly() {
-            return Err("can't save the scene: the file is read-only".into());
-        }
         let bytes = self.bytes();
         write_atomically(&path, |file| {
             file.set_permissions(permissions)?;
@@ -193,10 +220,21 @@ impl Document {
         Ok(())
     }
 
+    /// The meshes that the text names are files now.
+    pub(crate) fn keep_meshes(&mut self) {
+        self.meshes = Sculptures::default();
+    }
+
     fn become_text(&mut self, text: String, what: &str, join: bool) {
-        if text != self.text {
-            self.history.add(&self.text, &text, what, join);
-            self.text = text;
+        self.become_state(text, self.meshes.clone(), what, join);
+    }
+
+    fn become_state(&mut self, text: String, meshes: Sculptures, what: &str, join: bool) {
+        let [old, new] = [(&self.text, &self.meshes), (&text, &meshes)]
+            .map(|(text, meshes)| State { text, meshes });
+        if text != self.text || meshes != self.meshes {
+            self.history.add(old, new, what, join);
+            (self.text, self.meshes) = (text, meshes);
         }
     }
 }

@@ -25,9 +25,11 @@ pub(crate) use shot::Shot;
 use watch::Watch;
 
 /// How long the first picture after a change may take, as far as that can be told.
-const FIRST: Duration = Duration::from_millis(90);
+const FIRST: Duration = Duration::from_millis(70);
 /// The same while one change follows another.
 const FOLLOWING: Duration = Duration::from_millis(30);
+/// What a measurement of a sample's cost leaves of a higher one before it: other programs come and go.
+const MEMORY: f64 = 0.8;
 /// Most that the sides of the first picture are divided by.
 const COARSEST: u32 = 16;
 /// Smallest side of a coarse picture.
@@ -74,7 +76,7 @@ pub(crate) struct Looker {
     costs: Vec<[u64; 2]>,
     /// What is seen where the film has no samples.
     coarse: Option<Image>,
-    /// Seconds that a sample took, by the last measurement.
+    /// Seconds that a sample took: by the last measurement, or by a slower one not long before.
     cost: f64,
     /// When the picture changed.
     since: Instant,
@@ -353,7 +355,7 @@ impl Looker {
     }
 
     fn measure(&mut self, time: Duration, samples: f64) {
-        self.cost = time.as_secs_f64() / samples.max(1.0);
+        self.cost = (time.as_secs_f64() / samples.max(1.0)).max(self.cost * MEMORY);
     }
 
     fn count(&mut self, exposed: &Exposed, start: Instant) {

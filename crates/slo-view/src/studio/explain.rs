@@ -33,34 +33,11 @@ impl Studio {
             }
         });
         let tally = tally.map_err(|fault| fault.to_string())??;
-        let replay = self.replay(x, y);
+        let film = &scene.camera.film;
+        let size = (stage.share() != 1.0).then_some([film.width, film.height]);
+        let replay = self.loading.replay([x, y], number, size);
         self.why = Some(answer(&tally, [x, y], number, &replay));
         Ok(Effects::default())
-    }
-
-    /// The command that explains the same pixel.
-    fn replay(&self, x: u32, y: u32) -> String {
-        let Some(stage) = &self.stage else { return String::new() };
-        let mut command = format!("slo-rt why {x},{y}");
-        if self.loading.has_file() {
-            command += &format!(" -s {}", quoted(&self.loading.name()));
-        }
-        command += &format!(" -f {}", stage.frame());
-        if stage.share() != 1.0 {
-            let film = &stage.shown().camera.film;
-            command += &format!(" --size {}x{}", film.width, film.height);
-        }
-        command
-    }
-}
-
-/// A path as a shell reads it.
-fn quoted(path: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "/._-+:".contains(c);
-    if path.chars().all(is_plain) {
-        path.to_owned()
-    } else {
-        format!("'{}'", path.replace('\'', r"'\''"))
     }
 }
 
@@ -82,7 +59,7 @@ fn answer(tally: &Tally, pixel: [u32; 2], frame: i64, replay: &str) -> Value {
             { "title": "By object seen first", "shares": shares(tally.seen()) },
             { "title": "By object that the light falls on first", "shares": shares(tally.lit()) },
         ],
-        "brightest": tally.brightest.iter().map(|way| bright(way, all)).collect::<Vec<_>>(),
+        "brightest": tally.brightest().into_iter().map(|way| bright(way, all)).collect::<Vec<_>>(),
         "replay": replay,
     })
 }
@@ -99,6 +76,6 @@ fn shares(mut shares: Vec<Share>) -> Vec<Value> {
 }
 
 fn bright(bright: &Bright, all: f64) -> Value {
-    let share = if all > 0.0 { bright.luminance / all } else { 0.0 };
-    json!({ "sample": bright.sample, "share": share, "way": bright.to_string() })
+    let share = if all > 0.0 { bright.sum / all } else { 0.0 };
+    json!({ "sample": bright.sample, "times": bright.times, "share": share, "way": bright.to_string() })
 }

@@ -60,12 +60,16 @@ impl Studio {
         self.placed = name
             .zip(stage)
             .and_then(|(name, stage)| Placed::of(stage.scene(), name, stage.frame()));
+        self.place_vertices();
     }
 
     /// Moves, turns or scales a thing. All steps of one drag start from where it was taken hold of, and
     /// are one change.
     pub(super) fn drag(&mut self, drag: &Drag) -> Result<Effects, String> {
-        let Drag { number, name, motion } = drag;
+        let Drag { number, name, motion, is_of_vertices } = drag;
+        if *is_of_vertices {
+            return self.drag_vertices(drag);
+        }
         let is_next = self.dragging.as_ref().is_none_or(|of| of.number != *number);
         if is_next {
             self.take_hold(*number, name)?;

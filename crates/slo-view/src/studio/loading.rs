@@ -1,15 +1,20 @@
 //! The text of the scene, and the scene that it describes.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::Path;
 use std::time::Duration;
 
+use slo_picture::output::write_new;
 use slo_scene::diagnostics::Diagnostics;
 use slo_scene::edit::Edit;
-use slo_scene::files::Opened;
+use slo_scene::files::{Draft, Drafts, Opened};
 use slo_scene::{KnownFiles, Loaded, SceneDescription};
 
+use super::offers::Offers;
 use crate::document::{Document, Outside};
+use crate::sculpting::{Sculptures, free_name, renamed};
 use crate::source::Source;
 use crate::watched::Watched;
 
@@ -22,10 +27,12 @@ const NOT_TEXT: &str = "the text is not UTF-8, so it can't be changed from here"
 pub(crate) struct Loading {
     source: Box<dyn Source>,
     document: Document,
-    /// Meshes beside the scene.
-    files: Vec<String>,
+    /// Files beside the scene.
+    offers: Offers,
     /// Meshes and images, which edits of the text leave as they are.
     known: KnownFiles,
+    /// The contents of meshes that are no files yet.
+    drafts: BTreeMap<String, Draft>,
     /// The file of the scene.
     own: Watched,
     /// The other files that it uses.
@@ -46,8 +53,9 @@ impl Loading {
         let mut loading = Self {
             source,
             document: Document::default(),
-            files: Vec::new(),
+            offers: Offers::default(),
             known: KnownFiles::default(),
+            drafts: BTreeMap::new(),
             own: Watched::default(),
             others: Watched::default(),
             diagnostics: Diagnostics::default(),
@@ -65,6 +73,11 @@ impl Loading {
         self.source.name()
     }
 
+    /// The command that explains a pixel again.
+    pub(super) fn replay(&self, pixel: [u32; 2], frame: i64, size: Option<[u32; 2]>) -> String {
+        self.source.replay(pixel, frame, size)
+    }
+
     /// Whether the scene has a file.
     pub(crate) fn has_file(&self) -> bool {
         self.source.path().is_some()
@@ -72,7 +85,19 @@ impl Loading {
 
     /// Files beside the scene that can be added to it, as it writes their paths.
     pub(crate) fn files(&self) -> &[String] {
-        &self.files
+        &self.offers.meshes
+    }
+
+    /// Scenes beside the scene, as it would write their paths.
+    pub(crate) fn scenes(&self) -> &[String] {
+        &self.offers.scenes
+    }
+
+    /// Reads the text of another scene.
+    pub(super) fn open(&self, path: &str) -> Result<String, String> {
+        let text = String::from_utf8(self.source.open(path)?);
+        let text = text.map_err(|_| format!("`{path}` is no scene: it is not UTF-8"))?;
+        Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
     }
 
     /// The text.
@@ -133,7 +158,8 @@ impl Loading {
         self.is_stale |= is_new;
         if outside == Outside::Conflict {
             // Its errors are part of the choice.
-            let loaded = self.source.load(&bytes, &Opened::default(), &self.known);
+            let none = Drafts::default();
+            let loaded = self.source.load(&bytes, &Opened::default(), &self.known, &none);
             self.of_file = Some(loaded.diagnostics);
         }
         is_new || was_unreadable
@@ -146,9 +172,13 @@ impl Loading {
         }
         let opened = Opened::default();
         let bytes = self.document.bytes();
-        let Loaded { scene, diagnostics } = self.source.load(&bytes, &opened, &self.known);
+        let drafts = self.drafts();
+        let loaded = self.source.load(&bytes, &opened, &self.known, &drafts);
+        let Loaded { scene, diagnostics } = loaded;
         self.others = Watched::new(opened.paths());
-        self.files = self.source.path().map(meshes_beside).unwrap_or_default();
+        if let Some(path) = self.source.path() {
+            self.offers.renew(path);
+        }
         self.diagnostics = diagnostics;
         self.is_stale = false;
         scene
@@ -208,37 +238,80 @@ impl Loading {
         if self.diagnostics.has_errors() && !with_errors {
             return Err("the text has errors; it is not saved unless you say so".into());
         }
-        let path = self.source.path().ok_or("the built-in scene can't be saved")?;
-        self.document.save(path)
+        let path = self.source.path().ok_or("the built-in scene can't be saved")?.to_owned();
+        self.document.check(&path)?;
+        self.save_meshes(path.parent().unwrap_or(Path::new("")))?;
+        self.document.save(&path)?;
+        self.document.keep_meshes();
+        Ok(())
     }
-}
 
-/// Most files that are offered.
-const MOST_FILES: usize = 200;
-
-/// Meshes in the folder of a scene, and in the folders in it.
-fn meshes_beside(scene: &Path) -> Vec<String> {
-    let folder = scene.parent().unwrap_or(Path::new(""));
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let mut found = Vec::new();
-    let mut look = |folder: &Path, before: &str| {
-        let mut folders = Vec::new();
-        for entry in folder.read_dir().into_iter().flatten().flatten().take(10 * MOST_FILES) {
-            let Ok(name) = entry.file_name().into_string() else { continue };
-            let is_mesh = [".slo", ".obj", ".ply"].iter().any(|end| name.ends_with(end));
-            match entry.file_type() {
-                Ok(kind) if kind.is_dir() => folders.push(name),
-                Ok(_) if is_mesh && found.len() < MOST_FILES => {
-                    found.push(format!("{before}{name}"))
-                }
-                _ => {}
-            }
+    /// Takes a text, and meshes that are no files yet: all steps of one movement are one change.
+    ///
+    /// # Errors
+    /// The text can't be changed.
+    pub(super) fn sculpt(
+        &mut self,
+        text: String,
+        meshes: Sculptures,
+        what: &str,
+    ) -> Result<(), String> {
+        if !self.is_text {
+            return Err(NOT_TEXT.into());
         }
-        folders
-    };
-    for name in look(folder, "") {
-        look(&folder.join(&name), &format!("{name}/"));
+        self.is_stale = true;
+        self.document.sculpt(text, meshes, what, true);
+        Ok(())
     }
-    found.sort();
-    found
+
+    /// Whether a file beside the scene may get a name.
+    pub(super) fn is_free(&self, name: &str) -> bool {
+        let text = self.document.text();
+        let is_there = |path: &Path| path.parent().unwrap_or(Path::new("")).join(name).exists();
+        self.document.meshes().get(name).is_none()
+            && renamed(text, name, name).1 == 0
+            && !self.source.path().is_some_and(is_there)
+    }
+
+    /// The contents of meshes that are no files yet.
+    fn drafts(&mut self) -> Drafts {
+        let mut drafts = BTreeMap::new();
+        for (name, mesh) in self.document.meshes().iter() {
+            let known = self.drafts.remove(name).filter(|of| of.version == mesh.version());
+            let made = || {
+                let bytes = mesh.to_file().ok()?.into();
+                Some(Draft { bytes, version: mesh.version() })
+            };
+            drafts.extend(known.or_else(made).map(|draft| (name.to_owned(), draft)));
+        }
+        self.drafts = drafts;
+        self.drafts.clone().into_iter().collect()
+    }
+
+    /// Writes meshes that are no files yet to new files. If a file has taken the name of one meanwhile, it
+    /// gets another one.
+    fn save_meshes(&mut self, folder: &Path) -> Result<(), String> {
+        self.drafts();
+        for (name, Draft { bytes, .. }) in self.drafts.clone() {
+            let text = self.document.text();
+            if renamed(text, &name, &name).1 == 0 {
+                continue;
+            }
+            let is_same = std::fs::read(folder.join(&name)).is_ok_and(|there| *there == *bytes);
+            if is_same {
+                continue;
+            }
+            let mut free = name.clone();
+            if folder.join(&name).exists() {
+                free = free_name(&name, |name| self.is_free(name));
+                let edits = renamed(text, &name, &free).0;
+                self.document.change(edits, "another name of a mesh", false)?;
+            }
+            write_new(&folder.join(&free), |file| file.write_all(&bytes))
+                .map_err(|error| format!("can't save the mesh `{free}`: {error}"))?;
+            self.is_stale = true;
+        }
+        self.is_stale |= !self.drafts.is_empty();
+        Ok(())
+    }
 }

@@ -4,10 +4,13 @@ mod explain;
 mod handles;
 mod link;
 mod loading;
+mod offers;
+mod other;
 mod path;
 mod requests;
 mod stage;
 mod state;
+mod vertices;
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -20,7 +23,9 @@ use slo_scene::animation::{Clock, NoSegment};
 use handles::Dragging;
 pub(crate) use link::{Link, Message, Shown};
 use loading::Loading;
+use other::Other;
 use stage::Stage;
+use vertices::{Sculpting, Vertices};
 
 use crate::changes;
 use crate::look::Looker;
@@ -48,8 +53,13 @@ pub(crate) struct Studio {
     /// Where the selected thing is, if it can be moved.
     placed: Option<Placed>,
     dragging: Option<Dragging>,
+    /// Vertices of the selected mesh, if they are shown.
+    vertices: Option<Vertices>,
+    sculpting: Option<Sculpting>,
     /// Number of the drag of a control point of the camera.
     path_drag: Option<u64>,
+    /// Another scene, of which things are taken over.
+    other: Option<Other>,
     /// Boxes around all objects, if the scene is shown from above.
     plan: Option<serde_json::Value>,
     /// What a pixel of this picture is made of, as JSON.
@@ -98,7 +108,10 @@ impl Studio {
             picked: None,
             placed: None,
             dragging: None,
+            vertices: None,
+            sculpting: None,
             path_drag: None,
+            other: None,
             plan: None,
             why: None,
             fault: None,
@@ -197,8 +210,12 @@ impl Studio {
         let Some(scene) = pool.install(|| self.loading.load()) else { return false };
         self.looker.change_content();
         self.stage = Some(match self.stage.take() {
-            Some(before) => before.with_scene(scene),
-            None => Stage::new(scene, frame),
+            Some(before) => before.with_scene(scene, frame),
+            None => {
+                let stage = Stage::new(scene, frame);
+                self.frame = stage.frame();
+                stage
+            }
         });
         self.place();
         self.plan = self.plan.is_some().then(|| self.boxes());
@@ -261,9 +278,13 @@ impl Studio {
             stage: self.stage.as_ref(),
             picked: self.picked.as_ref(),
             placed: self.placed.as_ref(),
+            mesh: self.vertex_count(),
+            vertices: self.vertices_to_json(),
             why: self.why.as_ref(),
             plan: self.plan.as_ref(),
+            other: self.other.as_ref(),
             looker: &self.looker,
+            missing: self.stage.as_ref().and_then(|stage| stage.lacks(self.frame)),
             fault: self.fault.as_deref(),
             unwritten: self.unwritten.as_deref(),
             exposure: self.exposure,

@@ -29,6 +29,9 @@ impl Studio {
         }
         match command {
             Command::Frame(frame) => {
+                if let Some(why) = self.stage.as_ref().and_then(|stage| stage.lacks(frame)) {
+                    return Err(why);
+                }
                 // The camera that was moved belongs to the frame before.
                 self.settle();
                 let effects = self.change(|stage| stage.set_frame(frame))?;
@@ -51,6 +54,8 @@ impl Studio {
             }
             Command::Select(name) => self.select(&name),
             Command::Why(at) => self.explain(at),
+            Command::Vertices(near) => self.show_vertices(near),
+            Command::Vertex(vertex, beside) => self.choose_vertex(vertex, beside),
             Command::Drag(drag) => self.drag(&drag),
             Command::Point(point) => self.move_point(&point),
             Command::OrbitOnce(seconds) => self.orbit_once(seconds),
@@ -70,13 +75,22 @@ impl Studio {
             Command::Edit(edit) => {
                 return Some(self.edit(edit));
             }
+            Command::Open(path) => return Some(self.open_other(path)),
+            Command::Take(chosen) => return Some(self.take(chosen)),
+            Command::Close => {
+                self.other = None;
+                return Some(Ok(Effects::default()));
+            }
             Command::Save(with_errors) => {
                 self.settle();
                 let effects = match self.loading.is_stale() {
                     true => self.load_again(),
                     false => Effects::default(),
                 };
-                return Some(self.loading.save(*with_errors).map(|()| effects));
+                let saved = self.loading.save(*with_errors);
+                // Meshes that were saved are read from their files from now on.
+                let again = self.loading.is_stale().then(|| self.load_again());
+                return Some(saved.map(|()| again.unwrap_or(effects)));
             }
             Command::Reset => {
                 // All movements since another change are one step.

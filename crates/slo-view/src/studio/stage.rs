@@ -6,6 +6,9 @@ use slo_scene::{Accelerator, CamSegment, SceneDescription};
 
 use crate::camera::{Held, hold};
 
+/// Most ranges of frames that a message names.
+const MOST_RANGES: usize = 6;
+
 /// The scene as it is shown.
 #[derive(Debug)]
 pub(crate) struct Stage {
@@ -39,11 +42,11 @@ impl Stage {
         stage
     }
 
-    /// Shows another scene in the same way.
-    pub(super) fn with_scene(self, scene: SceneDescription) -> Self {
+    /// Shows a frame of another scene in the same way: the nearest that it has.
+    pub(super) fn with_scene(self, scene: SceneDescription, frame: i64) -> Self {
         let shown = scene.clone();
         let mut stage = Self { scene, shown, is_moved: false, ..self };
-        stage.set_frame(stage.frame);
+        stage.set_frame(frame);
         stage.dress();
         stage
     }
@@ -90,6 +93,27 @@ impl Stage {
         let frames = clock.segments().filter(|segment| segment.first <= segment.last);
         let frames = frames.map(|segment| nearest(segment.first, segment.last));
         self.frame = frames.min_by_key(|of| of.abs_diff(frame)).unwrap_or(frame);
+    }
+
+    /// Why there is no frame of a number; `None` if there is one.
+    pub(crate) fn lacks(&self, frame: i64) -> Option<String> {
+        let clock = Clock::new(&self.scene.camera);
+        let ranges: Vec<[i64; 2]> = clock
+            .segments()
+            .filter(|segment| segment.first <= segment.last)
+            .map(|segment| [segment.first, segment.last])
+            .collect();
+        if ranges.iter().any(|[first, last]| (*first..=*last).contains(&frame)) {
+            return None;
+        }
+        let range = |[first, last]: &[i64; 2]| match first == last {
+            true => first.to_string(),
+            false => format!("{first} to {last}"),
+        };
+        let more = ranges.len().saturating_sub(MOST_RANGES);
+        let mut named: Vec<String> = ranges.iter().take(MOST_RANGES).map(range).collect();
+        named.extend((more > 0).then(|| format!("{more} other ranges")));
+        Some(format!("there is no frame {frame}: the scene has {}", named.join(", ")))
     }
 
     pub(super) fn set_share(&mut self, share: f64) {

@@ -7,6 +7,7 @@ use slo_scene::diagnostics::{Diagnostic, Diagnostics, Severity};
 use slo_scene::{Accelerator, CamSegment, SceneDescription};
 
 use super::loading::Loading;
+use super::other::Other;
 use super::stage::Stage;
 use crate::camera::Held;
 use crate::changes::parts_of;
@@ -21,9 +22,16 @@ pub(super) struct Known<'a> {
     pub(super) stage: Option<&'a Stage>,
     pub(super) picked: Option<&'a Seen>,
     pub(super) placed: Option<&'a Placed>,
+    /// Number of vertices of the selected mesh.
+    pub(super) mesh: Option<usize>,
+    /// Vertices that are shown.
+    pub(super) vertices: Option<Value>,
     pub(super) why: Option<&'a Value>,
     pub(super) plan: Option<&'a Value>,
+    pub(super) other: Option<&'a Other>,
     pub(super) looker: &'a Looker,
+    /// Why another frame is shown than the one that was asked for.
+    pub(super) missing: Option<String>,
     pub(super) fault: Option<&'a str>,
     pub(super) unwritten: Option<&'a str>,
     pub(super) exposure: f32,
@@ -40,19 +48,38 @@ const LONGEST_LINE: usize = 300;
 
 /// Returns what there is to know.
 pub(super) fn of(known: &Known<'_>) -> Value {
-    let Known { loading, stage, picked, placed, why, plan, looker, fault, unwritten, exposure } =
-        known;
+    let Known {
+        loading,
+        stage,
+        picked,
+        placed,
+        mesh,
+        vertices,
+        why,
+        plan,
+        other,
+        looker,
+        missing,
+        fault,
+        unwritten,
+        exposure,
+    } = known;
     json!({
         "name": loading.name(),
         "messages": messages(loading),
         "fault": fault,
+        "missing": missing,
         "exposure": exposure,
         "accelerators": accelerators(),
         "unwritten": unwritten,
         "picked": picked.map(|picked| seen(picked, *placed, loading)),
+        "mesh": mesh,
+        "vertices": vertices,
         "why": why,
         "plan": plan,
+        "other": other.map(Other::to_json),
         "files": loading.files(),
+        "scenes": loading.scenes(),
         "overlay": { "shown": looker.overlay().word(), "fault": looker.overlay_fault() },
         "text": text(loading),
         "stage": stage.map(of_stage),

@@ -25,7 +25,7 @@ pub(super) fn answer(
         "byWay": shares(tally.ways()),
         "bySeenObject": shares(tally.seen()),
         "byLitObject": shares(tally.lit()),
-        "brightest": tally.brightest.iter().map(bright).collect::<Vec<_>>(),
+        "brightest": tally.brightest().into_iter().map(bright).collect::<Vec<_>>(),
     });
     if let Some((account, names)) = account {
         answer["tree"] = rays(account, names);
@@ -44,6 +44,8 @@ fn bright(bright: &Bright) -> Value {
         "source": word(bright.source),
         "light": bright.light,
         "luminance": bright.luminance,
+        "times": bright.times,
+        "sumOfLuminance": bright.sum,
         "way": bright.steps.iter().map(step).collect::<Vec<_>>(),
     })
 }

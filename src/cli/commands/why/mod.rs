@@ -3,10 +3,13 @@
 mod json;
 mod text;
 
+use std::path::Path;
+
 use crate::cli::args::WhyArgs;
 use crate::cli::base::{Exit, Problem, Terminal, print};
 use crate::cli::files::load;
-use crate::cli::options::Job;
+use crate::cli::options::{Job, Replay};
+use crate::cli::progress::Progress;
 use crate::cli::system::interrupt::{self, Guard};
 use crate::cli::system::threads;
 use slo_render::frame::Aids;
@@ -20,13 +23,18 @@ pub(crate) fn run(args: &WhyArgs, job: &Job, terminal: Terminal) -> Result<(), P
     let pool = threads::pool(job.threads)?;
     let answer = pool.install(|| {
         let scene = load::scene(job, terminal)?;
-        answer(args, job, &scene)
+        answer(args, job, &scene, terminal)
     })?;
     print(answer.as_bytes())
         .map_err(|error| Problem::new(Exit::Failed, format!("can't print the answer: {error}")))
 }
 
-fn answer(args: &WhyArgs, job: &Job, scene: &SceneDescription) -> Result<String, Problem> {
+fn answer(
+    args: &WhyArgs,
+    job: &Job,
+    scene: &SceneDescription,
+    terminal: Terminal,
+) -> Result<String, Problem> {
     let film = &scene.camera.film;
     let pixel = args.pixel;
     if pixel.x >= film.width || pixel.y >= film.height {
@@ -37,6 +45,8 @@ fn answer(args: &WhyArgs, job: &Job, scene: &SceneDescription) -> Result<String,
         return Err(Problem::new(Exit::Usage, message).with_help(help));
     }
     let number = args.frame.unwrap_or(0);
+    let mut progress = Progress::new(job.progress, false, 1, 1, terminal);
+    progress.call(format!("pixel {pixel}"));
     let build = || load::frame(job.isa, scene, number, Aids::default());
     let frame = interrupt::while_building(build)?;
     let things = frame.things(scene).map_err(|error| Problem::new(Exit::BadInput, error))?;
@@ -48,13 +58,17 @@ fn answer(args: &WhyArgs, job: &Job, scene: &SceneDescription) -> Result<String,
     let mut tally = Tally::new(args.ways as usize);
     let mut only: Option<Account> = None;
     Guard::begin_work();
+    let shown = progress.frame(number, Path::new(""));
+    let part = 1.0 / f64::from((samples.end - samples.start).max(1));
     let mut tell = |sample, account: &Account| {
         tally.add(sample, account, &names);
+        shown.advanced(part);
         only = args.sample.map(|_| account.clone());
     };
     let (at, gives_up) = ([pixel.x, pixel.y], || interrupt::requested());
     explain(&frame, at, samples, &gives_up, &mut tell)
         .ok_or_else(|| Problem::new(Exit::Stopped, "interrupted"))?;
+    drop(progress);
     if args.json {
         let only = only.as_ref().map(|account| (account, &names));
         let answer = json::answer(&tally, (at, number), only);
@@ -64,33 +78,10 @@ fn answer(args: &WhyArgs, job: &Job, scene: &SceneDescription) -> Result<String,
         Some(sample) => format!("sample {sample} of pixel {pixel} of frame {number}"),
         None => format!("pixel {pixel} of frame {number}"),
     };
-    let mut text = text::summary(&tally, &title, &replay(args));
+    let mut text =
+        text::summary(&tally, &title, &Replay::of(args).command([pixel.x, pixel.y], args.frame));
     if let Some(account) = &only {
         text += &text::tree(account, &names);
     }
     Ok(text)
-}
-
-/// The command that explains the same pixel again.
-fn replay(args: &WhyArgs) -> String {
-    let mut command = format!("slo-rt why {}", args.pixel);
-    if let Some(scene) = &args.scene {
-        command += &format!(" -s {}", scene.display());
-    }
-    if let Some(frame) = args.frame {
-        command += &format!(" -f {frame}");
-    }
-    if let Some(size) = args.size {
-        command += &format!(" --size {size}");
-    }
-    if let Some(integrator) = args.integrator {
-        command += &format!(" --integrator {}", integrator.0.name().to_lowercase());
-    }
-    if let Some(photons) = args.photons {
-        command += &format!(" --photons {photons}");
-    }
-    if let Some(seed) = args.seed {
-        command += &format!(" --seed {seed}");
-    }
-    command
 }

@@ -37,15 +37,20 @@ pub(super) fn summary(tally: &Tally, title: &str, replay: &str) -> String {
     ] {
         table(&mut text, heading, &shares);
     }
-    if !tally.brightest.is_empty() {
+    let brightest = tally.brightest();
+    if !brightest.is_empty() {
         let _ = writeln!(text, "\nbrightest ways");
     }
     let all = tally.luminance() * f64::from(tally.samples);
-    for bright in &tally.brightest {
-        let share = if all > 0.0 { bright.luminance / all } else { 0.0 };
-        let _ = writeln!(text, "{}  sample {}: {}", percent(share), bright.sample, bright);
+    for bright in &brightest {
+        let share = if all > 0.0 { bright.sum / all } else { 0.0 };
+        let often = match bright.times {
+            1 => format!("sample {}", bright.sample),
+            times => format!("{times} times, most in sample {}", bright.sample),
+        };
+        let _ = writeln!(text, "{}  {often}: {bright}", percent(share));
     }
-    if let Some(first) = tally.brightest.first().filter(|_| tally.samples > 1) {
+    if let Some(first) = brightest.first().filter(|_| tally.samples > 1) {
         let _ = writeln!(text, "\nall rays of one sample: {replay} --sample {}", first.sample);
     }
     text

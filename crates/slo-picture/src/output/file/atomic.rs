@@ -71,6 +71,20 @@ pub fn write_atomically(
     Ok(())
 }
 
+/// Lets `write` fill a new file beside `path`, then gives it the name `path`, if no file has it.
+///
+/// # Errors
+/// Those of `write`, and what the system says of creating, syncing or renaming; `AlreadyExists` if
+/// there is something at `path`.
+pub fn write_new(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    let mut temporary = temporary_beside(path)?;
+    write(temporary.as_file_mut())?;
+    temporary.as_file().sync_all()?;
+    temporary.persist_noclobber(path).map_err(|error| error.error)?;
+    sync_folder(folder(path));
+    Ok(())
+}
+
 /// Removes the temporary files of writers of `path` that were killed: those that nobody has locked, and
 /// that have not changed for a minute.
 pub fn remove_abandoned(path: &Path) {
@@ -159,6 +173,17 @@ mod tests {
         write_atomically(&path, |file| file.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn a_new_file_replaces_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.slo");
+        write_new(&path, |file| file.write_all(b"one")).unwrap();
+        let again = write_new(&path, |file| file.write_all(b"two")).unwrap_err();
+        assert_eq!(again.kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+        assert_eq!(names(folder.path()), ["a.slo"]);
     }
 
     #[test]

@@ -5,5 +5,6 @@ mod candid;
 
 pub use atomic::{
     check_free, check_writable, open_regular, remove_abandoned, remove_leftovers, write_atomically,
+    write_new,
 };
 pub(super) use candid::Candid;

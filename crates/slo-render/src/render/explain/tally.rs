@@ -21,8 +21,8 @@ pub struct Tally {
     squares: f64,
     /// Sums by lamp, by kind of way, by the object that is seen, and by the object that is lit.
     by: [BTreeMap<String, Part>; 4],
-    /// The brightest ways, brightest first.
-    pub brightest: Vec<Bright>,
+    /// Ways by their words.
+    ways: BTreeMap<String, Bright>,
     most: usize,
     /// Number of rays.
     pub rays: u64,
@@ -43,18 +43,25 @@ struct Part {
     now: f64,
 }
 
-/// A way that light took.
+/// Most ways that are told apart. Light that comes by others is part of all sums, but is not listed.
+const MOST_WAYS: usize = 100_000;
+
+/// A way that light took, in one sample or several.
 #[derive(Clone, Debug)]
 pub struct Bright {
-    /// The sample that it is a part of.
+    /// The sample in which it brought most.
     pub sample: u32,
+    /// How often light came this way, in all samples.
+    pub times: u64,
+    /// Luminance of all of this light.
+    pub sum: f64,
     /// How the light was found.
     pub source: Source,
-    /// The light, as one sample has it.
+    /// The light that it brought there.
     pub light: [f64; 3],
-    /// Luminance of the light.
+    /// Luminance of that light.
     pub luminance: f64,
-    /// The rays, from the camera on.
+    /// The rays of that sample, from the camera on.
     pub steps: Vec<Step>,
 }
 
@@ -92,7 +99,7 @@ pub struct Share {
 }
 
 impl Tally {
-    /// Nothing yet; keeps the `most` brightest ways.
+    /// Nothing yet; lists the `most` brightest ways.
     pub fn new(most: usize) -> Self {
         Self { most, ..Self::default() }
     }
@@ -119,7 +126,9 @@ impl Tally {
                 part.luminance += luminance;
                 part.now += luminance;
             }
-            self.note(sample, gain, light, |ray| names.steps(account, ray));
+            if self.most > 0 {
+                self.note(sample, gain, light, names.steps(account, gain.ray));
+            }
         }
         self.bringing += brought.iter().filter(|brought| **brought).count() as u64;
         self.luminance += whole;
@@ -129,21 +138,29 @@ impl Tally {
         }
     }
 
-    fn note(
-        &mut self,
-        sample: u32,
-        gain: &Gain,
-        light: [f64; 3],
-        steps: impl Fn(u32) -> Vec<Step>,
-    ) {
-        let luminance = luminance(light);
-        let place = self.brightest.partition_point(|other| other.luminance >= luminance);
-        if place < self.most {
-            let steps = steps(gain.ray);
-            let bright = Bright { sample, source: gain.source, light, luminance, steps };
-            self.brightest.insert(place, bright);
-            self.brightest.truncate(self.most);
+    /// Adds light to its way: all light whose way has the same words came by one way.
+    fn note(&mut self, sample: u32, gain: &Gain, light: [f64; 3], steps: Vec<Step>) {
+        let (luminance, source) = (luminance(light), gain.source);
+        let way = Bright { sample, times: 1, sum: luminance, source, light, luminance, steps };
+        let words = way.to_string();
+        let has_room = self.ways.len() < MOST_WAYS;
+        if let Some(known) = self.ways.get_mut(&words) {
+            let (times, sum) = (known.times + 1, known.sum + luminance);
+            if luminance > known.luminance {
+                *known = way;
+            }
+            (known.times, known.sum) = (times, sum);
+        } else if has_room {
+            self.ways.insert(words, way);
         }
+    }
+
+    /// The brightest ways, brightest first.
+    pub fn brightest(&self) -> Vec<&Bright> {
+        let mut ways: Vec<&Bright> = self.ways.values().filter(|way| way.sum > 0.0).collect();
+        ways.sort_by(|a, b| b.sum.total_cmp(&a.sum));
+        ways.truncate(self.most);
+        ways
     }
 
     fn count(&self) -> f64 {
