@@ -106,6 +106,15 @@ ZLATUSKA = {
                    ((264.59, 29.62), (42.63, 15.37), (35.49, 5.46)), ((165.70, 31.53), (14.30, 4.78), (34.62, 5.86))),
 }  # fmt: skip
 
+# The same thesis along paths of the camera (around single objects): steps and tests per reflected ray, and the shortest,
+# longest and mean time of a frame of primary rays, in ms, of a grid, a kd-tree and a hierarchy.
+ZLATUSKA_REFLECTED = {"conference": ((85.59, 108.37), (58.06, 50.15), (113.20, 25.23))}
+ZLATUSKA_FRAMES = {
+    "bunny": ((12.17, 20.50, 16.03), (29.91, 58.02, 41.58), (11.42, 17.24, 13.76)),
+    "dragon": ((26.1, 54.31, 40.19), (32.82, 80.17, 55.87), (23.42, 53.70, 39.04)),
+    "conference": ((58.48, 97.99, 83.19), (40.00, 109.06, 83.73), (20.68, 34.84, 28.90)),
+}  # fmt: skip
+
 # Hierarchies of boxes by binned SAH: SAH, and (steps, tests) per primary and per shadow ray, from the raw data of
 # A. van Kralingen, "Assessing alternatives to SAH", averaged over a camera path.
 ANCHORS = {

@@ -85,6 +85,54 @@ fn nff() {
 }
 
 #[test]
+fn a_camera_that_looks_along_its_up_vector_gets_another() {
+    let made_up = ["which way is up, as the camera looks along its up vector"];
+    for (from, up, expected) in [
+        ("0 0 5", "0 0 1", "skyStart { 0 1 0 }"),
+        ("0 0 5", "1e-9 0 -3", "skyStart { 0 1 0 }"),
+        ("0 -5 0", "0 2 0", "skyStart { 0 0 1 }"),
+    ] {
+        let text = NFF.replace("from 0 -5 1", &format!("from {from}"));
+        let (imported, _) = scene_of(&[("a.nff", &text.replace("up 0 0 1", &format!("up {up}")))]);
+        says(&imported, expected);
+        assert_eq!(imported.made_up, made_up);
+    }
+    // A target so near that it would be rounded to where the camera is.
+    let text = NFF.replace("from 0 -5 1\nat 0 0 0", "from 0 -5 1\nat 0 -4.99999999 1");
+    let (imported, _) = scene_of(&[("a.nff", &text)]);
+    says(&imported, "addTarget { 0 0 1 }");
+    assert!(imported.made_up.is_empty());
+}
+
+/// slo-rt refuses a mesh of which nothing can be seen.
+#[test]
+fn meshes_without_an_area_are_left_out() {
+    let seen = "v 0 0 0\nv 1 0 0\nv 0 1 0\no seen\nf 1 2 3\no hollow\n";
+    let (a, b) = ("0.1 0.2 0.3", "0.4 0.8 1.2");
+    for face in [
+        // On one line, though not if differences are rounded to f32.
+        "v 14599 39305 0\nv 344604 927780 0\nv 9374144 25238080 0\nf 4 5 6".to_owned(),
+        // Points that single precision does not tell apart.
+        format!("v {a}\nv {b}\nv 0.400000001 0.8 1.2\nf 4 5 6"),
+        // Polygons.
+        format!("v {a}\nv {b}\nv {a}\nv {b}\nf 4 5 6 7"),
+        "v 1 1 1\nv 2 2 2\nv 3 3 3\nv 5 5 5\nf 4 5 6 7".to_owned(),
+    ] {
+        let (imported, scene) = scene_of(&[("a.obj", &format!("{seen}{face}"))]);
+        assert_eq!(scene.objects.len(), 1, "{face}");
+        assert!(
+            imported.left_out[0].starts_with("a triangle without an area"),
+            "{:?}",
+            imported.left_out
+        );
+    }
+    // A polygon that crosses itself is seen.
+    let (_, scene) =
+        scene_of(&[("a.obj", &format!("{seen}v 0 0 5\nv 1 1 5\nv 1 0 5\nv 0 1 5\nf 4 5 6 7"))]);
+    assert_eq!(scene.objects.len(), 2);
+}
+
+#[test]
 fn mistakes_in_nff_have_their_line() {
     for (text, expected) in [
         ("f 1 1 1\nx", "`a.nff`, line 2: expected a number instead of `x`"),

@@ -4,6 +4,9 @@ use glam::DVec3;
 
 use crate::model::{Camera, Lamp, LampKind, Material, Model, Shape, View};
 
+/// Sine of the angle to its up vector below which a camera has no upright.
+const LEAST_SINE: f64 = 1e-6;
+
 /// Width and height of pictures of files that do not say.
 pub(crate) const SIZE: [u32; 2] = [1280, 720];
 
@@ -14,6 +17,7 @@ pub(crate) fn complete(model: &mut Model) {
         model.camera = Some(camera_of(least, most));
         model.notes.made_up.push("a camera that sees everything".into());
     }
+    set_upright(model);
     let glows = |material: &Material| {
         material.numbers.iter().any(|(input, value)| *input == "emission_strength" && *value > 0.0)
     };
@@ -31,6 +35,29 @@ pub(crate) fn complete(model: &mut Model) {
             model.notes.made_up.push("a white sky".into());
             model.background = Some([1.0; 3]);
         }
+    }
+}
+
+/// Gives cameras that look along their up vector another one, and all of them a target that is away
+/// from where they are.
+fn set_upright(model: &mut Model) {
+    let Some(camera) = &mut model.camera else { return };
+    let mut is_told = false;
+    for view in &mut camera.views {
+        let way = view.target - view.position;
+        let direction = way.normalize_or(DVec3::NEG_Z);
+        let size = view.position.abs().max_element().max(1.0);
+        if way.length() < 1e-3 * size {
+            // Numbers of the scene are rounded.
+            view.target = view.position + direction * size;
+        }
+        if view.up.normalize_or_zero().cross(direction).length() < LEAST_SINE {
+            view.up = if direction.z.abs() < 0.9 { DVec3::Z } else { DVec3::Y };
+            is_told = true;
+        }
+    }
+    if is_told {
+        model.notes.made_up.push("which way is up, as the camera looks along its up vector".into());
     }
 }
 

@@ -21,7 +21,7 @@ use clap::Parser;
 use rayon::prelude::*;
 use slo_accel::glam::DVec3;
 use slo_accel::math::Bounds;
-use slo_accel::study::{Any, Counts, Kind, Parameters, Statistics, Totals, Traversal};
+use slo_accel::study::{Any, Counts, Kind, Parameters, Statistics, Totals};
 
 use crate::nff::{Scene, View};
 use crate::rays::{Counted, Plan, Structure, Tracer};
@@ -49,6 +49,9 @@ struct Arguments {
     /// Frames of an orbit of the eye about the point that it looks at.
     #[arg(long, default_value_t = 1)]
     orbit: u32,
+    /// The lights go around that point instead, about the same axis.
+    #[arg(long)]
+    orbit_lights: bool,
     /// Threads.
     #[arg(long, default_value_t = 1)]
     threads: usize,
@@ -83,7 +86,7 @@ fn run(arguments: &Arguments) -> Result<String, String> {
         let structure = structure(name)?;
         Ok(format!(
             "    {{\"name\": \"{name}\", {}}}",
-            measure(&scene, structure, plan, arguments.orbit, &pool)
+            measure(&scene, structure, plan, arguments, &pool)
         ))
     });
     let found = found.collect::<Result<Vec<_>, String>>()?.join(",\n");
@@ -102,37 +105,7 @@ fn structure(text: &str) -> Result<Option<(Kind, Parameters)>, String> {
         let names: Vec<&str> = Kind::NAMES.iter().map(|(name, _)| *name).collect();
         format!("`{name}` is no structure: {}", names.join(", "))
     })?;
-    let mut parameters = Parameters::default();
-    for pair in rest.split(',').filter(|pair| !pair.is_empty()) {
-        let (key, value) = pair.split_once('=').ok_or(format!("`{pair}` is no parameter"))?;
-        let bad = || format!("`{value}` is no value of {key}");
-        let whole = || value.parse::<u32>().map_err(|_| bad());
-        match key {
-            "density" => parameters.density = Some(value.parse().map_err(|_| bad())?),
-            "shortest" => parameters.shortest = Some(value.parse().map_err(|_| bad())?),
-            "cells" => {
-                let cells: Vec<u32> =
-                    value.split('x').filter_map(|cells| cells.parse().ok()).collect();
-                parameters.cells = Some(cells.try_into().map_err(|_| bad())?);
-            }
-            "mailbox" => parameters.mailbox = whole()? != 0,
-            "depth" => parameters.depth = Some(whole()?),
-            "leaf" => parameters.leaf = Some(whole()?),
-            "capacity" => parameters.capacity = Some(whole()?),
-            "stack" => parameters.stack = Some(whole()?),
-            "traversal" => {
-                parameters.traversal = match value {
-                    "stack" => Traversal::Stack,
-                    "restart" => Traversal::Restart,
-                    "push-down" => Traversal::PushDown,
-                    "short-stack" => Traversal::ShortStack,
-                    _ => return Err(bad()),
-                }
-            }
-            _ => return Err(format!("`{key}` is no parameter")),
-        }
-    }
-    Ok(Some((kind, parameters)))
+    Ok(Some((kind, rest.parse::<Parameters>()?)))
 }
 
 /// Builds a structure and traces the rays. Returns members of a JSON object.
@@ -140,7 +113,7 @@ fn measure(
     scene: &Scene,
     structure: Option<(Kind, Parameters)>,
     plan: Plan,
-    orbit: u32,
+    arguments: &Arguments,
     pool: &rayon::ThreadPool,
 ) -> String {
     let boxes: Vec<Bounds> = scene.objects.iter().map(|object| object.shape.bounds()).collect();
@@ -153,15 +126,25 @@ fn measure(
     };
     let build = seconds_worked() - begin;
 
-    let tracer = Tracer::new(scene, &structure, plan, diagonal);
     let begin = seconds_worked();
-    let mut counted = Counted::default();
-    for frame in 0..orbit.max(1) {
-        let view =
-            turned(&scene.view, std::f64::consts::TAU * f64::from(frame) / f64::from(orbit.max(1)));
+    let (mut counted, mut path) = (Counted::default(), vec![]);
+    let frames = arguments.orbit.max(1);
+    for frame in 0..frames {
+        let angle = std::f64::consts::TAU * f64::from(frame) / f64::from(frames);
+        let (mut view, mut lights) = (scene.view, scene.lights.clone());
+        if arguments.orbit_lights {
+            lights.iter_mut().for_each(|light| *light = turned(&scene.view, *light, angle));
+        } else {
+            view.eye = turned(&scene.view, view.eye, angle);
+        }
+        let tracer = Tracer::new(scene, &lights, &structure, plan, diagonal);
+        let start = seconds_worked();
         let rows: Vec<Counted> = pool
             .install(|| tracer.rows().into_par_iter().map(|row| tracer.row(&view, row)).collect());
-        rows.into_iter().for_each(|row| counted.add(row));
+        let mut of_frame = Counted::default();
+        rows.into_iter().for_each(|row| of_frame.add(row));
+        path.push(frame_of(&of_frame, seconds_worked() - start));
+        counted.add(of_frame);
     }
     let trace = seconds_worked() - begin;
 
@@ -188,7 +171,19 @@ fn measure(
     for (name, totals) in [("primary", primary), ("shadow", shadow), ("secondary", secondary)] {
         let _ = write!(json, ",\n     \"{name}\": {}", totals_of(&totals));
     }
+    if frames > 1 {
+        let _ = write!(json, ",\n     \"path\": [\n      {}]", path.join(",\n      "));
+    }
     json
+}
+
+/// What a frame of an orbit takes: seconds, and rays, steps and tests by kind.
+fn frame_of(Counted { primary, shadow, secondary }: &Counted, seconds: f64) -> String {
+    let kinds = [("primary", primary), ("shadow", shadow), ("secondary", secondary)];
+    let kinds = kinds.map(|(name, Totals { rays, sum, .. })| {
+        format!("\"{name}\": [{rays}, {}, {}]", sum.steps, sum.tests)
+    });
+    format!("{{\"trace_s\": {seconds:.6}, {}}}", kinds.join(", "))
 }
 
 fn totals_of(totals: &Totals) -> String {
@@ -197,21 +192,22 @@ fn totals_of(totals: &Totals) -> String {
         pairs.map(|(name, number)| format!("\"{name}\": {number}")).collect::<Vec<_>>().join(", ")
     };
     format!(
-        "{{\"rays\": {}, \"hits\": {}, {}, \"highest\": {{{}}}}}",
+        "{{\"rays\": {}, \"hits\": {}, \"lcv\": {:.4}, {}, \"highest\": {{{}}}}}",
         totals.rays,
         totals.hits,
+        totals.leaf_count_variability(),
         members(&totals.sum),
         members(&totals.highest),
     )
 }
 
-/// The view after the eye has gone around the point that it looks at, by an angle.
-fn turned(view: &View, angle: f64) -> View {
+/// Where a point is after it has gone around the point that a view looks at, by an angle.
+fn turned(view: &View, point: DVec3, angle: f64) -> DVec3 {
     let axis = view.up.normalize();
-    let from = view.eye - view.target;
+    let from = point - view.target;
     let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
     let along: DVec3 = axis * axis.dot(from);
-    View { eye: view.target + along + (from - along) * cosine + axis.cross(from) * sine, ..*view }
+    view.target + along + (from - along) * cosine + axis.cross(from) * sine
 }
 
 /// Seconds that processors have worked for this program.

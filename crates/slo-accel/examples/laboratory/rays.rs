@@ -76,6 +76,7 @@ impl Structure {
 /// A scene with a structure over its objects.
 pub(crate) struct Tracer<'a> {
     scene: &'a Scene,
+    lights: &'a [DVec3],
     structure: &'a Structure,
     plan: Plan,
     /// Hits nearer than that, in units of the scene, are the point that a ray leaves.
@@ -91,11 +92,12 @@ struct Hit {
 impl<'a> Tracer<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
+        lights: &'a [DVec3],
         structure: &'a Structure,
         plan: Plan,
         diagonal: f64,
     ) -> Self {
-        Self { scene, structure, plan, least: 1e-6 * diagonal }
+        Self { scene, lights, structure, plan, least: 1e-6 * diagonal }
     }
 
     /// Rows that are traced.
@@ -137,7 +139,7 @@ impl<'a> Tracer<'a> {
         let enters = flat.dot(ray.direction) < 0.0;
         // A ray that leaves a convex surface outward can't hit it again.
         let after = |direction: DVec3| (flat.dot(direction) > 0.0).then_some(object);
-        for light in &self.scene.lights {
+        for light in self.lights {
             let toward = *light - point;
             // Surfaces are lit from outside only, whichever side the ray comes from.
             if shaded.dot(toward) > 0.0 {

@@ -45,6 +45,39 @@ const SILENT: &[&str] = &[
 const SEPARATORS: &[&str] =
     &["Separator", "Selection", "Annotation", "WWWAnchor", "LocateHighlight"];
 
+/// The parts of node kits that say something about a picture, in the order in which they act.
+const PARTS: &[&str] = &[
+    "lightList",
+    "cameraList",
+    "lightModel",
+    "environment",
+    "drawStyle",
+    "material",
+    "texture2",
+    "appearance",
+    "units",
+    "transform",
+    "texture2Transform",
+    "childList",
+    "materialBinding",
+    "normalBinding",
+    "textureCoordinateBinding",
+    "shapeHints",
+    "coordinate3",
+    "coordinate4",
+    "normal",
+    "textureCoordinate2",
+    "localTransform",
+    "shape",
+    "contents",
+    "light",
+    "camera",
+    "containerNode",
+];
+
+/// Kits whose parts act on what follows them.
+const OPEN_KITS: &[&str] = &["AppearanceKit", "NodeKitListPart"];
+
 pub(super) struct Walker {
     scene: Scene,
     seen: Seen,
@@ -97,7 +130,7 @@ impl Walker {
         source: &Source,
     ) -> Result<(), ImportError> {
         if let Some(name) = node.name.as_deref().and_then(name_of)
-            && !node.children.is_empty()
+            && (!node.children.is_empty() || is_kit(&node.class))
         {
             state.name = Some(name);
         }
@@ -151,6 +184,14 @@ impl Walker {
                 || solids::add(&mut self.scene, node, state)
                 || nurbs::add(&mut self.scene, node, state) => {}
             class if SILENT.contains(&class) => {}
+            class if is_kit(class) => {
+                let parts = PARTS.iter().filter_map(|part| node.node(part).cloned());
+                let parts: Vec<Rc<Node>> = parts.collect();
+                if OPEN_KITS.contains(&class) {
+                    return self.all(&parts, state, source);
+                }
+                return self.all(&parts, &mut state.clone(), source);
+            }
             class => {
                 self.unknown(class, node, state);
                 return self.all(children, state, source);
@@ -218,6 +259,11 @@ impl Walker {
         }
         Some(Texture { image, clamps, replaces: node.word("model") == "DECAL" })
     }
+}
+
+/// Whether a node's parts are fields that hold nodes. Programs have kits of their own.
+fn is_kit(class: &str) -> bool {
+    class.ends_with("Kit") || class == "NodeKitListPart"
 }
 
 /// Where the copies of an array are.

@@ -35,14 +35,18 @@ impl KnownMeshes {
 }
 
 impl Mesh {
-    /// Whether any face may have an area.
+    /// Whether any triangle has an area, by the rule by which slo-rt drops the others: in f64, of corners
+    /// that have been rounded to f32.
     pub(super) fn has_area(&self) -> bool {
-        let corner = |i: u32| glam::Vec3::from(self.positions[i as usize]);
-        let has_area = |&[a, b, c]: &[u32; 3]| {
+        let corner = |i: u32| DVec3::from(self.positions[i as usize].map(f64::from));
+        let has_area = |a: u32, b: u32, c: u32| {
             let (x, y) = (corner(b) - corner(a), corner(c) - corner(a));
-            x.cross(y) != glam::Vec3::ZERO
+            x.cross(y).try_normalize().is_some()
         };
-        !self.polygons.is_empty() || self.faces.iter().any(has_area)
+        let is_wide = |polygon: &Vec<u32>| {
+            polygon[1..].windows(2).any(|pair| has_area(polygon[0], pair[0], pair[1]))
+        };
+        self.faces.iter().any(|&[a, b, c]| has_area(a, b, c)) || self.polygons.iter().any(is_wide)
     }
 
     /// Number of triangles.

@@ -215,6 +215,45 @@ fn unknown_nodes_are_passed_by() {
     says(&imported, "radius 1  material material  hidden 1");
 }
 
+/// Kits say in fields what other nodes say by their order.
+#[test]
+fn node_kits_have_their_parts_in_fields() {
+    let list = |children: &str| {
+        format!(
+            "NodeKitListPart {{ containerTypeName \"Separator\" childTypeNames [ \"ShapeKit\", \"SeparatorKit\" ] \
+             containerNode Separator {{ {children} }} }}"
+        )
+    };
+    let red = "AppearanceKit { material DEF red Material { diffuseColor 1 0 0 } }";
+    // The shape stands before its transform and look, which act all the same.
+    let ball = format!(
+        "DEF ball ShapeKit {{ shape Sphere {{ radius 2 }} appearance {red} transform Transform {{ translation 5 0 0 }} \
+         pickStyle NULL }}"
+    );
+    let inner = format!(
+        "SeparatorKit {{ transform Transform {{ scaleFactor 2 2 2 }} childList {} }}",
+        list("ShapeKit { shape Cube { } }")
+    );
+    let text = format!(
+        "SceneKit {{ cameraList NodeKitListPart {{ containerNode Switch {{ whichChild 0 CameraKit {{ camera \
+         PerspectiveCamera {{ position 0 0 9 }} }} }} }} lightList {} childList {} }} Cube {{ }}",
+        list(
+            "LightKit { transform Transform { translation 0 7 0 } light PointLight { location 1 0 0 } }"
+        ),
+        list(&format!("{ball} {inner}"))
+    );
+    let (imported, scene) = iv(&text);
+    assert!(imported.left_out.is_empty() && imported.made_up.is_empty(), "{imported:?}");
+    assert_eq!((scene.objects.len(), scene.lights.len()), (3, 1));
+    says(&imported, "addPosition { 0 -9 0 }");
+    says(&imported, "light_point light { color { 1 1 1 }  position { 1 0 7 } }");
+    says(&imported, "sphere ball {");
+    says(&imported, "diffuse { 1 0 0 }");
+    says(&imported, "scale { 2 2 2 }");
+    // What a kit sets ends with it.
+    assert_eq!(imported.text.matches("pivot { 5 0 0 }").count(), 1, "{}", imported.text);
+}
+
 #[test]
 fn patches_are_round() {
     let bump: Vec<String> =

@@ -47,13 +47,13 @@ pub struct Item<'a> {
     pub form: Form<'a>,
 }
 
-/// The three forms.
+/// The three forms. Blocks lie apart, so that a number takes little more than its word.
 #[derive(Clone, Debug)]
 pub enum Form<'a> {
     /// `<type> <name> { ... }`
-    Element(Word<'a>, Block<'a>),
+    Element(Word<'a>, Box<Block<'a>>),
     /// `<name> { ... }`
-    Block(Block<'a>),
+    Block(Box<Block<'a>>),
     /// `<name> <value>`
     Value(Word<'a>),
     /// `<name>` alone, where a value should follow.

@@ -36,20 +36,21 @@ const NORMAL_CELLS: f64 = 512.0;
 
 /// Warns of still objects and lights that overlap in one plane if the camera may see both.
 pub(super) fn check(
-    objects: &[(Object, Span)],
-    lights: &[(Light, Span)],
     scene: &SceneDescription,
+    object_places: &[Span],
+    light_places: &[Span],
     diagnostics: &mut Diagnostics,
 ) {
+    let SceneDescription { objects, lights, .. } = scene;
     let Ok(spaces) = Spaces::new(&scene.spaces) else { return };
     let hides = |parent| scene.hides(parent);
     let Some(faces) = faces(objects, lights, &spaces, &hides) else { return };
     let eyes: Vec<DVec3> = scene.camera.segments.iter().flat_map(|s| s.positions.clone()).collect();
     let span_of = |owner: usize| match objects.get(owner) {
-        Some((object, span)) => (object.name.as_str(), *span),
+        Some(object) => (object.name.as_str(), object_places[owner]),
         None => {
-            let (light, span) = &lights[owner - objects.len()];
-            (light.name.as_str(), *span)
+            let light = owner - objects.len();
+            (lights[light].name.as_str(), light_places[light])
         }
     };
     let mut pairs: Vec<[usize; 2]> = overlaps(&faces, &eyes);
@@ -91,8 +92,8 @@ enum Look {
 
 /// All flat faces of still objects and lights; `None` if there are too many.
 fn faces(
-    objects: &[(Object, Span)],
-    lights: &[(Light, Span)],
+    objects: &[Object],
+    lights: &[Light],
     spaces: &Spaces,
     hides: &dyn Fn(Option<SpaceId>) -> bool,
 ) -> Option<Vec<Face>> {
@@ -104,14 +105,14 @@ fn faces(
         path.rests().then(|| path.pose(0.0))
     };
     let mut faces = Vec::new();
-    for (owner, (object, _)) in objects.iter().enumerate() {
+    for (owner, object) in objects.iter().enumerate() {
         if object.hidden {
             continue;
         }
         let Some(place) = place(&object.key_frames, object.repeat, object.parent) else { continue };
         add_faces(&mut faces, owner, Look::Material(object.material.0), &object.shape, &place)?;
     }
-    for (number, (light, _)) in lights.iter().enumerate() {
+    for (number, light) in lights.iter().enumerate() {
         let Some(place) = place(&light.key_frames, light.repeat, light.parent) else { continue };
         let (owner, look) = (objects.len() + number, Look::Light(number));
         light.kind.for_flat_parts(&mut |corners| {

@@ -115,13 +115,15 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
             hung: &hung,
         };
         let copies = copies::copies(copies, &shown, self.diagnostics);
+        let (lights, light_places): (Vec<Light>, Vec<Span>) = lights.into_iter().unzip();
+        let (objects, object_places): (Vec<Object>, Vec<Span>) = objects.into_iter().unzip();
         let mut scene = SceneDescription {
             settings,
             camera: camera?,
-            lights: lights.iter().map(|(light, _)| light.clone()).collect(),
+            lights,
             materials,
             textures: textures.into_iter().collect::<Option<_>>()?,
-            objects: objects.iter().map(|(object, _)| object.clone()).collect(),
+            objects,
             spaces: hung.spaces,
             copies,
             content_hash: self.assets.hash.finish(),
@@ -129,9 +131,8 @@ impl<'t, 'a> Resolver<'t, 'a, '_> {
         if !self.references.are_dangling() && !self.diagnostics.has_errors() {
             adapt(&mut scene);
             oddities::check(&self.said, &scene, self.diagnostics);
-            let places: Vec<Span> = lights.iter().map(|(_, place)| *place).collect();
-            photons::check(self.said.photons, &scene, &places, self.diagnostics);
-            overlaps::check(&objects, &lights, &scene, self.diagnostics);
+            photons::check(self.said.photons, &scene, &light_places, self.diagnostics);
+            overlaps::check(&scene, &object_places, &light_places, self.diagnostics);
         }
         Some(scene)
     }

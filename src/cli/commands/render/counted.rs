@@ -117,8 +117,15 @@ impl Counted {
     }
 }
 
-fn ray(Totals { rays, hits, sum, highest }: &Totals) -> Value {
-    json!({ "rays": rays, "hits": hits, "sum": counts(sum), "highest": counts(highest) })
+fn ray(totals: &Totals) -> Value {
+    let Totals { rays, hits, sum, highest, .. } = totals;
+    json!({
+        "rays": rays,
+        "hits": hits,
+        "sum": counts(sum),
+        "highest": counts(highest),
+        "lcv": totals.leaf_count_variability(),
+    })
 }
 
 fn counts(counts: &Counts) -> Value {

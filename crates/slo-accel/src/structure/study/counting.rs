@@ -130,6 +130,8 @@ pub struct Totals {
     pub sum: Counts,
     /// The highest of a single ray, for each counter.
     pub highest: Counts,
+    /// The sum of the squares of the numbers of leaves.
+    pub squared_leaves: u128,
 }
 
 impl Totals {
@@ -139,6 +141,15 @@ impl Totals {
         self.hits += u64::from(hits);
         self.sum += counts;
         self.highest = self.highest.max(counts);
+        self.squared_leaves += u128::from(counts.leaves).pow(2);
+    }
+
+    /// Leaf count variability: the standard deviation of the number of leaves that a ray enters; 0 without
+    /// rays. Source: Aila, Karras, Laine, *On Quality Metrics of Bounding Volume Hierarchies*, HPG 2013.
+    pub fn leaf_count_variability(&self) -> f64 {
+        let rays = self.rays.max(1) as f64;
+        let mean = self.sum.leaves as f64 / rays;
+        (self.squared_leaves as f64 / rays - mean * mean).max(0.0).sqrt()
     }
 }
 
@@ -148,5 +159,26 @@ impl AddAssign for Totals {
         self.hits += other.hits;
         self.sum += other.sum;
         self.highest = self.highest.max(other.highest);
+        self.squared_leaves += other.squared_leaves;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leaf_count_variability_is_a_standard_deviation() {
+        let mut totals = Totals::default();
+        assert_eq!(totals.leaf_count_variability(), 0.0);
+        for leaves in [2, 4, 4, 4, 5, 5] {
+            totals.add(Counts { leaves, ..Counts::default() }, false);
+        }
+        let mut others = Totals::default();
+        for leaves in [7, 9] {
+            others.add(Counts { leaves, ..Counts::default() }, false);
+        }
+        totals += others;
+        assert_eq!(totals.leaf_count_variability(), 2.0);
     }
 }

@@ -66,7 +66,7 @@ pub use self::kd::Kd;
 pub use self::layout::{BoxNode, KdNode, Layout};
 pub use self::memory::Memory;
 pub use self::octree::Octree;
-pub use self::parameters::{Parameters, Traversal};
+pub use self::parameters::{Parameters, Planes, Traversal};
 pub use self::ray::Ray;
 pub(crate) use self::rendered::Rendered;
 pub use self::statistics::{COST_OF_STEP, COST_OF_TEST, Statistics};

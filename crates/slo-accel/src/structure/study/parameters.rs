@@ -20,12 +20,26 @@ pub struct Parameters {
     pub depth: Option<u32>,
     /// Trees: nodes with as many objects, or fewer, are leaves.
     pub leaf: Option<u32>,
+    /// `OCTREE`: where nodes are cut.
+    pub planes: Planes,
     /// `RTREE`: children of a node.
     pub capacity: Option<u32>,
     /// `KD`: what a ray does to reach the nodes that it has put off.
     pub traversal: Traversal,
     /// `KD`: entries of a short stack.
     pub stack: Option<u32>,
+}
+
+/// Where the nodes of an octree are cut.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Planes {
+    /// In the middle.
+    #[default]
+    Middle,
+    /// Along each axis, where the surface area heuristic expects the least cost, between the middle
+    /// and the mean of the objects.
+    Cost,
 }
 
 /// How a ray reaches the nodes of a kd-tree that it has put off.
@@ -45,17 +59,23 @@ pub enum Traversal {
 
 impl Parameters {
     /// Names of the parameters in text.
-    pub const NAMES: [&'static str; 9] = [
+    pub const NAMES: [&'static str; 10] = [
         "density",
         "shortest",
         "cells",
         "mailbox",
         "depth",
         "leaf",
+        "planes",
         "capacity",
         "traversal",
         "stack",
     ];
+}
+
+impl Planes {
+    /// All choices, each with its name in text.
+    pub const NAMES: [(&'static str, Self); 2] = [("middle", Self::Middle), ("cost", Self::Cost)];
 }
 
 impl Traversal {
@@ -105,12 +125,8 @@ impl Parameters {
             "leaf" => self.leaf = whole(0, 1 << 20)?,
             "capacity" => self.capacity = whole(2, 1 << 16)?,
             "stack" => self.stack = whole(1, 1 << 10)?,
-            "traversal" => {
-                let found = Traversal::NAMES.into_iter().find(|(known, _)| *known == value);
-                let known = Traversal::NAMES.map(|(known, _)| known).join(", ");
-                let expected = || format!("traversal: expected one of {known}");
-                self.traversal = found.map(|(_, traversal)| traversal).ok_or_else(expected)?;
-            }
+            "planes" => self.planes = one_of(name, value, &Planes::NAMES)?,
+            "traversal" => self.traversal = one_of(name, value, &Traversal::NAMES)?,
             _ => {
                 let near = Self::NAMES.into_iter().find(|known| is_near(known, name));
                 let near =
@@ -121,6 +137,15 @@ impl Parameters {
         }
         Ok(())
     }
+}
+
+/// Reads one of several words.
+fn one_of<T: Copy>(name: &str, value: &str, words: &[(&str, T)]) -> Result<T, String> {
+    let found = words.iter().find(|(known, _)| *known == value);
+    let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
+    found
+        .map(|(_, word)| *word)
+        .ok_or_else(|| format!("{name}: expected one of {}", known.join(", ")))
 }
 
 /// Whether a word may be a misspelt or shortened one.
@@ -144,8 +169,18 @@ fn cells(value: &str) -> Result<[u32; 3], String> {
 /// Writes the parameters that are given, as they are read.
 impl Display for Parameters {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        let Self { density, shortest, cells, mailbox, depth, leaf, capacity, traversal, stack } =
-            self;
+        let Self {
+            density,
+            shortest,
+            cells,
+            mailbox,
+            depth,
+            leaf,
+            planes,
+            capacity,
+            traversal,
+            stack,
+        } = self;
         let mut parts = vec![];
         let reals = [("density", density), ("shortest", shortest)];
         parts.extend(reals.iter().filter_map(|(name, x)| Some(format!("{name}={}", (**x)?))));
@@ -153,6 +188,9 @@ impl Display for Parameters {
         parts.extend(mailbox.then(|| "mailbox=1".to_owned()));
         let wholes = [("depth", depth), ("leaf", leaf), ("capacity", capacity), ("stack", stack)];
         parts.extend(wholes.iter().filter_map(|(name, n)| Some(format!("{name}={}", (**n)?))));
+        let known = Planes::NAMES.into_iter().find(|(_, of)| of == planes);
+        let known = known.filter(|_| *planes != Planes::default());
+        parts.extend(known.map(|(name, _)| format!("planes={name}")));
         let known = Traversal::NAMES.into_iter().find(|(_, of)| of == traversal);
         let known = known.filter(|_| *traversal != Traversal::default());
         parts.extend(known.map(|(name, _)| format!("traversal={name}")));
@@ -171,6 +209,7 @@ mod tests {
             "density=3,mailbox=1",
             "shortest=0.5,cells=46x46x3,depth=7,leaf=2,capacity=4,stack=9,traversal=short-stack",
             "traversal=restart",
+            "depth=6,planes=cost",
         ] {
             assert_eq!(text.parse::<Parameters>().unwrap().to_string(), text);
         }
@@ -184,5 +223,6 @@ mod tests {
         assert!(error("depth=64").contains("from 0 to 63"));
         assert!(error("cells=4x4").contains("such as 46x46x3"));
         assert!(error("traversal=jump").contains("push-down"));
+        assert_eq!(error("planes=1"), "planes: expected one of middle, cost");
     }
 }

@@ -83,7 +83,7 @@ impl<'a> Parser<'a, '_> {
         self.diagnostics.push(error);
         let end = Span { start: name.span.end, ..name.span };
         let block = Block { open: end, close: end, entries: Vec::new(), damaged: true };
-        self.push_item(keyword, Form::Element(name, block));
+        self.push_item(keyword, Form::Element(name, Box::new(block)));
         true
     }
 

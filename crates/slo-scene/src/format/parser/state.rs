@@ -392,10 +392,11 @@ impl<'a> Parser<'a, '_> {
     pub(super) fn pop(&mut self, close: Span) {
         let Some(Frame { head, mut block, home, .. }) = self.stack.pop() else { return };
         block.close = close;
+        block.entries.shrink_to_fit();
         let Some(Head { keyword, name }) = head else { return };
         let form = match name {
-            Some(name) => Form::Element(name, block),
-            None => Form::Block(block),
+            Some(name) => Form::Element(name, Box::new(block)),
+            None => Form::Block(Box::new(block)),
         };
         self.push_item_at(home.unwrap_or(self.stack.len()), keyword, form);
     }

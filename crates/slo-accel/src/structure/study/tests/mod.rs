@@ -17,6 +17,8 @@ fn ways() -> Vec<Parameters> {
         Parameters { density: Some(0.3), depth: Some(3), ..usual },
         Parameters { density: Some(20.0), leaf: Some(5), mailbox: true, ..usual },
         Parameters { shortest: Some(4.0), depth: Some(0), ..usual },
+        Parameters { planes: Planes::Cost, ..usual },
+        Parameters { planes: Planes::Cost, depth: Some(24), leaf: Some(3), ..usual },
         Parameters { cells: Some([1, 70, 3]), depth: Some(8), capacity: Some(2), ..usual },
         Parameters { traversal: Traversal::Restart, capacity: Some(100), ..usual },
         Parameters { traversal: Traversal::PushDown, mailbox: true, ..usual },
