@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """A sequence on four processes that share it, while everything goes wrong around them.
 
-    scripts/reliability/soak.py [--frames N] [--minutes M] [--seed N] [--clock LIBRARY] [--json FILE] [--folder DIR]
+    scripts/reliability/soak.py [--frames N] [--size WxH] [--samples N] [--minutes M] [--seed N] [--clock LIBRARY]
+        [--json FILE] [--folder DIR]
 
 Four runs of `slo-rt --share` render the frames of one folder. At random they are killed (SIGKILL), stopped and continued,
 asked to end (SIGTERM), and started again; the disk is filled and emptied (a tmpfs, if the script may mount one); the
@@ -33,7 +34,7 @@ PROCESSES = 4
 SHARE = 6
 
 SCENE = """
-settings s { integrator PATH imageSamples 24 }
+settings s { integrator PATH }
 Camera c {
     fps 25
     Film f { width 96 height 72 prefix f_ output PNG_IMAGE }
@@ -79,15 +80,14 @@ class Disk:
 class Runs:
     """The processes, and the most memory that each had."""
 
-    def __init__(self, work, out, frames, clock, chance):
-        self.work, self.out, self.frames, self.clock, self.chance = work, out, frames, clock, chance
+    def __init__(self, work, out, words, clock, chance):
+        self.work, self.words, self.clock, self.chance = work, command(out, words), clock, chance
         self.log = open(work / "log", "ab")
         self.alive, self.stopped, self.memory = [], {}, []
         self.codes = collections.Counter()
 
     def start(self):
-        words = [PROGRAM, "-s", "scene.txt", "-f", f"0-{self.frames - 1}", "-od", str(self.out), "--threads", "1"]
-        words += [f"--share={SHARE}s", "-q", "--checkpoint", "1s"]
+        words = [*self.words, "--threads", "1", f"--share={SHARE}s", "--checkpoint", "1s"]
         variables = {**os.environ, "NO_COLOR": "1"}
         if self.clock and self.chance.random() < 0.3:
             variables |= {"LD_PRELOAD": self.clock, "FAKETIME": f"{self.chance.randint(-86400, 86400):+d}s"}
@@ -151,9 +151,12 @@ class Runs:
         self.stopped.clear()
 
 
-def once(work, out, frames):
-    words = [PROGRAM, "-q", "-s", "scene.txt", "-f", f"0-{frames - 1}", "-od", str(out)]
-    return subprocess.run(words, cwd=work, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+def command(out, words):
+    return [PROGRAM, "-q", "-s", "scene.txt", "-od", str(out), *words]
+
+
+def once(work, out, words):
+    return subprocess.run(command(out, words), cwd=work, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
 def content(folder):
@@ -163,6 +166,8 @@ def content(folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--frames", type=int, default=2000)
+    parser.add_argument("--size", default="96x72")
+    parser.add_argument("--samples", type=int, default=24)
     parser.add_argument("--minutes", type=float, default=120)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--clock", help="path of libfaketime.so")
@@ -172,16 +177,17 @@ def main():
 
     work = pathlib.Path(tempfile.mkdtemp(prefix="slo-rt-soak-", dir=args.folder))
     (work / "scene.txt").write_text(SCENE.replace("400", str(args.frames / 25)))
+    words = ["-f", f"0-{args.frames - 1}", "--size", args.size, "--samples", str(args.samples)]
     chance = random.Random(args.seed)
     expected_at = work / "expected"
-    done = once(work, expected_at, args.frames)
+    done = once(work, expected_at, words)
     if done.returncode != 0:
         sys.exit(done.stderr)
     expected = content(expected_at)
     size = sum(map(len, expected.values()))
     disk = Disk(work / "disk", max(16, int(size * 1.2 / 1e6) + 8))
     out = disk.folder / "out"
-    runs = Runs(work, out, args.frames, args.clock, chance)
+    runs = Runs(work, out, words, args.clock, chance)
     events, rounds, problems = collections.Counter(), 0, []
     began, full_until, next_event = time.monotonic(), None, 0
     try:
@@ -197,7 +203,7 @@ def main():
                 disk.empty()
                 full_until = None
                 rounds += 1
-                problems += check(work, out, expected, args.frames)
+                problems += check(work, out, expected, words)
                 shutil.rmtree(out)
                 continue
             while len(runs.alive) < PROCESSES:
@@ -213,14 +219,15 @@ def main():
         runs.end()
         disk.empty()
         if out.exists():
-            problems += check(work, out, expected, args.frames)
+            problems += check(work, out, expected, words)
     finally:
         runs.end()
         disk.close()
     log = (work / "log").read_text(errors="replace")
     if "panicked" in log or "internal error" in log:
         problems.append("a run panicked")
-    bad = {code: count for code, count in runs.codes.items() if code not in (0, 1, 73, 74, 75, -9, -15)}
+    # 130: asked to end twice.
+    bad = {code: count for code, count in runs.codes.items() if code not in (0, 1, 73, 74, 75, 130, -9, -15)}
     if bad:
         problems.append(f"exit codes that were not expected: {bad}")
     long = [(start, most) for start, most in runs.memory if most]
@@ -249,7 +256,7 @@ def main():
     return 1 if problems else 0
 
 
-def check(work, out, expected, frames):
+def check(work, out, expected, words):
     """Completes the frames without disturbance, and compares them. Returns what is wrong."""
     problems = []
     for name, bytes in content(out).items():
@@ -258,7 +265,7 @@ def check(work, out, expected, frames):
     # What killed runs left is removed when it is a minute old, when its frame is written.
     for path in out.glob(".slo-rt-*"):
         os.utime(path, (path.stat().st_atime, path.stat().st_mtime - 120))
-    done = once(work, out, frames)
+    done = once(work, out, words)
     if done.returncode != 0:
         problems.append(f"the last run ends with {done.returncode}: {done.stderr[-300:]}")
     left = content(out)

@@ -73,3 +73,43 @@ fn photons_that_are_too_many_are_refused() {
     let run = folder.run(&format!("{typed} --photons .1"));
     assert_eq!(run.exit, 0, "{}", run.said);
 }
+
+#[test]
+fn counting_by_pixel_takes_memory_too() {
+    let folder = Folder::with_scene(SCENE);
+    let typed = "-s scene.txt --size 1000x1000 --samples 1 --memory-limit 130MB --threads 1";
+    let expected = ["the picture needs", "the limit of `--memory-limit` leaves"];
+    check(&folder, &format!("{typed} --cost-map costs.png"), 1, &expected);
+    let run = folder.run(&format!("{typed} --sample-map samples.png"));
+    assert_eq!(run.exit, 0, "{}", run.said);
+}
+
+#[test]
+fn copies_that_are_too_many_are_refused() {
+    let mut ply = String::from("ply\nformat ascii 1.0\nelement vertex 400000\n");
+    ply += "property float x\nproperty float y\nproperty float z\nend_header\n";
+    (0..400_000).for_each(|x| ply += &format!("{x} 0 0\n"));
+    let folder =
+        Folder::with_scene(&format!("{SCENE}\ncopies row {{ of ball placements row.ply }}"));
+    folder.write("row.ply", ply);
+    let expected = ["the places of the frame's copies need 64 MB", "fewer copies"];
+    check(&folder, "-s scene.txt --memory-limit 70MB", 1, &expected);
+    // Reading them takes less, but not little.
+    let expected = ["placements `row.ply` need", "--> scene.txt", "give fewer"];
+    check(&folder, "-s scene.txt --memory-limit 15MB", 65, &expected);
+}
+
+#[test]
+fn other_commands_have_the_limit_too() {
+    let folder =
+        Folder::with_scene(&SCENE.replace("sphere ball {", "sphere ball { lightMap 2048 "));
+    let expected = ["the light map of `ball` needs 503 MB", "the limit of `--memory-limit` leaves"];
+    check(&folder, "bake scene.txt --memory-limit 300MB", 1, &expected);
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, 4096, 4096);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().unwrap().write_image_data(&vec![7; 4096 * 4096]).unwrap();
+    folder.write("a.png", file);
+    let expected = ["its 4096x4096 pixels need 202 MB", "the limit of `--memory-limit` leaves"];
+    check(&folder, "compare a.png a.png --memory-limit 100MB", 1, &expected);
+}

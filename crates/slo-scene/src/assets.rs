@@ -229,7 +229,8 @@ impl<'f> Assets<'f> {
         diagnostics: &mut Diagnostics,
     ) -> Option<Arc<Mesh>> {
         let path = Word { text: path, span };
-        self.check_memory(path, diagnostics)?;
+        let needs = ("mesh", mesh::BYTES_OF_BYTE, "give it fewer triangles");
+        self.check_memory(path, needs, diagnostics)?;
         let mut mesh = self.loaded_mesh(path, diagnostics, |path, reader| {
             mesh::load_shape(path, reader, standing.smooth, scale)
         })?;
@@ -281,7 +282,9 @@ impl<'f> Assets<'f> {
             return known.clone();
         }
         let load = |reader: &mut dyn Read| mesh::load_placements(path.text, reader, scale, kinds);
-        let loaded = self.read(path, diagnostics, load).map(Arc::new);
+        let needs = ("placements", mesh::BYTES_OF_PLACED_BYTE, "give fewer");
+        let has_room = self.check_memory(path, needs, diagnostics);
+        let loaded = has_room.and_then(|()| self.read(path, diagnostics, load).map(Arc::new));
         self.placements.insert(key, loaded.clone());
         loaded
     }
@@ -322,7 +325,8 @@ impl<'f> Assets<'f> {
         scale: f64,
         diagnostics: &mut Diagnostics,
     ) -> Option<Mesh> {
-        self.check_memory(path, diagnostics)?;
+        let needs = ("mesh", mesh::BYTES_OF_BYTE, "give it fewer triangles");
+        self.check_memory(path, needs, diagnostics)?;
         let load = |path: &str, reader: &mut dyn Read| mesh::load(path, reader, smooth, scale);
         let mesh = match self.cached(path) {
             None => self.loaded_mesh(path, diagnostics, load)?,
@@ -353,15 +357,22 @@ impl<'f> Assets<'f> {
         Some(mesh)
     }
 
-    /// Refuses a mesh whose file is so large that there is not enough memory for it.
-    fn check_memory(&self, path: Word<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
+    /// Refuses a file that is so large that there is not enough memory for what is in it, by the bytes
+    /// that each of its bytes takes.
+    fn check_memory(
+        &self,
+        path: Word<'_>,
+        (what, bytes, help): (&str, u64, &str),
+        diagnostics: &mut Diagnostics,
+    ) -> Option<()> {
         let length = self.files.length(&self.full(path)).unwrap_or(0);
-        let needs = length.saturating_mul(mesh::BYTES_OF_BYTE);
+        let needs = length.saturating_mul(bytes);
         let refusal = memory::check(needs).err();
         let Some(refusal) = refusal else { return Some(()) };
-        let message = format!("mesh `{}` needs {refusal}", path.text);
+        let needs = if what == "mesh" { "needs" } else { "need" };
+        let message = format!("{what} `{}` {needs} {refusal}", path.text);
         let error = Diagnostic::error(message).at(path.span, "");
-        diagnostics.push(error.help("give it fewer triangles"));
+        diagnostics.push(error.help(help));
         None
     }
 

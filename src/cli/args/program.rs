@@ -241,7 +241,7 @@ pub(crate) struct Args {
     ///
     /// What would need more is refused before it is begun, with a message that says
     /// what it is. Without it, the limit is that of the control group or the machine.
-    #[arg(long, value_name = "SIZE", help_heading = HOW, value_parser = bytes)]
+    #[arg(long, value_name = "SIZE", help_heading = HOW, value_parser = bytes, global = true)]
     #[arg(verbatim_doc_comment)]
     pub(crate) memory_limit: Option<u64>,
 

@@ -52,6 +52,11 @@ fn commands_stand_alone() {
     assert!(parse("verify a.png -s scene.txt --tiles 3").is_ok());
     assert!(parse("sheet a.png b.png --columns 2").is_ok());
     assert!(parse("denoise a.exr b.png --outdir out --library lib.so --threads 2").is_ok());
+    for limited in ["", "merge a.part", "compare a b", "bake s.txt", "view s.txt", "why 1,2"] {
+        let args = parse(format!("{limited} --memory-limit 2GB").trim()).unwrap();
+        assert_eq!(args.memory_limit, Some(2_000_000_000), "{limited}");
+    }
+    assert!(parse("--memory-limit 2GB merge a.part").is_err());
     for limit in ["nan", "-0.1", "inf", "x"] {
         for name in ["rmse", "relative-mse", "bias", "flip"] {
             assert!(parse(&format!("compare a b --max-{name} {limit}")).is_err(), "{limit}");

@@ -1,7 +1,7 @@
 //! `bake`: writes the irradiance of objects into images, by their texture coordinates.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::cli::args::BakeArgs;
 use crate::cli::base::{Exit, Problem, Terminal, counted, human, megabytes, print};
@@ -251,6 +251,10 @@ struct Watch<'a>(FrameProgress<'a>);
 impl Observer for Watch<'_> {
     fn advanced(&self, share: f64) {
         self.0.advanced(share);
+    }
+
+    fn prepared(&self, time: Duration, share: f64) {
+        self.0.prepared(time, share);
     }
 
     fn should_stop(&self) -> bool {

@@ -4,6 +4,7 @@ use crate::cli::base::{Problem, Terminal, counted};
 use crate::cli::files::load;
 use crate::cli::options::Job;
 use slo_scene::animation::{Clock, Spaces};
+use slo_scene::format::Short;
 use slo_scene::light::LightKind;
 use slo_scene::{Camera, Look, Object, SceneDescription, Settings, Texture, ToneMap};
 
@@ -41,7 +42,7 @@ fn picture(camera: &Camera, settings: &Settings) -> String {
         "picture: {} x {} pixels, {format}, {look}, {} frame{} per second",
         film.width,
         film.height,
-        camera.fps,
+        Short(camera.fps),
         if camera.fps == 1.0 { "" } else { "s" }
     )
 }
@@ -124,5 +125,23 @@ fn sort_of(kind: &LightKind) -> Sort {
         LightKind::DiscLamp(_) => Sort::Area,
         kind if kind.surface().is_some() => Sort::Area,
         _ => Sort::Point,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::options::empty_scene;
+
+    #[test]
+    fn frames_per_second_of_any_size_are_short() {
+        let mut scene = empty_scene();
+        let mut said = |fps: f64| {
+            scene.camera.fps = fps;
+            picture(&scene.camera, &scene.settings)
+        };
+        assert!(said(25.0).ends_with(" 25 frames per second"), "{}", said(25.0));
+        assert!(said(1.0).ends_with(" 1 frame per second"), "{}", said(1.0));
+        assert!(said(1e-300).ends_with(" 1e-300 frames per second"), "{}", said(1e-300));
     }
 }

@@ -12,6 +12,24 @@ pub(super) struct Estimate {
     free: f64,
     /// Duration of the run, if it is fixed.
     span: Option<Duration>,
+    ahead: Ahead,
+}
+
+/// Work that later work needs: its time belongs to that as it is done.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ahead {
+    time: Duration,
+    /// Number of frames that were done before, and of those that need it.
+    done: f64,
+    frames: f64,
+}
+
+impl Ahead {
+    /// Returns the seconds of the work that are not needed yet if `done` frames are done.
+    fn left(&self, done: f64) -> f64 {
+        let used = (done - self.done) / self.frames.max(1e-9);
+        self.time.as_secs_f64() * (1.0 - used.clamp(0.0, 1.0))
+    }
 }
 
 /// How far a run is.
@@ -27,7 +45,13 @@ pub(super) struct Moment {
 impl Estimate {
     /// Starts the estimate of a run of `frames` frames that starts now.
     pub(super) fn new(frames: usize) -> Self {
-        Self { start: Instant::now(), total: frames as f64, free: 0.0, span: None }
+        Self {
+            start: Instant::now(),
+            total: frames as f64,
+            free: 0.0,
+            span: None,
+            ahead: Ahead::default(),
+        }
     }
 
     /// Starts the estimate of a run that ends after `span` from now.
@@ -38,6 +62,12 @@ impl Estimate {
     /// Adds work that was done already, in frames.
     pub(super) fn add_free(&mut self, frames: f64) {
         self.free += frames;
+    }
+
+    /// Records that `time` went into what the next `frames` frames need, after `done` frames. What was
+    /// recorded before has been used.
+    pub(super) fn prepared(&mut self, time: Duration, done: f64, frames: f64) {
+        self.ahead = Ahead { time, done, frames };
     }
 
     /// Returns how far a run is if `done` frames are done, including the free ones.
@@ -52,7 +82,8 @@ impl Estimate {
             return Moment { fraction: fraction.min(1.0), elapsed, left };
         }
         let (own, left) = (done - self.free, (self.total - done).max(0.0));
-        let left = elapsed.as_secs_f64() * left / own;
+        let ahead = self.ahead.left(done).min(elapsed.as_secs_f64());
+        let left = ((elapsed.as_secs_f64() - ahead) * left / own - ahead).max(0.0);
         Moment {
             fraction: (done / self.total.max(1e-9)).clamp(0.0, 1.0),
             elapsed,
@@ -76,6 +107,28 @@ mod tests {
         assert_eq!((moment.fraction, moment.left), (0.5, Some(seconds(50))));
         assert_eq!(estimate.after(4.5, seconds(5)).left, None);
         assert_eq!(estimate.after(10.0, seconds(55)).left, Some(seconds(0)));
+    }
+
+    /// A minute for the photons of a frame of 100 seconds, in one piece and in four.
+    #[test]
+    fn what_is_prepared_for_later_work_is_part_of_it() {
+        let seconds = |seconds: f64| Duration::from_secs_f64(seconds);
+        let left = |estimate: &Estimate, done: f64, elapsed: f64| {
+            estimate.after(done, seconds(elapsed)).left.map(|left| left.as_secs_f64().round())
+        };
+        let mut whole = Estimate::new(3);
+        whole.prepared(seconds(60.0), 0.0, 1.0);
+        assert_eq!(left(&whole, 0.0, 60.0), None);
+        assert_eq!(left(&whole, 0.01, 60.4), Some(239.6_f64.round()));
+        assert_eq!(left(&whole, 1.0, 100.0), Some(200.0));
+        whole.prepared(seconds(60.0), 1.0, 1.0);
+        assert_eq!(left(&whole, 1.5, 180.0), Some(120.0));
+        let mut parts = Estimate::new(1);
+        parts.prepared(seconds(15.0), 0.0, 0.25);
+        assert_eq!(left(&parts, 0.05, 17.0), Some(83.0));
+        parts.prepared(seconds(15.0), 0.25, 0.25);
+        assert_eq!(left(&parts, 0.25, 40.0), Some(60.0));
+        assert_eq!(left(&parts, 0.5, 50.0), Some(50.0));
     }
 
     #[test]

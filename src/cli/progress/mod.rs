@@ -283,6 +283,12 @@ impl FrameProgress<'_> {
         self.run.show(self.frame, done.min(1.0));
     }
 
+    /// Records that `time` went into what the next `share` of the frame needs.
+    pub(crate) fn prepared(&self, time: Duration, share: f64) {
+        let done = self.run.done() as f64 + *lock(&self.done);
+        lock(&self.run.estimate).prepared(time, done, share);
+    }
+
     /// Records that another run has done `share` of the frame.
     pub(crate) fn resumed(&self, share: f64) {
         lock(&self.run.estimate).add_free(share);

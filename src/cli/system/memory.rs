@@ -17,6 +17,7 @@ pub(crate) struct Left {
 
 /// What can limit the memory of a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(not(target_os = "linux"), allow(dead_code))]
 enum Limit {
     /// The address space of the process.
     AddressSpace,

@@ -1,8 +1,6 @@
 //! Checks whether there is room for the results of a run, on the disk and in memory.
 
 use std::path::Path;
-use std::sync::mpsc;
-use std::time::Duration;
 
 use super::memory;
 use super::memory::Left;
@@ -11,8 +9,6 @@ use slo_picture::film::{Features, Fixed, Pixel, Spread, Subject};
 use slo_picture::output::memory_to_write;
 use slo_scene::OutputFormat;
 
-/// How long the system may take to report the free space of a disk.
-const PATIENCE: Duration = Duration::from_secs(2);
 /// Bytes of working memory per thread, and bytes for everything small.
 const PER_THREAD: u64 = 4 << 20;
 const REST: u64 = 4 << 20;
@@ -24,6 +20,8 @@ pub(crate) struct Needs {
     pub(crate) disk: u64,
     /// Memory of the film.
     film: u64,
+    /// Memory of what the rays of each pixel take, if they are counted.
+    costs: u64,
     /// Memory for writing the files that are made from a film, while the film is in memory.
     pub(crate) end: u64,
 }
@@ -51,6 +49,7 @@ impl Needs {
         let images = 1 + surfaces + lights + subject.first_hits.images() + beside.images;
         let each = (size_of::<Pixel>() + spreads + features + groups + hits) as u64;
         let film = subject.area.len() as u64 * each;
+        let costs = beside.counted_pixels.saturating_mul(BYTES_OF_COSTS);
         let value = u64::from(format.value_bytes());
         let picture = region.saturating_mul(3 * value * images).saturating_add(4096);
         let disk = picture.saturating_mul(pictures as u64).saturating_add(film);
@@ -59,12 +58,12 @@ impl Needs {
         let map = if beside.maps { region.saturating_mul(BYTES_OF_A_MAP) } else { 0 };
         let kept = if beside.states { film } else { 0 };
         let end = encoding.max(map).max(kept).saturating_add(REST);
-        Self { disk, film, end }
+        Self { disk, film, costs, end }
     }
 
     /// Returns the bytes of memory without which there is no picture.
     pub(crate) fn memory(&self) -> u64 {
-        self.film.saturating_add(self.end).saturating_add(self.work())
+        self.film.saturating_add(self.costs).saturating_add(self.end).saturating_add(self.work())
     }
 
     /// Returns the bytes of memory that threads work with.
@@ -139,15 +138,23 @@ pub(crate) struct Beside {
     pub(crate) states: bool,
     /// Layers of the picture's file that need nothing of the film but its pixels.
     pub(crate) images: u64,
+    /// Pixels whose rays are counted one by one.
+    pub(crate) counted_pixels: u64,
 }
 
 /// Bytes per pixel while a map is made.
 const BYTES_OF_A_MAP: u64 = 28;
+/// Bytes per pixel while rays are counted, with the copy that becomes a map.
+const BYTES_OF_COSTS: u64 = 32;
 
 /// Returns the bytes that are free on the disk of a folder. Returns `None` if the system does not
 /// report them or does not answer: a file server may be gone.
 #[cfg(unix)]
 fn free_on_disk(folder: &Path) -> Option<u64> {
+    use std::sync::mpsc;
+    use std::time::Duration;
+    /// How long the system may take to report the free space of a disk.
+    const PATIENCE: Duration = Duration::from_secs(2);
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.to_owned();
     let (tell, told) = mpsc::channel();
     let ask = move || {
@@ -194,6 +201,9 @@ mod tests {
         let states = Needs::of(&subject, OutputFormat::Png8, 10, Beside { states: true, ..none });
         assert_eq!(states.end, 560_000 + REST);
         assert_eq!(needs.disk, 10 * (60_000 + 4096) + 10_000 * 56);
+        let counted = Beside { counted_pixels: 10_000, ..none };
+        let counted = Needs::of(&subject, OutputFormat::Png16, 10, counted);
+        assert_eq!(counted.memory(), needs.memory() + 320_000);
         subject.with_features = true;
         let needs = Needs::of(&subject, OutputFormat::Exr, 1, none);
         assert_eq!((needs.film, needs.end), (10_000 * 104, 360_000 + REST));

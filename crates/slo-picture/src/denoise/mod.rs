@@ -10,6 +10,7 @@ use std::path::Path;
 
 use crate::film::{FileLayer, Image};
 use library::Device;
+use slo_scene::memory;
 
 /// Open Image Denoise, loaded, on the processor.
 #[derive(Debug)]
@@ -48,10 +49,13 @@ impl Denoiser {
     /// Returns the picture without its noise, in the same kind of values.
     ///
     /// # Errors
-    /// What the library says; layers of another size than the picture.
+    /// What the library says; layers of another size than the picture; there is no memory for the results.
     pub fn denoise(&self, noisy: &Noisy) -> Result<Image, String> {
-        let guides = noisy
-            .usable()
+        let usable = noisy.usable();
+        let images = 1 + usable.len() as u64;
+        let needs = noisy.image.rgb.len() as u64 * images * size_of::<[f32; 3]>() as u64;
+        memory::check(needs).map_err(|refusal| format!("its results need {refusal}"))?;
+        let guides = usable
             .into_iter()
             .map(|(layer, image)| Ok((layer.name(), self.prefiltered(layer, image)?)))
             .collect::<Result<Vec<_>, String>>()?;

@@ -1,5 +1,7 @@
 //! Memory for all pixels of an area, if there is enough.
 
+use slo_scene::memory::check;
+
 use super::area::Area;
 
 /// There is not enough memory for a picture of this size.
@@ -23,6 +25,7 @@ pub(super) fn filled_times<T: Clone + Default>(
     let all = pixels.saturating_mul(times as u64);
     let too_large = TooLarge { bytes: all.saturating_mul(size_of::<T>() as u64) };
     let count = usize::try_from(all).map_err(|_| too_large)?;
+    check(too_large.bytes).map_err(|_| too_large)?;
     let mut values = Vec::new();
     values.try_reserve_exact(count).map_err(|_| too_large)?;
     values.resize(count, T::default());
@@ -31,6 +34,7 @@ pub(super) fn filled_times<T: Clone + Default>(
 
 /// A copy, if there is memory for it.
 pub(super) fn copied<T: Clone>(values: &[T]) -> Option<Vec<T>> {
+    check(size_of_val(values) as u64).ok()?;
     let mut copy = Vec::new();
     copy.try_reserve_exact(values.len()).ok()?;
     copy.extend_from_slice(values);

@@ -4,7 +4,9 @@ use slo_accel::study::{Counts, Ray};
 use slo_accel::{Rays, Structure};
 
 use super::costs::{CostMap, RayCounting};
+use super::error::FrameError;
 use super::instance::Body;
+use super::needs;
 use super::scene::FrameScene;
 use super::world::{World, WorldScratch, push_local};
 
@@ -25,12 +27,15 @@ impl FrameScene {
     /// Pictures stay the same, and take several times as long.
     ///
     /// # Errors
-    /// Why the frame cannot be counted, in words for the user.
-    pub fn count(&mut self, by_pixel: bool) -> Result<(), &'static str> {
-        self.world.can_count()?;
+    /// [`FrameError::Uncounted`], or [`FrameError::Memory`] if there is not enough for so many pixels.
+    pub fn count(&mut self, by_pixel: bool) -> Result<(), FrameError> {
+        let uncounted = |reason| FrameError::Uncounted { reason };
+        self.world.can_count().map_err(uncounted)?;
         let map = if by_pixel {
-            let map = CostMap::new(self.camera.width(), self.camera.height());
-            Some(map.ok_or("there is no memory for the costs of so many pixels")?)
+            let (width, height) = (self.camera.width(), self.camera.height());
+            needs::check_costs(width, height)?;
+            let no_memory = "there is no memory for the costs of so many pixels";
+            Some(CostMap::new(width, height).ok_or(uncounted(no_memory))?)
         } else {
             None
         };

@@ -63,6 +63,11 @@ pub enum FrameError {
         /// Name of the object or lamp.
         object: String,
     },
+    /// The rays of the frame cannot be counted.
+    Uncounted {
+        /// Why, as a sentence.
+        reason: &'static str,
+    },
     /// The GPU that the settings ask for is missing, or cannot take the scene.
     Device {
         /// Name of the structure.
@@ -117,6 +122,7 @@ impl fmt::Display for FrameError {
                 "`{object}` is too large or too small in this frame: all its scales together must \
                  be from 1e-12 to 1e12, and its coordinates below 1e10"
             ),
+            Self::Uncounted { reason } => f.write_str(reason),
             Self::Device { accelerator, reason } => {
                 write!(f, "accelerator {accelerator}: {reason}")
             }

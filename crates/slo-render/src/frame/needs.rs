@@ -6,9 +6,10 @@ use std::sync::Arc;
 use super::error::FrameError;
 use super::shared::MOST_COPIED;
 use super::shown::Shown;
+use super::survey::MOST_FLAT;
 use crate::photons::{MOST_PATHS, Photon, pass_of, samples_of};
 use slo_scene::settings::{Accelerator, Integrator};
-use slo_scene::{SceneDescription, Shape, memory};
+use slo_scene::{MaterialId, Original, SceneDescription, Shape, memory};
 
 /// Bytes of each triangle while a structure is built, beside the mesh itself. Those of `BVH` and `KDTREE` were
 /// measured with ten million triangles; the others are at least what their structures hold.
@@ -26,20 +27,51 @@ const OF_OBJECT: u64 = 400;
 /// Bytes of each photon in a map, with what sorts it and the estimates of irradiance.
 const OF_PHOTON: u64 = 100;
 
+/// Bytes of each place in the lists of a crowd, with the hierarchy over them; measured with a million and with
+/// three million.
+const OF_PLACE: u64 = 160;
+
+/// Bytes of each texel of a light map that photons are stored in: where its faces are, while they are found,
+/// a point in its middle, and its light.
+const OF_TEXEL: u64 = 52;
+/// Bytes of each pixel whose rays are counted, with the copy that becomes a map.
+const OF_COST: u64 = 32;
+
 /// Bytes of each photon of a pass, while its map is made.
 const OF_PASS: u64 = 2 * (size_of::<Photon>() as u64 + 16);
 
 /// Checks that there is memory for the structures of what a frame shows, and for its photons.
 pub(super) fn check(scene: &SceneDescription, shown: &Shown<'_>) -> Result<(), FrameError> {
-    let refused = |what: &'static str, help: &'static str| {
-        move |refusal: memory::Refusal| FrameError::Memory { what, why: refusal.to_string(), help }
-    };
-    memory::check(structures(scene, shown)).map_err(refused(
+    check_bytes(
+        structures(scene, shown),
         "the structures of the frame's objects need",
         "give meshes with fewer triangles, or leave objects out",
-    ))?;
-    memory::check(photons(scene))
-        .map_err(refused("the photons need", "lower `photonMapSize` and `causticMapSize`"))
+    )?;
+    check_bytes(
+        places(scene, shown).saturating_mul(OF_PLACE),
+        "the places of the frame's copies need",
+        "make fewer copies, or copies of copies, which are stored once for each level",
+    )?;
+    check_bytes(photons(scene), "the photons need", "lower `photonMapSize` and `causticMapSize`")?;
+    check_bytes(
+        texels(scene).saturating_mul(OF_TEXEL),
+        "the light maps of photons need",
+        "lower the `lightMap` of objects",
+    )
+}
+
+/// Checks that there is memory to count the rays of so many pixels.
+pub(super) fn check_costs(width: u32, height: u32) -> Result<(), FrameError> {
+    let pixels = u64::from(width) * u64::from(height);
+    check_bytes(pixels * OF_COST, "the costs of all pixels need", "make the picture smaller")
+}
+
+fn check_bytes(bytes: u64, what: &'static str, help: &'static str) -> Result<(), FrameError> {
+    memory::check(bytes).map_err(|refusal| FrameError::Memory {
+        what,
+        why: refusal.to_string(),
+        help,
+    })
 }
 
 /// Checks that there is memory for the largest pass of photons that a sample of `PATH` uses, of a frame that
@@ -51,11 +83,37 @@ pub(super) fn check_pass(scene: &SceneDescription) -> Result<(), FrameError> {
     let pixels = f64::from(film.width) * f64::from(film.height);
     let served = samples_of(pass_of(samples - 1)).len() as f64;
     let paths = (f64::from(settings.photons) * pixels * served).min(MOST_PATHS as f64) as u64;
-    memory::check(paths * OF_PASS).map_err(|refusal| FrameError::Memory {
-        what: "the photons of a pass need",
-        why: refusal.to_string(),
-        help: "lower `photons`",
-    })
+    check_bytes(paths * OF_PASS, "the photons of a pass need", "lower `photons`")
+}
+
+/// How many places the lists of crowds have. What copies show is listed one by one, or, if that is very
+/// much, once for each level.
+fn places(scene: &SceneDescription, shown: &Shown<'_>) -> u64 {
+    let things =
+        |part: &(Original, Option<MaterialId>)| shown.things.get(part).copied().unwrap_or(1);
+    if !shown.is_nested {
+        let crowds = shown.crowds.iter().map(|&number| things(&(Original::Copy(number), None)));
+        return crowds.fold(0, u64::saturating_add);
+    }
+    let of_level = |(part, things): (&(Original, Option<MaterialId>), &u64)| match part.0 {
+        Original::Copy(number) if *things > MOST_FLAT => {
+            let placements = scene.copies[number as usize].placements.as_ref();
+            placements.map_or(1, |placements| placements.len() as u64)
+        }
+        Original::Copy(_) | Original::Group(_) => (*things).min(MOST_FLAT),
+        Original::Object(_) | Original::Light(_) => 0,
+    };
+    shown.things.iter().map(of_level).fold(0, u64::saturating_add)
+}
+
+/// How many texels the light maps have that photons are stored in.
+fn texels(scene: &SceneDescription) -> u64 {
+    let settings = &scene.settings;
+    if settings.integrator != Integrator::PhotonMap || !settings.gather {
+        return 0;
+    }
+    let maps = scene.objects.iter().filter_map(|object| object.light_map);
+    maps.map(|map| u64::from(map.side).pow(2)).sum()
 }
 
 fn structures(scene: &SceneDescription, shown: &Shown<'_>) -> u64 {
@@ -101,6 +159,73 @@ mod tests {
 
     use super::super::FrameScene;
     use super::*;
+
+    const CAMERA: &str = "Camera c { fps 25 Film f { width 8 height 8 }
+        CamSegment s { videoStart 0 videoEnd 1
+            addPosition { 0 -5 1 } addTarget { 0 0 0 } fovStart 0.4 } }
+        lamp_point l { power { 1 1 1 } position { 0 0 9 } }
+        phong_info p { } material_phong m { phong_info p }";
+
+    fn described(text: &str, files: Vec<(String, Vec<u8>)>) -> SceneDescription {
+        let loaded = load("scene.txt", text, &Files::in_memory("", files));
+        let said = loaded.diagnostics.render(false);
+        loaded.scene.unwrap_or_else(|| panic!("{said}"))
+    }
+
+    /// Places of copies on a line.
+    fn row(count: usize) -> Vec<u8> {
+        let properties = "property float x\nproperty float y\nproperty float z";
+        let mut ply =
+            format!("ply\nformat ascii 1.0\nelement vertex {count}\n{properties}\nend_header\n");
+        (0..count).for_each(|x| ply += &format!("{x} 0 0\n"));
+        ply.into_bytes()
+    }
+
+    /// The lists of crowds take what is estimated, or a little less: they grow while they are made.
+    #[test]
+    fn estimates_of_crowds_are_close_to_what_there_is() {
+        let count = 40_000;
+        let text = format!(
+            "{CAMERA} sphere s {{ center {{ 0 0 0 }} radius 1 material m }}
+             group pair {{ hidden 1 }}
+             sphere a {{ center {{ 0 0 0 }} radius .1 material m parent pair }}
+             sphere b {{ center {{ 0 0 1 }} radius .1 material m parent pair }}
+             copies flat {{ of s placements row.ply }} copies pairs {{ of pair placements row.ply }}"
+        );
+        let scene = described(&text, vec![("row.ply".into(), row(count))]);
+        let shown = Shown::of(&scene).unwrap();
+        assert_eq!((places(&scene, &shown), shown.is_nested), (3 * count as u64, false));
+        let frame = FrameScene::build(&scene, 0, Isa::best()).unwrap();
+        let (taken, estimate) = (frame.memory() as u64, 3 * count as u64 * OF_PLACE);
+        assert!((taken * 2 / 3..2 * taken).contains(&estimate), "{estimate}, {taken}");
+        // Ten thousand million things are a few lists.
+        let text = format!(
+            "{CAMERA} sphere s {{ center {{ 0 0 0 }} radius 1 material m }}
+             copies one {{ of s placements row.ply hidden 1 }}
+             copies two {{ of one placements row.ply }}"
+        );
+        let scene = described(&text, vec![("row.ply".into(), row(count))]);
+        let shown = Shown::of(&scene).unwrap();
+        assert!(shown.is_nested);
+        assert_eq!(places(&scene, &shown), 2 * count as u64);
+    }
+
+    #[test]
+    fn light_maps_are_of_photons_only_where_light_is_gathered() {
+        let texels_of = |settings: &str| {
+            let text = format!(
+                "settings s {{ {settings} }} {CAMERA}
+                 sphere a {{ center {{ 0 0 0 }} radius 1 material m lightMap 64 }}
+                 sphere b {{ center {{ 3 0 0 }} radius 1 material m lightMap 8 }}"
+            );
+            texels(&described(&text, Vec::new()))
+        };
+        assert_eq!(texels_of("integrator PHOTON_MAP gather 1"), 64 * 64 + 8 * 8);
+        assert_eq!(
+            [texels_of("integrator PHOTON_MAP gather 0"), texels_of("integrator PATH")],
+            [0, 0]
+        );
+    }
 
     /// What is estimated is what the structures take, or a few times as much: they are larger while they are
     /// built.

@@ -8,7 +8,7 @@ use slo_accel::study::{Counts, Totals};
 
 use super::batch::{Batch, marks};
 use super::ray_kind::RayKind;
-use super::work::Work;
+use super::work::{Job, Work};
 use crate::frame::{FrameScene, WorldScratch};
 
 /// The kind of ray `i` of a batch of paths after `depth` bounces.
@@ -61,14 +61,14 @@ impl Tally {
     #[cold]
     pub(super) fn paths(
         &self,
-        frame: &FrameScene,
+        job: &Job<'_>,
         batch: &Batch,
         depth: u32,
         scratch: &mut WorldScratch,
         totals: &mut [Totals],
     ) {
-        let kind = |i: usize| kind_of(frame, batch, i, depth);
-        self.count(frame, batch, false, kind, scratch, totals);
+        let kind = |i: usize| kind_of(job.frame, batch, i, depth);
+        self.count(job, batch, false, kind, scratch, totals);
     }
 
     /// Counts a batch of connections. Those that pass through what lets light pass look for the first hit,
@@ -76,25 +76,31 @@ impl Tally {
     #[cold]
     pub(super) fn connections(
         &self,
-        frame: &FrameScene,
+        job: &Job<'_>,
         batch: &Batch,
         scratch: &mut WorldScratch,
         totals: &mut [Totals],
     ) {
-        self.count(frame, batch, !frame.lets_light_pass(), |_| RayKind::Shadow, scratch, totals);
+        let any = !job.frame.lets_light_pass();
+        self.count(job, batch, any, |_| RayKind::Shadow, scratch, totals);
     }
 
+    /// Stops between two rays if the work is given up: without a hierarchy, a ray may take long.
     fn count(
         &self,
-        frame: &FrameScene,
+        job: &Job<'_>,
         batch: &Batch,
         any: bool,
         kind: impl Fn(usize) -> RayKind,
         scratch: &mut WorldScratch,
         totals: &mut [Totals],
     ) {
+        let frame = job.frame;
         let Some(counting) = &frame.counting else { return };
         for i in 0..batch.len() {
+            if job.goes_on().is_none() {
+                return;
+            }
             let mut counts = Counts::default();
             let time = batch.labels.time[i];
             let t =

@@ -66,8 +66,7 @@ impl Distributed {
             let DirectLight { sent, chosen, .. } = &**direct_light;
             let light = |i| direct_light.light(question, i);
             machine.connect(kind, sent, &points.labels, chosen, light);
-            machine.relieve(job, kind);
-            job.goes_on()?;
+            machine.relieve(job, kind)?;
         }
         Some(())
     }
@@ -99,7 +98,7 @@ impl Integrator for Distributed {
     fn trace(&mut self, machine: &mut Machine, job: &Job<'_>, depth: u32) -> Option<()> {
         let frame = job.frame;
         let Self { batch, hits, ended, points, features, first_hits, lobes, .. } = self;
-        machine.find_hits(frame, batch, hits, depth);
+        machine.find_hits(job, batch, hits, depth);
         ended.find(frame, batch, hits, depth);
         machine.add(frame.isa, Source::Arrived, &ended.light, &ended.slot, ended.len);
         points.find(frame, batch, hits, machine.seeds());

@@ -58,7 +58,7 @@ impl HemisphereTracer {
                 return probes;
             }
             if !hits.take_texels(frame, batch, camera_rays) {
-                machine.find_hits(frame, batch, hits, 0);
+                machine.find_hits(&job, batch, hits, 0);
             }
             points.find(frame, batch, hits, machine.seeds());
             points.choose_materials(frame, &frame.sampler, 0);

@@ -112,7 +112,7 @@ impl Integrator for LightPaths {
         let frame = job.frame;
         let Self { flux, batch, hits, points, passing, bsdfs, .. } = self;
         let Self { landing, deposits, bounce, .. } = self;
-        machine.find_hits(frame, batch, hits, depth);
+        machine.find_hits(job, batch, hits, depth);
         // Only the camera passes through lamps that it does not see.
         if frame.has_passable_lamps(depth + 1) {
             passing.lamps(frame, batch, hits, depth + 1);

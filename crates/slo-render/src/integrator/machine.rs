@@ -201,13 +201,15 @@ impl Machine {
     /// Traces waiting connections of a kind if there are many.
     ///
     /// The hits of one batch send as many as the product of lights and samples per light, which
-    /// only the scene bounds.
-    pub(super) fn relieve(&mut self, job: &Job<'_>, kind: Connection) {
+    /// only the scene bounds. Returns `None` if the work is given up.
+    pub(super) fn relieve(&mut self, job: &Job<'_>, kind: Connection) -> Option<()> {
         if self.waiting(kind) >= MOST_CONNECTIONS_WAITING {
             while self.waiting(kind) >= BATCH {
+                job.goes_on()?;
                 self.trace_connections(job, kind);
             }
         }
+        job.goes_on()
     }
 
     /// Takes the next batch of connections of a kind, and adds the light of those that nothing blocks.
@@ -219,7 +221,7 @@ impl Machine {
         counts.shadow_rays += visibility.batch.len() as u64;
         visibility.trace(frame, &mut queue.habit, scratch);
         if tally.is_on() {
-            tally.connections(frame, &visibility.batch, scratch, &mut counts.rays);
+            tally.connections(job, &visibility.batch, scratch, &mut counts.rays);
         }
         if let Some((sent, labels, chosen)) = visibility.beyond() {
             match account {
@@ -239,18 +241,13 @@ impl Machine {
     }
 
     /// Finds the first hits of a batch of rays after `depth` bounces.
-    pub(super) fn find_hits(
-        &mut self,
-        frame: &FrameScene,
-        batch: &Batch,
-        hits: &mut Hits,
-        depth: u32,
-    ) {
+    pub(super) fn find_hits(&mut self, job: &Job<'_>, batch: &Batch, hits: &mut Hits, depth: u32) {
+        let frame = job.frame;
         self.queue_at(depth);
         hits.trace(frame, batch, &mut self.paths[depth as usize].habit, &mut self.scratch);
         if self.tally.is_on() {
             let Self { tally, scratch, counts, .. } = self;
-            tally.paths(frame, batch, depth, scratch, &mut counts.rays);
+            tally.paths(job, batch, depth, scratch, &mut counts.rays);
         }
         if let Some(account) = &mut self.account {
             account.note_hits(frame, batch, hits);

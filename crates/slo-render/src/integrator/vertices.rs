@@ -82,7 +82,7 @@ impl Vertices {
         let Self { camera_rays, batch, hits, arrived, points, passing, emission, .. } = self;
         let Self { features, first_hits, bsdfs, guiding, stride, .. } = self;
         if depth > 0 || !hits.take_texels(frame, batch, camera_rays) {
-            machine.find_hits(frame, batch, hits, depth);
+            machine.find_hits(job, batch, hits, depth);
         }
         if frame.has_passable_lamps(depth) {
             passing.lamps(frame, batch, hits, depth);
@@ -158,8 +158,7 @@ impl Vertices {
                 let ToShaded { sent, labels, past, chosen, .. } = &**to_shaded;
                 machine.extend_path(depth + 1, sent, labels, past, chosen);
             }
-            machine.relieve(job, kind);
-            job.goes_on()?;
+            machine.relieve(job, kind)?;
         }
         Some(())
     }

@@ -54,10 +54,11 @@ pub fn render_until(
     let gives_up = || observer.gives_up() || observer.should_stop();
     let mut light = None;
     if frame.settings.integrator == Integrator::PhotonMap {
+        let start = Instant::now();
         let Some(found) = photon_light(frame, &gives_up) else {
             return (run.exposed(false), reached);
         };
-        run.add_photons(found.counts());
+        run.add_photons(found.counts(), start, 1.0);
         light = Some(Arc::new(found));
     }
     for step in least.done.min(last)..=last {
@@ -77,8 +78,12 @@ pub fn render_until(
         }
         let mut stretches = Stretches::new(frame, first, light.clone());
         let (mut handed, mut is_open) = (0, true);
-        while let Some(stretch) = stretches.next(&plan, &gives_up) {
-            stretch.maps.iter().for_each(|maps| run.add_photons(maps.counts()));
+        loop {
+            let start = Instant::now();
+            let Some(stretch) = stretches.next(&plan, &gives_up) else { break };
+            if let Some(maps) = &stretch.maps {
+                run.add_photons(maps.counts(), start, stretch.share);
+            }
             let pass = Pass {
                 run: &run,
                 clock: &clock,

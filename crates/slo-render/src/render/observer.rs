@@ -1,5 +1,7 @@
 //! Who watches a rendering, and what comes of it.
 
+use std::time::Duration;
+
 use slo_picture::film::{Film, Steps};
 
 use crate::guiding::Field;
@@ -13,6 +15,10 @@ pub trait Observer: Sync {
     /// default.
     fn resumed(&self, share: f64) {
         self.advanced(share);
+    }
+    /// Reports that `time` went into the photons that the next `share` of the picture uses.
+    fn prepared(&self, time: Duration, share: f64) {
+        let _ = (time, share);
     }
     /// Receives the field that guides rays, as soon as it is learned.
     fn learned(&self, field: &Field) {

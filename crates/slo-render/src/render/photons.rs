@@ -25,13 +25,16 @@ pub(super) struct Stretch {
     pub(super) light: Option<Arc<PhotonLight>>,
     /// The number of the first sample that is not part of it.
     pub(super) end: u32,
+    /// How much of the picture it is, if all pixels take as many samples as they may.
+    pub(super) share: f64,
     /// Whether it is the first of the run.
     pub(super) is_first: bool,
 }
 
 impl Stretch {
     /// All samples of a picture without photons.
-    pub(super) const WHOLE: Self = Self { maps: None, light: None, end: u32::MAX, is_first: true };
+    pub(super) const WHOLE: Self =
+        Self { maps: None, light: None, end: u32::MAX, share: 1.0, is_first: true };
 }
 
 /// The stretches of a picture, one after the other.
@@ -85,7 +88,9 @@ impl<'a> Stretches<'a> {
         let maps = self.tracers.trace(self.frame, first, &passes, gives_up)?;
         let end = samples_of(first + passes.len() as u32 - 1).end;
         self.next = Some(end);
-        Some(Stretch { maps: Some(Arc::new(maps)), light, end, is_first })
+        let all = plan.samples().unwrap_or(0..plan.most());
+        let share = f64::from(end.min(all.end).saturating_sub(next)) / all.len().max(1) as f64;
+        Some(Stretch { maps: Some(Arc::new(maps)), light, end, share, is_first })
     }
 }
 

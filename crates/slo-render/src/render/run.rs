@@ -2,6 +2,7 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use rayon::prelude::*;
 use slo_picture::film::{Area, Film, Steps};
@@ -153,9 +154,10 @@ impl<'a> Run<'a> {
         done
     }
 
-    /// Notes what photons took.
-    pub(super) fn add_photons(&self, counts: PhotonCounts) {
+    /// Notes what photons took that the next `share` of the picture uses, since when they were traced.
+    pub(super) fn add_photons(&self, counts: PhotonCounts, since: Instant, share: f64) {
         lock(&self.result).1.photons += counts;
+        self.observer.prepared(since.elapsed(), share * self.picture);
     }
 
     /// Reports progress, except for a picture in steps: their number is unknown, so the clock

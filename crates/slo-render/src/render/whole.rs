@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use rayon::prelude::*;
 use slo_picture::film::{Area, Film, TILE};
@@ -26,12 +27,9 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
     let memory: Vec<_> =
         (0..rayon::current_num_threads()).map(|_| Mutex::new(TileRenderer::default())).collect();
     let (width, height) = (frame.camera.width(), frame.camera.height());
-    let sections = Sections::new(&frame.settings, width, height);
-    let tiles = || {
-        let of = |section: Area| section.cells(TILE).filter(|&t| plan.includes(t, width));
-        let tiles = sections.areas().into_iter().flat_map(of).map(|tile| tile.common(&area));
-        tiles.filter(|tile| !tile.is_empty()).collect::<Vec<_>>()
-    };
+    let sections = Sections::new(&frame.settings, width, height).areas(&area);
+    let tiles_of = |section: &Area| section.cells(TILE).filter(|&tile| plan.includes(tile, width));
+    let tiles = || sections.iter().flat_map(tiles_of).collect::<Vec<_>>();
     let has_photons = frame.emission.is_some();
     let first_open = || run.first_open(|tile| plan.at(tile, width, height), &tiles(), &memory);
     let is_photon_map = frame.settings.integrator == Integrator::PhotonMap;
@@ -44,15 +42,19 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
     let gives_up = || observer.gives_up() || observer.should_stop();
     let mut light = None;
     if is_photon_map && first.is_some() {
+        let start = Instant::now();
         let Some(found) = photon_light(frame, &gives_up) else { return run.exposed(false) };
-        run.add_photons(found.counts());
+        run.add_photons(found.counts(), start, 1.0);
         light = Some(Arc::new(found));
     }
     let mut stretches = Stretches::new(frame, first.filter(|_| has_photons), light);
     let mut is_complete = false;
     while !is_complete {
+        let start = Instant::now();
         let Some(stretch) = stretches.next(plan, &gives_up) else { break };
-        stretch.maps.iter().for_each(|maps| run.add_photons(maps.counts()));
+        if let Some(maps) = &stretch.maps {
+            run.add_photons(maps.counts(), start, stretch.share);
+        }
         let is_open = AtomicBool::new(false);
         let expose = |tile: Area| {
             let thread = rayon::current_thread_index().unwrap_or(0);
@@ -63,14 +65,11 @@ pub fn render(frame: &FrameScene, plan: &Plan, film: Film, observer: &dyn Observ
         };
         // Threads take sections. When none is left, they steal tiles from the sections of others.
         let stopped: Result<(), Stopped> = sections
-            .areas()
-            .into_par_iter()
+            .par_iter()
             .with_max_len(frame.settings.sections_per_thread.max(1) as usize)
             .try_for_each(|section| {
-                let tiles: Vec<_> =
-                    section.cells(TILE).filter(|&t| plan.includes(t, width)).collect();
-                let tiles = tiles.into_par_iter().map(|tile| tile.common(&area)).with_max_len(1);
-                tiles.filter(|tile| !tile.is_empty()).try_for_each(expose)
+                let tiles: Vec<_> = tiles_of(section).collect();
+                tiles.into_par_iter().with_max_len(1).try_for_each(expose)
             });
         if stopped.is_err() {
             break;

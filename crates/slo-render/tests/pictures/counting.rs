@@ -1,10 +1,12 @@
 //! What rays take in structures is counted exactly, and changes nothing.
 
+use std::sync::atomic::{AtomicI64, Ordering};
+
 use slo_accel::Isa;
 use slo_accel::study::Totals;
-use slo_picture::film::Film;
+use slo_picture::film::{Area, Film};
 use slo_render::frame::FrameScene;
-use slo_render::render::Statistics;
+use slo_render::render::{Observer, Plan, Statistics, render};
 use slo_scene::{Accelerator, Integrator, SceneDescription};
 
 use crate::determinism::{everything, files};
@@ -97,7 +99,7 @@ fn counts_are_the_same_for_all_threads_and_instruction_sets() {
 fn what_cannot_be_counted_is_said() {
     let mut scene = small(Integrator::Distributed);
     let refused = |scene: &SceneDescription| {
-        FrameScene::build(scene, 0, Isa::best()).unwrap().count(false).unwrap_err()
+        FrameScene::build(scene, 0, Isa::best()).unwrap().count(false).unwrap_err().to_string()
     };
     scene.settings.accelerator = Accelerator::Cwbvh;
     assert_eq!(refused(&scene), "CWBVH does not count");
@@ -109,4 +111,33 @@ fn what_cannot_be_counted_is_said() {
     // Few copies are kept one by one.
     assert!(frame.count(false).is_ok() && frame.costs().is_empty());
     assert!(frame.counted_structures().iter().all(|of| of.memory > 0));
+}
+
+/// Is asked so many times whether to go on.
+struct Impatient(AtomicI64);
+
+impl Observer for Impatient {
+    fn advanced(&self, _share: f64) {}
+
+    fn gives_up(&self) -> bool {
+        self.0.fetch_sub(1, Ordering::SeqCst) <= 1
+    }
+}
+
+/// Without a hierarchy, a batch of rays takes long, so who gives up does not wait for all of them.
+#[test]
+fn counting_stops_between_two_rays() {
+    let mut scene = small(Integrator::Distributed);
+    scene.settings.accelerator = Accelerator::None;
+    scene.settings.set_camera_samples(1);
+    let mut frame = FrameScene::build(&scene, 0, Isa::best()).unwrap();
+    frame.count(true).unwrap();
+    let plan = Plan::new(&scene);
+    let film = Film::new(Area::whole(29, 23), plan.needs_spreads()).unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let observer = Impatient(AtomicI64::new(20));
+    let exposed = pool.install(|| render(&frame, &plan, film, &observer));
+    assert!(!exposed.is_complete);
+    let counted = frame.costs().iter().filter(|costs| **costs != [0; 2]).count();
+    assert!((1..20).contains(&counted), "{counted} pixels");
 }

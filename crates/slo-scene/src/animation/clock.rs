@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::description::{CamSegment, Camera};
+use crate::format::Short;
 
 use super::mix::mix;
 
@@ -179,7 +180,8 @@ impl Shutter {
 
 impl fmt::Display for SegmentFrames {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, video: [start, end], first, last } = self;
+        let Self { name, video, first, last } = self;
+        let [start, end] = video.map(Short);
         write!(f, "`{name}` {start} s to {end} s, ")?;
         match last.saturating_sub(*first) {
             ..0 => write!(f, "no frame"),
@@ -194,7 +196,8 @@ impl fmt::Display for NoSegment {
         write!(
             f,
             "frame {} ({} s of the video) lies in no camera segment; the camera has:",
-            self.frame, self.time
+            self.frame,
+            Short(self.time)
         )?;
         self.segments.iter().try_for_each(|segment| write!(f, "\n  {segment}"))
     }

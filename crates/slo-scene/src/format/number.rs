@@ -1,5 +1,7 @@
 //! Numbers, and what a word that is not a number was meant to be.
 
+use std::fmt::{self, Display, Formatter};
+
 /// Why a word is no number, in words for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NumberError {
@@ -103,6 +105,20 @@ fn parse_number_quietly(word: &str) -> bool {
     word.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b)) && word.parse::<f64>().is_ok()
 }
 
+/// A number as messages show it: `25`, `0.04`, and `1e-300` where it would have hundreds of digits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Short(pub f64);
+
+impl Display for Short {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self(number) = *self;
+        match number.abs() {
+            0.0 | 1e-5..1e16 => write!(f, "{number}"),
+            _ => write!(f, "{number:e}"),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,6 +140,14 @@ mod tests {
             assert!(looks_like_number(word), "{word}");
             assert_eq!(parse_number(word), Ok(value), "{word}");
         }
+    }
+
+    #[test]
+    fn numbers_of_any_size_are_short() {
+        let shown = [0.0, 25.0, 0.04, -12.5, 1e-5, 1e15].map(|number| Short(number).to_string());
+        assert_eq!(shown, ["0", "25", "0.04", "-12.5", "0.00001", "1000000000000000"]);
+        let shown = [1e-300, -2.5e300, 1e16, 9e-6].map(|number| Short(number).to_string());
+        assert_eq!(shown, ["1e-300", "-2.5e300", "1e16", "9e-6"]);
     }
 
     fn help(word: &str) -> String {

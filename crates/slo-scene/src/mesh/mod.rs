@@ -21,6 +21,10 @@ mod warnings;
 /// smooth mesh, at the highest.
 pub(crate) const BYTES_OF_BYTE: u64 = 2;
 
+/// Bytes that reading placements takes for each byte of their file, while the columns grow: three numbers of four
+/// bytes become three of eight.
+pub(crate) const BYTES_OF_PLACED_BYTE: u64 = 4;
+
 pub use data::{LoadedMesh, Mesh};
 pub(crate) use load::{BYTE_ORDER_MARK, extension, kind, load_placements};
 pub use load::{load, load_shape};

@@ -30,7 +30,7 @@ pub(super) struct Frames {
     /// What has a structure of its own, because it is likely to be moved.
     apart: Option<String>,
     /// Why costs can't be counted.
-    uncounted: Option<&'static str>,
+    uncounted: Option<String>,
 }
 
 impl Frames {
@@ -40,8 +40,8 @@ impl Frames {
     }
 
     /// Why costs can't be counted.
-    pub(super) fn uncounted(&self) -> Option<&'static str> {
-        self.uncounted
+    pub(super) fn uncounted(&self) -> Option<&str> {
+        self.uncounted.as_deref()
     }
 
     /// Makes a frame of a scene for a purpose, unless it is there.
@@ -58,7 +58,8 @@ impl Frames {
             Some((frame, last)) if last == purpose => frame,
             last => {
                 let mut frame = self.changed(last, scene, number, isa, &purpose)?;
-                self.uncounted = if purpose.counts { frame.count(true).err() } else { None };
+                let refused = purpose.counts.then(|| frame.count(true).err()).flatten();
+                self.uncounted = refused.map(|error| error.to_string());
                 frame
             }
         };

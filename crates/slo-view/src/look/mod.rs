@@ -132,7 +132,7 @@ impl Looker {
     }
 
     /// Why the overlay can't be shown.
-    pub(crate) fn overlay_fault(&self) -> Option<&'static str> {
+    pub(crate) fn overlay_fault(&self) -> Option<&str> {
         self.frames.uncounted()
     }
 

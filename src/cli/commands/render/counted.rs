@@ -7,11 +7,12 @@ use serde_json::{Map, Value, json};
 
 use super::done::Times;
 use crate::cli::base::{Exit, Problem};
+use crate::cli::files::load;
 use crate::cli::options::Job;
 use slo_accel::study::{COST_OF_STEP, COST_OF_TEST, Counts, Statistics as Structure, Totals};
 use slo_picture::film::{Area, Film};
 use slo_picture::output::{check_writable, open_regular, write_atomically};
-use slo_render::frame::{CountedStructure, FrameScene};
+use slo_render::frame::{CountedStructure, FrameError, FrameScene};
 use slo_render::integrator::RayKind;
 use slo_render::render::Statistics;
 use slo_scene::SceneDescription;
@@ -34,9 +35,12 @@ pub(super) fn begin(job: &Job, frame: &mut FrameScene) -> Result<(), Problem> {
     if !job.maps.counts_rays() {
         return Ok(());
     }
-    frame.count(job.maps.cost.is_some()).map_err(|why| {
-        let option = if job.maps.counts.is_some() { "--count" } else { "--cost-map" };
-        Problem::new(Exit::Usage, format!("{option}: {why}"))
+    frame.count(job.maps.cost.is_some()).map_err(|error| match error {
+        FrameError::Uncounted { reason } => {
+            let option = if job.maps.counts.is_some() { "--count" } else { "--cost-map" };
+            Problem::new(Exit::Usage, format!("{option}: {reason}"))
+        }
+        other => load::no_frame(other),
     })
 }
 
@@ -89,6 +93,7 @@ impl Counted {
                 "rays": rays,
                 "seconds": {
                     "building": times.building.as_secs_f64(),
+                    "photons": times.photons.as_secs_f64(),
                     "rendering_and_counting": times.rendering.as_secs_f64(),
                 },
                 "structures": structures,

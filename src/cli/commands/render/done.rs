@@ -14,6 +14,8 @@ use slo_render::render::Statistics;
 pub(super) struct Times {
     pub(super) loading: Duration,
     pub(super) building: Duration,
+    /// Of the photons, before and between samples.
+    pub(super) photons: Duration,
     pub(super) rendering: Duration,
     pub(super) writing: Duration,
 }
@@ -22,13 +24,14 @@ impl Times {
     /// Adds the times of a frame, except loading: the scene is loaded once for all frames.
     pub(super) fn add(&mut self, frame: &Self) {
         self.building += frame.building;
+        self.photons += frame.photons;
         self.rendering += frame.rendering;
         self.writing += frame.writing;
     }
 
     /// Returns the time of all phases.
     pub(super) fn total(&self) -> Duration {
-        self.loading + self.building + self.rendering + self.writing
+        self.loading + self.building + self.photons + self.rendering + self.writing
     }
 }
 

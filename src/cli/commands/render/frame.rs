@@ -3,6 +3,7 @@
 use std::fs;
 use std::io;
 use std::path::Path;
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use super::counted::{self, Counted};
@@ -105,7 +106,8 @@ impl Studio<'_> {
             let film = &self.scene.camera.film;
             display.image(&expected.to_string_lossy(), film.width, film.height)
         });
-        let watch = Watch { progress, checkpoint, guide_file, display, is_lost };
+        let photons = Mutex::default();
+        let watch = Watch { progress, checkpoint, guide_file, display, photons, is_lost };
         let start = Instant::now();
         let built = desk.frame(self.job, self.scene, frame)?;
         let built = match watch.guide_file.read()? {
@@ -129,10 +131,12 @@ impl Studio<'_> {
         let start = Instant::now();
         let size = Size::of(&built);
         let (exposed, steps) = self.expose(&built, film, budget, &watch);
-        let rendering = start.elapsed();
-        let checkpoint = watch.checkpoint;
+        let all = start.elapsed();
+        let Watch { checkpoint, photons, .. } = watch;
+        let photons = photons.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let rendering = all.saturating_sub(photons);
         let Exposed { film, statistics, is_complete } = exposed;
-        let times = Times { building, rendering, ..Times::default() };
+        let times = Times { building, photons, rendering, ..Times::default() };
         let counted = Counted::of(self.job, self.scene, frame, &built, &statistics, &times);
         desk.before = Some(built);
         if !is_complete && self.is_stale() && !interrupt::requested() {
@@ -157,7 +161,7 @@ impl Studio<'_> {
         let Taken { frame, film, steps, checkpoint, end, times, statistics, size, counted } = taken;
         let start = Instant::now();
         end.release();
-        let path = self.target.path(frame, times.rendering);
+        let path = self.target.path(frame, times.photons + times.rendering);
         let full_pixels = film.full_pixels();
         let (outcome, beside) =
             self.put_in_place(frame, film, steps, &path, &checkpoint, counted)?;
@@ -219,10 +223,13 @@ impl Studio<'_> {
         let layers = &self.scene.camera.film.layers;
         let of_pixels =
             layers.iter().filter(|layer| matches!(layer, Layer::Samples | Layer::Error));
+        let film = &self.scene.camera.film;
+        let pixels = u64::from(film.width) * u64::from(film.height);
         let beside = Beside {
             maps: !self.job.maps.is_empty(),
             states: self.job.keep_state,
             images: of_pixels.count() as u64,
+            counted_pixels: self.job.maps.cost.as_ref().map_or(0, |_| pixels),
         };
         Needs::of(&subject, format, pictures, beside)
     }
@@ -357,6 +364,8 @@ struct Watch<'a> {
     checkpoint: Checkpoint,
     guide_file: GuideFile,
     display: Option<DisplayedImage<'a>>,
+    /// Time that went into photons.
+    photons: Mutex<Duration>,
     is_lost: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -367,6 +376,11 @@ impl Observer for Watch<'_> {
 
     fn resumed(&self, share: f64) {
         self.progress.resumed(share);
+    }
+
+    fn prepared(&self, time: Duration, share: f64) {
+        *self.photons.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) += time;
+        self.progress.prepared(time, share);
     }
 
     fn learned(&self, field: &Field) {

@@ -107,7 +107,7 @@ impl Summary {
 
     fn details(&self, scene: &SceneDescription) -> Vec<String> {
         let Statistics { camera_rays, shadow_rays, bounce_rays, .. } = self.statistics;
-        let Times { loading, building, rendering, writing } = self.times;
+        let Times { loading, building, photons: tracing, rendering, writing } = self.times;
         let film = &scene.camera.film;
         let pixels = f64::from(film.width) * f64::from(film.height) * self.frames as f64;
         let Settings { accelerator, spatial_splits, .. } = scene.settings;
@@ -120,8 +120,12 @@ impl Summary {
         });
         let refused = self.refused.as_ref();
         let refused = refused.map(|why| format!("not all frames were built ahead: {why}"));
+        let tracing = match tracing {
+            Duration::ZERO => String::new(),
+            _ => format!("photons {}, ", human(tracing)),
+        };
         let phases = format!(
-            "loading {}, building {}, rendering {}, writing {}",
+            "loading {}, building {}, {tracing}rendering {}, writing {}",
             human(loading),
             human(building),
             human(rendering),

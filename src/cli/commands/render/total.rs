@@ -166,7 +166,7 @@ impl Run<'_> {
         let (width, height) = (film.width, film.height);
         let steps = done.steps.unwrap_or_default();
         let before = done.times.building.as_secs_f64();
-        let sampling = done.times.rendering.as_secs_f64();
+        let sampling = (done.times.photons + done.times.rendering).as_secs_f64();
         Visit {
             done: steps.done,
             further: steps.further(width, height),

@@ -6,6 +6,8 @@
 use std::fmt;
 use std::io;
 
+use slo_scene::memory;
+
 /// Pixels that any picture may have: 8K UHD fits.
 const MOST_PIXELS: u64 = 1 << 25;
 /// Pixels for each byte of a larger file: rendered pictures have far fewer.
@@ -22,8 +24,8 @@ pub enum ReadError {
     TooLarge {
         /// Columns and rows of the picture.
         size: [u64; 2],
-        /// Bytes that it needs.
-        bytes: u64,
+        /// What it needs, and what there is.
+        needs: String,
     },
 }
 
@@ -32,11 +34,9 @@ impl fmt::Display for ReadError {
         match self {
             Self::Io(error) => write!(f, "{error}"),
             Self::Bad(why) => f.write_str(why),
-            Self::TooLarge { size: [width, height], bytes } => write!(
-                f,
-                "not enough memory: its {width}x{height} pixels need {:.1} GB",
-                *bytes as f64 / 1e9
-            ),
+            Self::TooLarge { size: [width, height], needs } => {
+                write!(f, "not enough memory: its {width}x{height} pixels need {needs}")
+            }
         }
     }
 }
@@ -69,13 +69,16 @@ pub(super) fn pixels(size: [u64; 2], file_bytes: u64) -> Result<Vec<[f32; 3]>, R
             bytes(file_bytes)
         )));
     }
-    let too_large = ReadError::TooLarge { size, bytes: count.saturating_mul(12) };
-    let Ok(len) = usize::try_from(count) else { return Err(too_large) };
+    let needed = count.saturating_mul(12);
+    memory::check(needed)
+        .map_err(|refusal| ReadError::TooLarge { size, needs: refusal.to_string() })?;
     let mut pixels = Vec::new();
-    if pixels.try_reserve_exact(len).is_err() {
-        return Err(too_large);
+    let has_room = usize::try_from(count).is_ok_and(|len| pixels.try_reserve_exact(len).is_ok());
+    if !has_room {
+        let needs = format!("{:.1} GB", needed as f64 / 1e9);
+        return Err(ReadError::TooLarge { size, needs });
     }
-    pixels.resize(len, [0.0; 3]);
+    pixels.resize(count as usize, [0.0; 3]);
     Ok(pixels)
 }
 
