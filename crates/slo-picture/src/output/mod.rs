@@ -17,8 +17,8 @@ mod state;
 
 pub use existing::{Found, find_picture, find_state, find_timed_picture, made_by_others};
 pub use file::{
-    check_free, check_writable, open_regular, remove_abandoned, remove_leftovers, write_atomically,
-    write_new,
+    check_free, check_writable, open_regular, remove_abandoned, remove_leftovers, sweep_abandoned,
+    write_atomically, write_new,
 };
 pub use format::{
     Crop, KEYWORD, Picture, Raster, ReadError, RecipeError, Values, claimed_pixels,

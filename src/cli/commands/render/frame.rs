@@ -22,7 +22,7 @@ use crate::cli::system::room::{Beside, Needs};
 use crate::cli::system::{interrupt, patience};
 use slo_picture::film::Steps;
 use slo_picture::film::{Film, TooLarge};
-use slo_picture::output::{Outcome, check_free, check_writable, remove_leftovers};
+use slo_picture::output::{Outcome, check_free, check_writable, remove_leftovers, sweep_abandoned};
 use slo_render::frame::FrameScene;
 use slo_render::guiding::Field;
 use slo_render::render::{Budget, Exposed, Observer, Statistics, render, render_until};
@@ -286,10 +286,21 @@ impl Studio<'_> {
         self.checkpoint(frame).remove();
     }
 
-    /// Removes the states of unfinished runs of these frames, which are all finished: another process
-    /// has finished what such a run began, or it was killed between writing the picture and removing
-    /// the state.
-    pub(super) fn sweep_checkpoints(&self, frames: &[i64]) {
+    /// Removes what unfinished runs of these frames have left, which are all finished: states, and
+    /// the temporary files of writers that were killed when others had finished the frame.
+    pub(super) fn sweep(&self, frames: &[i64]) {
+        self.sweep_checkpoints(frames);
+        let written = frames.iter().flat_map(|&frame| {
+            let path = self.target.plain_path(frame);
+            let state = unfinished(&path, &self.target.subject(frame), self.job.is_timed());
+            [path, state]
+        });
+        sweep_abandoned(&self.job.outdir, written);
+    }
+
+    /// Removes the states of unfinished runs of these frames: another process has finished what such
+    /// a run began, or it was killed between writing the picture and removing the state.
+    fn sweep_checkpoints(&self, frames: &[i64]) {
         let left = states_in(&self.job.outdir);
         if left.is_empty() {
             return;

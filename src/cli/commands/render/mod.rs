@@ -118,7 +118,7 @@ fn render(
     result?;
     let studio = run.end()?;
     left.sweep();
-    studio.sweep_checkpoints(&frames);
+    studio.sweep(&frames);
     Ok(())
 }
 

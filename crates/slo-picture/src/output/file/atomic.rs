@@ -1,8 +1,9 @@
 //! Files that are complete or absent.
 
+use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile};
@@ -88,14 +89,44 @@ pub fn write_new(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -
 /// Removes the temporary files of writers of `path` that were killed: those that nobody has locked, and
 /// that have not changed for a minute.
 pub fn remove_abandoned(path: &Path) {
-    let is_abandoned = |file: &Path| {
-        let Ok(file) = File::open(file) else { return false };
-        let age = file.metadata().and_then(|data| data.modified()).map(|time| time.elapsed());
-        // Its writer may be about to lock it.
-        let is_old = age.is_ok_and(|age| age.is_ok_and(|age| age > STARTING));
-        is_old && file.try_lock().is_ok()
-    };
     remove(path, is_abandoned);
+}
+
+/// Does the same for all of these `paths` in a folder, which is read once. The paths are asked for only if there
+/// is a temporary file.
+pub fn sweep_abandoned(folder: &Path, paths: impl IntoIterator<Item = PathBuf>) {
+    let left = temporaries_in(folder, "");
+    if left.is_empty() {
+        return;
+    }
+    let ours: HashSet<String> = paths.into_iter().map(|path| temporary_beginning(&path)).collect();
+    for file in left {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let is_ours = name.rfind('-').is_some_and(|end| ours.contains(&name[..=end]));
+        if is_ours && is_abandoned(&file) {
+            let _ = fs::remove_file(file);
+        }
+    }
+}
+
+/// Whether nobody writes a temporary file any more.
+fn is_abandoned(file: &Path) -> bool {
+    let Ok(file) = File::open(file) else { return false };
+    let age = file.metadata().and_then(|data| data.modified()).map(|time| time.elapsed());
+    // Its writer may be about to lock it.
+    let is_old = age.is_ok_and(|age| age.is_ok_and(|age| age > STARTING));
+    is_old && file.try_lock().is_ok()
+}
+
+/// The temporary files in a folder whose names have this beginning.
+fn temporaries_in(folder: &Path, beginning: &str) -> Vec<PathBuf> {
+    let is_temporary = |name: &str| {
+        name.starts_with(START) && name.starts_with(beginning) && name.ends_with(TEMPORARY_END)
+    };
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let entries = entries.filter(|entry| entry.file_name().to_str().is_some_and(is_temporary));
+    entries.map(|entry| entry.path()).collect()
 }
 
 /// Removes the temporary files of writers of `path` that were killed. A writer that is still at work
@@ -106,12 +137,9 @@ pub fn remove_leftovers(path: &Path) {
 
 /// Removes those temporary files of writers of `path` for which `is_one` holds.
 fn remove(path: &Path, is_one: impl Fn(&Path) -> bool) {
-    let beginning = temporary_beginning(path);
-    let is_temporary = |name: &str| name.starts_with(&beginning) && name.ends_with(TEMPORARY_END);
-    for entry in fs::read_dir(folder(path)).into_iter().flatten().flatten() {
-        let is_temporary = entry.file_name().to_str().is_some_and(is_temporary);
-        if is_temporary && is_one(&entry.path()) {
-            let _ = fs::remove_file(entry.path());
+    for file in temporaries_in(folder(path), &temporary_beginning(path)) {
+        if is_one(&file) {
+            let _ = fs::remove_file(file);
         }
     }
 }
@@ -119,13 +147,15 @@ fn remove(path: &Path, is_one: impl Fn(&Path) -> bool) {
 /// Time in which a writer has locked its new file for sure.
 const STARTING: Duration = Duration::from_secs(60);
 
+/// How temporary names begin and end.
+const START: &str = ".slo-rt-";
 const TEMPORARY_END: &str = ".part";
 
 /// The beginning of temporary names: a hash of the final name, which may be as long as names can be.
 fn temporary_beginning(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().as_encoded_bytes();
     let hash = blake3::hash(name).to_hex();
-    format!(".slo-rt-{}-", &hash[..8])
+    format!("{START}{}-", &hash[..8])
 }
 
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
@@ -231,6 +261,27 @@ mod tests {
         write_atomically(&path, |file| file.write_all(b"new")).unwrap();
         assert_eq!(names(folder.path()).len(), 3);
         assert!(slow.path().exists() && path.exists());
+    }
+
+    #[test]
+    fn what_killed_writers_left_of_several_files_can_be_swept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let long_ago = std::time::SystemTime::now() - 2 * STARTING;
+        for (name, is_old) in
+            [("a.png", true), ("b.png", true), ("a.state", false), ("c.png", true)]
+        {
+            let left = temporary_beside(&path(name)).unwrap().keep().unwrap().0;
+            if is_old {
+                left.set_modified(long_ago).unwrap();
+            }
+        }
+        assert_eq!(names(folder.path()).len(), 4);
+        sweep_abandoned(folder.path(), ["a.png", "a.state", "b.png"].map(path));
+        // One is too young, and one is of another file.
+        assert_eq!(names(folder.path()).len(), 2);
+        sweep_abandoned(folder.path(), ["c.png"].map(path));
+        assert_eq!(names(folder.path()).len(), 1);
     }
 
     #[test]
