@@ -379,17 +379,16 @@ impl<Q: Question> Lanewise for TakePackets<'_, Q> {
                 continue;
             }
             content.inverse.neighbours(batch.rays, first, &mut sixteen);
-            let mut to = local.rays.len();
-            local.rays.set_len(to + set.count_ones() as usize);
+            let end = local.rays.len();
+            local.rays.set_len(end + set.count_ones() as usize);
             let Rays { origin, direction, t_max, .. } = &mut local.rays;
-            for neighbour in lanes_of(set) {
+            for (to, neighbour) in (end..).zip(lanes_of(set)) {
                 for axis in 0..3 {
                     origin[axis][to] = sixteen[axis][neighbour];
                     direction[axis][to] = sixteen[3 + axis][neighbour];
                 }
                 t_max[to] = question.end(first + neighbour, content.number);
                 local.time.push(batch.time[first + neighbour]);
-                to += 1;
             }
         }
     }

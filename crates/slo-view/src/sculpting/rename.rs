@@ -18,7 +18,7 @@ pub(crate) fn named(text: &str, name: &str, file: &str) -> Result<Vec<Edit>, Str
     if part.value("filename").is_none() {
         return Err(format!("`{name}` changes its shape, so its vertices can't be moved here"));
     }
-    let mut edits = part.set("filename", &written(file).to_string());
+    let mut edits = part.set("filename", &written(file));
     edits.extend(part.without("filename", 1));
     // The file has this size already.
     edits.extend(part.without("fit", 0));

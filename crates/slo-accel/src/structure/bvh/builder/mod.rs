@@ -3,7 +3,7 @@
 //!
 //! First comes a binary hierarchy, built by binned SAH ([`binary`]); on request, triangles are cut
 //! ([`spatial`]). Dynamic programming decides the fate of its nodes ([`plan`]), which are then
-//! [collapsed](collapse). Triangles that have moved a little since may [keep](refit) their hierarchy.
+//! [collapsed](collapse). Triangles that have moved a little since may [keep](mod@refit) their hierarchy.
 
 mod binary;
 mod bins;
