@@ -192,6 +192,13 @@ const tests = {
     await page.waitForFunction(() => document.getElementById("differences").textContent.includes("scale { 1.1 1.1 1.1 }"), null, waits);
     await change(page, () => page.locator("#undo").click());
     await page.locator('[data-mode="move"]').click();
+    // What has the focus can go away.
+    await z.focus();
+    await page.evaluate(() => fetch("do", { method: "POST", body: JSON.stringify({ do: "pick", at: [0.5, 0.02] }) }));
+    await page.waitForFunction(() => !document.querySelector("[data-handle]"), null, waits);
+    await page.locator("#thing").selectOption("ball");
+    await z.waitFor();
+    assert.deepEqual(page.wrong, []);
   },
 
   async "a pixel says what it is made of"(page) {
@@ -411,28 +418,30 @@ async function measure(url, shown) {
     `in the program ${at(made, 0.5)} and ${at(made, 0.95)} ms`);
   await page.evaluate(() => fetch("do", { method: "POST", body: JSON.stringify({ do: "show", share: 0.5 }) }));
   const before = processor(shown);
-  const { pictures, seconds } = await page.evaluate(async () => {
+  const { pictures, sizes, seconds } = await page.evaluate(async () => {
     const begin = performance.now();
     const pictures = new Set();
+    const sizes = new Set();
     let last = begin;
     let moves = true;
     const watch = new MutationObserver(() => {
       pictures.add(document.body.dataset.picture);
+      sizes.add(document.getElementById("fact-size").textContent);
       last = performance.now();
     });
     watch.observe(document.body, { attributes: true });
+    // As in a drag: a move for each frame of the screen, when the last one was answered.
     while (moves) {
       const answer = await fetch("do", { method: "POST", body: JSON.stringify({ do: "orbit", by: [0.01, 0] }) });
-      const { picture } = await answer.json();
-      // The page asks for the next move when the picture of the last one is there.
-      while (Number(document.body.dataset.picture) < picture) await new Promise((done) => setTimeout(done, 1));
+      await answer.json();
+      await new Promise(requestAnimationFrame);
       moves = performance.now() - begin < 8000;
     }
     watch.disconnect();
-    return { pictures: pictures.size, seconds: (last - begin) / 1000 };
+    return { pictures: pictures.size, sizes: [...sizes], seconds: (last - begin) / 1000 };
   });
   const took = ((processor(shown) - before) / pictures) * 1000;
-  console.log(`${(pictures / seconds).toFixed(1)} drafts a second while orbiting, each ${took.toFixed(1)} ms of processor time; load ${loads()}`);
+  console.log(`${(pictures / seconds).toFixed(1)} drafts a second while orbiting, each ${took.toFixed(1)} ms of processor time; load ${loads()}; ${sizes.join("; ")}`);
 }
 
 /** Memory of a process, in MB. */
@@ -450,7 +459,7 @@ async function random(url, minutes) {
   };
   const page = await open(url);
   page.setDefaultTimeout(3000);
-  const counts = { actions: 0, saves: 0 };
+  const counts = { actions: 0, saves: 0, vertices: 0 };
   const somewhere = () => point(page, next(100) / 100, next(100) / 100);
   const of = async (selector) => {
     const all = await page.locator(selector).all();
@@ -463,6 +472,15 @@ async function random(url, minutes) {
     await page.mouse.up();
   };
   const values = ["0", "1", "0.5", "2", "-1", "x", "1 2 3", ".2 .4 .8", "", "1e9", "{", "matte"];
+  const save = async () => {
+    await page.keyboard.press("Control+s");
+    counts.saves += 1;
+    // A text with errors is not saved.
+    if (await page.locator("#save-dialog[open]").count()) {
+      await page.keyboard.press("Escape");
+      await page.locator("#undo").click();
+    }
+  };
   const acts = [
     async () => drag(await somewhere(), await somewhere()),
     async () => page.mouse.click(...(await somewhere())),
@@ -488,14 +506,26 @@ async function random(url, minutes) {
       if (tip) await drag([tip.x + tip.width / 2, tip.y + tip.height / 2], await somewhere());
     },
     async () => {
-      await page.keyboard.press("Control+s");
-      counts.saves += 1;
-      // A text with errors is not saved.
-      if (await page.locator("#save-dialog[open]").count()) {
-        await page.keyboard.press("Escape");
-        await page.locator("#undo").click();
-      }
+      // Things of another scene; not without end.
+      if ((await page.locator("#thing option").count()) > 40) return;
+      await page.locator("#other-file").fill("other.txt");
+      await page.locator("#other-open").click();
+      for (const box of await page.locator("#other input[type=checkbox]").all()) if (next(2)) await box.check();
+      await page.locator("#other-take").click();
+      await page.locator("#other-close").click();
     },
+    async () => {
+      // A vertex of a mesh.
+      const meshes = await page.locator("#thing option").evaluateAll((all) => all.map(({ value }) => value).filter((value) => value.startsWith("flag")));
+      if (meshes.length === 0) return;
+      await page.locator("#thing").selectOption(meshes[next(meshes.length)]);
+      if (!(await page.locator("[data-vertex]").count())) await page.locator("#vertices-button").click();
+      await (await of("[data-vertex]"))?.click();
+      await (await of("[data-handle]"))?.focus();
+      await page.keyboard.press(["Shift+ArrowUp", "ArrowDown"][next(2)]);
+      counts.vertices += 1;
+    },
+    save,
     async () => page.keyboard.press(next(3) ? "Control+z" : "Control+Shift+z"),
     async () => page.mouse.wheel(0, next(400) - 200),
   ];
@@ -506,6 +536,8 @@ async function random(url, minutes) {
     counts.actions += 1;
     // What can't be done just now is not done.
     await acts[next(acts.length)]().catch(() => {});
+    // As somebody does who saves often.
+    if (next(8) === 0) await save().catch(() => {});
     if (before === null && Date.now() - begin > Math.min(60_000, minutes * 12_000)) before = memory(child);
   }
   assert.deepEqual(page.wrong.filter((wrong) => !/40[0-9]|429/.test(wrong)), [], "the page does not complain");
@@ -514,7 +546,7 @@ async function random(url, minutes) {
   const check = spawnSync(resolve(program), ["--check", "-s", file], { encoding: "utf8" });
   assert.equal(check.status, 0, check.stderr);
   const grown = memory(child) - before;
-  console.log(`${counts.actions} actions and ${counts.saves} saves in ${minutes} minutes; memory ${before.toFixed(0)} MB, grown by ${grown.toFixed(1)} MB`);
+  console.log(`${counts.actions} actions, ${counts.vertices} on vertices, and ${counts.saves} saves in ${minutes} minutes; memory ${before.toFixed(0)} MB, grown by ${grown.toFixed(1)} MB`);
   assert(grown < 50, "memory does not grow");
 }
 

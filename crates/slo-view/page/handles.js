@@ -98,8 +98,9 @@ export class Handles {
     }
     for (const [name, shape] of this.shapes) {
       if (!keep.has(name)) {
-        shape.remove();
+        // First forgotten: a handle that has the focus is drawn again as it loses it.
         this.shapes.delete(name);
+        shape.remove();
       }
     }
     if (!this.#shown) this.label.textContent = "";

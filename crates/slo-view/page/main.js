@@ -22,6 +22,8 @@ function say(text) {
 
 /** How long a refusal stays, whatever else there is to say, in milliseconds. */
 const REFUSAL = 4000;
+/** Least time between two states of the scene, in milliseconds: while something is dragged, the picture goes first. */
+const STATE = 60;
 
 function answered(answer) {
   known.refused = answer?.refused ? { text: answer.refused, at: performance.now() } : null;
@@ -51,23 +53,31 @@ screen.placed = () => {
   vertices.draw();
 };
 
-follow("picture", async (answer) => {
-  const facts = await screen.draw(answer);
-  known.facts = facts;
-  showFacts(facts, Number($("noise").value));
-  // Tests and the curious can read what is on the screen.
-  Object.assign(document.body.dataset, { picture: facts.picture, number: facts.number, ms: facts.ms, done: facts.done });
-  played(facts);
-  return facts.number;
-}, lost);
+follow("picture", 0, {
+  read: async (answer) => {
+    const facts = JSON.parse(answer.headers.get("slo-facts"));
+    return { number: facts.number, facts, file: await answer.blob() };
+  },
+  use: async ({ facts, file }) => {
+    await screen.draw(facts, file);
+    known.facts = facts;
+    showFacts(facts, Number($("noise").value));
+    // Tests and the curious can read what is on the screen.
+    Object.assign(document.body.dataset, { picture: facts.picture, number: facts.number, ms: facts.ms, done: facts.done });
+    played(facts);
+  },
+  lost,
+});
 
-follow("state", async (answer) => {
-  const { number, scene, finish } = await answer.json();
-  if (scene) show(scene);
-  const failed = showFinish(finish);
-  if (failed) say(failed);
-  return number;
-}, lost);
+follow("state", STATE, {
+  read: (answer) => answer.json(),
+  use: ({ scene, finish }) => {
+    if (scene) show(scene);
+    const failed = showFinish(finish);
+    if (failed) say(failed);
+  },
+  lost,
+});
 
 function lost() {
   say("The program does not answer. Has it ended?");

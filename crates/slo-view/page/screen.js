@@ -11,10 +11,9 @@ export class Screen {
     new ResizeObserver(() => this.place()).observe(stage);
   }
 
-  /** Draws an answer of the server; returns the facts about the picture. */
-  async draw(answer) {
-    const facts = JSON.parse(answer.headers.get("slo-facts"));
-    const image = await createImageBitmap(await answer.blob());
+  /** Draws a file with a picture. */
+  async draw(facts, file) {
+    const image = await createImageBitmap(file);
     const { canvas } = this;
     const isNew = canvas.width !== facts.width || canvas.height !== facts.height;
     if (isNew) [canvas.width, canvas.height] = [facts.width, facts.height];
@@ -23,7 +22,6 @@ export class Screen {
     context.drawImage(image, 0, 0, facts.width, facts.height);
     image.close();
     if (isNew) this.place();
-    return facts;
   }
 
   /** Sets the zoom, in pixels of the screen for a pixel; 0 fits the picture. `at` stays where it is. */

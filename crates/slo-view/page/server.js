@@ -10,14 +10,26 @@ export async function ask(command) {
   }
 }
 
-/** Calls `use` with each answer to a request that waits for news, for ever. */
-export async function follow(path, use, lost) {
+/**
+ * Asks for news for ever. `read` takes an answer apart: what it returns has its `number`. `use` gets that, while the
+ * next news are already waited for; news come at most once in `least` milliseconds.
+ */
+export async function follow(path, least, { read, use, lost }) {
   let after = 0;
+  let used = Promise.resolve();
   for (;;) {
     try {
+      const asked = performance.now();
       const answer = await fetch(`${path}?after=${after}`);
-      if (answer.status === 200) after = (await use(answer)) ?? after;
-      else if (answer.status !== 204) await pause(500);
+      if (answer.status === 200) {
+        const news = await read(answer);
+        after = news.number;
+        await used;
+        used = (async () => use(news))().catch(console.error);
+        await pause(least - (performance.now() - asked));
+      } else if (answer.status !== 204) {
+        await pause(500);
+      }
     } catch {
       lost();
       await pause(1000);
@@ -54,6 +66,6 @@ export class Moves {
   }
 }
 
-function pause(ms) {
-  return new Promise((resolve) => setTimeout(resolve, ms));
+async function pause(ms) {
+  if (ms > 0) await new Promise((resolve) => setTimeout(resolve, ms));
 }

@@ -72,8 +72,8 @@ export class Vertices {
     }
     for (const [index, shape] of this.shapes) {
       if (!keep.has(index)) {
-        shape.remove();
         this.shapes.delete(index);
+        shape.remove();
       }
     }
     if (!keep.has(this.#current)) this.#current = [...keep][0] ?? null;

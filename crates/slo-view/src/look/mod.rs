@@ -82,6 +82,10 @@ pub(crate) struct Looker {
     since: Instant,
     /// Counts changes of the picture.
     picture: u64,
+    /// Whether the next change is expected soon.
+    is_moving: bool,
+    /// Whether the first picture after a change has just been made, while the next change is expected.
+    is_followed: bool,
     statistics: Statistics,
     seconds: f64,
 }
@@ -101,6 +105,8 @@ impl Looker {
             cost: 1e-6,
             since: Instant::now(),
             picture: 0,
+            is_moving: false,
+            is_followed: false,
             statistics: Statistics::default(),
             seconds: 0.0,
         }
@@ -153,6 +159,11 @@ impl Looker {
         self.stage == Stage::Done
     }
 
+    /// Whether it is better to wait a little for the next change than to make the picture finer.
+    pub(crate) fn is_followed(&self) -> bool {
+        self.is_followed
+    }
+
     /// Begins a picture of a size. `is_moving`: whether the next change is expected soon.
     pub(crate) fn begin(&mut self, scene: &SceneDescription, is_moving: bool) {
         let budget = if is_moving { FOLLOWING } else { FIRST };
@@ -169,6 +180,7 @@ impl Looker {
         self.film = Film::default();
         self.since = Instant::now();
         self.picture += 1;
+        (self.is_moving, self.is_followed) = (is_moving, false);
         self.coarse = None;
         (self.statistics, self.seconds) = (Statistics::default(), 0.0);
     }
@@ -188,6 +200,7 @@ impl Looker {
         show: &(dyn Fn(Shot) + Sync),
     ) -> Result<Option<Shot>, Fault> {
         let pool = self.pool.clone();
+        self.is_followed = std::mem::take(&mut self.is_moving);
         match self.stage {
             Stage::Done => Ok(None),
             Stage::Coarse(by) => pool.install(|| self.coarse(scene, number, by, stop)),
@@ -396,4 +409,33 @@ impl Looker {
 
 fn samples(film: &Film) -> f64 {
     film.pixels().iter().map(|pixel| f64::from(pixel.samples)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use slo_scene::{Files, load};
+
+    use super::*;
+
+    #[test]
+    fn a_draft_that_another_one_follows_is_not_made_finer_at_once() {
+        let text = "Camera c { fps 10 Film f { width 48 height 32 prefix a_ output PNG_IMAGE }
+            CamSegment all { videoStart 0 videoEnd 2 addPosition { 0 -5 1 } addTarget { 0 0 0 } fovStart .4 } }
+            light_point lamp { color { 1 1 1 } position { 2 -3 4 } }
+            phong_info grey { diffuse { .5 .5 .5 } } material_phong grey { phong_info grey }
+            sphere ball { center { 0 0 1 } radius 1 material grey }";
+        let loaded = load("scene.txt", text, &Files::in_memory("", []));
+        let mut scene = loaded.scene.expect("a scene");
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+        let mut looker = Looker::new(Arc::new(pool), Isa::best());
+        for (is_moving, after) in [(false, [false; 2]), (true, [true, false])] {
+            looker.begin(&scene, is_moving);
+            assert!(!looker.is_followed(), "nothing is seen yet");
+            for is_followed in after {
+                let shot = looker.advance(&mut scene, 0, &|| false, &|_| {}).expect("a picture");
+                assert!(shot.is_some());
+                assert_eq!(looker.is_followed(), is_followed);
+            }
+        }
+    }
 }

@@ -37,6 +37,9 @@ use crate::source::Source;
 const GLANCE: Duration = Duration::from_millis(250);
 /// A change that follows another one so soon is part of a movement.
 const MOVEMENT: Duration = Duration::from_millis(400);
+/// How long the next change of a movement is waited for before the picture is made finer. The processors are the
+/// browser's meanwhile, which shows the last one.
+const BETWEEN: Duration = Duration::from_millis(25);
 
 /// What a movement of the camera is called among the changes of the text.
 const CAMERA: &str = "the camera";
@@ -150,8 +153,13 @@ impl Studio {
 
     /// How long to wait for requests before something else is done.
     fn pause(&self) -> Duration {
-        let is_idle = self.looker.is_done() || self.stage.is_none();
-        if is_idle { GLANCE } else { Duration::ZERO }
+        if self.looker.is_done() || self.stage.is_none() {
+            GLANCE
+        } else if self.looker.is_followed() {
+            BETWEEN
+        } else {
+            Duration::ZERO
+        }
     }
 
     /// Does what is asked for, with all that is waiting, and answers with the number of the picture that
