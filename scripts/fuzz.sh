@@ -9,13 +9,13 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../fuzz"
 
-all=$(cd fuzz_targets && ls -- *.rs | sed 's/\.rs$//')
-targets=() limit=(-max_total_time=60) corpus=corpus long=()
+all=$(cd src/targets && ls -- *.rs | sed '/^mod\.rs$/d; s/\.rs$//')
+targets=() limit=(-max_total_time=60) corpus=corpus long=() timeout=20
 while (($#)); do
     case $1 in
     --seconds) limit=("-max_total_time=$2") && shift ;;
     --runs) limit=("-runs=$2") && shift ;;
-    --long) long=(SLO_FUZZ_LONG=1) ;;
+    --long) long=(SLO_FUZZ_LONG=1) timeout=60 ;;
     --corpus) corpus=$(realpath -m -- "$OLDPWD/$2") && shift ;;
     --list) printf '%s\n' "$all" && exit ;;
     -*) sed -n '2,8s/^# \?//p' "../scripts/fuzz.sh" >&2 && exit 2 ;;
@@ -40,11 +40,11 @@ host=$(rustc -vV | sed -n 's/^host: //p')
 # For the host by name: build scripts and macros are then built without the marks.
 build=(cargo build --quiet --release --target "$host" --target-dir target)
 "${build[@]}" --package libfuzzer-sys || skip 'libFuzzer cannot be compiled here'
-"${build[@]}" --bins
-programs=target/$host/release
+"${build[@]}"
+program=target/$host/release/fuzz
 
 mkdir -p "$corpus" artifacts
-[[ -e $corpus/scene ]] || SLO_FUZZ_SEEDS=$corpus "$programs/seeds" >target/seeds.log 2>&1
+[[ -e $corpus/scene ]] || SLO_FUZZ_SEEDS=$corpus "$program" >target/seeds.log 2>&1
 
 # Words of the scene language, as libFuzzer takes them.
 grep -ohE '[A-Za-z_][A-Za-z_0-9]+' ../scenes/*.txt ../docs/scene-format.md ../crates/slo-scene/tests/scenes/*.txt |
@@ -55,8 +55,8 @@ for target in "${targets[@]}"; do
     mkdir -p "$corpus/$target" "artifacts/$target"
     words=()
     case $target in scene | render | edit | view | recipe) words=(-dict=target/words) ;; esac
-    env "${long[@]}" "$programs/$target" "$corpus/$target" "${limit[@]}" "${words[@]}" \
-        "-artifact_prefix=artifacts/$target/" -max_len=16384 -timeout=20 -rss_limit_mb=2048 \
+    env "${long[@]}" "SLO_FUZZ_TARGET=$target" "$program" "$corpus/$target" "${limit[@]}" "${words[@]}" \
+        "-artifact_prefix=artifacts/$target/" -max_len=16384 -timeout=$timeout -rss_limit_mb=2048 \
         -print_final_stats=1 -verbosity="${SLO_FUZZ_VERBOSITY:-0}" >"target/$target.log" 2>&1 || {
         tail -n 60 "target/$target.log"
         failed=1

@@ -1,13 +1,11 @@
 //! Finished pictures, whoever made them: pixels, layers and recipe.
-#![no_main]
 
-use libfuzzer_sys::fuzz_target;
 use slo_fuzz::{file, within_limits};
 use slo_picture::output;
 
 const RECIPE: &str = "{\n  \"program\": \"slo-rt\",\n  \"frame\": 0\n}";
 
-fuzz_target!(|data: &[u8]| {
+pub(crate) fn run(data: &[u8]) {
     within_limits(data, |data| {
         let path = file("picture", data);
         if let Ok(raster) = output::Raster::read(&path) {
@@ -25,4 +23,4 @@ fuzz_target!(|data: &[u8]| {
         output::made_by_others(&path);
         let _ = output::check_companion(&path);
     });
-});
+}

@@ -1,20 +1,18 @@
-//! A mesh in a `.obj` file, by itself and as one of several shapes.
-#![no_main]
+//! A mesh in a `.ply` file, by itself and as one of several shapes.
 
-use libfuzzer_sys::fuzz_target;
 use slo_fuzz::within_limits;
 use slo_scene::mesh;
 
-fuzz_target!(|data: &[u8]| {
+pub(crate) fn run(data: &[u8]) {
     within_limits(data, |data| {
         for smooth in [false, true] {
-            if let Ok(loaded) = mesh::load("a.obj", &mut &data[..], smooth, 0.5) {
+            if let Ok(loaded) = mesh::load("a.ply", &mut &data[..], smooth, 0.5) {
                 let mesh = loaded.mesh;
                 assert!(mesh.positions.iter().all(|position| position.is_finite()));
                 let count = mesh.positions.len();
                 assert!(mesh.faces.as_flattened().iter().all(|corner| (*corner as usize) < count));
             }
         }
-        let _ = mesh::load_shape("a.obj", &mut &data[..], true, 2.0);
+        let _ = mesh::load_shape("a.ply", &mut &data[..], true, 2.0);
     });
-});
+}

@@ -1,12 +1,10 @@
 //! States, parts and checkpoints; their checksum is put right.
-#![no_main]
 
-use libfuzzer_sys::fuzz_target;
 use slo_fuzz::{file, within_limits};
 use slo_picture::film::Merger;
 use slo_picture::output;
 
-fuzz_target!(|data: &[u8]| {
+pub(crate) fn run(data: &[u8]) {
     within_limits(data, |data| {
         let whole = [data, blake3::hash(data).as_bytes()].concat();
         let path = file("state", &whole);
@@ -26,4 +24,4 @@ fuzz_target!(|data: &[u8]| {
         }
         state.film.image();
     });
-});
+}

@@ -1,11 +1,9 @@
 //! A scene text with the files that it names: everything up to a resolved scene.
-#![no_main]
 
-use libfuzzer_sys::fuzz_target;
 use slo_fuzz::{pieces, within_limits};
 use slo_scene::{Files, load};
 
-fuzz_target!(|data: &[u8]| {
+pub(crate) fn run(data: &[u8]) {
     within_limits(data, |data| {
         let (text, files) = pieces::files(data);
         let loaded = load("scene.txt", text, &Files::in_memory("", files));
@@ -13,4 +11,4 @@ fuzz_target!(|data: &[u8]| {
         let plain = loaded.diagnostics.render(false);
         assert!(!plain.contains('\u{1b}'), "no escape of the text reaches the terminal");
     });
-});
+}

@@ -1,13 +1,8 @@
 //! Writes the inputs that fuzzing begins with: small files of every kind, from what slo-rt ships and writes.
-//!
-//! Makes a folder for each fuzzer in the folder that `SLO_FUZZ_SEEDS` names. All of its code is marked for
-//! libFuzzer, so it must be one of its programs.
-#![no_main]
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use libfuzzer_sys::fuzz_target;
 use slo_picture::film::{Area, Film, Subject};
 use slo_picture::output::{Recipe, read_state, write_state};
 use slo_rt::description::{Encoding, Layer, OutputFormat, Settings};
@@ -16,44 +11,41 @@ use slo_rt::{Render, Scene};
 /// Larger files slow fuzzing down.
 const MOST: u64 = 12_000;
 
-fuzz_target!(
-    init: write_all(),
-    |_data: &[u8]| {}
-);
-
-fn write_all() {
-    let to = PathBuf::from(std::env::var_os("SLO_FUZZ_SEEDS").expect("a folder"));
+/// Makes a folder for each fuzzer in a folder.
+///
+/// # Panics
+/// If a file cannot be read or written.
+pub(crate) fn write_all(to: &Path) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
-    scenes(root, &to);
+    scenes(root, to);
     let of_crate = |path: &str| root.join("crates/slo-scene").join(path);
     for folder in [of_crate("tests/scenes/files"), root.join("meshes"), root.join("textures")] {
         for (path, bytes) in files(&folder) {
             for target in targets(&path) {
-                put(&to, target, &path, &bytes);
+                put(to, target, &path, &bytes);
             }
         }
     }
     for (path, bytes) in files(&of_crate("src/texture/jpeg/files")) {
-        put(&to, "texture_jpeg", &path, &bytes);
+        put(to, "texture_jpeg", &path, &bytes);
     }
-    put(&to, "texture_hdr", Path::new("flat"), HDR);
-    pictures(root, &to);
-    put(&to, "claim", Path::new("claim"), CLAIM.as_bytes());
-    put(&to, "claim", Path::new("ledger"), LEDGER.as_bytes());
+    put(to, "texture_hdr", Path::new("flat"), HDR);
+    pictures(root, to);
+    put(to, "claim", Path::new("claim"), CLAIM.as_bytes());
+    put(to, "claim", Path::new("ledger"), LEDGER.as_bytes());
     for (i, request) in REQUESTS.iter().enumerate() {
-        put(&to, "view", Path::new(&format!("request-{i}")), request.as_bytes());
+        put(to, "view", Path::new(&format!("request-{i}")), request.as_bytes());
     }
     for folder in fs::read_dir(root.join("fuzz/seeds")).expect("seeds").flatten() {
         if folder.path().is_dir() {
             for (path, bytes) in files(&folder.path()) {
-                put(&to, &folder.file_name().to_string_lossy(), &path, &bytes);
+                put(to, &folder.file_name().to_string_lossy(), &path, &bytes);
             }
         }
     }
-    put(&to, "import_iv", Path::new("binary.iv"), &binary_inventor());
-    put(&to, "import_glb", Path::new("all.glb"), &glb(root));
-    random(&to);
-    std::process::exit(0);
+    put(to, "import_iv", Path::new("binary.iv"), &binary_inventor());
+    put(to, "import_glb", Path::new("all.glb"), &glb(root));
+    random(to);
 }
 
 /// Bytes for fuzzers that take numbers.

@@ -1,13 +1,12 @@
 //! A texture in a file of the format PNG.
-#![no_main]
 
-use libfuzzer_sys::{Corpus, fuzz_target};
+use libfuzzer_sys::Corpus;
 use slo_fuzz::readers;
 
-fuzz_target!(|data: &[u8]| -> Corpus {
+pub(crate) fn run(data: &[u8]) -> Corpus {
     if !data.starts_with(b"\x89PNG\r\n\x1a\n") {
         return Corpus::Reject;
     }
     readers::texture(data);
     Corpus::Keep
-});
+}

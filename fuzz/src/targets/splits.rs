@@ -1,13 +1,10 @@
 //! However a picture's samples are divided, stopped and merged, the film is the same.
-#![no_main]
 
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicI64, Ordering};
 
-use libfuzzer_sys::fuzz_target;
 use slo_accel::Isa;
 use slo_fuzz::pieces::Numbers;
-use slo_fuzz::within_limits;
 use slo_picture::film::{Area, Film, FirstHitLayers, Merger, State, Subject};
 use slo_picture::output::{Recipe, read_state, write_state};
 use slo_render::frame::FrameScene;
@@ -31,7 +28,7 @@ const SETTINGS: [&str; 5] = [
 
 static WHOLES: LazyLock<Vec<Whole>> = LazyLock::new(|| {
     let whole = |(i, settings): (usize, &&str)| {
-        let text = include_str!("../seeds/splits.txt").replace("SETTINGS", settings);
+        let text = include_str!("../../seeds/splits.txt").replace("SETTINGS", settings);
         let loaded = load("splits.txt", &text, &Files::in_memory("", []));
         let said = loaded.diagnostics.render(false);
         let mut scene = loaded.scene.unwrap_or_else(|| panic!("{said}"));
@@ -76,37 +73,35 @@ impl Observer for Impatient {
     }
 }
 
-fuzz_target!(|data: &[u8]| {
+pub(crate) fn run(data: &[u8]) {
     slo_fuzz::prepare();
     LazyLock::force(&WHOLES);
-    within_limits(data, |data| {
-        let mut numbers = Numbers::of(data);
-        let whole = &WHOLES[numbers.below(WHOLES.len())];
-        let scene = &whole.scene;
-        let mut shares = Vec::new();
-        for region in regions(area(scene), &mut numbers) {
-            let of = 1 + numbers.below(3) as u32;
-            let by_samples = numbers.byte() % 2 == 0;
-            for number in 1..=of {
-                let (plan, part) = (Plan::new(scene), Part { number, of });
-                let samples = plan.clone().of_samples(part).filter(|_| by_samples);
-                let plan = samples.unwrap_or_else(|| plan.of_part(part));
-                if plan.samples().is_none_or(|range| !range.is_empty()) {
-                    let place = numbers.below(shares.len() + 1);
-                    shares.insert(place, (region, plan));
-                }
+    let mut numbers = Numbers::of(data);
+    let whole = &WHOLES[numbers.below(WHOLES.len())];
+    let scene = &whole.scene;
+    let mut shares = Vec::new();
+    for region in regions(area(scene), &mut numbers) {
+        let of = 1 + numbers.below(3) as u32;
+        let by_samples = numbers.byte() % 2 == 0;
+        for number in 1..=of {
+            let (plan, part) = (Plan::new(scene), Part { number, of });
+            let samples = plan.clone().of_samples(part).filter(|_| by_samples);
+            let plan = samples.unwrap_or_else(|| plan.of_part(part));
+            if plan.samples().is_none_or(|range| !range.is_empty()) {
+                let place = numbers.below(shares.len() + 1);
+                shares.insert(place, (region, plan));
             }
         }
-        let complete =
-            Subject { recipe: String::new(), ..subject(scene, &Plan::new(scene), area(scene)) };
-        let mut merger = Merger::new(&complete, scene.settings.image_samples).expect("a merger");
-        for (number, (region, plan)) in shares.iter().enumerate() {
-            merger.add(number, &state(whole, *region, plan, &mut numbers)).expect("they fit");
-        }
-        let film = merger.finish().expect("all are there");
-        assert!(film == whole.film, "other sums: {shares:?}");
-    });
-});
+    }
+    let complete =
+        Subject { recipe: String::new(), ..subject(scene, &Plan::new(scene), area(scene)) };
+    let mut merger = Merger::new(&complete, scene.settings.image_samples).expect("a merger");
+    for (number, (region, plan)) in shares.iter().enumerate() {
+        merger.add(number, &state(whole, *region, plan, &mut numbers)).expect("they fit");
+    }
+    let film = merger.finish().expect("all are there");
+    assert!(film == whole.film, "other sums: {shares:?}");
+}
 
 fn area(scene: &SceneDescription) -> Area {
     Area::whole(scene.camera.film.width, scene.camera.film.height)

@@ -1,20 +1,18 @@
 //! Recipes: read, compared, changed and restored.
-#![no_main]
 
 use std::sync::LazyLock;
 
-use libfuzzer_sys::fuzz_target;
 use slo_fuzz::within_limits;
 use slo_picture::film::{Area, Steps};
 use slo_picture::output;
 use slo_scene::{Files, SceneDescription, load};
 
 static SCENE: LazyLock<SceneDescription> = LazyLock::new(|| {
-    let text = include_str!("../seeds/splits.txt").replace("SETTINGS", "");
+    let text = include_str!("../../seeds/splits.txt").replace("SETTINGS", "");
     load("scene.txt", &text, &Files::in_memory("", [])).scene.expect("a scene without files")
 });
 
-fuzz_target!(|data: &[u8]| {
+pub(crate) fn run(data: &[u8]) {
     within_limits(data, |data| {
         let recipe = String::from_utf8_lossy(data);
         let own = output::Recipe { scene: &SCENE, frame: 3 }.to_json();
@@ -45,4 +43,4 @@ fuzz_target!(|data: &[u8]| {
             output::Recipe { scene: &scene, frame }.to_json();
         }
     });
-});
+}

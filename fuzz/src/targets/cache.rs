@@ -1,11 +1,9 @@
 //! A file of the cache, with its checksums or put right, and what is made of its sections.
-#![no_main]
 
-use libfuzzer_sys::fuzz_target;
 use slo_fuzz::{folder, readers, within_limits};
 use slo_scene::cache::{Cache, Key};
 
-fuzz_target!(|data: &[u8]| {
+pub(crate) fn run(data: &[u8]) {
     within_limits(data, |data| {
         let cache = Cache::new(folder(), 1 << 30, |_| {});
         let key = Key::new("fuzz", 1, &[]);
@@ -33,4 +31,4 @@ fuzz_target!(|data: &[u8]| {
         }
     });
     within_limits(data, readers::restored_structure);
-});
+}

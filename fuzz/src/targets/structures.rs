@@ -1,13 +1,11 @@
 //! All structures and instruction sets give the same hits, bit by bit, on any geometry.
-#![no_main]
 
-use libfuzzer_sys::fuzz_target;
 use slo_accel::glam::Vec3;
 use slo_accel::{Accelerator, Coherence, Curved, Hits, Isa, Primitives, Rays, Scratch, Structure};
 use slo_fuzz::pieces::Numbers;
 use slo_fuzz::within_limits;
 
-fuzz_target!(|data: &[u8]| {
+pub(crate) fn run(data: &[u8]) {
     within_limits(data, |data| {
         let mut numbers = Numbers::of(data);
         let rays = rays(&mut numbers);
@@ -26,7 +24,7 @@ fuzz_target!(|data: &[u8]| {
             }
         }
     });
-});
+}
 
 fn vector(numbers: &mut Numbers<'_>) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| numbers.coordinate()))

@@ -1,13 +1,11 @@
 //! What a browser sends to `slo-rt view`: addresses, headers, requests that change the text.
-#![no_main]
 
-use libfuzzer_sys::fuzz_target;
 use slo_fuzz::{pieces, within_limits};
 use slo_view::fuzzing;
 
-const SCENE: &str = include_str!("../seeds/splits.txt");
+const SCENE: &str = include_str!("../../seeds/splits.txt");
 
-fuzz_target!(|data: &[u8]| {
+pub(crate) fn run(data: &[u8]) {
     within_limits(data, |data| {
         let (body, files) = pieces::files(data);
         let text = files.first().map(|(_, text)| String::from_utf8_lossy(text));
@@ -19,4 +17,4 @@ fuzz_target!(|data: &[u8]| {
             fuzzing::taken(&text(one), &text(other));
         }
     });
-});
+}

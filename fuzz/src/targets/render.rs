@@ -1,7 +1,6 @@
 //! A scene of any text, rendered: 4 x 3 pixels with few samples, whatever the text asks for.
-#![no_main]
 
-use libfuzzer_sys::{Corpus, fuzz_target};
+use libfuzzer_sys::Corpus;
 use slo_accel::Isa;
 use slo_fuzz::{pieces, within_limits};
 use slo_picture::film::{Area, Film};
@@ -22,7 +21,7 @@ impl Observer for Patient {
     }
 }
 
-fuzz_target!(|data: &[u8]| -> Corpus {
+pub(crate) fn run(data: &[u8]) -> Corpus {
     let mut is_kept = false;
     within_limits(data, |data| {
         let (text, files) = pieces::files(data);
@@ -37,7 +36,7 @@ fuzz_target!(|data: &[u8]| -> Corpus {
         film.image();
     });
     if is_kept { Corpus::Keep } else { Corpus::Reject }
-});
+}
 
 /// The scene with little to do.
 fn small(mut scene: SceneDescription) -> Option<SceneDescription> {

@@ -1,7 +1,0 @@
-//! `slo-rt import` of a `.iv` file, with the files that it names.
-#![no_main]
-
-use libfuzzer_sys::fuzz_target;
-use slo_fuzz::readers;
-
-fuzz_target!(|data: &[u8]| readers::import("a.iv", data));

@@ -1,0 +1,7 @@
+//! `slo-rt import` of a `.nff` file, with the files that it names.
+
+use slo_fuzz::readers;
+
+pub(crate) fn run(data: &[u8]) {
+    readers::import("a.nff", data);
+}
