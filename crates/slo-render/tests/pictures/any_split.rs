@@ -15,7 +15,7 @@ use slo_scene::{Layer, OutputFormat, SceneDescription};
 
 use crate::support::{describe, expose};
 
-const CASES: usize = 200;
+const CASES: usize = 100;
 
 /// Motion blur, lens and soft shadow in a picture whose sides are multiples of neither tiles nor
 /// blocks.
