@@ -98,7 +98,7 @@ export class Handles {
     }
     for (const [name, shape] of this.shapes) {
       if (!keep.has(name)) {
-        // First forgotten: a handle that has the focus is drawn again as it loses it.
+        // It is forgotten first: if it has the focus, its removal draws the handles once more.
         this.shapes.delete(name);
         shape.remove();
       }

@@ -11,7 +11,7 @@ export class Screen {
     new ResizeObserver(() => this.place()).observe(stage);
   }
 
-  /** Draws a file with a picture. */
+  /** Draws a picture from its file; `facts` has its size. */
   async draw(facts, file) {
     const image = await createImageBitmap(file);
     const { canvas } = this;

@@ -11,8 +11,8 @@ export async function ask(command) {
 }
 
 /**
- * Asks for news for ever. `read` takes an answer apart: what it returns has its `number`. `use` gets that, while the
- * next news are already waited for; news come at most once in `least` milliseconds.
+ * Asks for news for ever, at most once in `least` milliseconds. `read` turns an answer into an object with the `number`
+ * of the news. `use` gets this object while the page already waits for the next news.
  */
 export async function follow(path, least, { read, use, lost }) {
   let after = 0;

@@ -91,7 +91,7 @@ pub(crate) fn files(scene: &SceneDescription, film: &Film) -> [Vec<u8>; 2] {
 }
 
 /// Renders a scene on every number of threads, in every tiling, with every structure and every instruction set, and
-/// compares the files. Any two of these meet; all combinations would take four times as long.
+/// compares the files. Any two of these meet. All combinations would be as many times more as there are instruction sets.
 #[track_caller]
 fn assert_one_file(scene: &SceneDescription) {
     let reference = expose(scene, Isa::Portable);

@@ -37,8 +37,8 @@ use crate::source::Source;
 const GLANCE: Duration = Duration::from_millis(250);
 /// A change that follows another one so soon is part of a movement.
 const MOVEMENT: Duration = Duration::from_millis(400);
-/// How long the next change of a movement is waited for before the picture is made finer. The processors are the
-/// browser's meanwhile, which shows the last one.
+/// How long to wait for the next change of a movement before the picture is made finer. Meanwhile the browser has the
+/// processors, and shows the last picture.
 const BETWEEN: Duration = Duration::from_millis(25);
 
 /// What a movement of the camera is called among the changes of the text.
