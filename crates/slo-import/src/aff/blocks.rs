@@ -84,14 +84,13 @@ impl Block {
         vectors.chain(turns).chain(self.visible.iter().map(|row| row.0))
     }
 
-    /// Where a light is moved to.
-    pub(super) fn place(&self, time: f64) -> DVec3 {
-        if self.places.is_empty() { DVec3::ZERO } else { vector_at(&self.places, time) }
+    /// Its key frames for a light, which it only carries along.
+    pub(super) fn keys_of_light(&self, range: &Range) -> Vec<Key> {
+        Self { places: self.places.clone(), ..Self::default() }.keys(range)
     }
 
-    /// Whether it moves lights.
-    pub(super) fn moves_lights(&self) -> bool {
-        self.places.windows(2).any(|pair| pair[0].value != pair[1].value)
+    fn place(&self, time: f64) -> DVec3 {
+        if self.places.is_empty() { DVec3::ZERO } else { vector_at(&self.places, time) }
     }
 
     fn pose(&self, time: f64) -> Pose {

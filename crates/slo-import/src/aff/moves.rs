@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::blocks::{Block, Range};
-use crate::model::{Camera, Key, LampKind, Model, Shape, Times, View};
+use crate::model::{Camera, Key, LampKind, Model, Shape, Space, Times, View};
 
 /// Frames a second of files that do not say.
 const FPS: f64 = 25.0;
@@ -39,7 +39,7 @@ impl Moves {
     /// Moves groups, lights and the camera.
     pub(super) fn apply(&self, model: &mut Model) {
         let range = self.range(model);
-        self.place_lights(&range, model);
+        self.move_lights(&range, model);
         self.move_groups(&range, model);
         self.look(&range, model);
         if range.frames > 1 {
@@ -85,16 +85,15 @@ impl Moves {
         Range { start, fps: FPS, frames }
     }
 
-    /// Lights cannot move.
-    fn place_lights(&self, range: &Range, model: &mut Model) {
+    /// A light that a block moves hangs in a space of its own.
+    fn move_lights(&self, range: &Range, model: &mut Model) {
         for (light, name) in &self.lights {
             let Some(block) = self.blocks.get(name) else { continue };
-            if block.moves_lights() {
-                model.notes.leave_out("that a light moves");
-            }
-            if let LampKind::Classical { position, .. } = &mut model.lamps[*light].kind {
-                *position += block.place(range.start);
-            }
+            let lamp = &mut model.lamps[*light];
+            let keys = block.keys_of_light(range);
+            let space = Space { name: format!("{name}_way"), parent: lamp.space, keys };
+            lamp.space = Some(model.spaces.len());
+            model.spaces.push(space);
         }
     }
 
@@ -114,23 +113,7 @@ impl Moves {
             let note = "how what comes and goes is hidden: it is a millionth of its size";
             model.notes.made_up.push(note.into());
         }
-        for lamp in &mut model.lamps {
-            let Some(space) = lamp.space.take() else { continue };
-            let LampKind::Classical { position, .. } = &mut lamp.kind else { continue };
-            let place = *position;
-            let mut next = Some(space);
-            while let Some(space) = next {
-                let space = &model.spaces[space];
-                *position = space.keys[0].pose.matrix().transform_point3(*position);
-                if space.keys.len() > 1 {
-                    model.notes.leave_out("that a light moves");
-                }
-                next = space.parent;
-            }
-            if !position.is_finite() {
-                *position = place;
-            }
-        }
+        place_still_lights(model);
     }
 
     /// The camera. A block of its name says where it is, instead of the view.
@@ -149,5 +132,22 @@ impl Moves {
             views.truncate(if is_still { 1 } else { views.len() });
         }
         model.camera = Some(Camera { size: seen.size, fov: seen.fov, views });
+    }
+}
+
+/// Takes lights out of spaces that do not move.
+fn place_still_lights(model: &mut Model) {
+    for light in 0..model.lamps.len() {
+        let space = model.lamps[light].space;
+        if model.moves(space) {
+            continue;
+        }
+        let matrix = model.matrix(space, 0.0);
+        let lamp = &mut model.lamps[light];
+        lamp.space = None;
+        if let LampKind::Classical { position, .. } = &mut lamp.kind {
+            let placed = matrix.transform_point3(*position);
+            *position = if placed.is_finite() { placed } else { *position };
+        }
     }
 }

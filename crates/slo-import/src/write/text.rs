@@ -260,7 +260,7 @@ fn lamp_text(lamp: &Lamp, name: &str, place: &str) -> String {
             triple(irradiance.map(significant))
         ),
         LampKind::Classical { color, position } => format!(
-            "light_point {name} {{ color {}  position {} }}\n",
+            "light_point {name} {{ color {}  position {}{place} }}\n",
             triple(color.map(rounded)),
             vector(position)
         ),

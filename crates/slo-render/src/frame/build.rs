@@ -182,6 +182,7 @@ impl FrameScene {
         let light_tree = LightTree::new(&bounds[first_chosen..]);
         let skies = skies(&lights);
         let lights = lights.into_iter().collect::<Lights>().with_poses(poses);
+        let is_physical = is_physical(scene) || lights.move_about();
         let all = Everywhere::new(&lights, &bounds, world.bounds()).filter(|_| is_photon_map);
         let emission = targets.and_then(|targets| {
             Emission::new(&lights, &bounds, targets, world.bounds(), camera.position())
@@ -216,7 +217,7 @@ impl FrameScene {
             first_shaded,
             emission,
             photon_lamps,
-            is_physical: is_physical(scene),
+            is_physical,
             softens,
             stretches: parts.stretches,
             tints,
@@ -267,7 +268,7 @@ fn techniques(settings: &Settings) -> Techniques {
     }
 }
 
-/// Whether a scene says anything that the thesis's integrator does not know.
+/// Whether a scene says anything that the thesis's integrator does not know, but for lights that move.
 fn is_physical(scene: &SceneDescription) -> bool {
     scene.settings.integrator != Integrator::Distributed
         || scene.lights.iter().any(|light| !light.kind.is_of_thesis())

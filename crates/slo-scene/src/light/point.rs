@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::lamp::{Lamp, WrittenLight};
-use crate::attributes::Fields;
+use super::lamp::{Lamp, MOTION, REPEAT, WrittenLight};
 use crate::attributes::schema::{color, point};
+use crate::attributes::{Fields, PARENT};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::Shape;
@@ -14,14 +14,20 @@ use crate::shape::Shape;
 pub struct PointLight {
     /// Radiance that reaches a hit, at any distance.
     pub color: [f32; 3],
-    /// Position.
+    /// Position, in lamp space.
     pub position: DVec3,
 }
 
 impl WrittenLight for PointLight {
     const KEYWORDS: &'static [Keyword] = &[Keyword {
         keyword: "light_point",
-        attributes: &[color("color").required(), point("position").required()],
+        attributes: &[
+            color("color").required(),
+            point("position").required(),
+            PARENT,
+            MOTION,
+            REPEAT,
+        ],
     }];
 
     fn read<'a>(fields: &mut Fields<'_, 'a, '_>, _: &mut Palette<'_, 'a>) -> Option<Self> {

@@ -1,8 +1,8 @@
 //! `light_rectangle`
 
-use super::lamp::{Lamp, WrittenLight};
-use crate::attributes::Fields;
+use super::lamp::{Lamp, MOTION, REPEAT, WrittenLight};
 use crate::attributes::schema::{color, point};
+use crate::attributes::{Fields, PARENT};
 use crate::kinds::Keyword;
 use crate::material::Palette;
 use crate::shape::{Rectangle, Shape};
@@ -12,7 +12,7 @@ use crate::shape::{Rectangle, Shape};
 pub struct RectangleLight {
     /// Radiance that reaches a hit from all of it, at any distance.
     pub color: [f32; 3],
-    /// The surface.
+    /// The surface, in lamp space.
     pub rectangle: Rectangle,
 }
 
@@ -24,6 +24,9 @@ impl WrittenLight for RectangleLight {
             point("vertex0").required(),
             point("vertex1").required(),
             point("vertex2").required(),
+            PARENT,
+            MOTION,
+            REPEAT,
         ],
     }];
 

@@ -165,8 +165,12 @@ mod tests {
         let lamps = ["lamp_point", "lamp_spot", "lamp_sun", "lamp_rectangle", "lamp_disc"];
         let objects = ELEMENTS.iter().filter(|known| matches!(known.role, Role::Object(_)));
         let objects = objects.map(|known| known.schema.keyword);
-        let moving: Vec<_> =
-            lamps.into_iter().chain(objects).chain(["group", "copy", "copies"]).collect();
+        let moving: Vec<_> = ["light_point", "light_rectangle"]
+            .into_iter()
+            .chain(lamps)
+            .chain(objects)
+            .chain(["group", "copy", "copies"])
+            .collect();
         assert_eq!(LANGUAGE.owners("addKframe"), moving);
         assert_eq!(LANGUAGE.owners("parent"), moving);
         let visible: Vec<_> = lamps.into_iter().chain(["environment"]).collect();

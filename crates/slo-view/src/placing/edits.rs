@@ -125,9 +125,6 @@ fn added_frame(
     motion: Motion,
     scale: f64,
 ) -> Result<Vec<Edit>, String> {
-    if part.keyword().starts_with("light_") {
-        return Err("a light of this kind can't be turned or scaled; change its corners".into());
-    }
     let (pivot, rotation, factors) = after(placed, motion)?;
     let mut words = Vec::new();
     if pivot.length() > 1e-9 * (1.0 + placed.anchor.length()) {
@@ -332,9 +329,9 @@ sphere flies { center { 0 0 0 } radius 1 material grey
         let twice = Motion::Scale(DVec3::splat(2.0));
         check("ball", 0, twice, old, &add("pivot { -1 0 -0.5 } scale { 2 2 2 }"));
         check("tip", 0, twice, "turn_deg { 0 0 30 }", "turn_deg { 0 0 30 } scale { 2 2 2 }");
-        for (name, motion) in [("shine", turn), ("shine", twice)] {
-            assert!(edits(TEXT, name, &placed(TEXT, name, 0), motion).is_err(), "{name}");
-        }
+        let corner = "vertex2 { 1 1 3 } ";
+        let frame = "addKframe { time 0 key { pivot { -0.5 -0.5 -3 } scale { 2 2 2 } } } ";
+        check("shine", 0, twice, corner, &format!("{corner}{frame}"));
         let middle = |text: &str| placed(text, "ball", 0).at();
         for motion in [turn, twice, Motion::Turn(DVec3::new(0.6, 0.8, 0.0), 77.0)] {
             let edits = edits(TEXT, "ball", &placed(TEXT, "ball", 0), motion).expect("a turn");

@@ -228,6 +228,32 @@ fn a_shadow_is_cast_at_the_time_of_its_ray() {
 }
 
 #[test]
+fn lights_of_the_thesis_shine_from_where_they_are_at_the_time_of_a_ray() {
+    // A light, a lid under it and a floor under the lid move together, so the floor is always dark.
+    // The light itself is above the picture.
+    let keys = |to: f64| pivot_at(0.0, [-3.0, 0.0, 0.0]) + &pivot_at(1.0, [to, 0.0, 0.0]);
+    let square = |name: &str, half: f64, z: f64| {
+        let corners = [[-half, -half, z], [half, -half, z], [half, half, z]];
+        rectangle(name, "paper", corners, &keys(3.0))
+    };
+    let shot = Shot { from: vec![[0.0, -8.0, 0.8]], ..shutter(1.0) };
+    for light in [
+        "light_point lamp { color { 1 1 1 } position { 0 0 6 }",
+        "light_rectangle lamp { color { 1 1 1 } vertex0 { -.1 -.1 6 } vertex1 { .1 -.1 6 } vertex2 { .1 .1 6 }",
+    ] {
+        let sum = |motion: &str| {
+            let light = format!("{light} {motion} }}\n");
+            let floor = square("floor", 0.5, 0.0) + &square("lid", 0.7, 1.0);
+            let picture = shot.take(&(material("paper", "diffuse { 1 1 1 }") + &light + &floor));
+            picture.sum(0)
+        };
+        assert_eq!(sum(&keys(3.0)), 0.0, "{light}");
+        assert!(sum(&keys(-2.0)) > 1.0, "{light} lags");
+        assert!(sum("") > 0.1, "{light} stands still");
+    }
+}
+
+#[test]
 fn the_shadow_of_a_moving_bar_is_blurred_as_long_as_the_light_makes_its_way() {
     // The lamp is at height 4, the bar at height 1 above the floor, so its shadow is larger than
     // the bar and moves faster, by 4 / (4 - 1). The camera looks down from below the bar.
