@@ -30,7 +30,7 @@ skip() {
     echo "SKIPPED: nothing is fuzzed, since $1" >&2
     exit 3
 }
-command -v c++ >/dev/null || skip 'there is no C++ compiler'
+c++ -std=c++17 -x c++ - -o /dev/null <<<'int main() {}' 2>/dev/null || skip 'there is no C++ compiler'
 cargo fetch --quiet || skip 'libFuzzer cannot be fetched'
 
 # Marks every edge and every comparison of our code and of all libraries, with a stable compiler.
@@ -38,13 +38,15 @@ llvm() { printf -- '-Cllvm-args=-sanitizer-coverage-%s ' "$@"; }
 export RUSTFLAGS="-Cpasses=sancov-module $(llvm level=4 inline-8bit-counters pc-table trace-compares) --cfg fuzzing"
 host=$(rustc -vV | sed -n 's/^host: //p')
 # For the host by name: build scripts and macros are then built without the marks.
-build=(cargo build --quiet --release --target "$host" --target-dir target)
-"${build[@]}" --package libfuzzer-sys || skip 'libFuzzer cannot be compiled here'
-"${build[@]}"
-program=target/$host/release/fuzz
+cargo build --quiet --package slo-fuzz --features libfuzzer --profile fuzz --target "$host" --target-dir target
+program=target/$host/fuzz/fuzz
 
 mkdir -p "$corpus" artifacts
-[[ -e $corpus/scene ]] || SLO_FUZZ_SEEDS=$corpus "$program" >target/seeds.log 2>&1
+for target in "${targets[@]}"; do
+    [[ -e $corpus/$target ]] && continue
+    [[ -e target/seeds/$target ]] || SLO_FUZZ_SEEDS=target/seeds "$program" >target/seeds.log 2>&1
+    cp -r -- "target/seeds/$target" "$corpus"
+done
 
 # Words of the scene language, as libFuzzer takes them.
 grep -ohE '[A-Za-z_][A-Za-z_0-9]+' ../scenes/*.txt ../docs/scene-format.md ../crates/slo-scene/tests/scenes/*.txt |

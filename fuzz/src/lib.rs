@@ -1,18 +1,40 @@
-//! What all fuzzers share: limits on time and memory, and a folder for readers that want files.
+//! Fuzzers of everything that reads files or requests of others.
 //!
-//! Each fuzzer is a file in `fuzz_targets`: a function from bytes to nothing, which panics if a promise is
-//! broken. libFuzzer looks for bytes that reach new code.
+//! Each is a file in `src/targets`: a function from bytes to nothing, which panics if a promise is broken, or takes more
+//! time or memory than it may. libFuzzer looks for bytes that reach new code (`src/main.rs`). Without libFuzzer,
+//! `tests/short.rs` changes the [`seeds`] at random.
 
 use std::alloc::System;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Once, OnceLock};
+use std::sync::{LazyLock, Once, OnceLock};
 
 use cap::Cap;
 use rustix::time::{ClockId, clock_gettime};
 
-pub mod pieces;
-pub mod readers;
+mod changes;
+mod pieces;
+mod readers;
+pub mod seeds;
+mod targets;
+
+pub use changes::changed;
+pub use targets::{ALL, Run};
+
+/// Whether an input is worth keeping.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Worth {
+    /// If it reaches new code.
+    Kept,
+    /// In no case.
+    Nothing,
+}
+
+impl From<()> for Worth {
+    fn from((): ()) -> Self {
+        Self::Kept
+    }
+}
 
 /// Counts the memory that is in use.
 #[global_allocator]
@@ -24,7 +46,7 @@ const MOST_BYTES: usize = 256 << 20;
 const MOST_SECONDS: f64 = 1.0;
 /// The same of inputs of 1 MB: the marks for libFuzzer, and checks of overflows, make the code several times slower.
 const MOST_SECONDS_LONG: f64 = 10.0;
-/// Bytes of an input in [`is_repeated`] mode.
+/// Bytes of an input that is repeated.
 const REPEATED: usize = 1 << 20;
 
 /// Runs a reader on an input, within the limits.
@@ -34,7 +56,7 @@ const REPEATED: usize = 1 << 20;
 ///
 /// # Panics
 /// If the reader panics, or takes too long or too much.
-pub fn within_limits(data: &[u8], read: impl FnOnce(&[u8])) {
+pub(crate) fn within_limits(data: &[u8], read: impl FnOnce(&[u8])) {
     prepare();
     static IS_LONG: OnceLock<bool> = OnceLock::new();
     let is_long = IS_LONG.get_or_init(|| std::env::var_os("SLO_FUZZ_LONG").is_some());
@@ -80,19 +102,25 @@ fn repeated(data: &[u8]) -> Vec<u8> {
 }
 
 /// Writes a file for a reader that wants a path; every call replaces the last file of this name.
-pub fn file(name: &str, bytes: &[u8]) -> PathBuf {
+pub(crate) fn file(name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder().join(name);
     fs::write(&path, bytes).expect("a file");
     path
 }
 
-/// A folder in memory.
-pub fn folder() -> &'static Path {
-    static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
-    let made = FOLDER.get_or_init(|| {
+/// A folder in memory, for this process.
+pub(crate) fn folder() -> &'static Path {
+    static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
         let memory = Path::new("/dev/shm");
         let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
-        tempfile::Builder::new().prefix("slo-fuzz-").tempdir_in(folder).expect("a folder")
+        let folder = folder.join(format!("slo-fuzz-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder");
+        folder
     });
-    made.path()
+    &FOLDER
+}
+
+/// Removes the folder that readers of files used. None may run afterwards.
+pub fn remove_folder() {
+    let _ = fs::remove_dir_all(folder());
 }

@@ -4,21 +4,22 @@
 //! with are written to it, and nothing runs. libFuzzer takes the arguments.
 #![no_main]
 
-mod seeds;
-mod targets;
-
 use std::path::Path;
 use std::sync::OnceLock;
 
 use libfuzzer_sys::{Corpus, fuzz_target};
-
-use targets::{ALL, Run};
+use slo_fuzz::{ALL, Run, Worth, seeds};
 
 static CHOSEN: OnceLock<Run> = OnceLock::new();
 
 fuzz_target!(
     init: begin(),
-    |data: &[u8]| -> Corpus { CHOSEN.get().map_or(Corpus::Reject, |run| run(data)) }
+    |data: &[u8]| -> Corpus {
+        match CHOSEN.get().map(|run| run(data)) {
+            Some(Worth::Kept) => Corpus::Keep,
+            Some(Worth::Nothing) | None => Corpus::Reject,
+        }
+    }
 );
 
 /// Does what the environment asks for. Ends the program unless a fuzzer is to run.

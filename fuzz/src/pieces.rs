@@ -4,7 +4,7 @@
 const MARK: &[u8] = b"\n==== ";
 
 /// The first file of an input, and all others with their names.
-pub fn files(data: &[u8]) -> (&[u8], Vec<(String, Vec<u8>)>) {
+pub(crate) fn files(data: &[u8]) -> (&[u8], Vec<(String, Vec<u8>)>) {
     let mut rest = data;
     let mut parts = Vec::new();
     while let Some(at) = rest.windows(MARK.len()).position(|bytes| bytes == MARK) {
@@ -22,34 +22,34 @@ pub fn files(data: &[u8]) -> (&[u8], Vec<(String, Vec<u8>)>) {
 
 /// Numbers out of bytes; zeros at their end.
 #[derive(Clone, Debug)]
-pub struct Numbers<'d>(&'d [u8]);
+pub(crate) struct Numbers<'d>(&'d [u8]);
 
 impl<'d> Numbers<'d> {
     /// All numbers of an input.
-    pub fn of(data: &'d [u8]) -> Self {
+    pub(crate) fn of(data: &'d [u8]) -> Self {
         Self(data)
     }
 
     /// Whether there are more.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// The next byte.
-    pub fn byte(&mut self) -> u8 {
+    pub(crate) fn byte(&mut self) -> u8 {
         let Some((first, rest)) = self.0.split_first() else { return 0 };
         self.0 = rest;
         *first
     }
 
     /// A number below `end`, which is at most 2^16.
-    pub fn below(&mut self, end: usize) -> usize {
+    pub(crate) fn below(&mut self, end: usize) -> usize {
         let number = usize::from(self.byte()) << 8 | usize::from(self.byte());
         number % end.max(1)
     }
 
     /// A coordinate: often a small whole number, so that corners and edges meet; else any finite number.
-    pub fn coordinate(&mut self) -> f32 {
+    pub(crate) fn coordinate(&mut self) -> f32 {
         match self.byte() {
             0 => {
                 let bits = [self.byte(), self.byte(), self.byte(), self.byte()];

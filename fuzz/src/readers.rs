@@ -8,7 +8,7 @@ use crate::pieces::{Numbers, files};
 use crate::{file, folder, within_limits};
 
 /// A texture in a file of any format.
-pub fn texture(data: &[u8]) {
+pub(crate) fn texture(data: &[u8]) {
     within_limits(data, |data| {
         if let Ok(loaded) = texture::load("a.png", &mut &data[..]) {
             let texture = loaded.texture;
@@ -20,7 +20,7 @@ pub fn texture(data: &[u8]) {
 }
 
 /// A scene of another program. Others than the first file of the input lie beside it.
-pub fn import(name: &str, data: &[u8]) {
+pub(crate) fn import(name: &str, data: &[u8]) {
     within_limits(data, |data| {
         let (first, others) = files(data);
         for (name, bytes) in &others {
@@ -58,7 +58,7 @@ impl Sections for Kept<'_> {
 }
 
 /// A hierarchy that is restored from what a file of the cache says. Rays through it must not fail.
-pub fn restored_structure(data: &[u8]) {
+pub(crate) fn restored_structure(data: &[u8]) {
     let mut numbers = Numbers::of(data);
     let count = 1 + numbers.below(40);
     let triangle = |i: usize| {

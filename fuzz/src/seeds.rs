@@ -15,7 +15,7 @@ const MOST: u64 = 12_000;
 ///
 /// # Panics
 /// If a file cannot be read or written.
-pub(crate) fn write_all(to: &Path) {
+pub fn write_all(to: &Path) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
     scenes(root, to);
     let of_crate = |path: &str| root.join("crates/slo-scene").join(path);
@@ -24,6 +24,7 @@ pub(crate) fn write_all(to: &Path) {
             for target in targets(&path) {
                 put(to, target, &path, &bytes);
             }
+            moved_meshes(&path, &bytes, to);
         }
     }
     for (path, bytes) in files(&of_crate("src/texture/jpeg/files")) {
@@ -78,10 +79,22 @@ fn targets(path: &Path) -> &'static [&'static str] {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("slo") => &["mesh_slo"],
         Some("obj") => &["mesh_obj", "import_obj"],
-        Some("ply") => &["mesh_ply", "import_ply"],
+        Some("ply") => &["mesh_ply", "import_ply", "placements"],
         Some("png") => &["texture_png", "picture"],
         Some("hdr") => &["texture_hdr"],
         _ => &[],
+    }
+}
+
+/// A mesh with vertices to move, before a scene that uses another file of it.
+fn moved_meshes(path: &Path, bytes: &[u8], to: &Path) {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    let Some(kind @ ("slo" | "obj" | "ply")) = extension else { return };
+    for (i, moves) in MOVES.iter().enumerate() {
+        let mark = format!("\n==== a.{kind}\n");
+        let scene = b"\n==== scene.txt\nmesh a { filename b.obj fit { 2 } material m }\n";
+        let input = [moves, mark.as_bytes(), bytes, scene].concat();
+        put(to, "sculpt", &path.with_extension(format!("{kind}-{i}")), &input);
     }
 }
 
@@ -190,7 +203,7 @@ fn glb(root: &Path) -> Vec<u8> {
     value["buffers"][0] = serde_json::json!({ "byteLength": 76 });
     let mut json = value.to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
-    let mut numbers = vec![0.0_f32; 19];
+    let mut numbers = [0.0_f32; 19];
     (numbers[3], numbers[7], numbers[10]) = (1.0, 1.0, 2.0);
     let data: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
     let chunk =
@@ -199,6 +212,10 @@ fn glb(root: &Path) -> Vec<u8> {
     let length = (12 + chunks.len() as u32).to_le_bytes();
     [&b"glTF\x02\0\0\0"[..], &length, &chunks].concat()
 }
+
+/// Moves of vertices: none, of a mesh in which y is up, of three of a smooth mesh.
+const MOVES: [&[u8]; 3] =
+    [b"", b"\x02", b"\x01\0\x01\x20\x30\x40\0\x02\x90\x21\x22\0\x03\x22\x22\x22"];
 
 const HDR: &[u8] = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n-Y 2 +X 8\n\
     \x02\x02\x00\x08\x88\x40\x88\x41\x88\x42\x88\x80\

@@ -1,12 +1,15 @@
 //! What a browser sends, without a server: for fuzzing.
 
+use glam::DVec3;
 use hyper::Request;
+use slo_scene::Mesh;
 use slo_scene::edit::{Edit, applied};
 
 use crate::changes;
 use crate::command::{Command, TextEdit};
 use crate::document;
 use crate::merging::{Catalog, merge};
+use crate::sculpting::{Sculpted, named, renamed, together, uses, y_up};
 use crate::server::Guard;
 
 /// Reads the body of a request; returns a text as the request changes it.
@@ -20,9 +23,9 @@ pub fn request(text: &str, body: &[u8]) -> Option<String> {
         TextEdit::Remove(name) => changes::remove(text, name),
         TextEdit::Copy(name) => changes::copy(text, name),
         TextEdit::Add(new) => {
-            changes::add(text, new, glam::DVec3::ONE, 0.5, None).map(|(edits, _)| edits)
+            changes::add(text, new, DVec3::ONE, 0.5, None).map(|(edits, _)| edits)
         }
-        TextEdit::KeyFrame(name) => changes::key_frame(text, name, 0.5, [glam::DVec3::X; 3]),
+        TextEdit::KeyFrame(name) => changes::key_frame(text, name, 0.5, [DVec3::X; 3]),
     };
     applied(text, edits.ok()?)
 }
@@ -53,4 +56,24 @@ pub fn admits(head: &[u8]) -> bool {
 pub fn merged(base: &str, ours: &str, theirs: &str) -> Option<String> {
     document::differences(base, ours);
     document::merged(base, ours, theirs)
+}
+
+/// Moves vertices of a mesh, each with all that lie where it does. Returns the file that saving would write;
+/// `None` if a coordinate is not finite.
+pub fn sculpted(mesh: &Mesh, is_y_up: bool, moves: &[(u32, DVec3)]) -> Option<Vec<u8>> {
+    let mut sculpted = Sculpted::new(mesh, 1.0, is_y_up);
+    for (vertex, to) in moves {
+        let all = together(mesh, *vertex).into_iter().map(|vertex| (vertex, *to));
+        sculpted = sculpted.with(all);
+        assert!(sculpted.position(*vertex).is_none_or(|at| at == *to || to.is_nan()));
+    }
+    sculpted.to_file().ok()
+}
+
+/// A text in which the mesh of a name, and then all that uses its old file, has a new file.
+pub fn with_new_file(text: &str, name: &str) -> Option<String> {
+    let changed = applied(text, named(text, name, "new 2.slo").ok()?).expect("it fits the text");
+    y_up(&changed, name);
+    let old = uses(text, name)?;
+    applied(&changed, renamed(&changed, old, "new_3.slo").0)
 }

@@ -1,6 +1,6 @@
 //! A file of the cache, with its checksums or put right, and what is made of its sections.
 
-use slo_fuzz::{folder, readers, within_limits};
+use crate::{folder, readers, within_limits};
 use slo_scene::cache::{Cache, Key};
 
 pub(crate) fn run(data: &[u8]) {

@@ -1,6 +1,6 @@
 //! Claims on frames and ledgers of times, which other processes leave in a folder.
 
-use slo_fuzz::{file, within_limits};
+use crate::{file, within_limits};
 use slo_rt::cli::fuzzing;
 
 pub(crate) fn run(data: &[u8]) {

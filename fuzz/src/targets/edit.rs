@@ -1,6 +1,6 @@
 //! Changes of a scene text.
 
-use slo_fuzz::within_limits;
+use crate::within_limits;
 use slo_scene::edit::{Outline, applied};
 
 /// Bytes of a text of which only one element is changed.

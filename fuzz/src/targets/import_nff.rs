@@ -1,6 +1,6 @@
 //! `slo-rt import` of a `.nff` file, with the files that it names.
 
-use slo_fuzz::readers;
+use crate::readers;
 
 pub(crate) fn run(data: &[u8]) {
     readers::import("a.nff", data);

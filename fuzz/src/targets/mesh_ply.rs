@@ -1,6 +1,6 @@
 //! A mesh in a `.ply` file, by itself and as one of several shapes.
 
-use slo_fuzz::within_limits;
+use crate::within_limits;
 use slo_scene::mesh;
 
 pub(crate) fn run(data: &[u8]) {

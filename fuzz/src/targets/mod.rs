@@ -1,17 +1,17 @@
 //! The fuzzers. Each is a function `run` from bytes to nothing, which panics if a promise is broken, or to
 //! whether the bytes are worth keeping.
 
-use libfuzzer_sys::Corpus;
+use crate::Worth;
 
 /// What a fuzzer does with an input.
-pub(crate) type Run = fn(&[u8]) -> Corpus;
+pub type Run = fn(&[u8]) -> Worth;
 
 macro_rules! targets {
     ($($name:ident)*) => {
         $(mod $name;)*
 
         /// All fuzzers, by name.
-        pub(crate) const ALL: &[(&str, Run)] =
+        pub const ALL: &[(&str, Run)] =
             &[$((stringify!($name), |data| $name::run(data).into())),*];
     };
 }
@@ -31,9 +31,11 @@ targets! {
     mesh_ply
     mesh_slo
     picture
+    placements
     recipe
     render
     scene
+    sculpt
     splits
     state
     structures

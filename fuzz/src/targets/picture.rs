@@ -1,6 +1,6 @@
 //! Finished pictures, whoever made them: pixels, layers and recipe.
 
-use slo_fuzz::{file, within_limits};
+use crate::{file, within_limits};
 use slo_picture::output;
 
 const RECIPE: &str = "{\n  \"program\": \"slo-rt\",\n  \"frame\": 0\n}";

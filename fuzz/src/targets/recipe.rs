@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use slo_fuzz::within_limits;
+use crate::within_limits;
 use slo_picture::film::{Area, Steps};
 use slo_picture::output;
 use slo_scene::{Files, SceneDescription, load};

@@ -1,8 +1,8 @@
 //! A scene of any text, rendered: 4 x 3 pixels with few samples, whatever the text asks for.
 
-use libfuzzer_sys::Corpus;
+use crate::Worth;
 use slo_accel::Isa;
-use slo_fuzz::{pieces, within_limits};
+use crate::{pieces, within_limits};
 use slo_picture::film::{Area, Film};
 use slo_render::frame::FrameScene;
 use slo_render::render::{Observer, Plan, render};
@@ -21,7 +21,7 @@ impl Observer for Patient {
     }
 }
 
-pub(crate) fn run(data: &[u8]) -> Corpus {
+pub(crate) fn run(data: &[u8]) -> Worth {
     let mut is_kept = false;
     within_limits(data, |data| {
         let (text, files) = pieces::files(data);
@@ -35,7 +35,7 @@ pub(crate) fn run(data: &[u8]) -> Corpus {
         let film = render(&frame, &plan, film.expect("layers"), &Patient).film;
         film.image();
     });
-    if is_kept { Corpus::Keep } else { Corpus::Reject }
+    if is_kept { Worth::Kept } else { Worth::Nothing }
 }
 
 /// The scene with little to do.

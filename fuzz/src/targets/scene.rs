@@ -1,6 +1,6 @@
 //! A scene text with the files that it names: everything up to a resolved scene.
 
-use slo_fuzz::{pieces, within_limits};
+use crate::{pieces, within_limits};
 use slo_scene::{Files, load};
 
 pub(crate) fn run(data: &[u8]) {

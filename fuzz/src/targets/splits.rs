@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 use std::sync::atomic::{AtomicI64, Ordering};
 
 use slo_accel::Isa;
-use slo_fuzz::pieces::Numbers;
+use crate::pieces::Numbers;
 use slo_picture::film::{Area, Film, FirstHitLayers, Merger, State, Subject};
 use slo_picture::output::{Recipe, read_state, write_state};
 use slo_render::frame::FrameScene;
@@ -74,7 +74,7 @@ impl Observer for Impatient {
 }
 
 pub(crate) fn run(data: &[u8]) {
-    slo_fuzz::prepare();
+    crate::prepare();
     LazyLock::force(&WHOLES);
     let mut numbers = Numbers::of(data);
     let whole = &WHOLES[numbers.below(WHOLES.len())];
@@ -82,7 +82,7 @@ pub(crate) fn run(data: &[u8]) {
     let mut shares = Vec::new();
     for region in regions(area(scene), &mut numbers) {
         let of = 1 + numbers.below(3) as u32;
-        let by_samples = numbers.byte() % 2 == 0;
+        let by_samples = numbers.byte().is_multiple_of(2);
         for number in 1..=of {
             let (plan, part) = (Plan::new(scene), Part { number, of });
             let samples = plan.clone().of_samples(part).filter(|_| by_samples);
@@ -126,7 +126,7 @@ fn regions(area: Area, numbers: &mut Numbers<'_>) -> Vec<Area> {
     let mut regions = vec![area];
     for _ in 0..numbers.below(4) {
         let area = regions.swap_remove(numbers.below(regions.len()));
-        if numbers.byte() % 2 == 0 && area.width() > 1 {
+        if numbers.byte().is_multiple_of(2) && area.width() > 1 {
             let x = area.x0 + 1 + numbers.below(area.width() as usize - 1) as u32;
             regions.extend([Area { x1: x, ..area }, Area { x0: x, ..area }]);
         } else if area.height() > 1 {
@@ -143,7 +143,7 @@ fn regions(area: Area, numbers: &mut Numbers<'_>) -> Vec<Area> {
 fn state(whole: &Whole, region: Area, plan: &Plan, numbers: &mut Numbers<'_>) -> State {
     let subject = subject(&whole.scene, plan, region);
     let mut film = subject.film().expect("a film");
-    let path = slo_fuzz::folder().join("state");
+    let path = crate::folder().join("state");
     loop {
         let observer = Impatient {
             steps: AtomicI64::new(1 + numbers.below(10) as i64),

@@ -1,6 +1,6 @@
 //! States, parts and checkpoints; their checksum is put right.
 
-use slo_fuzz::{file, within_limits};
+use crate::{file, within_limits};
 use slo_picture::film::Merger;
 use slo_picture::output;
 

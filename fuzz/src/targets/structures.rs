@@ -2,8 +2,8 @@
 
 use slo_accel::glam::Vec3;
 use slo_accel::{Accelerator, Coherence, Curved, Hits, Isa, Primitives, Rays, Scratch, Structure};
-use slo_fuzz::pieces::Numbers;
-use slo_fuzz::within_limits;
+use crate::pieces::Numbers;
+use crate::within_limits;
 
 pub(crate) fn run(data: &[u8]) {
     within_limits(data, |data| {

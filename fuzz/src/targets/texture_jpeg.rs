@@ -1,12 +1,12 @@
 //! A texture in a file of the format JPEG.
 
-use libfuzzer_sys::Corpus;
-use slo_fuzz::readers;
+use crate::Worth;
+use crate::readers;
 
-pub(crate) fn run(data: &[u8]) -> Corpus {
+pub(crate) fn run(data: &[u8]) -> Worth {
     if !data.starts_with(b"\xff\xd8\xff") {
-        return Corpus::Reject;
+        return Worth::Nothing;
     }
     readers::texture(data);
-    Corpus::Keep
+    Worth::Kept
 }

@@ -1,6 +1,6 @@
 //! What a browser sends to `slo-rt view`: addresses, headers, requests that change the text.
 
-use slo_fuzz::{pieces, within_limits};
+use crate::{pieces, within_limits};
 use slo_view::fuzzing;
 
 const SCENE: &str = include_str!("../../seeds/splits.txt");
