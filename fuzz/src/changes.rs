@@ -6,7 +6,7 @@ use rand::{Rng, RngExt};
 /// Longest piece that is taken out or put in.
 const LONGEST: usize = 64;
 
-/// Numbers that readers stumble over, in text and in bytes.
+/// Pieces that readers may stumble over, of text and of binary files.
 const ODD: [&[u8]; 12] = [
     b"0",
     b"-1",

@@ -1,4 +1,4 @@
-//! What a browser sends, without a server: for fuzzing.
+//! What a browser sends, and what the program makes of it, without a server: for fuzzing.
 
 use glam::DVec3;
 use hyper::Request;

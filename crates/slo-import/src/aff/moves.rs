@@ -41,6 +41,7 @@ impl Moves {
         let range = self.range(model);
         self.move_lights(&range, model);
         self.move_groups(&range, model);
+        place_still_lights(model);
         self.look(&range, model);
         if range.frames > 1 {
             model.fps = Some(range.fps);
@@ -113,7 +114,6 @@ impl Moves {
             let note = "how what comes and goes is hidden: it is a millionth of its size";
             model.notes.made_up.push(note.into());
         }
-        place_still_lights(model);
     }
 
     /// The camera. A block of its name says where it is, instead of the view.
